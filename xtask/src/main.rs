@@ -1,1 +1,97 @@
-fn main() {}
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `cargo xtask`: the one door for set-up, demo and tests. Results on standard output, progress on standard error.
+
+mod apt_source;
+mod cache;
+mod header;
+mod lammps;
+mod library;
+mod plugin;
+mod process;
+mod progress;
+mod setup;
+mod tarball;
+mod test;
+mod workspace;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand, ValueEnum};
+
+#[derive(Parser)]
+#[command(
+    name = "cargo xtask",
+    about = "Set-up, demo and tests of ellgran",
+    after_help = "\
+Environment:
+  ELLGRAN_CACHE            where engines are kept (else $XDG_CACHE_HOME/ellgran, else ~/.cache/ellgran)
+  ELLGRAN_LAMMPS_SOURCE    a LAMMPS source tree of your own
+  ELLGRAN_LAMMPS_VERSION   20260704 or 20250204, in place of the newest that can be had"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Print one absolute path, building what it names when missing
+    Path { what: Artefact },
+    /// Install the missing tools and headers, or say how
+    Setup,
+    /// Write include/ellgran.h from the Rust sources
+    Header {
+        /// Fail if the committed header differs, and write nothing
+        #[arg(long)]
+        check: bool,
+    },
+    /// Run every check and test
+    Test(test::Options),
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Artefact {
+    /// The LAMMPS binary
+    Lammps,
+    /// The plugin built for it
+    LammpsPlugin,
+    /// The top directory of its source tree
+    LammpsSource,
+    /// libellgran.a
+    Library,
+    /// The launcher of parallel runs
+    Mpirun,
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: Task) -> Result<()> {
+    match task {
+        Task::Path { what } => println!("{}", path(what)?.display()),
+        Task::Setup => setup::setup()?,
+        Task::Header { check } => header::header(check)?,
+        Task::Test(options) => test::test(&options)?,
+    }
+    Ok(())
+}
+
+fn path(what: Artefact) -> Result<PathBuf> {
+    setup::setup()?;
+    match what {
+        Artefact::Lammps => lammps::source()?.binary(),
+        Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
+        Artefact::LammpsSource => Ok(lammps::source()?.directory),
+        Artefact::Library => library::library(),
+        Artefact::Mpirun => setup::mpirun(),
+    }
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! include/ellgran.h: written from the Rust sources, and checked against them.
+
+use std::fs;
+
+use anyhow::{anyhow, bail, Context, Result};
+
+use crate::progress::say;
+use crate::workspace;
+
+pub fn header(check: bool) -> Result<()> {
+    let root = workspace::root();
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml"))
+        .map_err(|error| anyhow!("cbindgen.toml: {error}"))?;
+    let bindings = cbindgen::Builder::new()
+        .with_crate(&root)
+        .with_config(config)
+        .generate()
+        .context("cbindgen cannot read the crate")?;
+    let mut bytes = Vec::new();
+    bindings.write(&mut bytes);
+    let generated = String::from_utf8(bytes)?;
+    let path = root.join("include").join("ellgran.h");
+    if check {
+        let committed =
+            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        if let Some(difference) = first_difference(&committed, &generated) {
+            bail!("include/ellgran.h has drifted from src/c_api: run `cargo xtask header`\n{difference}");
+        }
+        say("include/ellgran.h is what cbindgen writes");
+    } else {
+        fs::create_dir_all(root.join("include"))?;
+        fs::write(&path, generated)?;
+        say(format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+fn first_difference(committed: &str, generated: &str) -> Option<String> {
+    let mut left = committed.lines();
+    let mut right = generated.lines();
+    for number in 1.. {
+        match (left.next(), right.next()) {
+            (None, None) => break,
+            (a, b) if a == b => {}
+            (a, b) => {
+                return Some(format!(
+                    "line {number}\n  committed: {}\n  generated: {}",
+                    a.unwrap_or("(end of file)"),
+                    b.unwrap_or("(end of file)")
+                ));
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_difference;
+
+    #[test]
+    fn the_first_differing_line_is_named() {
+        assert_eq!(first_difference("a\nb\n", "a\nb\n"), None);
+        let difference = first_difference("a\nb\n", "a\nc\n").unwrap();
+        assert!(difference.contains("line 2") && difference.contains("generated: c"));
+        assert!(first_difference("a\n", "a\nb\n")
+            .unwrap()
+            .contains("committed: (end of file)"));
+    }
+}

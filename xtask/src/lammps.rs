@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! LAMMPS: which release, its source tree, its binary.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{bail, Context, Result};
+
+use crate::process::{ninja, output_of, run_logged};
+use crate::progress::say;
+use crate::{apt_source, cache, setup, tarball};
+
+/// A release that the plugin supports, and the Debian suites that carry or will carry it.
+struct Release {
+    version: &'static str,
+    suites: &'static [&'static str],
+}
+
+/// Newest first: the first that can be had is taken.
+const RELEASES: &[Release] = &[
+    Release {
+        version: "20260704",
+        suites: &["sid", "forky"],
+    },
+    Release {
+        version: OLDEST,
+        suites: &["trixie"],
+    },
+];
+
+/// The oldest supported release, which a stable Debian keeps.
+pub const OLDEST: &str = "20250204";
+
+const VERSION_VARIABLE: &str = "ELLGRAN_LAMMPS_VERSION";
+const SOURCE_VARIABLE: &str = "ELLGRAN_LAMMPS_SOURCE";
+
+/// Contact styles, plugins, rigid bodies, and what their tests run; all else would only cost build time.
+const CONFIGURATION: &[&str] = &[
+    "-DCMAKE_BUILD_TYPE=Release",
+    "-DBUILD_MPI=on",
+    "-DBUILD_OMP=on",
+    "-DBUILD_SHARED_LIBS=off",
+    "-DBUILD_TOOLS=off",
+    "-DPKG_GRANULAR=on",
+    "-DPKG_ASPHERE=on",
+    "-DPKG_PLUGIN=on",
+    "-DPKG_RIGID=on",
+    "-DPKG_MOLECULE=on",
+    "-DPKG_OPENMP=on",
+    "-DWITH_JPEG=off",
+    "-DWITH_PNG=off",
+    "-DWITH_FFMPEG=off",
+    "-DWITH_CURL=off",
+    "-DDOWNLOAD_POTENTIALS=off",
+];
+
+/// A source tree, ours in the cache or the user's own.
+pub struct Source {
+    pub directory: PathBuf,
+    /// The release, or a name made of the path of a user's own tree: the key of everything built from it.
+    pub name: String,
+    own: bool,
+}
+
+/// The source tree that the environment asks for, else the newest that can be had.
+pub fn source() -> Result<Source> {
+    if let Some(directory) = std::env::var_os(SOURCE_VARIABLE).filter(|value| !value.is_empty()) {
+        return own_source(Path::new(&directory));
+    }
+    match std::env::var(VERSION_VARIABLE) {
+        Ok(version) if !version.is_empty() => source_of(&version),
+        _ => newest_source(),
+    }
+}
+
+/// The source tree of one release.
+pub fn source_of(version: &str) -> Result<Source> {
+    let Some(release) = RELEASES.iter().find(|release| release.version == version) else {
+        let known: Vec<&str> = RELEASES.iter().map(|release| release.version).collect();
+        bail!(
+            "{VERSION_VARIABLE}={version}: the supported releases are {}",
+            known.join(", ")
+        );
+    };
+    match fetched(release).map_err(explain)? {
+        Some(source) => Ok(source),
+        None => Err(explain(anyhow::anyhow!(
+            "Debian has no LAMMPS {version} in {} any more",
+            release.suites.join(", ")
+        ))),
+    }
+}
+
+fn newest_source() -> Result<Source> {
+    let mut reasons = Vec::new();
+    for release in RELEASES {
+        match fetched(release) {
+            Ok(Some(source)) => return Ok(source),
+            Ok(None) => reasons.push(format!(
+                "no LAMMPS {} in {}",
+                release.version,
+                release.suites.join(", ")
+            )),
+            Err(error) => reasons.push(format!("{error:#}")),
+        }
+        say(reasons.last().map(String::as_str).unwrap_or_default());
+    }
+    Err(explain(anyhow::anyhow!(reasons.join("; "))))
+}
+
+fn explain(error: anyhow::Error) -> anyhow::Error {
+    error.context(format!(
+        "the LAMMPS source cannot be had through apt; name a source tree of your own (4 Feb 2025 to 4 Jul 2026) with {SOURCE_VARIABLE}=/path/to/lammps"
+    ))
+}
+
+fn own_source(directory: &Path) -> Result<Source> {
+    let directory = directory
+        .canonicalize()
+        .with_context(|| format!("{SOURCE_VARIABLE}={}", directory.display()))?;
+    for file in ["src/version.h", "cmake/CMakeLists.txt"] {
+        if !directory.join(file).is_file() {
+            bail!(
+                "{SOURCE_VARIABLE}={}: no {file} there; the top directory of a LAMMPS source tree is wanted",
+                directory.display()
+            );
+        }
+    }
+    let name = format!("own-{}", cache::key(&[&directory.to_string_lossy()]));
+    Ok(Source {
+        directory,
+        name,
+        own: true,
+    })
+}
+
+/// The unpacked release in the cache, fetched when missing; `None` when no suite has it.
+fn fetched(release: &Release) -> Result<Option<Source>> {
+    let name = release.version.to_string();
+    let _lock = cache::lock(&format!("lammps-source-{name}"))?;
+    let home = cache::directory()?.join(format!("lammps-{name}"));
+    let directory = home.join("source");
+    if !directory.is_dir() {
+        cache::need_space(&cache::directory()?, 1500)?;
+        let mut failure = None;
+        let found = release.suites.iter().find_map(|suite| {
+            match apt_source::find("lammps", release.version, suite) {
+                Ok(found) => found,
+                // A suite may not exist yet: that counts only if no other has the release.
+                Err(error) => {
+                    failure = Some(error);
+                    None
+                }
+            }
+        });
+        let Some(package) = found else {
+            return failure.map_or(Ok(None), Err);
+        };
+        let download = tempfile::Builder::new()
+            .prefix("download-")
+            .tempdir_in(cache::directory()?)?;
+        let tarball = package.download(download.path())?;
+        tarball::unpack(
+            &tarball,
+            &directory,
+            &[
+                "doc",
+                "examples",
+                "bench",
+                "potentials",
+                "tools",
+                "unittest",
+            ],
+        )?;
+    }
+    Ok(Some(Source {
+        directory,
+        name,
+        own: false,
+    }))
+}
+
+impl Source {
+    /// The directory of the headers.
+    pub fn src(&self) -> PathBuf {
+        self.directory.join("src")
+    }
+
+    /// The release as LAMMPS spells it, `4 Jul 2026`.
+    pub fn spelled(&self) -> Result<String> {
+        let path = self.src().join("version.h");
+        let text =
+            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        version_of(&text).with_context(|| format!("no LAMMPS_VERSION in {}", path.display()))
+    }
+
+    /// The binary, built when missing.
+    pub fn binary(&self) -> Result<PathBuf> {
+        setup::setup()?;
+        let spelled = self.spelled()?;
+        // The MPI wrapper's own line: a binary linked with one MPI does not run under another's launcher.
+        let mpi = output_of(Command::new("mpicxx").arg("-show"))?;
+        let mut parts = CONFIGURATION.to_vec();
+        parts.push(&mpi);
+        let build = cache::directory()?
+            .join(format!("lammps-{}", self.name))
+            .join(format!("build-{}", cache::key(&parts)));
+        let binary = build.join("lmp");
+        let _lock = cache::lock(&format!("lammps-build-{}", self.name))?;
+        let stamp = cache::stamp(&build);
+        // A user's own tree may have changed since: ninja looks.
+        if stamp.is_file() && binary.is_file() && !self.own {
+            say(format!("LAMMPS {spelled} is in the cache"));
+            return Ok(binary);
+        }
+        fs::create_dir_all(&build)?;
+        cache::need_space(&build, 1000)?;
+        say(format!(
+            "Building LAMMPS {spelled} in {} (once; 4 to 5 minutes on two cores)",
+            build.display()
+        ));
+        let mut configure = Command::new("cmake");
+        configure
+            .arg("-S")
+            .arg(self.directory.join("cmake"))
+            .arg("-B")
+            .arg(&build)
+            .args(["-G", "Ninja"])
+            .args(CONFIGURATION);
+        run_logged(&mut configure, &build.join("configure.log"), |_| {})
+            .context("LAMMPS cannot be configured")?;
+        ninja(&build, &["lmp"], &format!("Building LAMMPS {spelled}"))
+            .context("LAMMPS cannot be built")?;
+        fs::write(&stamp, &spelled)?;
+        Ok(binary)
+    }
+}
+
+fn version_of(header: &str) -> Option<String> {
+    let rest = header
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("#define LAMMPS_VERSION"))?;
+    Some(rest.trim().trim_matches('"').to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::version_of;
+
+    #[test]
+    fn the_release_is_read_from_its_header() {
+        assert_eq!(
+            version_of("#define LAMMPS_VERSION \"4 Jul 2026\"\n").as_deref(),
+            Some("4 Jul 2026")
+        );
+        assert_eq!(version_of("#pragma once\n"), None);
+    }
+}

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which tools and headers are missing on this machine, and the one command that installs them.
+
+use std::process::{Command, Stdio};
+
+use anyhow::{bail, Context, Result};
+
+use crate::process::{find_program, output_of, run_visible};
+use crate::progress::say;
+
+/// A tool or header, and the Debian package that brings it.
+struct Need {
+    what: &'static str,
+    package: &'static str,
+    present: fn() -> bool,
+}
+
+const NEEDS: &[Need] = &[
+    Need {
+        what: "g++",
+        package: "g++",
+        present: || find_program("g++").is_some(),
+    },
+    Need {
+        what: "make",
+        package: "make",
+        present: || find_program("make").is_some(),
+    },
+    Need {
+        what: "cmake",
+        package: "cmake",
+        present: || find_program("cmake").is_some(),
+    },
+    Need {
+        what: "ninja",
+        package: "ninja-build",
+        present: || find_program("ninja").is_some(),
+    },
+    Need {
+        what: "xz",
+        package: "xz-utils",
+        present: || find_program("xz").is_some(),
+    },
+    Need {
+        what: "pkg-config",
+        package: "pkg-config",
+        present: || find_program("pkg-config").is_some(),
+    },
+    Need {
+        what: "mpicc and mpi.h",
+        package: "libmpich-dev",
+        present: mpi_compiles,
+    },
+    Need {
+        what: "mpirun",
+        package: "mpich",
+        present: || find_program("mpirun").is_some(),
+    },
+];
+
+/// Installs what is missing as root; otherwise fails with the command for the user to run.
+pub fn setup() -> Result<()> {
+    let missing: Vec<&Need> = NEEDS.iter().filter(|need| !(need.present)()).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = missing.iter().map(|need| need.what).collect();
+    let mut packages: Vec<&str> = missing.iter().map(|need| need.package).collect();
+    if is_open_mpi() {
+        // A second MPI beside the one that is there would mix compilers of one with the launcher of the other.
+        for package in &mut packages {
+            *package = match *package {
+                "libmpich-dev" => "libopenmpi-dev",
+                "mpich" => "openmpi-bin",
+                other => other,
+            };
+        }
+    }
+    let names = names.join(", ");
+    let packages = packages.join(" ");
+    if find_program("apt-get").is_none() {
+        bail!("missing: {names}. There is no apt-get here: install them with this system's own packages (in Debian they are in: {packages})");
+    }
+    if !is_root() {
+        bail!("missing: {names}. Run\n  sudo apt-get update && sudo apt-get install -y --no-install-recommends {packages}\nand start again");
+    }
+    say(format!("missing: {names}; installing {packages}"));
+    run_visible(apt_get().arg("update"))?;
+    run_visible(
+        apt_get()
+            .args(["install", "-y", "--no-install-recommends"])
+            .args(packages.split(' ')),
+    )?;
+    match NEEDS.iter().find(|need| !(need.present)()) {
+        None => Ok(()),
+        Some(need) => bail!(
+            "{} is still missing after {} was installed",
+            need.what,
+            need.package
+        ),
+    }
+}
+
+/// The launcher of parallel runs.
+pub fn mpirun() -> Result<std::path::PathBuf> {
+    find_program("mpirun").context("mpirun is not on PATH")
+}
+
+/// Open MPI refuses to run as root, and more ranks than cores, unless told otherwise; others ignore these.
+pub fn mpirun_environment() -> [(&'static str, &'static str); 4] {
+    [
+        ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
+        ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
+        ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
+        ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
+    ]
+}
+
+fn apt_get() -> Command {
+    let mut command = Command::new("apt-get");
+    command.env("DEBIAN_FRONTEND", "noninteractive");
+    command
+}
+
+fn is_root() -> bool {
+    output_of(Command::new("id").arg("-u")).is_ok_and(|text| text.trim() == "0")
+}
+
+/// mpicc may be there without its headers, so something is compiled.
+fn mpi_compiles() -> bool {
+    find_program("mpicxx").is_some()
+        && Command::new("mpicc")
+            .args(["-E", "-include", "mpi.h", "-x", "c", "/dev/null"])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+}
+
+fn is_open_mpi() -> bool {
+    // `--showme` is Open MPI's wrapper's own word; mpich's passes it on to the compiler, which refuses it.
+    output_of(Command::new("mpicc").arg("--showme:version")).is_ok()
+        || output_of(Command::new("mpirun").arg("--version"))
+            .is_ok_and(|text| text.contains("Open MPI") || text.contains("OpenRTE"))
+}

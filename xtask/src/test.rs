@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Everything that must hold before a change lands, in order, the first failure being the last word.
+
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use anyhow::{anyhow, Result};
+
+use crate::process::run_visible;
+use crate::progress::{human_time, say};
+use crate::workspace::{cargo, root};
+use crate::{header, lammps, plugin, setup};
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Leave out what needs an engine
+    #[arg(long)]
+    quick: bool,
+    /// Run only the tests whose name contains this, and none of the other checks
+    #[arg(long)]
+    filter: Option<String>,
+}
+
+/// Names and times of the steps so far.
+struct Steps {
+    done: Vec<(&'static str, Duration)>,
+}
+
+impl Steps {
+    fn run<T>(&mut self, name: &'static str, step: impl FnOnce() -> Result<T>) -> Result<T> {
+        say(format!("== {name}"));
+        let started = Instant::now();
+        let result = step();
+        self.done.push((name, started.elapsed()));
+        if result.is_err() {
+            self.summary();
+            say(format!("FAILED: {name}"));
+        }
+        result
+    }
+
+    fn summary(&self) {
+        say("== summary");
+        for (name, time) in &self.done {
+            say(format!("{:>14}  {name}", human_time(*time)));
+        }
+    }
+}
+
+pub fn test(options: &Options) -> Result<()> {
+    let mut steps = Steps { done: Vec::new() };
+    let steps = &mut steps;
+    let filter: Vec<&str> = options.filter.as_deref().into_iter().collect();
+    steps.run("tools and headers", setup::setup)?;
+    if options.filter.is_none() {
+        steps.run("format", || {
+            run_visible(cargo().args(["fmt", "--all", "--check"]))
+        })?;
+        steps.run("lints", || {
+            run_visible(cargo().args([
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--all-features",
+                "--",
+                "-Dwarnings",
+            ]))
+        })?;
+        steps.run("documentation", || {
+            run_visible(
+                cargo()
+                    .args(["doc", "--workspace", "--no-deps", "--all-features"])
+                    .env("RUSTDOCFLAGS", "-Dwarnings"),
+            )
+        })?;
+        steps.run("C header", || header::header(true))?;
+    }
+    steps.run("core, C and CMake consumers", || {
+        run_visible(cargo().args(["test", "--workspace"]).args(&filter))
+    })?;
+    if !options.quick {
+        engines(steps, &filter)?;
+    }
+    steps.summary();
+    say("all steps passed");
+    Ok(())
+}
+
+fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
+    let newest = steps.run("LAMMPS", || {
+        let source = lammps::source()?;
+        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+    })?;
+    let oldest = steps.run("the oldest supported LAMMPS", || {
+        let source = lammps::source_of(lammps::OLDEST)?;
+        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+    })?;
+    steps.run("through LAMMPS", || {
+        run_visible(
+            with_engine(engine_tests("lammps"), &newest)?
+                .args(["--"])
+                .args(filter),
+        )
+    })?;
+    if oldest.2 != newest.2 {
+        steps.run("through the oldest supported LAMMPS", || {
+            run_visible(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
+        })?;
+    }
+    Ok(())
+}
+
+fn engine_tests(name: &str) -> Command {
+    let mut command = cargo();
+    command.args(["test", "--features", "engines", "--test", name]);
+    command
+}
+
+type Engine = (std::path::PathBuf, std::path::PathBuf, String);
+
+fn with_engine(mut command: Command, (binary, plugin, _): &Engine) -> Result<Command> {
+    command
+        .env("ELLGRAN_TEST_LAMMPS", binary)
+        .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
+        .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
+        .envs(setup::mpirun_environment());
+    if !root().join("tests").join("lammps").is_dir() {
+        return Err(anyhow!("tests/lammps is missing"));
+    }
+    Ok(command)
+}
