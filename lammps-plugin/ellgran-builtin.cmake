@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+#
+# Builds the styles into LAMMPS itself, in place of a plugin. LAMMPS' sources stay as they are:
+#
+#   cmake -S <lammps>/cmake -B build -DCMAKE_PROJECT_lammps_INCLUDE=<here>/ellgran-builtin.cmake \
+#         -DELLGRAN_LIBRARY=<dir>/libellgran.a -DELLGRAN_INCLUDE_DIR=<dir with ellgran.h>
+
+if(CMAKE_VERSION VERSION_LESS 3.19)
+  message(FATAL_ERROR "ellgran-builtin.cmake needs CMake 3.19 or later")
+endif()
+set(ELLGRAN_LIBRARY "" CACHE FILEPATH "libellgran.a")
+set(ELLGRAN_INCLUDE_DIR "" CACHE PATH "directory with ellgran.h")
+if(NOT EXISTS "${ELLGRAN_LIBRARY}" OR NOT EXISTS "${ELLGRAN_INCLUDE_DIR}/ellgran.h")
+  message(FATAL_ERROR "Set ELLGRAN_LIBRARY to libellgran.a and ELLGRAN_INCLUDE_DIR to the directory "
+                      "with ellgran.h (now '${ELLGRAN_LIBRARY}' and '${ELLGRAN_INCLUDE_DIR}')")
+endif()
+set(ELLGRAN_STYLES_DIR "${CMAKE_CURRENT_LIST_DIR}")
+
+# LAMMPS collects the headers of its styles in these two properties before it writes style_*.h.
+set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.h")
+set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.h")
+
+# The target `lammps` exists only when LAMMPS' own CMakeLists.txt has been read.
+function(ellgran_add_to_lammps)
+  target_sources(lammps PRIVATE
+    "${ELLGRAN_STYLES_DIR}/ellgran_atoms.cpp"
+    "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.cpp"
+    "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.cpp")
+  target_include_directories(lammps PRIVATE "${ELLGRAN_STYLES_DIR}" "${ELLGRAN_INCLUDE_DIR}")
+  target_link_libraries(lammps PRIVATE "${ELLGRAN_LIBRARY}" pthread dl m)
+endfunction()
+cmake_language(DEFER DIRECTORY "${CMAKE_SOURCE_DIR}" CALL ellgran_add_to_lammps)

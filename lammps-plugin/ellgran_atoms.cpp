@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include "ellgran_atoms.h"
+
+#include "atom.h"
+#include "atom_vec_ellipsoid.h"
+#include "atom_vec_hybrid.h"
+#include "error.h"
+#include "math_extra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// Since 30 Mar 2026 LAMMPS keeps superellipsoids in an array of their own, with wider entries.
+// The templates let one source serve the releases before and after.
+
+template <class Vec, class = void> struct HasSuper : std::false_type {};
+template <class Vec>
+struct HasSuper<Vec, std::void_t<decltype(std::declval<Vec &>().bonus_super)>> : std::true_type {};
+
+template <class AtomClass, class Vec> bool uses_super(const AtomClass *atom, const Vec *)
+{
+  if constexpr (HasSuper<Vec>::value)
+    return atom->superellipsoid_flag != 0;
+  else
+    return false;
+}
+
+template <class Entry> const double *exponents_of(const Entry *entry)
+{
+  return entry->block;
+}
+
+template <class Vec>
+void super_arrays(const Vec *vec, const double *&semi_axes, const double *&quaternions,
+                  const double *&exponents, std::size_t &stride)
+{
+  if constexpr (HasSuper<Vec>::value) {
+    const auto *entries = vec->bonus_super;
+    if (entries) {
+      semi_axes = entries->shape;
+      quaternions = entries->quat;
+      exponents = exponents_of(entries);
+    }
+    stride = sizeof(*entries);
+  }
+}
+
+const double *entry(const double *first, std::size_t stride, int index)
+{
+  return reinterpret_cast<const double *>(reinterpret_cast<const char *>(first) + stride * index);
+}
+
+// Not Atom::style_match(): its signature differs between releases, and a plugin for another release
+// must load, so that it can say what is wrong.
+const AtomVecEllipsoid *ellipsoid_style(AtomVec *avec)
+{
+  if (const auto *vec = dynamic_cast<AtomVecEllipsoid *>(avec)) return vec;
+  if (const auto *hybrid = dynamic_cast<AtomVecHybrid *>(avec))
+    for (int k = 0; k < hybrid->nstyles; k++)
+      if (const auto *vec = dynamic_cast<AtomVecEllipsoid *>(hybrid->styles[k])) return vec;
+  return nullptr;
+}
+
+// Pointer to the first value of a per-atom array; LAMMPS may not have allocated it yet.
+double *rows(double **array)
+{
+  return array ? array[0] : nullptr;
+}
+
+}    // namespace
+
+EllgranAtoms::EllgranAtoms(LAMMPS *lmp, const std::string &caller_name) :
+    Pointers(lmp), caller(caller_name)
+{
+}
+
+bool EllgranAtoms::has_enclosing_radius() const
+{
+  const auto *vec = ellipsoid_style(atom->avec);
+  return vec && uses_super(atom, vec) && atom->radius_flag;
+}
+
+EllgranAtoms::Shapes EllgranAtoms::shapes() const
+{
+  Shapes found{nullptr, nullptr, nullptr, sizeof(AtomVecEllipsoid::Bonus)};
+  const auto *vec = ellipsoid_style(atom->avec);
+  if (!vec) return found;
+  if (uses_super(atom, vec)) {
+    super_arrays(vec, found.semi_axes, found.quaternions, found.exponents, found.stride);
+  } else if (vec->bonus) {
+    found.semi_axes = vec->bonus->shape;
+    found.quaternions = vec->bonus->quat;
+  }
+  return found;
+}
+
+const double *EllgranAtoms::semi_axes(const Shapes &found, int i) const
+{
+  const int index = atom->ellipsoid[i];
+  return (index < 0) ? nullptr : entry(found.semi_axes, found.stride, index);
+}
+
+void EllgranAtoms::require_atom_style() const
+{
+  const char *in_use = atom->atom_style ? atom->atom_style : "none";
+  if (!atom->ellipsoid_flag || !ellipsoid_style(atom->avec))
+    error->all(FLERR,
+               "{} requires ellipsoids, but the atom style is '{}': "
+               "use 'atom_style ellipsoid' and give every atom a shape",
+               caller, in_use);
+  if (!atom->angmom_flag || !atom->torque_flag || !atom->rmass_flag)
+    error->all(FLERR,
+               "{} requires per-atom angular momentum, torque and mass, which atom style '{}' does "
+               "not have: use 'atom_style ellipsoid'",
+               caller, in_use);
+  if (!atom->tag_enable)
+    error->all(FLERR, "{} requires atom IDs: remove 'atom_modify id no'", caller);
+}
+
+void EllgranAtoms::require_shapes(int group_bit) const
+{
+  const Shapes found = shapes();
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & group_bit)) continue;
+    const auto id = static_cast<long long>(atom->tag[i]);
+    const int type = atom->type[i];
+    const double *axes = semi_axes(found, i);
+    if (!axes)
+      error->one(FLERR,
+                 "{}: particle {} of type {} is not an ellipsoid: give it a shape in the Ellipsoids "
+                 "section of the data file or with 'set type {} shape Dx Dy Dz'",
+                 caller, id, type, type);
+    for (int k = 0; k < 3; k++)
+      if (!std::isfinite(axes[k]) || axes[k] <= 0.0)
+        error->one(FLERR,
+                   "{}: particle {} of type {} has semi-axes {} {} {}: each must be a finite "
+                   "positive length",
+                   caller, id, type, axes[0], axes[1], axes[2]);
+    if (found.exponents) {
+      const double *block = entry(found.exponents, found.stride, atom->ellipsoid[i]);
+      if (block[0] != 2.0 || block[1] != 2.0)
+        error->one(FLERR,
+                   "{}: particle {} of type {} is a superellipsoid with block {} {}: only "
+                   "ellipsoids, block 2 2, are supported",
+                   caller, id, type, block[0], block[1]);
+    }
+    if (!std::isfinite(atom->rmass[i]) || atom->rmass[i] <= 0.0)
+      error->one(FLERR, "{}: particle {} of type {} has mass {}: it must be finite and positive",
+                 caller, id, type, atom->rmass[i]);
+  }
+}
+
+std::vector<double> EllgranAtoms::largest_semi_axes() const
+{
+  std::vector<double> largest(atom->ntypes + 1, 0.0);
+  const Shapes found = shapes();
+  for (int i = 0; i < atom->nlocal; i++)
+    if (const double *axes = semi_axes(found, i)) {
+      double &of_type = largest[atom->type[i]];
+      of_type = std::max({of_type, axes[0], axes[1], axes[2]});
+    }
+  return largest;
+}
+
+bool EllgranAtoms::all_spheres() const
+{
+  const Shapes found = shapes();
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *axes = semi_axes(found, i);
+    if (!axes || axes[0] != axes[1] || axes[0] != axes[2]) return false;
+  }
+  return true;
+}
+
+EllgranParticles EllgranAtoms::view() const
+{
+  const Shapes found = shapes();
+  EllgranParticles particles{};
+  particles.owned_count = atom->nlocal;
+  particles.count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
+  particles.positions = rows(atom->x);
+  particles.velocities = rows(atom->v);
+  particles.angular_momenta = rows(atom->angmom);
+  particles.masses = atom->rmass;
+  particles.types = atom->type;
+  particles.shape_indices = atom->ellipsoid;
+  particles.semi_axes = found.semi_axes;
+  particles.semi_axes_stride = found.stride;
+  particles.quaternions = found.quaternions;
+  particles.quaternions_stride = found.stride;
+  particles.identifiers = atom->tag;
+  particles.identifier_bytes = sizeof(tagint);
+  particles.forces = rows(atom->f);
+  particles.torques = rows(atom->torque);
+  return particles;
+}
+
+EllgranBody EllgranAtoms::body(int i, double contact_mass) const
+{
+  const Shapes found = shapes();
+  const double *axes = semi_axes(found, i);
+  if (!axes)
+    error->one(FLERR, "{}: particle {} of type {} is not an ellipsoid", caller,
+               static_cast<long long>(atom->tag[i]), atom->type[i]);
+  const double *quaternion = entry(found.quaternions, found.stride, atom->ellipsoid[i]);
+
+  EllgranBody body{};
+  for (int k = 0; k < 3; k++) {
+    body.position[k] = atom->x[i][k];
+    body.velocity[k] = atom->v[i][k];
+    body.semi_axes[k] = axes[k];
+  }
+  for (int k = 0; k < 4; k++) body.quaternion[k] = quaternion[k];
+  body.mass = contact_mass;
+  body.type = atom->type[i];
+  body.identifier = atom->tag[i];
+
+  // LAMMPS keeps angular momentum; the principal moments are those of a solid ellipsoid, as in
+  // fix nve/asphere.
+  const double fifth = 0.2 * atom->rmass[i];
+  double moments[3] = {fifth * (axes[1] * axes[1] + axes[2] * axes[2]),
+                       fifth * (axes[0] * axes[0] + axes[2] * axes[2]),
+                       fifth * (axes[0] * axes[0] + axes[1] * axes[1])};
+  double to_world[4] = {quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
+  MathExtra::mq_to_omega(atom->angmom[i], to_world, moments, body.angular_velocity);
+  return body;
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// Which of LAMMPS' per-atom arrays hold the ellipsoids, and are they fit to be used?
+/// Shared by the pair style and the wall fix. Passes pointers; computes no physics.
+
+#ifndef ELLGRAN_ATOMS_H
+#define ELLGRAN_ATOMS_H
+
+#include "lmptype.h"
+#include "pointers.h"
+
+#include "ellgran.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class EllgranAtoms : protected Pointers {
+ public:
+  /// `caller` opens every message, for example "Pair gran/ellipsoid".
+  EllgranAtoms(class LAMMPS *lmp, const std::string &caller);
+
+  /// Stops with a message that names what to type if the atom style does not carry ellipsoids.
+  void require_atom_style() const;
+
+  /// Stops with a message that names the particle if an owned atom of the group is not an
+  /// ellipsoid with finite positive semi-axes and, where LAMMPS knows exponents, block 2 2.
+  void require_shapes(int group_bit) const;
+
+  /// True for `atom_style ellipsoid superellipsoid`: the only one whose `radius` encloses the shape.
+  [[nodiscard]] bool has_enclosing_radius() const;
+
+  /// Largest semi-axis of the owned atoms of each type; index 0 is not used.
+  [[nodiscard]] std::vector<double> largest_semi_axes() const;
+
+  /// True if the three semi-axes of every owned atom are equal.
+  [[nodiscard]] bool all_spheres() const;
+
+  /// Pointers to the arrays as they are now (they move when LAMMPS migrates atoms).
+  [[nodiscard]] EllgranParticles view() const;
+
+  /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
+  /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom).
+  [[nodiscard]] EllgranBody body(int i, double contact_mass) const;
+
+ private:
+  struct Shapes {
+    const double *semi_axes;
+    const double *quaternions;
+    const double *exponents;    // nullptr where LAMMPS knows ellipsoids only
+    std::size_t stride;         // bytes from one entry to the next
+  };
+
+  std::string caller;
+
+  [[nodiscard]] Shapes shapes() const;
+  [[nodiscard]] const double *semi_axes(const Shapes &shapes, int i) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

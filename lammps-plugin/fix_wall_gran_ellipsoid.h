@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// `fix wall/gran/ellipsoid`: plane walls for ellipsoids, with the contact laws of ellgran.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_WALL_GRAN_ELLIPSOID_H
+#define LMP_FIX_WALL_GRAN_ELLIPSOID_H
+
+#include "fix.h"
+
+#include "ellgran_atoms.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixWallGranEllipsoid : public Fix {
+ public:
+  FixWallGranEllipsoid(class LAMMPS *, int, char **);
+  ~FixWallGranEllipsoid() override;
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void min_setup(int) override;
+  void post_force(int) override;
+  void min_post_force(int) override;
+
+  double compute_scalar() override;
+  double compute_vector(int) override;
+
+  double memory_usage() override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+ private:
+  enum class Motion { NONE, WIGGLE, SHEAR };
+
+  EllgranAtoms atoms;
+  EllgranLaws *laws;
+  EllgranWorkspace *workspace;
+
+  // The planes: dimension 0, 1, 2 of the normal; one or two of them.
+  struct Wall {
+    double position;
+    double out;    // +1: the grains are above, -1: below
+    int slot;      // 0: lo, 1: hi, in the output
+  };
+  int dimension;
+  std::vector<Wall> walls;
+  Motion motion;
+  int motion_axis;
+  double amplitude, period, shear_velocity;
+  bigint time_origin;
+
+  // History of the contact of each atom with each wall, one row per atom
+  int history_length;
+  int **touching;
+  double **history;
+
+  // Masses of the rigid bodies that atoms are in
+  class Fix *fix_rigid;
+  std::vector<double> contact_masses;
+
+  // This rank's share of the output, and the sums over ranks once somebody asks
+  enum {
+    FORCE_LO,
+    FORCE_HI = FORCE_LO + 3,
+    NORMAL_ELASTIC = FORCE_HI + 3,
+    TANGENTIAL_ELASTIC,
+    DISSIPATED,
+    TOUCHING,
+    NUMBER_OF_OUTPUTS
+  };
+  double accumulated_work;
+  double output_here[NUMBER_OF_OUTPUTS], output_all[NUMBER_OF_OUTPUTS];
+  bool summed;
+
+  int parse_law(int narg, char **arg);
+  int parse_wall(int iarg, int narg, char **arg);
+  int parse_motion(int iarg, int narg, char **arg);
+  int axis_word(const char *keyword, const char *word) const;
+  [[nodiscard]] std::vector<EllgranPlane> planes_now() const;
+  void find_contact_masses();
+  void sum_output();
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

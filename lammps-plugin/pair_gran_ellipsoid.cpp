@@ -1,0 +1,650 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include "pair_gran_ellipsoid.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "compute.h"
+#include "error.h"
+#include "fix.h"
+#include "fix_neigh_history.h"
+#include "force.h"
+#include "memory.h"
+#include "modify.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "output.h"
+#include "update.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+const char CALLER[] = "Pair gran/ellipsoid";
+
+// Extra values of `compute pair`, in the order of its vector.
+enum { NORMAL_ELASTIC, TANGENTIAL_ELASTIC, DISSIPATED, TOUCHING, NUMBER_OF_EXTRA };
+
+// Extra values of `compute pair/local`: p1 is the first. Keep README.md in step.
+enum {
+  P_NORMAL_FORCE,
+  P_TANGENTIAL_FORCE,                             // 3 components, on the first atom
+  P_TANGENTIAL_MAGNITUDE = P_TANGENTIAL_FORCE + 3,
+  P_CONTACT_POINT,                                // 3
+  P_NORMAL = P_CONTACT_POINT + 3,                 // 3, from the first atom to the second
+  P_PENETRATION = P_NORMAL + 3,
+  P_CURVATURE_A,
+  P_CURVATURE_B,
+  P_MAJOR_SEMI_AXIS,
+  P_MINOR_SEMI_AXIS,
+  P_DISPLACEMENT,                                 // 3
+  P_DISPLACEMENT_MAGNITUDE = P_DISPLACEMENT + 3,
+  P_FORCE,                                        // 3, on the first atom
+  P_TORQUE_FIRST = P_FORCE + 3,                   // 3
+  P_TORQUE_SECOND = P_TORQUE_FIRST + 3,           // 3
+  P_NORMAL_ENERGY = P_TORQUE_SECOND + 3,
+  P_TANGENTIAL_ENERGY,
+  P_VISCOUS_POWER,
+  P_TANGENTIAL_POWER,
+  NUMBER_OF_SINGLE
+};
+
+// Opens the restart data; a number so unlikely that other data is not taken for it.
+constexpr int RESTART_MARK = 0x4c4c4547;
+
+std::string history_fix_id(int instance)
+{
+  return fmt::format("NEIGH_HISTORY_ELLGRAN_{}", instance);
+}
+
+// The fix is called `id` while it keeps the place, and `id`_LENGTH when it keeps history.
+bool history_fix_exists(Modify *modify, const std::string &id)
+{
+  for (const auto *fix : modify->get_fix_list())
+    if (id == fix->id || utils::strmatch(fix->id, "^" + id + "_")) return true;
+  return false;
+}
+
+double length(const double *v)
+{
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+}    // namespace
+
+PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
+    Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
+    history_length(0), fix_history(nullptr), neighbour_previous(0), fix_rigid(nullptr),
+    freeze_group_bit(0), contact_mass_differs(false), accumulated_work(0.0), work_wanted(false),
+    fallbacks(0), fallbacks_told(false)
+{
+  single_enable = 1;
+  single_extra = NUMBER_OF_SINGLE;
+  svector = new double[single_extra];
+  std::fill_n(svector, single_extra, 0.0);
+
+  nextra = NUMBER_OF_EXTRA;
+  pvector = new double[nextra];
+  std::fill_n(pvector, nextra, 0.0);
+
+  restartinfo = 1;
+  no_virial_fdotr_compute = 1;
+  centroidstressflag = CENTROID_NOTAVAIL;
+  finitecutflag = 1;
+  comm_forward = 1;    // masses of rigid bodies
+  nondefault_history_transfer = 1;
+
+  if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
+    error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
+               CALLER, static_cast<int>(ELLGRAN_ABI_VERSION),
+               static_cast<int>(ellgran_abi_version()));
+  if (ellgran_workspace_new(&workspace) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+
+  // The history fix must stand where the pair style was declared in the list of fixes, although
+  // its size is known only when the run starts: a placeholder keeps the position. The number tells
+  // instances under pair_style hybrid apart and is the same again after read_restart.
+  int instance = 1;
+  while (history_fix_exists(modify, history_fix_id(instance))) instance++;
+  id_placeholder = history_fix_id(instance);
+  id_history = id_placeholder;
+  modify->add_fix(id_placeholder + " all DUMMY");
+}
+
+PairGranEllipsoid::~PairGranEllipsoid()
+{
+  delete[] svector;
+  delete[] pvector;
+  svector = pvector = nullptr;
+
+  if (modify->get_fix_by_id(id_history)) modify->delete_fix(id_history);
+
+  ellgran_laws_free(laws);
+  ellgran_workspace_free(workspace);
+
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+  }
+}
+
+void PairGranEllipsoid::compute(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  if (neighbor->ago == 0) {
+    require_allowed_sizes();
+    refresh_body_masses();
+  }
+  refresh_contact_masses();
+  if (update->ntimestep == output->next_restart) gather_work();
+  std::fill_n(pvector, nextra, 0.0);
+  if (atom->nlocal + atom->nghost == 0) return;
+
+  EllgranParticles particles = atoms.view();
+  if (contact_mass_differs) particles.contact_masses = contact_masses.data();
+
+  EllgranNeighbourList neighbours{};
+  neighbours.count = list->inum;
+  neighbours.central = list->ilist;
+  neighbours.neighbour_counts = list->numneigh;
+  neighbours.neighbours = list->firstneigh;
+  neighbours.index_mask = NEIGHMASK;
+  neighbours.special_shift = SBBITS;
+  neighbours.special_factors = (atom->molecular == Atom::ATOMIC) ? nullptr : force->special_lj;
+  neighbours.touching = fix_history ? fix_history->firstflag : nullptr;
+  neighbours.history = fix_history ? fix_history->firstvalue : nullptr;
+  neighbours.newton = force->newton_pair;
+
+  // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
+  // not pass then. Nor does it in a minimisation.
+  EllgranStep step{};
+  step.time_step = update->dt;
+  step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
+
+  const bool tally = evflag || work_wanted;
+  EllgranTallies tallies{};
+  tallies.energy = eflag_global ? 1 : 0;
+  tallies.virial = vflag_global ? 1 : 0;
+  tallies.particle_energies = eflag_atom ? eatom : nullptr;
+  tallies.particle_virials = vflag_atom ? vatom[0] : nullptr;
+  tallies.accumulated_work = accumulated_work;
+
+  if (ellgran_compute_pairs(laws, workspace, &particles, &neighbours, &step,
+                            tally ? &tallies : nullptr) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  if (!tally) return;
+
+  accumulated_work = tallies.accumulated_work;
+  fallbacks += tallies.fallback_count;
+  if (eflag_global) {
+    eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
+    pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
+    pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
+    pvector[DISSIPATED] = tallies.dissipated_energy;
+    pvector[TOUCHING] = static_cast<double>(tallies.touching_count);
+  }
+  if (vflag_global)
+    for (int k = 0; k < 6; k++) virial[k] += tallies.virial_tensor[k];
+}
+
+void PairGranEllipsoid::allocate()
+{
+  allocated = 1;
+  const int n = atom->ntypes + 1;
+  memory->create(setflag, n, n, "pair:setflag");
+  memory->create(cutsq, n, n, "pair:cutsq");
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      setflag[i][j] = 0;
+      cutsq[i][j] = 0.0;
+    }
+  EllgranLawParameters unset;
+  ellgran_law_parameters_default(&unset);
+  parameters.assign(static_cast<std::size_t>(atom->ntypes) * atom->ntypes, unset);
+}
+
+void PairGranEllipsoid::settings(int narg, char **arg)
+{
+  if (narg > 1)
+    error->all(FLERR,
+               "{}: unexpected word '{}': the syntax is 'pair_style gran/ellipsoid [cutoff]'; laws "
+               "and their constants belong to pair_coeff",
+               CALLER, arg[1]);
+  cutoff_global = -1.0;
+  if (narg == 1) {
+    cutoff_global = utils::numeric(FLERR, arg[0], false, lmp);
+    if (!std::isfinite(cutoff_global) || cutoff_global <= 0.0)
+      error->all(FLERR, "{}: cutoff {} must be a finite positive length", CALLER, arg[0]);
+  }
+}
+
+void PairGranEllipsoid::coeff(int narg, char **arg)
+{
+  if (narg < 3)
+    error->all(FLERR,
+               "{}: pair_coeff needs two types and a normal law: pair_coeff I J hertz E nu | "
+               "nfd E nu eta1 eta2 | lsd kn cn, then [damping ...] [tangential ...] [keywords]",
+               CALLER);
+  if (!allocated) allocate();
+
+  int ilo, ihi, jlo, jhi;
+  utils::bounds(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, error);
+  utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
+
+  EllgranLawParameters given;
+  if (ellgran_law_parameters_parse(narg - 2, arg + 2, nullptr, &given) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{}: pair_coeff {} {}: {}", CALLER, arg[0], arg[1], ellgran_last_error());
+
+  int count = 0;
+  const int ntypes = atom->ntypes;
+  for (int i = ilo; i <= ihi; i++)
+    for (int j = std::max(jlo, i); j <= jhi; j++) {
+      parameters[(i - 1) * ntypes + (j - 1)] = given;
+      setflag[i][j] = 1;
+      count++;
+    }
+  if (count == 0)
+    error->all(FLERR, "{}: pair_coeff {} {} sets no pair of types with I <= J", CALLER, arg[0],
+               arg[1]);
+}
+
+void PairGranEllipsoid::init_style()
+{
+  atoms.require_atom_style();
+  if (comm->ghost_velocity == 0)
+    error->all(FLERR,
+               "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
+               CALLER);
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
+  if (atom->molecular != Atom::ATOMIC)
+    for (int k = 1; k < 4; k++)
+      if (force->special_lj[k] != 0.0 && force->special_lj[k] != 1.0)
+        error->all(FLERR,
+                   "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
+                   CALLER, force->special_lj[k]);
+  atoms.require_shapes(~0);
+
+  gather_work();
+  work_wanted = !modify->get_compute_by_style("^pair$").empty();
+
+  find_largest_semi_axes();
+  find_mass_sources();
+  build_laws();
+
+  // Only `atom_style ellipsoid superellipsoid` has a per-atom radius that encloses the shape; else
+  // the list is cut at the largest semi-axes of the two types. A list cut by radius marks in its
+  // entries what may touch; the other does not, and then every entry keeps its history.
+  const bool by_size = atoms.has_enclosing_radius();
+  int request = NeighConst::REQ_DEFAULT;
+  if (by_size) request |= NeighConst::REQ_SIZE;
+  if (by_size && history_length > 0) request |= NeighConst::REQ_HISTORY;
+  neighbor->add_request(this, request);
+
+  place_history_fix();
+  if (fix_history) fix_history->use_bit_flag = by_size ? 1 : 0;
+}
+
+double PairGranEllipsoid::init_one(int i, int j)
+{
+  double cutoff = largest[i] + largest[j];
+  if (cutoff_global > 0.0) {
+    if (cutoff_global < cutoff)
+      error->all(FLERR,
+                 "{}: cutoff {} is smaller than {}, the sum of the largest semi-axes of types {} "
+                 "and {}: contacts would be missed",
+                 CALLER, cutoff_global, cutoff, i, j);
+    return cutoff_global;
+  }
+  // A type without atoms yet must not shrink the bins of the neighbour list: let it be as large as
+  // the largest.
+  if (largest[i] <= 0.0 || largest[j] <= 0.0)
+    cutoff = 2.0 * *std::max_element(largest.begin(), largest.end());
+  return cutoff;
+}
+
+void PairGranEllipsoid::find_largest_semi_axes()
+{
+  const int ntypes = atom->ntypes;
+  std::vector<double> mine = atoms.largest_semi_axes();
+  for (const char *inserting : {"^pour", "^deposit"})
+    for (auto *fix : modify->get_fix_by_style(inserting))
+      for (int type = 1; type <= ntypes; type++) {
+        int query = type;
+        const auto *radius = static_cast<double *>(fix->extract("radius", query));
+        if (radius) mine[type] = std::max(mine[type], *radius);
+      }
+  largest.assign(ntypes + 1, 0.0);
+  MPI_Allreduce(mine.data(), largest.data(), ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
+
+  const double largest_of_all = *std::max_element(largest.begin(), largest.end());
+  allowed = largest;
+  for (double &axis : allowed) {
+    if (cutoff_global > 0.0)
+      axis = 0.5 * cutoff_global;
+    else if (axis <= 0.0)
+      axis = largest_of_all;
+  }
+}
+
+/* Atoms that another fix made larger, or added, since the cutoffs were made would miss contacts. */
+
+void PairGranEllipsoid::require_allowed_sizes() const
+{
+  const std::vector<double> now = atoms.largest_semi_axes();
+  for (int type = 1; type <= atom->ntypes; type++)
+    if (now[type] > allowed[type])
+      error->one(FLERR,
+                 "{}: a particle of type {} has a semi-axis of {} now, but the cutoffs made when "
+                 "the run started allow {}: give 'pair_style gran/ellipsoid' a cutoff of at least {}",
+                 CALLER, type, now[type], allowed[type], 2.0 * now[type]);
+}
+
+void PairGranEllipsoid::build_laws()
+{
+  const int ntypes = atom->ntypes;
+  std::vector<uint8_t> is_set(parameters.size(), 0);
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++)
+      is_set[(i - 1) * ntypes + (j - 1)] = setflag[i][j] ? 1 : 0;
+
+  // Two spheres need no remembered normal to start the search for contact from.
+  int spheres_here = atoms.all_spheres() ? 1 : 0, all_spheres = 0;
+  MPI_Allreduce(&spheres_here, &all_spheres, 1, MPI_INT, MPI_MIN, world);
+  const bool scene_is_fixed = atom->natoms > 0 && modify->get_fix_by_style("^pour").empty() &&
+      modify->get_fix_by_style("^deposit").empty();
+  const uint32_t options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
+
+  ellgran_laws_free(laws);
+  laws = nullptr;
+  if (ellgran_laws_new(ntypes, parameters.data(), is_set.data(), options, &laws) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
+
+  std::string text;
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      char line[512] = "";
+      if (ellgran_laws_describe(laws, i, j, line, sizeof line) == ELLGRAN_SUCCESS)
+        text += fmt::format("  {} {}{}: {}\n", i, j, setflag[i][j] ? "" : " (mixed)", line);
+    }
+  text += fmt::format("  history: {} doubles per contact\n", ellgran_laws_history_length(laws));
+  if (text != described && comm->me == 0)
+    utils::logmesg(lmp, "{}, ellgran {}:\n{}", CALLER, ellgran_version(), text);
+  described = text;
+}
+
+void PairGranEllipsoid::place_history_fix()
+{
+  history_length = ellgran_laws_history_length(laws);
+  scratch.assign(history_length, 0.0);
+
+  // The length is part of the name, so that a restart file is not read with another length.
+  const std::string id = (history_length == 0)
+      ? id_placeholder
+      : fmt::format("{}_{}", id_placeholder, history_length);
+  if (id != id_history) {
+    if (fix_history && comm->me == 0)
+      error->warning(FLERR,
+                     "{}: the laws now keep {} values per contact: contacts that exist start with no "
+                     "tangential displacement",
+                     CALLER, history_length);
+    const std::string style = (history_length == 0)
+        ? "DUMMY"
+        : fmt::format("NEIGH_HISTORY {}", history_length);
+    modify->replace_fix(id_history, fmt::format("{} all {}", id, style), 1);
+    id_history = id;
+  }
+  fix_history = nullptr;
+  if (history_length == 0) return;
+  fix_history = dynamic_cast<FixNeighHistory *>(modify->get_fix_by_id(id_history));
+  if (!fix_history) error->all(FLERR, "{}: the fix {} was deleted", CALLER, id_history);
+  fix_history->pair = this;
+}
+
+void PairGranEllipsoid::find_mass_sources()
+{
+  const auto freezing = modify->get_fix_by_style("^freeze");
+  if (freezing.size() > 1) error->all(FLERR, "{}: only one fix freeze is allowed", CALLER);
+  freeze_group_bit = freezing.empty() ? 0 : freezing.front()->groupbit;
+
+  fix_rigid = nullptr;
+  for (auto *fix : modify->get_fix_list())
+    if (fix->rigid_flag) {
+      if (fix_rigid) error->all(FLERR, "{}: only one fix rigid is allowed", CALLER);
+      fix_rigid = fix;
+    }
+}
+
+void PairGranEllipsoid::refresh_body_masses()
+{
+  contact_mass_differs =
+      (fix_rigid || freeze_group_bit) && ellgran_laws_uses_mass(laws) != 0;
+  if (!fix_rigid || !contact_mass_differs) return;
+
+  int dimension;
+  const auto *body = static_cast<int *>(fix_rigid->extract("body", dimension));
+  const auto *body_masses = static_cast<double *>(fix_rigid->extract("masstotal", dimension));
+  body_mass.assign(atom->nmax, 0.0);
+  if (body && body_masses)
+    for (int i = 0; i < atom->nlocal; i++)
+      if (body[i] >= 0) body_mass[i] = body_masses[body[i]];
+  comm->forward_comm(this);
+}
+
+void PairGranEllipsoid::refresh_contact_masses()
+{
+  if (!contact_mass_differs) return;
+  const int count = atom->nlocal + atom->nghost;
+  contact_masses.resize(count);
+  for (int i = 0; i < count; i++) contact_masses[i] = contact_mass(i);
+}
+
+double PairGranEllipsoid::contact_mass(int i) const
+{
+  if (!contact_mass_differs) return atom->rmass[i];
+  if (atom->mask[i] & freeze_group_bit) return std::numeric_limits<double>::infinity();
+  if (fix_rigid && body_mass[i] > 0.0) return body_mass[i];
+  return atom->rmass[i];
+}
+
+int PairGranEllipsoid::pack_forward_comm(int n, int *indices, double *buffer, int, int *)
+{
+  for (int k = 0; k < n; k++) buffer[k] = body_mass[indices[k]];
+  return n;
+}
+
+void PairGranEllipsoid::unpack_forward_comm(int n, int first, double *buffer)
+{
+  for (int k = 0; k < n; k++) body_mass[first + k] = buffer[k];
+}
+
+/* LAMMPS asks for the history of (j,i) where that of (i,j) was kept. */
+
+void PairGranEllipsoid::transfer_history(double *source, double *target, int, int)
+{
+  if (ellgran_history_swap(laws, source, target) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
+/* Restart files are written by one rank, which then must hold the sum. */
+
+void PairGranEllipsoid::gather_work()
+{
+  double sum = 0.0;
+  MPI_Allreduce(&accumulated_work, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+  accumulated_work = (comm->me == 0) ? sum : 0.0;
+}
+
+void PairGranEllipsoid::finish()
+{
+  gather_work();
+  bigint sum = 0;
+  MPI_Allreduce(&fallbacks, &sum, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  fallbacks = 0;
+  if (sum > 0 && !fallbacks_told && comm->me == 0) {
+    fallbacks_told = true;
+    error->warning(FLERR,
+                   "{}: the search for contact fell back to the safe method in {} of the steps' "
+                   "pairs; results are right, the run is slower",
+                   CALLER, sum);
+  }
+}
+
+void PairGranEllipsoid::write_restart(FILE *fp)
+{
+  write_restart_settings(fp);
+  const int ntypes = atom->ntypes;
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      fwrite(&setflag[i][j], sizeof(int), 1, fp);
+      if (setflag[i][j])
+        fwrite(&parameters[(i - 1) * ntypes + (j - 1)], sizeof(EllgranLawParameters), 1, fp);
+    }
+}
+
+void PairGranEllipsoid::read_restart(FILE *fp)
+{
+  read_restart_settings(fp);
+  allocate();
+  const int ntypes = atom->ntypes;
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      if (comm->me == 0)
+        utils::sfread(FLERR, &setflag[i][j], sizeof(int), 1, fp, nullptr, error);
+      MPI_Bcast(&setflag[i][j], 1, MPI_INT, 0, world);
+      if (!setflag[i][j]) continue;
+      EllgranLawParameters &stored = parameters[(i - 1) * ntypes + (j - 1)];
+      if (comm->me == 0)
+        utils::sfread(FLERR, &stored, sizeof(EllgranLawParameters), 1, fp, nullptr, error);
+      MPI_Bcast(&stored, sizeof(EllgranLawParameters), MPI_BYTE, 0, world);
+    }
+}
+
+void PairGranEllipsoid::write_restart_settings(FILE *fp)
+{
+  const int head[3] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
+                       static_cast<int>(sizeof(EllgranLawParameters))};
+  fwrite(head, sizeof(int), 3, fp);
+  const double values[2] = {cutoff_global, accumulated_work};
+  fwrite(values, sizeof(double), 2, fp);
+}
+
+void PairGranEllipsoid::read_restart_settings(FILE *fp)
+{
+  int head[3] = {0, 0, 0};
+  double values[2] = {-1.0, 0.0};
+  if (comm->me == 0) {
+    utils::sfread(FLERR, head, sizeof(int), 3, fp, nullptr, error);
+    utils::sfread(FLERR, values, sizeof(double), 2, fp, nullptr, error);
+  }
+  MPI_Bcast(head, 3, MPI_INT, 0, world);
+  MPI_Bcast(values, 2, MPI_DOUBLE, 0, world);
+  if (head[0] != RESTART_MARK || head[1] != static_cast<int>(ELLGRAN_ABI_VERSION) ||
+      head[2] != static_cast<int>(sizeof(EllgranLawParameters)))
+    error->all(FLERR,
+               "{}: the restart file was written with ABI version {} of ellgran, this is version {}: "
+               "read it with the version that wrote it and use write_data",
+               CALLER, head[1], static_cast<int>(ELLGRAN_ABI_VERSION));
+  cutoff_global = values[0];
+  accumulated_work = (comm->me == 0) ? values[1] : 0.0;
+}
+
+/* Copies the history of the pair into `scratch`; zeros if the list does not hold the pair. */
+
+void PairGranEllipsoid::copy_history(int i, int j, int *touching)
+{
+  *touching = 0;
+  std::fill(scratch.begin(), scratch.end(), 0.0);
+  if (!fix_history || !fix_history->firstflag || !list) return;
+
+  const auto find = [this](int central, int other) -> int {
+    if (central >= atom->nlocal) return -1;
+    const int *neighbours = list->firstneigh[central];
+    const int count = list->numneigh[central];
+    for (int k = 0; k < count; k++) {
+      neighbour_previous++;
+      if (neighbour_previous >= count) neighbour_previous = 0;
+      if ((neighbours[neighbour_previous] & NEIGHMASK) == other) return neighbour_previous;
+    }
+    return -1;
+  };
+  int k = find(i, j);
+  if (k >= 0) {
+    *touching = fix_history->firstflag[i][k];
+    std::copy_n(&fix_history->firstvalue[i][k * history_length], history_length, scratch.begin());
+  } else if ((k = find(j, i)) >= 0) {
+    *touching = fix_history->firstflag[j][k];
+    transfer_history(&fix_history->firstvalue[j][k * history_length], scratch.data(),
+                     atom->type[j], atom->type[i]);
+  }
+}
+
+double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, double factor_lj,
+                                 double &fforce)
+{
+  fforce = 0.0;
+  std::fill_n(svector, single_extra, 0.0);
+  if (factor_lj == 0.0) return 0.0;
+  if (!laws) error->one(FLERR, "{}: no forces yet: 'run 0' first", CALLER);
+
+  const EllgranBody body_i = atoms.body(i, contact_mass(i));
+  const EllgranBody body_j = atoms.body(j, contact_mass(j));
+  int touching = 0;
+  copy_history(i, j, &touching);
+
+  EllgranStep step{};
+  step.time_step = update->dt;
+  step.advance_history = 0;
+  EllgranContactGeometry geometry{};
+  EllgranContactForce contact{};
+  if (ellgran_contact(laws, &body_i, &body_j, &step, &touching, scratch.data(), &geometry,
+                      &contact) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  if (!geometry.touching) return 0.0;
+
+  svector[P_NORMAL_FORCE] = contact.normal_force;
+  svector[P_TANGENTIAL_MAGNITUDE] = length(contact.tangential_force);
+  svector[P_PENETRATION] = geometry.penetration;
+  svector[P_CURVATURE_A] = geometry.curvature_a;
+  svector[P_CURVATURE_B] = geometry.curvature_b;
+  svector[P_MAJOR_SEMI_AXIS] = contact.contact_semi_axes[0];
+  svector[P_MINOR_SEMI_AXIS] = contact.contact_semi_axes[1];
+  svector[P_DISPLACEMENT_MAGNITUDE] = length(contact.tangential_displacement);
+  svector[P_NORMAL_ENERGY] = contact.elastic_energy;
+  svector[P_TANGENTIAL_ENERGY] = contact.tangential_energy;
+  svector[P_VISCOUS_POWER] = contact.viscous_power;
+  svector[P_TANGENTIAL_POWER] = contact.tangential_power;
+  for (int k = 0; k < 3; k++) {
+    svector[P_TANGENTIAL_FORCE + k] = -contact.tangential_force[k];
+    svector[P_CONTACT_POINT + k] = geometry.contact_point[k];
+    svector[P_NORMAL + k] = geometry.normal[k];
+    svector[P_DISPLACEMENT + k] = contact.tangential_displacement[k];
+    svector[P_FORCE + k] = -contact.force[k];
+    svector[P_TORQUE_FIRST + k] = contact.torque_i[k];
+    svector[P_TORQUE_SECOND + k] = contact.torque_j[k];
+  }
+  if (rsq > 0.0) fforce = contact.normal_force / std::sqrt(rsq);
+  return contact.elastic_energy + contact.tangential_energy;
+}
+
+void *PairGranEllipsoid::extract(const char *name, int &dimension)
+{
+  dimension = 0;
+  if (std::strcmp(name, "history_length") == 0) return &history_length;
+  if (std::strcmp(name, "accumulated_work") == 0) return &accumulated_work;
+  return nullptr;
+}
+
+double PairGranEllipsoid::memory_usage()
+{
+  double bytes = Pair::memory_usage();
+  bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
+  bytes += static_cast<double>(parameters.capacity()) * sizeof(EllgranLawParameters);
+  return bytes;
+}

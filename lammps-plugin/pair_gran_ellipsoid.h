@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// `pair_style gran/ellipsoid`: hands LAMMPS' arrays and neighbour list to ellgran, once a step.
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(gran/ellipsoid,PairGranEllipsoid);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_GRAN_ELLIPSOID_H
+#define LMP_PAIR_GRAN_ELLIPSOID_H
+
+#include "pair.h"
+
+#include "ellgran_atoms.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairGranEllipsoid : public Pair {
+ public:
+  PairGranEllipsoid(class LAMMPS *);
+  ~PairGranEllipsoid() override;
+
+  void compute(int, int) override;
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void finish() override;
+
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_restart_settings(FILE *) override;
+  void read_restart_settings(FILE *) override;
+
+  double single(int, int, int, int, double, double, double, double &) override;
+  void *extract(const char *, int &) override;
+
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
+  void transfer_history(double *, double *, int, int) override;
+  double memory_usage() override;
+
+ private:
+  EllgranAtoms atoms;
+  double cutoff_global;    // < 0: from the semi-axes
+
+  // Laws: the words of pair_coeff, row-major over types 0 ... ntypes-1, and what ellgran made of them.
+  std::vector<EllgranLawParameters> parameters;
+  EllgranLaws *laws;
+  std::string described;    // the laws as last written to the log
+
+  EllgranWorkspace *workspace;
+
+  // Contact history
+  int history_length;    // doubles per contact, 0: no fix
+  std::string id_placeholder, id_history;
+  class FixNeighHistory *fix_history;
+  int neighbour_previous;        // single() finds its pair in constant time when called in order
+  std::vector<double> scratch;    // history that single() may overwrite
+
+  // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
+  std::vector<double> largest, allowed;
+
+  // Masses in contact: rigid bodies and frozen atoms
+  class Fix *fix_rigid;
+  int freeze_group_bit;
+  bool contact_mass_differs;
+  std::vector<double> body_mass;        // of the rigid body an atom is in, 0 if none
+  std::vector<double> contact_masses;
+
+  // Energy that contacts have taken up since the first run, this rank's share
+  double accumulated_work;
+  bool work_wanted;
+  bigint fallbacks;
+  bool fallbacks_told;
+
+  void allocate();
+  void find_largest_semi_axes();
+  void build_laws();
+  void place_history_fix();
+  void find_mass_sources();
+  void refresh_body_masses();
+  void refresh_contact_masses();
+  [[nodiscard]] double contact_mass(int i) const;
+  void require_allowed_sizes() const;
+  void gather_work();
+  void copy_history(int i, int j, int *touching);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
