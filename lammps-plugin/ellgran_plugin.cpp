@@ -64,24 +64,28 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   auto *lammps = static_cast<LAMMPS *>(lmp);
   require_same_lammps(lammps);
 
-  // LAMMPS keeps the pointer for as long as the plugin is loaded.
-  static char about[64];
-  std::snprintf(about, sizeof about, "ellipsoids by ellgran %s", ellgran_version());
+  // LAMMPS keeps these pointers for as long as the plugin is loaded.
+  static char pair_about[96], fix_about[96];
+  std::snprintf(pair_about, sizeof pair_about, "pair_style gran/ellipsoid, ellgran %s",
+                ellgran_version());
+  std::snprintf(fix_about, sizeof fix_about, "fix wall/gran/ellipsoid, ellgran %s",
+                ellgran_version());
 
   lammpsplugin_t plugin{};
   plugin.version = LAMMPS_VERSION;
-  plugin.info = about;
   plugin.author = "the ellgran developers";
   plugin.handle = handle;
   const auto register_style = reinterpret_cast<lammpsplugin_regfunc>(regfunc);
 
   plugin.style = "pair";
   plugin.name = "gran/ellipsoid";
+  plugin.info = pair_about;
   plugin.creator.v1 = reinterpret_cast<lammpsplugin_factory1 *>(&create_pair);
   register_style(&plugin, lmp);
 
   plugin.style = "fix";
   plugin.name = "wall/gran/ellipsoid";
+  plugin.info = fix_about;
   plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_fix);
   register_style(&plugin, lmp);
 }
