@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact at a time: for per-contact engines, for inspection, and for anyone who links the law alone.
+
+use super::law::{check_type, EllgranLaws};
+use super::particles::{hale_failure, EllgranStep};
+use super::planes::EllgranPlane;
+use super::status::{
+    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER,
+    ELLGRAN_ERROR_PARTICLE,
+};
+use crate::force::hertz_factors::contact_ellipse;
+use crate::geometry::Vector3;
+use crate::pairs::one_contact::{geometry, geometry_with_plane, prepare_body, HaleRatio};
+use crate::pairs::particles::Particle;
+use crate::pairs::{one_contact, one_contact_with_plane, Body, ContactForces, Laws, OneContact};
+
+/// A body of one contact, world frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranBody {
+    /// Centre.
+    pub position: [f64; 3],
+    /// Rotation from body to world, (w, x, y, z); need not be of unit length.
+    pub quaternion: [f64; 4],
+    /// Semi-axes along the body axes.
+    pub semi_axes: [f64; 3],
+    /// Velocity of the centre.
+    pub velocity: [f64; 3],
+    /// Angular velocity, world frame.
+    pub angular_velocity: [f64; 3],
+    /// Mass > 0, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+    pub mass: f64,
+    /// Type, counted from 1.
+    pub kind: i32,
+    /// What to call it in a message.
+    pub identifier: i64,
+}
+
+/// Geometry of a contact.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranContactGeometry {
+    /// 1 if the penetration is greater than 0.
+    pub touching: i32,
+    /// Penetration: the smallest translation that separates the bodies; minus the gap when they are apart.
+    pub penetration: f64,
+    /// Unit normal from i to j.
+    pub normal: [f64; 3],
+    /// Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+    pub contact_point: [f64; 3],
+    /// Point of body i deepest in j (closest to j when apart), world frame.
+    pub witness_i: [f64; 3],
+    /// Point of body j deepest in i (closest to i when apart), world frame.
+    pub witness_j: [f64; 3],
+    /// Smaller relative curvature A, 1/length.
+    pub curvature_a: f64,
+    /// Larger relative curvature B, 1/length.
+    pub curvature_b: f64,
+    /// Unit vector along the major semi-axis of the contact ellipse (of A).
+    pub major_direction: [f64; 3],
+}
+
+/// Force of a contact.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranContactForce {
+    /// Force on j, world frame; on i the opposite.
+    pub force: [f64; 3],
+    /// Torque on i about its own centre, world frame.
+    pub torque_i: [f64; 3],
+    /// Torque on j about its own centre, world frame.
+    pub torque_j: [f64; 3],
+    /// Normal force, > 0 pushes apart.
+    pub normal_force: f64,
+    /// Tangential force on j, world frame.
+    pub tangential_force: [f64; 3],
+    /// Tangential displacement xi of j relative to i that the tangential spring holds, world frame.
+    pub displacement: [f64; 3],
+    /// Rate of penetration, > 0 while the bodies approach.
+    pub penetration_rate: f64,
+    /// Elastic energy of the normal deformation.
+    pub elastic_energy: f64,
+    /// Elastic energy of the tangential deformation.
+    pub tangential_energy: f64,
+    /// Power of the viscous part of the normal force, > 0 when it dissipates.
+    pub viscous_power: f64,
+    /// Power put into the contact by the tangential force.
+    pub tangential_power: f64,
+    /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law.
+    pub contact_semi_axes: [f64; 2],
+}
+
+impl EllgranBody {
+    fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
+        prepare_body(
+            &Body {
+                position: self.position,
+                quaternion: self.quaternion,
+                semi_axes: self.semi_axes,
+                velocity: self.velocity,
+                angular_velocity: self.angular_velocity,
+                mass: self.mass,
+                kind: self.kind,
+                identifier: self.identifier,
+            },
+            types,
+        )
+        .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+    }
+}
+
+impl From<&OneContact> for EllgranContactGeometry {
+    fn from(g: &OneContact) -> Self {
+        EllgranContactGeometry {
+            touching: g.touching as i32,
+            penetration: g.penetration,
+            normal: g.normal.to_array(),
+            contact_point: g.contact_point.to_array(),
+            witness_i: g.witness_i.to_array(),
+            witness_j: g.witness_j.to_array(),
+            curvature_a: g.curvature_a,
+            curvature_b: g.curvature_b,
+            major_direction: g.major_direction.to_array(),
+        }
+    }
+}
+
+fn force_of(g: &OneContact, f: &ContactForces, linear: bool) -> EllgranContactForce {
+    let contact_semi_axes = if linear {
+        [0.0; 2]
+    } else {
+        // a b = Re delta F1^2/F2 (the paper's Eq. (2), corrected), Re = 1/(2 sqrt(A B)).
+        let e = contact_ellipse(g.curvature_b / g.curvature_a);
+        let effective_radius = 0.5 / (g.curvature_a * g.curvature_b).sqrt();
+        let product = effective_radius * g.penetration * e.f1 * e.f1 / e.f2;
+        let a = (product / e.axis_ratio).sqrt();
+        [a, a * e.axis_ratio]
+    };
+    EllgranContactForce {
+        force: f.force.to_array(),
+        torque_i: f.torque_i.to_array(),
+        torque_j: f.torque_j.to_array(),
+        normal_force: f.normal_force,
+        tangential_force: f.tangential_force.to_array(),
+        displacement: f.displacement.to_array(),
+        penetration_rate: f.rate,
+        elastic_energy: f.elastic_energy,
+        tangential_energy: f.tangential_energy,
+        viscous_power: f.viscous_power,
+        tangential_power: f.tangential_power,
+        contact_semi_axes,
+    }
+}
+
+/// The touching flag; without history there need be none.
+fn flag<'a>(
+    given: Option<&'a mut i32>,
+    laws: &Laws,
+    none: &'a mut i32,
+) -> Result<&'a mut i32, Failure> {
+    match given {
+        Some(flag) => Ok(flag),
+        None if laws.layout().length == 0 => Ok(none),
+        None => Err(Failure::new(
+            ELLGRAN_ERROR_NULL_POINTER,
+            "touching must not be NULL",
+        )),
+    }
+}
+
+fn no_force() -> EllgranContactForce {
+    EllgranContactForce {
+        force: [0.0; 3],
+        torque_i: [0.0; 3],
+        torque_j: [0.0; 3],
+        normal_force: 0.0,
+        tangential_force: [0.0; 3],
+        displacement: [0.0; 3],
+        penetration_rate: 0.0,
+        elastic_energy: 0.0,
+        tangential_energy: 0.0,
+        viscous_power: 0.0,
+        tangential_power: 0.0,
+        contact_semi_axes: [0.0; 2],
+    }
+}
+
+fn law_failure(i: &EllgranBody, j: Option<&EllgranBody>) -> impl Fn(HaleRatio) -> Failure {
+    let (i, j) = (i.identifier, j.map(|j| j.identifier));
+    move |ratio| hale_failure(i, j, ratio.0)
+}
+
+/// Geometry of two ellipsoids, touching or apart: penetration or gap, normal, witness points, contact point, relative
+/// curvature.
+///
+/// `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
+/// `start_normal` is the normal of the last step as a start of the search, or NULL.
+///
+/// # Safety
+/// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_contact_geometry(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    j: *const EllgranBody,
+    start_normal: *const f64,
+    geometry: *mut EllgranContactGeometry,
+) -> i32 {
+    at_border("ellgran_contact_geometry", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
+        let types = laws.map(Laws::types);
+        let i = unsafe { required(i, "i") }?.to_core(types)?;
+        let j = unsafe { required(j, "j") }?.to_core(types)?;
+        let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
+            .map(|n| Vector3::from_array(*n))
+            .filter(|n| n.is_finite() && n.norm() > 0.0);
+        let out = unsafe { required_mut(geometry, "geometry") }?;
+        let share = laws.map_or(0.5, |l| {
+            l.get(i.kind as usize, j.kind as usize).constants.share_i
+        });
+        *out = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
+        Ok(())
+    })
+}
+
+/// Geometry of an ellipsoid `i` and a plane wall; the normal points into the wall. The contact point divides the
+/// penetration halfway.
+///
+/// # Safety
+/// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_contact_geometry_plane(
+    i: *const EllgranBody,
+    plane: *const EllgranPlane,
+    geometry: *mut EllgranContactGeometry,
+) -> i32 {
+    at_border("ellgran_contact_geometry_plane", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let i = unsafe { required(i, "i") }?.to_core(None)?;
+        let plane = unsafe { required(plane, "plane") }?.to_core()?;
+        let out = unsafe { required_mut(geometry, "geometry") }?;
+        *out = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
+        Ok(())
+    })
+}
+
+/// One contact of two ellipsoids: geometry, force, torques, energies. When they do not touch, `touching` of the geometry
+/// is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
+///
+/// `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
+/// steps; start from zeros. `geometry` may be NULL.
+///
+/// # Safety
+/// The pointers are as stated, NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_contact(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    j: *const EllgranBody,
+    step: *const EllgranStep,
+    touching: *mut i32,
+    history: *mut f64,
+    geometry: *mut EllgranContactGeometry,
+    force: *mut EllgranContactForce,
+) -> i32 {
+    at_border("ellgran_contact", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (i, j) = (
+            bi.to_core(Some(laws.types()))?,
+            bj.to_core(Some(laws.types()))?,
+        );
+        let step = unsafe { required(step, "step") }?.to_core()?;
+        let mut none = 0;
+        let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
+        let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
+        let force = unsafe { required_mut(force, "force") }?;
+        let mut touches = *touching != 0;
+        let result = one_contact(laws, &i, &j, &step, &mut touches, history)
+            .map_err(law_failure(bi, Some(bj)))?;
+        *touching = touches as i32;
+        let law = laws.get(i.kind as usize, j.kind as usize);
+        *force = match &result {
+            Some((g, f)) => force_of(g, f, law.kinds.linear),
+            None => no_force(),
+        };
+        if let Some(out) = unsafe { geometry.as_mut() } {
+            *out = match &result {
+                Some((g, _)) => EllgranContactGeometry::from(g),
+                None => (&self::geometry(&i, &j, law.constants.share_i, None)).into(),
+            };
+        }
+        Ok(())
+    })
+}
+
+/// One contact of an ellipsoid `i` and a plane wall of type `wall_type`; otherwise like `ellgran_contact`. `torque_j` is
+/// zero.
+///
+/// # Safety
+/// The pointers are as stated, NULL or valid.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_contact_plane(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    plane: *const EllgranPlane,
+    wall_type: i32,
+    step: *const EllgranStep,
+    touching: *mut i32,
+    history: *mut f64,
+    geometry: *mut EllgranContactGeometry,
+    force: *mut EllgranContactForce,
+) -> i32 {
+    at_border("ellgran_contact_plane", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let bi = unsafe { required(i, "i") }?;
+        let i = bi.to_core(Some(laws.types()))?;
+        let plane = unsafe { required(plane, "plane") }?.to_core()?;
+        let wall_type = check_type(laws, wall_type, "wall_type")?;
+        let step = unsafe { required(step, "step") }?.to_core()?;
+        let mut none = 0;
+        let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
+        let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
+        let force = unsafe { required_mut(force, "force") }?;
+        let mut touches = *touching != 0;
+        let result =
+            one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, history)
+                .map_err(law_failure(bi, None))?;
+        *touching = touches as i32;
+        let law = laws.get(i.kind as usize, wall_type);
+        *force = match &result {
+            Some((g, f)) => force_of(g, f, law.kinds.linear),
+            None => no_force(),
+        };
+        if let Some(out) = unsafe { geometry.as_mut() } {
+            *out = match &result {
+                Some((g, _)) => EllgranContactGeometry::from(g),
+                None => (&geometry_with_plane(&i, &plane, law.constants.share_i)).into(),
+            };
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,492 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Laws: parameters, the words of a deck, and the table of all pairs of types.
+
+use super::status::{
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
+};
+use super::version::ELLGRAN_ABI_VERSION;
+use crate::force::syntax;
+use crate::force::{
+    Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
+    Tangential, Unloading,
+};
+use crate::pairs::Laws;
+use libc::{c_char, size_t};
+use std::ffi::CStr;
+
+/// Normal law: elastic, from E and nu.
+pub const ELLGRAN_NORMAL_HERTZ: i32 = 0;
+/// Normal law: viscoelastic, from E, nu, eta1, eta2.
+pub const ELLGRAN_NORMAL_NFD: i32 = 1;
+/// Normal law: linear spring and dashpot.
+pub const ELLGRAN_NORMAL_LSD: i32 = 2;
+/// No damping of the `hertz` law.
+pub const ELLGRAN_DAMPING_NONE: i32 = 0;
+/// Damping that gives a coefficient of restitution.
+pub const ELLGRAN_DAMPING_RESTITUTION: i32 = 1;
+/// Damping by a relaxation time A_n.
+pub const ELLGRAN_DAMPING_RELAXATION: i32 = 2;
+/// No tangential force.
+pub const ELLGRAN_TANGENTIAL_NONE: i32 = 0;
+/// Partial slip.
+pub const ELLGRAN_TANGENTIAL_TFD: i32 = 1;
+/// No slip below the Coulomb limit.
+pub const ELLGRAN_TANGENTIAL_MINDLIN: i32 = 2;
+/// Constant stiffness below the Coulomb limit.
+pub const ELLGRAN_TANGENTIAL_LINEAR: i32 = 3;
+/// A_n from the dissipation of the strain-rate field.
+pub const ELLGRAN_CLOSURE_ENERGY: i32 = 0;
+/// A_n from the surface strains.
+pub const ELLGRAN_CLOSURE_SURFACE: i32 = 1;
+/// A_n after Brilliantov et al. 1996.
+pub const ELLGRAN_CLOSURE_BRILLIANTOV: i32 = 2;
+/// Receding contact after Ting.
+pub const ELLGRAN_UNLOADING_TING: i32 = 0;
+/// First-order law throughout.
+pub const ELLGRAN_UNLOADING_FIRST_ORDER: i32 = 1;
+/// Exact Hertz factors.
+pub const ELLGRAN_FACTORS_EXACT: i32 = 0;
+/// Hale's closed form.
+pub const ELLGRAN_FACTORS_HALE: i32 = 1;
+/// The tangential displacement since first touch is remembered.
+pub const ELLGRAN_DISPLACEMENT_TOTAL: i32 = 0;
+/// The tangential force is remembered.
+pub const ELLGRAN_DISPLACEMENT_INCREMENTAL: i32 = 1;
+/// The tangential force is remembered, and falls with the stiffness.
+pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
+/// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
+/// ellipsoids then search anew every step.
+pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
+
+/// The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
+/// units.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranLawParameters {
+    /// ELLGRAN_ABI_VERSION; set by `ellgran_law_parameters_default`.
+    pub struct_version: u32,
+    /// ELLGRAN_NORMAL_*
+    pub normal: i32,
+    /// ELLGRAN_DAMPING_*
+    pub damping: i32,
+    /// ELLGRAN_TANGENTIAL_*
+    pub tangential: i32,
+    /// ELLGRAN_CLOSURE_*
+    pub closure: i32,
+    /// ELLGRAN_UNLOADING_*
+    pub unloading: i32,
+    /// ELLGRAN_FACTORS_*
+    pub factors: i32,
+    /// ELLGRAN_DISPLACEMENT_*
+    pub displacement: i32,
+    /// 1: force and torques are the complete gradient of the elastic energy; 0: the force acts along the normal alone.
+    pub conservative: i32,
+    /// 1: an attractive normal force is cut off.
+    pub limit_force: i32,
+    /// Young's modulus E, pressure.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio nu.
+    pub poissons_ratio: f64,
+    /// Shear viscosity eta1, pressure x time.
+    pub shear_viscosity: f64,
+    /// Bulk viscosity eta2, pressure x time.
+    pub bulk_viscosity: f64,
+    /// A_n of ELLGRAN_DAMPING_RELAXATION, time.
+    pub relaxation_time: f64,
+    /// e of ELLGRAN_DAMPING_RESTITUTION.
+    pub restitution: f64,
+    /// kn of the linear law, force/length.
+    pub normal_stiffness: f64,
+    /// cn of the linear law, force x time/length.
+    pub normal_damping: f64,
+    /// Coefficient of friction mu.
+    pub friction: f64,
+    /// kt of ELLGRAN_TANGENTIAL_LINEAR, force/length.
+    pub tangential_stiffness: f64,
+    /// ct of ELLGRAN_TANGENTIAL_LINEAR, force x time/length.
+    pub tangential_damping: f64,
+}
+
+/// The laws between all types of a scene. Opaque, immutable.
+pub struct EllgranLaws {
+    pub(super) laws: Laws,
+}
+
+impl From<&LawParameters> for EllgranLawParameters {
+    fn from(p: &LawParameters) -> Self {
+        EllgranLawParameters {
+            struct_version: ELLGRAN_ABI_VERSION,
+            normal: match p.normal {
+                Normal::Hertz => ELLGRAN_NORMAL_HERTZ,
+                Normal::Nfd => ELLGRAN_NORMAL_NFD,
+                Normal::Lsd => ELLGRAN_NORMAL_LSD,
+            },
+            damping: match p.damping {
+                Damping::None => ELLGRAN_DAMPING_NONE,
+                Damping::Restitution => ELLGRAN_DAMPING_RESTITUTION,
+                Damping::Relaxation => ELLGRAN_DAMPING_RELAXATION,
+            },
+            tangential: match p.tangential {
+                Tangential::None => ELLGRAN_TANGENTIAL_NONE,
+                Tangential::Tfd => ELLGRAN_TANGENTIAL_TFD,
+                Tangential::Mindlin => ELLGRAN_TANGENTIAL_MINDLIN,
+                Tangential::Linear => ELLGRAN_TANGENTIAL_LINEAR,
+            },
+            closure: match p.closure {
+                Closure::Energy => ELLGRAN_CLOSURE_ENERGY,
+                Closure::Surface => ELLGRAN_CLOSURE_SURFACE,
+                Closure::Brilliantov => ELLGRAN_CLOSURE_BRILLIANTOV,
+            },
+            unloading: match p.unloading {
+                Unloading::Ting => ELLGRAN_UNLOADING_TING,
+                Unloading::FirstOrder => ELLGRAN_UNLOADING_FIRST_ORDER,
+            },
+            factors: match p.factors {
+                FactorForm::Exact => ELLGRAN_FACTORS_EXACT,
+                FactorForm::Hale => ELLGRAN_FACTORS_HALE,
+            },
+            displacement: match p.displacement {
+                Displacement::Total => ELLGRAN_DISPLACEMENT_TOTAL,
+                Displacement::Incremental => ELLGRAN_DISPLACEMENT_INCREMENTAL,
+                Displacement::Rescaled => ELLGRAN_DISPLACEMENT_RESCALED,
+            },
+            conservative: p.conservative as i32,
+            limit_force: p.limit_force as i32,
+            youngs_modulus: p.material.youngs_modulus,
+            poissons_ratio: p.material.poissons_ratio,
+            shear_viscosity: p.material.shear_viscosity,
+            bulk_viscosity: p.material.bulk_viscosity,
+            relaxation_time: p.relaxation_time,
+            restitution: p.restitution,
+            normal_stiffness: p.normal_stiffness,
+            normal_damping: p.normal_damping,
+            friction: p.friction,
+            tangential_stiffness: p.tangential_stiffness,
+            tangential_damping: p.tangential_damping,
+        }
+    }
+}
+
+fn choose<T: Copy>(name: &str, value: i32, choices: &[T]) -> Result<T, Failure> {
+    usize::try_from(value)
+        .ok()
+        .and_then(|k| choices.get(k).copied())
+        .ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("{name} = {value} is none of its constants"),
+            )
+        })
+}
+
+impl EllgranLawParameters {
+    fn to_core(self) -> Result<LawParameters, Failure> {
+        if self.struct_version != ELLGRAN_ABI_VERSION {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "struct_version = {} of the law parameters is not {ELLGRAN_ABI_VERSION}: start from \
+                     ellgran_law_parameters_default",
+                    self.struct_version
+                ),
+            ));
+        }
+        Ok(LawParameters {
+            normal: choose(
+                "normal",
+                self.normal,
+                &[Normal::Hertz, Normal::Nfd, Normal::Lsd],
+            )?,
+            damping: choose(
+                "damping",
+                self.damping,
+                &[Damping::None, Damping::Restitution, Damping::Relaxation],
+            )?,
+            closure: choose(
+                "closure",
+                self.closure,
+                &[Closure::Energy, Closure::Surface, Closure::Brilliantov],
+            )?,
+            unloading: choose(
+                "unloading",
+                self.unloading,
+                &[Unloading::Ting, Unloading::FirstOrder],
+            )?,
+            tangential: choose(
+                "tangential",
+                self.tangential,
+                &[
+                    Tangential::None,
+                    Tangential::Tfd,
+                    Tangential::Mindlin,
+                    Tangential::Linear,
+                ],
+            )?,
+            displacement: choose(
+                "displacement",
+                self.displacement,
+                &[
+                    Displacement::Total,
+                    Displacement::Incremental,
+                    Displacement::Rescaled,
+                ],
+            )?,
+            factors: choose(
+                "factors",
+                self.factors,
+                &[FactorForm::Exact, FactorForm::Hale],
+            )?,
+            conservative: choose("conservative", self.conservative, &[false, true])?,
+            limit_force: choose("limit_force", self.limit_force, &[false, true])?,
+            material: Material {
+                youngs_modulus: self.youngs_modulus,
+                poissons_ratio: self.poissons_ratio,
+                shear_viscosity: self.shear_viscosity,
+                bulk_viscosity: self.bulk_viscosity,
+            },
+            relaxation_time: self.relaxation_time,
+            restitution: self.restitution,
+            normal_stiffness: self.normal_stiffness,
+            normal_damping: self.normal_damping,
+            friction: self.friction,
+            tangential_stiffness: self.tangential_stiffness,
+            tangential_damping: self.tangential_damping,
+        })
+    }
+}
+
+fn law_failure(e: ParameterError) -> Failure {
+    Failure::new(ELLGRAN_ERROR_LAW, e.0)
+}
+
+/// Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+///
+/// # Safety
+/// `parameters` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_law_parameters_default(
+    parameters: *mut EllgranLawParameters,
+) -> i32 {
+    at_border("ellgran_law_parameters_default", || {
+        // SAFETY: promised by the caller.
+        let out = unsafe { required_mut(parameters, "parameters") }?;
+        *out = EllgranLawParameters::from(&LawParameters::default());
+        Ok(())
+    })
+}
+
+/// Reads the words of a deck that choose a law (what follows `I J` in LAMMPS' `pair_coeff`) and checks the constants.
+///
+/// `hertz E nu | nfd E nu eta1 eta2 | lsd kn cn`, then in any order `damping none | restitution e | relaxation A_n`,
+/// `tangential none | tfd mu | mindlin mu | linear kt ct mu`, `closure energy|surface|brilliantov`,
+/// `unloading ting|first_order`, `displacement total|incremental|rescaled`, `factors exact|hale`,
+/// `conservative yes|no`, `limit_force yes|no`.
+///
+/// With `consumed` not NULL, reading ends at the first word that is none of these, and the number of words read is
+/// written; with NULL such a word is an error.
+///
+/// # Safety
+/// `words` points to `word_count` strings that end with NUL; `consumed` and `parameters` are NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_law_parameters_parse(
+    word_count: size_t,
+    words: *const *const c_char,
+    consumed: *mut size_t,
+    parameters: *mut EllgranLawParameters,
+) -> i32 {
+    at_border("ellgran_law_parameters_parse", || {
+        // SAFETY: promised by the caller.
+        let pointers = unsafe { slice(words, word_count, "words") }?;
+        let mut texts = Vec::with_capacity(word_count);
+        for (k, &pointer) in pointers.iter().enumerate() {
+            // SAFETY: promised by the caller; checked for NULL.
+            unsafe { required(pointer, &format!("words[{k}]")) }?;
+            // SAFETY: as above, and the text ends with NUL.
+            let text = unsafe { CStr::from_ptr(pointer) };
+            texts.push(text.to_str().map_err(|_| {
+                Failure::new(ELLGRAN_ERROR_TEXT, format!("words[{k}] is not UTF-8"))
+            })?);
+        }
+        // SAFETY: promised by the caller.
+        let out = unsafe { required_mut(parameters, "parameters") }?;
+        let (p, read) = syntax::parse(&texts).map_err(law_failure)?;
+        // SAFETY: promised by the caller.
+        match unsafe { consumed.as_mut() } {
+            Some(consumed) => *consumed = read,
+            None if read < texts.len() => {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_LAW,
+                    format!("unknown word '{}'", texts[read]),
+                ))
+            }
+            None => {}
+        }
+        *out = EllgranLawParameters::from(&p);
+        Ok(())
+    })
+}
+
+/// Builds the laws of a scene with `type_count` types, counted from 1.
+///
+/// `parameters` and `is_set` are `type_count` x `type_count`, row by row; a pair may be set as I J or as J I. A pair that
+/// is not set is mixed from I I and J J: moduli in series, relaxation times by compliance, friction and restitution by
+/// geometric mean; laws of different kinds cannot be mixed.
+///
+/// `options`: 0 or ELLGRAN_OPTION_NO_WARM_START.
+///
+/// # Safety
+/// The arrays have the lengths above; `laws` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_new(
+    type_count: i32,
+    parameters: *const EllgranLawParameters,
+    is_set: *const u8,
+    options: u32,
+    laws: *mut *mut EllgranLaws,
+) -> i32 {
+    at_border("ellgran_laws_new", || {
+        let types = usize::try_from(type_count)
+            .ok()
+            .filter(|t| *t > 0 && *t < 10_000)
+            .ok_or_else(|| {
+                Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!("type_count = {type_count} must be between 1 and 9999"),
+                )
+            })?;
+        if options & !ELLGRAN_OPTION_NO_WARM_START != 0 {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("options = {options} has unknown bits"),
+            ));
+        }
+        // SAFETY: promised by the caller.
+        let given = unsafe { slice(parameters, types * types, "parameters") }?;
+        // SAFETY: promised by the caller.
+        let set = unsafe { slice(is_set, types * types, "is_set") }?;
+        // SAFETY: promised by the caller.
+        let out = unsafe { required_mut(laws, "laws") }?;
+        let mut table = Vec::with_capacity(types * types);
+        for (p, s) in given.iter().zip(set) {
+            table.push(if *s != 0 { Some(p.to_core()?) } else { None });
+        }
+        let warm = options & ELLGRAN_OPTION_NO_WARM_START == 0;
+        let built = Laws::new(types, &table, warm).map_err(law_failure)?;
+        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        Ok(())
+    })
+}
+
+/// Frees laws; NULL is allowed.
+///
+/// # Safety
+/// `laws` is NULL or came from `ellgran_laws_new` and is not used again.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_free(laws: *mut EllgranLaws) {
+    if !laws.is_null() {
+        // SAFETY: promised by the caller.
+        drop(unsafe { Box::from_raw(laws) });
+    }
+}
+
+/// Doubles of history per contact, possibly 0; -1 for NULL. All zeros is a contact of which nothing is remembered.
+///
+/// # Safety
+/// `laws` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_history_length(laws: *const EllgranLaws) -> i32 {
+    // SAFETY: promised by the caller.
+    unsafe { laws.as_ref() }.map_or(-1, |l| l.laws.layout().length as i32)
+}
+
+/// Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 without friction or for NULL.
+/// It is the displacement xi with `displacement total`, else the force that it would give without slip.
+///
+/// # Safety
+/// `laws` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_memory_offset(laws: *const EllgranLaws) -> i32 {
+    // SAFETY: promised by the caller.
+    unsafe { laws.as_ref() }
+        .and_then(|l| l.laws.layout().memory)
+        .map_or(-1, |at| at as i32)
+}
+
+/// 1 if any law reads contact masses (damping by restitution), else 0; -1 for NULL.
+///
+/// # Safety
+/// `laws` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_uses_mass(laws: *const EllgranLaws) -> i32 {
+    // SAFETY: promised by the caller.
+    unsafe { laws.as_ref() }.map_or(-1, |l| l.laws.features().mass as i32)
+}
+
+/// Writes to `target` the history of the contact (j, i) from that of (i, j), `ellgran_laws_history_length` doubles.
+///
+/// # Safety
+/// `laws` is NULL or valid; `source` and `target` are NULL or have that many doubles and do not overlap.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_history_swap(
+    laws: *const EllgranLaws,
+    source: *const f64,
+    target: *mut f64,
+) -> i32 {
+    at_border("ellgran_history_swap", || {
+        // SAFETY: promised by the caller.
+        let layout = unsafe { required(laws, "laws") }?.laws.layout();
+        // SAFETY: promised by the caller.
+        let source = unsafe { slice(source, layout.length, "source") }?;
+        // SAFETY: promised by the caller.
+        let target = unsafe { slice_mut(target, layout.length, "target") }?;
+        layout.swap(source, target);
+        Ok(())
+    })
+}
+
+/// Writes a line that describes the resolved law of two types: its kernel and constants. The text ends with NUL and is
+/// cut to `capacity` bytes.
+///
+/// # Safety
+/// `laws` is NULL or valid; `buffer` is NULL or has `capacity` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_describe(
+    laws: *const EllgranLaws,
+    type_i: i32,
+    type_j: i32,
+    buffer: *mut c_char,
+    capacity: size_t,
+) -> i32 {
+    at_border("ellgran_laws_describe", || {
+        // SAFETY: promised by the caller.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let (i, j) = (
+            check_type(laws, type_i, "type_i")?,
+            check_type(laws, type_j, "type_j")?,
+        );
+        // SAFETY: promised by the caller.
+        let out = unsafe { slice_mut(buffer.cast::<u8>(), capacity, "buffer") }?;
+        let law = laws.get(i, j);
+        let text = law.describe();
+        let end = text.len().min(capacity.saturating_sub(1));
+        if capacity > 0 {
+            out[..end].copy_from_slice(&text.as_bytes()[..end]);
+            out[end] = 0;
+        }
+        Ok(())
+    })
+}
+
+/// A type in range.
+pub(super) fn check_type(laws: &Laws, value: i32, name: &str) -> Result<usize, Failure> {
+    usize::try_from(value)
+        .ok()
+        .filter(|t| *t >= 1 && *t <= laws.types())
+        .ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("{name} = {value} is not between 1 and {}", laws.types()),
+            )
+        })
+}

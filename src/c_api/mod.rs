@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Everything `extern "C"`, and all `unsafe` of the crate. One file per domain.
+//!
+//! Rules of this border:
+//! - every call that can fail returns an `int32_t` status; codes are numbered in blocks and never reused;
+//! - output is written only on success; every pointer that must not be NULL is checked and named in the message;
+//! - the message of the last failure in this thread is in `ellgran_last_error()`;
+//! - a panic is caught here and becomes `ELLGRAN_ERROR_PANIC`;
+//! - handles come in `_new`/`_free` pairs; `EllgranLaws` is immutable, so threads share it; an `EllgranWorkspace`
+//!   belongs to one thread at a time;
+//! - no allocation, lock or I/O inside a step, but for a workspace that grows with the number of particles.
+
+#![allow(unsafe_code)]
+
+pub mod contact;
+pub mod law;
+pub mod neighbour_list;
+pub mod particles;
+pub mod planes;
+pub mod status;
+pub mod tallies;
+pub mod version;

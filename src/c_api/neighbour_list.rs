@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A whole neighbour list in one call: the path for speed.
+
+use super::law::EllgranLaws;
+use super::particles::{
+    hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
+};
+use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER};
+use super::tallies::{borrow, write_back, EllgranTallies};
+use crate::pairs::neighbour_list::Accumulators;
+use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
+use libc::size_t;
+
+/// An engine's neighbour list: every pair once.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranNeighbourList {
+    /// Number of central particles.
+    pub count: size_t,
+    /// Their indices, [count].
+    pub central: *const i32,
+    /// Number of neighbours, by particle index.
+    pub neighbour_counts: *const i32,
+    /// Neighbours, by particle index.
+    pub neighbours: *const *const i32,
+    /// Bits of an entry that are the neighbour's index (all: -1).
+    pub index_mask: i32,
+    /// The bits above this one select one of `special_factors`.
+    pub special_shift: i32,
+    /// [4] or NULL; a pair whose factor is 0 is left out. Other factors do not scale a contact force.
+    pub special_factors: *const f64,
+    /// One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
+    pub touching: *const *mut i32,
+    /// History per neighbour, by particle index, written. NULL if the history length is 0.
+    pub history: *const *mut f64,
+    /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
+    /// with a ghost appears on both ranks.
+    pub newton: i32,
+}
+
+struct Rows<'a> {
+    central: &'a [i32],
+    counts: *const i32,
+    neighbours: *const *const i32,
+    touching: *const *mut i32,
+    history: *const *mut f64,
+    length: usize,
+    mask: i32,
+    shift: u32,
+    excluded: [bool; 4],
+}
+
+impl NeighbourRows for Rows<'_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.central.len()
+    }
+
+    #[inline(always)]
+    fn row(&mut self, k: usize) -> NeighbourRow<'_> {
+        let central = self.central[k] as usize;
+        // SAFETY: by the contract of `EllgranNeighbourList`, the arrays have an entry for every central particle, the rows
+        // have as many entries as the count says, and no row is borrowed twice at a time (`&mut self`).
+        unsafe {
+            let count = *self.counts.add(central) as usize;
+            let neighbours = if count == 0 {
+                &[][..]
+            } else {
+                core::slice::from_raw_parts(*self.neighbours.add(central), count)
+            };
+            let (touching, history) = if self.length == 0 || count == 0 {
+                (&mut [][..], &mut [][..])
+            } else {
+                (
+                    core::slice::from_raw_parts_mut(*self.touching.add(central), count),
+                    core::slice::from_raw_parts_mut(
+                        *self.history.add(central),
+                        count * self.length,
+                    ),
+                )
+            };
+            NeighbourRow {
+                central,
+                neighbours,
+                touching,
+                history,
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn index(&self, entry: i32) -> Option<usize> {
+        let special = (entry as u32 >> self.shift) & 3;
+        if self.excluded[special as usize] {
+            return None;
+        }
+        Some((entry & self.mask) as usize)
+    }
+}
+
+/// Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
+///
+/// All particles are checked first; on failure nothing is written.
+///
+/// # Safety
+/// The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_compute_pairs(
+    laws: *const EllgranLaws,
+    workspace: *mut EllgranWorkspace,
+    particles: *const EllgranParticles,
+    list: *const EllgranNeighbourList,
+    step: *const EllgranStep,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_compute_pairs", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        let p = unsafe { required(particles, "particles") }?;
+        let list = unsafe { required(list, "list") }?;
+        let step = unsafe { required(step, "step") }?.to_core()?;
+        let length = laws.layout().length;
+        let central = unsafe { slice(list.central, list.count, "central") }?;
+        if list.count > 0 {
+            for (is_null, name) in [
+                (list.neighbour_counts.is_null(), "neighbour_counts"),
+                (list.neighbours.is_null(), "neighbours"),
+                (length > 0 && list.touching.is_null(), "touching"),
+                (length > 0 && list.history.is_null(), "history"),
+            ] {
+                if is_null {
+                    return Err(Failure::new(
+                        ELLGRAN_ERROR_NULL_POINTER,
+                        format!("{name} must not be NULL"),
+                    ));
+                }
+            }
+        }
+        let mut excluded = [false; 4];
+        let mut shift = 0;
+        if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
+            shift = list.special_shift.clamp(0, 31) as u32;
+            for (e, f) in excluded.iter_mut().zip(factors) {
+                *e = *f == 0.0;
+            }
+        }
+        let forces = unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), p.count, "forces") }?;
+        let torques = unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), p.count, "torques") }?;
+        let mut sums = match unsafe { tallies.as_ref() } {
+            Some(t) => Some(unsafe { borrow(t, p.count) }?),
+            None => None,
+        };
+        unsafe { prepare(p, p.count, laws, workspace) }?;
+        let mut rows = Rows {
+            central,
+            counts: list.neighbour_counts,
+            neighbours: list.neighbours,
+            touching: list.touching,
+            history: list.history,
+            length,
+            mask: list.index_mask,
+            shift,
+            excluded,
+        };
+        let mut accumulators = Accumulators {
+            forces,
+            torques,
+            reaction_below: if list.newton != 0 {
+                p.count
+            } else {
+                p.owned_count
+            },
+            owned: p.owned_count,
+        };
+        let many_starts = compute_pairs(
+            laws,
+            workspace.particles(),
+            &mut rows,
+            &step,
+            &mut accumulators,
+            sums.as_mut(),
+        )
+        .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
+        workspace.many_starts += many_starts;
+        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
+            write_back(out, &sums);
+        }
+        Ok(())
+    })
+}

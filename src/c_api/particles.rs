@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An engine's particle arrays and the workspace of a step.
+
+use super::status::{
+    at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_HALE,
+    ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
+};
+use crate::pairs::particles::Rotation;
+use crate::pairs::{Laws, ParticleArrays, Step, Workspace};
+use libc::{c_void, size_t};
+
+/// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranParticles {
+    /// Particles that the caller owns.
+    pub owned_count: size_t,
+    /// All particles, ghosts included.
+    pub count: size_t,
+    /// Centres, [count][3].
+    pub positions: *const f64,
+    /// Velocities of the centres, [count][3].
+    pub velocities: *const f64,
+    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`.
+    pub angular_velocities: *const f64,
+    /// Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
+    pub angular_momenta: *const f64,
+    /// Masses, [count]; may be NULL where neither `angular_momenta` nor a law reads them.
+    pub masses: *const f64,
+    /// Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
+    /// NULL: `masses`.
+    pub contact_masses: *const f64,
+    /// Types, counted from 1, [count].
+    pub types: *const i32,
+    /// Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
+    /// particle's own index.
+    pub shape_indices: *const i32,
+    /// Semi-axes, 3 doubles an entry.
+    pub semi_axes: *const f64,
+    /// Bytes from one entry of `semi_axes` to the next.
+    pub semi_axes_stride: size_t,
+    /// Quaternions (w, x, y, z), body to world, 4 doubles an entry.
+    pub quaternions: *const f64,
+    /// Bytes from one entry of `quaternions` to the next.
+    pub quaternions_stride: size_t,
+    /// What to call a particle in a message, [count] integers of `identifier_bytes` each, or NULL: index + 1.
+    pub identifiers: *const c_void,
+    /// 4 or 8.
+    pub identifier_bytes: i32,
+    /// Forces, [count][3], added to.
+    pub forces: *mut f64,
+    /// Torques about the centres, [count][3], added to.
+    pub torques: *mut f64,
+}
+
+/// Time step, and whether the history advances.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranStep {
+    /// Time step: the velocities moved the particles over it to where they are.
+    pub time_step: f64,
+    /// 1 in a step; 0 in the set-up of a run: forces from the history as it stands.
+    pub advance_history: i32,
+}
+
+/// Memory that one thread of calls keeps from step to step. Opaque.
+pub struct EllgranWorkspace {
+    pub(super) workspace: Workspace,
+}
+
+/// A new workspace.
+///
+/// # Safety
+/// `workspace` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorkspace) -> i32 {
+    at_border("ellgran_workspace_new", || {
+        // SAFETY: promised by the caller.
+        let out = unsafe { required_mut(workspace, "workspace") }?;
+        *out = Box::into_raw(Box::new(EllgranWorkspace {
+            workspace: Workspace::new(),
+        }));
+        Ok(())
+    })
+}
+
+/// Frees a workspace; NULL is allowed.
+///
+/// # Safety
+/// `workspace` is NULL or came from `ellgran_workspace_new` and is not used again.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_workspace_free(workspace: *mut EllgranWorkspace) {
+    if !workspace.is_null() {
+        // SAFETY: promised by the caller.
+        drop(unsafe { Box::from_raw(workspace) });
+    }
+}
+
+/// Bytes that a workspace holds; 0 for NULL.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_workspace_bytes(workspace: *const EllgranWorkspace) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.bytes())
+}
+
+/// Contacts that took the slow search from many starts, since the workspace was made (overlap deeper than half the local
+/// radius of curvature: the scene is too soft for Hertz' law, and slow); 0 for NULL.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_workspace_many_starts_count(
+    workspace: *const EllgranWorkspace,
+) -> i64 {
+    // SAFETY: promised by the caller.
+    unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.many_starts as i64)
+}
+
+impl EllgranStep {
+    pub(super) fn to_core(self) -> Result<Step, Failure> {
+        if !(self.time_step >= 0.0 && self.time_step.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "time_step = {} must be a finite number, 0 or greater",
+                    self.time_step
+                ),
+            ));
+        }
+        Ok(Step {
+            time_step: self.time_step,
+            advance_history: self.advance_history != 0,
+        })
+    }
+}
+
+/// What to call particle `k`.
+pub(super) fn identifier(p: &EllgranParticles, k: usize) -> i64 {
+    if p.identifiers.is_null() || k >= p.count {
+        return k as i64 + 1;
+    }
+    // SAFETY: the array has `count` entries of `identifier_bytes` bytes, by the contract of the struct.
+    unsafe {
+        if p.identifier_bytes == 8 {
+            p.identifiers.cast::<i64>().add(k).read_unaligned()
+        } else {
+            i64::from(p.identifiers.cast::<i32>().add(k).read_unaligned())
+        }
+    }
+}
+
+/// Checks the arrays' pointers and prepares the first `count` particles in the workspace.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+pub(super) unsafe fn prepare(
+    p: &EllgranParticles,
+    count: usize,
+    laws: &Laws,
+    workspace: &mut Workspace,
+) -> Result<(), Failure> {
+    if count == 0 {
+        workspace.clear();
+        return Ok(());
+    }
+    if p.owned_count > p.count {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "owned_count = {} is greater than count = {}",
+                p.owned_count, p.count
+            ),
+        ));
+    }
+    if p.identifier_bytes != 4 && p.identifier_bytes != 8 && !p.identifiers.is_null() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!("identifier_bytes = {} must be 4 or 8", p.identifier_bytes),
+        ));
+    }
+    for (pointer, name) in [(p.semi_axes, "semi_axes"), (p.quaternions, "quaternions")] {
+        if pointer.is_null() {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_NULL_POINTER,
+                format!("{name} must not be NULL"),
+            ));
+        }
+    }
+    // SAFETY: promised by the caller, for all arrays below.
+    let rows =
+        |pointer: *const f64, name: &str| unsafe { slice(pointer.cast::<[f64; 3]>(), count, name) };
+    let rotation = if p.angular_velocities.is_null() {
+        Rotation::Momentum(
+            rows(p.angular_momenta, "angular_momenta (or angular_velocities)")?,
+            unsafe { slice(p.masses, count, "masses") }?,
+        )
+    } else {
+        Rotation::Velocity(rows(p.angular_velocities, "angular_velocities")?)
+    };
+    let contact_masses = if laws.features().mass {
+        let pointer = if p.contact_masses.is_null() {
+            p.masses
+        } else {
+            p.contact_masses
+        };
+        unsafe { slice(pointer, count, "masses (or contact_masses)") }?
+    } else {
+        &[]
+    };
+    let shape_indices = if p.shape_indices.is_null() {
+        None
+    } else {
+        Some(unsafe { slice(p.shape_indices, count, "shape_indices") }?)
+    };
+    let arrays = ParticleArrays {
+        owned: p.owned_count,
+        positions: rows(p.positions, "positions")?,
+        velocities: rows(p.velocities, "velocities")?,
+        rotation,
+        contact_masses,
+        types: unsafe { slice(p.types, count, "types") }?,
+        shape: |k: usize| {
+            let entry = match shape_indices {
+                None => k,
+                Some(indices) => usize::try_from(indices[k]).ok()?,
+            };
+            // SAFETY: the caller promises an entry for every index that it names.
+            unsafe {
+                let semi_axes = p
+                    .semi_axes
+                    .byte_add(entry * p.semi_axes_stride)
+                    .cast::<[f64; 3]>();
+                let quaternion = p
+                    .quaternions
+                    .byte_add(entry * p.quaternions_stride)
+                    .cast::<[f64; 4]>();
+                Some((semi_axes.read_unaligned(), quaternion.read_unaligned()))
+            }
+        },
+        identifier: |k: usize| identifier(p, k),
+    };
+    workspace
+        .prepare(&arrays, laws.types())
+        .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+}
+
+/// The failure for a contact at which Hale's form breaks.
+pub(super) fn hale_failure(i: i64, j: Option<i64>, ratio: f64) -> Failure {
+    let with = j.map_or("a wall".to_owned(), |j| format!("particle {j}"));
+    Failure::new(
+        ELLGRAN_ERROR_HALE,
+        format!(
+            "particle {i}: the contact with {with} has B/A = {ratio}, where Hale's form of the Hertz factors breaks \
+             (above 25178); use factors exact"
+        ),
+    )
+}
+
+/// Borrows laws and workspace of a call.
+///
+/// # Safety
+/// The pointers are NULL or valid for the call.
+pub(super) unsafe fn handles<'a>(
+    laws: *const super::law::EllgranLaws,
+    workspace: *mut EllgranWorkspace,
+) -> Result<(&'a Laws, &'a mut Workspace), Failure> {
+    // SAFETY: promised by the caller.
+    unsafe {
+        Ok((
+            &required(laws, "laws")?.laws,
+            &mut required_mut(workspace, "workspace")?.workspace,
+        ))
+    }
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Plane walls against all owned particles in one call.
+
+use super::law::{check_type, EllgranLaws};
+use super::particles::{
+    hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
+};
+use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::tallies::{borrow, write_back, EllgranTallies};
+use crate::geometry::{Plane, Vector3};
+use crate::pairs::planes::WallArrays;
+use crate::pairs::{compute_planes, MovingPlane};
+use libc::size_t;
+
+/// A plane wall: a half-space.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranPlane {
+    /// A point of its surface.
+    pub point: [f64; 3],
+    /// Normal out of the wall, towards the particles; any length but zero.
+    pub normal: [f64; 3],
+    /// Velocity.
+    pub velocity: [f64; 3],
+}
+
+impl EllgranPlane {
+    pub(super) fn to_core(self) -> Result<MovingPlane, Failure> {
+        let normal = Vector3::from_array(self.normal);
+        let length = normal.norm();
+        let (point, velocity) = (
+            Vector3::from_array(self.point),
+            Vector3::from_array(self.velocity),
+        );
+        if !(length > 0.0 && length.is_finite() && point.is_finite() && velocity.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "a plane with point {:?}, normal {:?} and velocity {:?} is none",
+                    self.point, self.normal, self.velocity
+                ),
+            ));
+        }
+        Ok(MovingPlane {
+            plane: Plane {
+                point,
+                normal: normal * (1.0 / length),
+            },
+            velocity,
+        })
+    }
+}
+
+/// Forces and torques between all owned particles and plane walls, added to the particles' arrays.
+///
+/// Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
+/// `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
+/// `history` [owned_count][wall_count][history length] (both NULL if the history length is 0). `wall_forces`,
+/// [wall_count][3] or NULL, receives the force on each wall, added to.
+///
+/// All particles are checked first; on failure nothing is written.
+///
+/// # Safety
+/// The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`; `tallies` may be NULL.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_compute_planes(
+    laws: *const EllgranLaws,
+    workspace: *mut EllgranWorkspace,
+    particles: *const EllgranParticles,
+    masks: *const i32,
+    group_mask: i32,
+    wall_type: i32,
+    wall_count: size_t,
+    planes: *const EllgranPlane,
+    touching: *mut i32,
+    history: *mut f64,
+    step: *const EllgranStep,
+    wall_forces: *mut f64,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_compute_planes", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        let p = unsafe { required(particles, "particles") }?;
+        let step = unsafe { required(step, "step") }?.to_core()?;
+        let wall_type = check_type(laws, wall_type, "wall_type")?;
+        let walls = unsafe { slice(planes, wall_count, "planes") }?
+            .iter()
+            .map(|w| w.to_core())
+            .collect::<Result<Vec<_>, _>>()?;
+        let owned = p.owned_count;
+        let length = laws.layout().length;
+        let slots = if length == 0 { 0 } else { owned * wall_count };
+        let mask = if masks.is_null() {
+            None
+        } else {
+            Some(unsafe { slice(masks, owned, "masks") }?)
+        };
+        let acts_on = |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0);
+        let mut arrays = WallArrays {
+            acts_on: &acts_on,
+            touching: unsafe { slice_mut(touching, slots, "touching") }?,
+            history: unsafe { slice_mut(history, slots * length, "history") }?,
+            forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
+            torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
+            wall_forces: if wall_forces.is_null() {
+                &mut []
+            } else {
+                unsafe { slice_mut(wall_forces.cast::<[f64; 3]>(), wall_count, "wall_forces") }?
+            },
+        };
+        let mut sums = match unsafe { tallies.as_ref() } {
+            Some(t) => Some(unsafe { borrow(t, owned) }?),
+            None => None,
+        };
+        unsafe { prepare(p, owned, laws, workspace) }?;
+        compute_planes(
+            laws,
+            workspace.particles(),
+            wall_type,
+            &walls,
+            &mut arrays,
+            &step,
+            sums.as_mut(),
+        )
+        .map_err(|e| hale_failure(identifier(p, e.i), None, e.ratio))?;
+        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
+            write_back(out, &sums);
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The terms that make force and torques the complete gradient of the elastic energy (THEORY, section 7).
+//!
+//! The energy `U = (2/5) c g(M) delta^(5/2)` depends on the pose through `delta` and through the relative curvature
+//! `M`. A force along `n` is the first part of its gradient; the second, of relative order `delta/R`, is here.
+//! With `V_k = W_k^-1` the Weingarten maps and `P = dg/dM`, the section's expressions become
+//!
+//! ```text
+//! gamma_k  = [ tr(P V_k) s_k + 2 P V_k s_k ] / (2 h_k)        tau_k = (P V_k)_vu - (P V_k)_uv
+//! lambda   = (W_i + W_j - delta I)^-1 (gamma_i + gamma_j)
+//! ```
+
+use super::hertz_factors::Factors;
+use crate::geometry::{Symmetric2, Vector2};
+use crate::real::Real;
+
+/// What the gradient needs of one body at the contact, in the tangent basis of the normal.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyAtContact<T = f64> {
+    /// Support function `h`, length.
+    pub h: T,
+    /// Tangent components of the witness point from the centre, `s`.
+    pub witness: Vector2<T>,
+    /// Weingarten map `V`, 1/length.
+    pub weingarten: Symmetric2<T>,
+    /// `W = V^-1`, length.
+    pub inverse_weingarten: Symmetric2<T>,
+}
+
+/// The additional terms of one body: subtract `scale` times them, see [`Gradient`].
+#[derive(Clone, Copy, Debug)]
+pub struct BodyGradient<T = f64> {
+    /// `gamma`: change of `g` with the normal.
+    pub gamma: Vector2<T>,
+    /// `tau`: change of `g` with a twist of the body about the normal.
+    pub twist: T,
+}
+
+/// `P = dg/dM` divided by `g`.
+#[inline(always)]
+pub fn curvature_gradient<T: Real>(
+    curvature: Symmetric2<T>,
+    factors: &Factors<T>,
+) -> Symmetric2<T> {
+    let one = factors.phi.constant(1.0);
+    // d ln g = -(1/4) M^-1 + (ln phi)'(w) (2/T I - M^-1)
+    let inverse = curvature.adjugate() * (one / curvature.determinant());
+    (inverse * -(factors.slope + 0.25)).shifted(factors.slope * 2.0 / curvature.trace())
+}
+
+/// `gamma_k` and `tau_k` of one body, divided by `g`.
+#[inline(always)]
+pub fn body_gradient<T: Real>(p: Symmetric2<T>, body: &BodyAtContact<T>) -> BodyGradient<T> {
+    let v = body.weingarten;
+    // Entries of P V, which is not symmetric.
+    let uu = p.uu * v.uu + p.uv * v.uv;
+    let uv = p.uu * v.uv + p.uv * v.vv;
+    let vu = p.uv * v.uu + p.vv * v.uv;
+    let vv = p.uv * v.uv + p.vv * v.vv;
+    let s = body.witness;
+    let half = s.u.constant(0.5) / body.h;
+    let trace = uu + vv;
+    BodyGradient {
+        gamma: Vector2::new(
+            (trace * s.u + (uu * s.u + uv * s.v) * 2.0) * half,
+            (trace * s.v + (vu * s.u + vv * s.v) * 2.0) * half,
+        ),
+        twist: vu - uv,
+    }
+}
+
+/// `lambda`: how the common normal answers, `(W_i + W_j - delta I)^-1 gamma`.
+///
+/// Where the contact is so deep that the matrix is nearly singular, or not positive, the normal itself is not unique
+/// and Hertz' law has ended: the smallest eigenvalue is then kept above a twentieth of that of `W_i + W_j`.
+#[inline(always)]
+pub fn normal_response<T: Real>(
+    radii: Symmetric2<T>,
+    penetration: T,
+    gamma: Vector2<T>,
+) -> Vector2<T> {
+    let one = penetration.constant(1.0);
+    let mean = radii.trace() * 0.5;
+    let half_difference = (radii.uu - radii.vv) * 0.5;
+    let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
+    let smallest = radii.determinant() / (mean + radius);
+    let shift = penetration.min(smallest * 0.95);
+    let m = radii.shifted(-shift);
+    m.adjugate().apply(gamma) * (one / m.determinant())
+}
+
+/// The additional torque of one body in the basis `(u, v, n)`, divided by `U'`: to be subtracted times `U'`.
+///
+/// `-s x lambda + n x (W lambda - gamma) + tau n`, where the normal component of `s` is `h`.
+#[inline(always)]
+pub fn additional_torque<T: Real>(
+    body: &BodyAtContact<T>,
+    own: &BodyGradient<T>,
+    lambda: Vector2<T>,
+) -> (Vector2<T>, T) {
+    let s = body.witness;
+    let q = body.inverse_weingarten.apply(lambda) - own.gamma;
+    // s x lambda = (s_t + h n) x lambda: n x (u, v) = (-v, u); s_t x lambda = (s_u l_v - s_v l_u) n.
+    let tangent = Vector2::new(body.h * lambda.v - q.v, -(body.h * lambda.u) + q.u);
+    let normal = own.twist - (s.u * lambda.v - s.v * lambda.u);
+    (tangent, normal)
+}

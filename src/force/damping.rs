@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Coefficients of normal damping: the relaxation time `A_n` of NFD by three closures, and the damping that gives a
+//! coefficient of restitution (THEORY, sections 3 and 6).
+
+use super::material::Material;
+use super::parameters::Closure;
+
+/// Normal relaxation time `A_n` (time) of one material. All closures give `tau` for `eta_i = tau E_i`.
+///
+/// `Closure::Brilliantov` diverges for `nu -> 0` and needs `eta1 + eta2 > 0`; see the checks of the parameters.
+pub fn normal_relaxation_time(material: &Material, closure: Closure) -> f64 {
+    let nu = material.poissons_ratio;
+    let e = material.youngs_modulus;
+    let (eta1, eta2) = (material.shear_viscosity, material.bulk_viscosity);
+    match closure {
+        // Dissipation of the quasi-static strain-rate field (D. Goldobin et al., Eur. Phys. J. E 38 (2015) 55): holds
+        // for any contact shape.
+        Closure::Energy => {
+            let s = 1.0 - nu;
+            let eta = (2.0 / 3.0 * eta1 * (1.0 - nu + nu * nu)
+                + eta2 * (1.0 - 2.0 * nu) * (1.0 - 2.0 * nu))
+                / (s * s);
+            eta * (1.0 - nu * nu) / e
+        }
+        // The paper's Eq. (7) with the Hertz surface strains.
+        Closure::Surface => (1.0 + nu) * (1.0 - 2.0 * nu) / e * (2.0 * eta2 + eta1 / 3.0),
+        // N. Brilliantov et al., Phys. Rev. E 53 (1996) 5382.
+        Closure::Brilliantov => {
+            if eta1 == 0.0 && eta2 == 0.0 {
+                return 0.0;
+            }
+            let s = 3.0 * eta2 - eta1;
+            s * s / (3.0 * eta2 + 2.0 * eta1) * (1.0 - nu * nu) * (1.0 - 2.0 * nu)
+                / (3.0 * e * nu * nu)
+        }
+    }
+}
+
+/// `alpha` in the damping force `alpha sqrt(m k) delta^(1/4) v` on `F = k delta^(3/2)` that gives the coefficient of
+/// restitution `e`, `0 < e <= 1`, at any speed, for a contact that ends at `delta = 0`:
+/// `e = exp(-pi z/sqrt(1 - z^2))`, `z = alpha/sqrt(5)` (Y. Tsuji et al., Powder Technol. 71 (1992) 239).
+pub fn restitution_coefficient(e: f64) -> f64 {
+    let l = -e.ln();
+    5.0f64.sqrt() * l / (std::f64::consts::PI.powi(2) + l * l).sqrt()
+}
+
+/// The two numbers from which the tangential relaxation times follow: `A_t = (t0 - t1 beta)/(1 - nu beta)`, with
+/// `beta = Bl/K` along the major and `D/K` along the minor semi-axis of the contact ellipse.
+///
+/// `Closure::Energy`: the tangential load's own strain-rate energy (THEORY, section 4). The other closures: the authors'
+/// own `A_t = eta1/(2G) = tau1`.
+pub fn tangential_relaxation_numbers(material: &Material, closure: Closure) -> (f64, f64) {
+    let nu = material.poissons_ratio;
+    let tau1 = material.shear_relaxation_time();
+    let tau2 = material.bulk_relaxation_time();
+    match closure {
+        Closure::Energy => (
+            tau1,
+            (tau1 * (1.0 + 2.0 * nu - 2.0 * nu * nu) - tau2 * (1.0 + nu) * (1.0 - 2.0 * nu)) / 3.0,
+        ),
+        Closure::Surface | Closure::Brilliantov => (tau1, tau1 * nu),
+    }
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! From material constants to laws, and from laws to force (THEORY: sections 2 to 5 and 7). No contact search.
+
+pub mod conservative;
+pub mod damping;
+pub mod elliptic_integrals;
+pub mod hertz_factors;
+pub mod law;
+pub mod material;
+pub mod normal;
+pub mod parameters;
+pub mod syntax;
+pub mod tangential;
+
+pub use hertz_factors::Factors;
+pub use law::{LawConstants, LawKinds, PairLaw};
+pub use material::Material;
+pub use normal::{normal_force, NormalForce};
+pub use parameters::{
+    Closure, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential,
+    Unloading,
+};
+pub use tangential::{tangential_force, TangentialForce};

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The words of an input deck that choose a law: what follows `I J` in `pair_coeff`, or the fix style of a wall.
+//!
+//! ```text
+//! <normal> [damping ...] [tangential ...] [keywords]
+//!   normal:      hertz E nu | nfd E nu eta1 eta2 | lsd kn cn
+//!   damping:     damping restitution e | damping relaxation A_n | damping none
+//!   tangential:  tangential none | tfd mu | mindlin mu | linear kt ct mu
+//!   keywords:    closure energy|surface|brilliantov    unloading ting|first_order    displacement total|incremental|rescaled
+//!                factors exact|hale    conservative yes|no    limit_force yes|no
+//! ```
+
+use super::parameters::{
+    Closure, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential,
+    Unloading,
+};
+
+struct Words<'a> {
+    words: &'a [&'a str],
+    position: usize,
+}
+
+impl<'a> Words<'a> {
+    fn next(&mut self, after: &str, what: &str) -> Result<&'a str, ParameterError> {
+        let word = self.words.get(self.position).ok_or_else(|| {
+            ParameterError(format!(
+                "'{after}' must be followed by {what}: a word is missing"
+            ))
+        })?;
+        self.position += 1;
+        Ok(word)
+    }
+
+    fn number(&mut self, after: &str, what: &str) -> Result<f64, ParameterError> {
+        let word = self.next(after, what)?;
+        word.parse().map_err(|_| {
+            ParameterError(format!(
+                "'{after}' must be followed by {what}: '{word}' is not a number"
+            ))
+        })
+    }
+
+    fn choice<T: Copy>(&mut self, after: &str, choices: &[(&str, T)]) -> Result<T, ParameterError> {
+        let names: Vec<&str> = choices.iter().map(|c| c.0).collect();
+        let word = self.next(after, &names.join("|"))?;
+        choices
+            .iter()
+            .find(|c| c.0 == word)
+            .map(|c| c.1)
+            .ok_or_else(|| {
+                ParameterError(format!(
+                    "unknown word '{word}' after '{after}': expected {}",
+                    names.join("|")
+                ))
+            })
+    }
+}
+
+const YES_NO: [(&str, bool); 2] = [("yes", true), ("no", false)];
+
+/// Reads the words of a law up to the first that is not one of its keywords, and checks the constants.
+///
+/// Returns the parameters and the number of words read. Where `conservative` is not given it is `yes`, but `no` with
+/// `factors hale`; where `displacement` is not given it is `total` for `tfd` and `rescaled` for `mindlin` and `linear`.
+///
+/// # Errors
+/// A word that is missing, unknown where a choice is due, not a number, given twice, or out of range; the message names it.
+pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
+    let mut p = LawParameters::default();
+    let mut w = Words { words, position: 0 };
+    p.normal = w.choice(
+        "the normal law",
+        &[
+            ("hertz", Normal::Hertz),
+            ("nfd", Normal::Nfd),
+            ("lsd", Normal::Lsd),
+        ],
+    )?;
+    match p.normal {
+        Normal::Hertz | Normal::Nfd => {
+            let name = words[0];
+            let all = if p.normal == Normal::Nfd {
+                "E nu eta1 eta2"
+            } else {
+                "E nu"
+            };
+            p.material.youngs_modulus = w.number(name, all)?;
+            p.material.poissons_ratio = w.number(name, all)?;
+            if p.normal == Normal::Nfd {
+                p.material.shear_viscosity = w.number(name, all)?;
+                p.material.bulk_viscosity = w.number(name, all)?;
+            }
+        }
+        Normal::Lsd => {
+            p.normal_stiffness = w.number("lsd", "kn cn")?;
+            p.normal_damping = w.number("lsd", "kn cn")?;
+        }
+    }
+    let mut seen: Vec<&str> = Vec::new();
+    let mut displacement = None;
+    let mut conservative = None;
+    while let Some(&word) = words.get(w.position) {
+        let known = [
+            "damping",
+            "tangential",
+            "closure",
+            "unloading",
+            "displacement",
+            "factors",
+            "conservative",
+            "limit_force",
+        ];
+        if !known.contains(&word) {
+            break;
+        }
+        if seen.contains(&word) {
+            return Err(ParameterError(format!("'{word}' is given twice")));
+        }
+        seen.push(word);
+        w.position += 1;
+        match word {
+            "damping" => {
+                p.damping = w.choice(
+                    word,
+                    &[
+                        ("none", Damping::None),
+                        ("restitution", Damping::Restitution),
+                        ("relaxation", Damping::Relaxation),
+                    ],
+                )?;
+                match p.damping {
+                    Damping::None => {}
+                    Damping::Restitution => p.restitution = w.number("damping restitution", "e")?,
+                    Damping::Relaxation => {
+                        p.relaxation_time = w.number("damping relaxation", "A_n")?
+                    }
+                }
+            }
+            "tangential" => {
+                p.tangential = w.choice(
+                    word,
+                    &[
+                        ("none", Tangential::None),
+                        ("tfd", Tangential::Tfd),
+                        ("mindlin", Tangential::Mindlin),
+                        ("linear", Tangential::Linear),
+                    ],
+                )?;
+                match p.tangential {
+                    Tangential::None => {}
+                    Tangential::Tfd => p.friction = w.number("tangential tfd", "mu")?,
+                    Tangential::Mindlin => p.friction = w.number("tangential mindlin", "mu")?,
+                    Tangential::Linear => {
+                        p.tangential_stiffness = w.number("tangential linear", "kt ct mu")?;
+                        p.tangential_damping = w.number("tangential linear", "kt ct mu")?;
+                        p.friction = w.number("tangential linear", "kt ct mu")?;
+                    }
+                }
+            }
+            "closure" => {
+                p.closure = w.choice(
+                    word,
+                    &[
+                        ("energy", Closure::Energy),
+                        ("surface", Closure::Surface),
+                        ("brilliantov", Closure::Brilliantov),
+                    ],
+                )?;
+            }
+            "unloading" => {
+                p.unloading = w.choice(
+                    word,
+                    &[
+                        ("ting", Unloading::Ting),
+                        ("first_order", Unloading::FirstOrder),
+                    ],
+                )?;
+            }
+            "displacement" => {
+                displacement = Some(w.choice(
+                    word,
+                    &[
+                        ("total", Displacement::Total),
+                        ("incremental", Displacement::Incremental),
+                        ("rescaled", Displacement::Rescaled),
+                    ],
+                )?);
+            }
+            "factors" => {
+                p.factors = w.choice(
+                    word,
+                    &[("exact", FactorForm::Exact), ("hale", FactorForm::Hale)],
+                )?;
+            }
+            "conservative" => conservative = Some(w.choice(word, &YES_NO)?),
+            _ => p.limit_force = w.choice(word, &YES_NO)?,
+        }
+    }
+    p.displacement = displacement.unwrap_or(match p.tangential {
+        Tangential::Mindlin | Tangential::Linear => Displacement::Rescaled,
+        _ => Displacement::Total,
+    });
+    p.conservative = conservative.unwrap_or(p.factors != FactorForm::Hale);
+    p.validate()?;
+    Ok((p, w.position))
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Relative curvature of two surfaces at their contact (THEORY, section 1; the paper's Eq. (5) in one tangent basis).
+
+use super::ellipsoid::{Ellipsoid, Support};
+use super::vector::{Symmetric2, Tangent, Vector3};
+
+/// `M = (W_i^-1 + W_j^-1) / 2` in principal axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Curvature {
+    /// Smaller relative curvature `A`, 1/length, along the major semi-axis of the contact ellipse.
+    pub a: f64,
+    /// Larger relative curvature `B >= A`, 1/length.
+    pub b: f64,
+    /// Unit world vector along the major semi-axis of the contact ellipse; any tangent vector when `A = B`.
+    pub major_direction: Vector3,
+}
+
+/// `A`, `B` and the direction of `A` from `M` in a tangent basis.
+pub fn relative_curvature(m: Symmetric2, tangent: &Tangent) -> Curvature {
+    let (a, b, direction) = m.eigen();
+    Curvature {
+        a: a.min(b),
+        b,
+        major_direction: tangent.vector(direction),
+    }
+}
+
+/// The inverse Weingarten map `W` (radii of curvature, length) of a body at a support: `adj V (a1 a2 a3)^2 / h^4`.
+pub fn inverse_weingarten(body: &Ellipsoid, support: &Support, tangent: &Tangent) -> Symmetric2 {
+    let h2 = support.h * support.h;
+    body.weingarten(support, tangent).adjugate() * (body.shape_determinant() / (h2 * h2))
+}

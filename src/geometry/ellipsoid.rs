@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An ellipsoid by its support function.
+//!
+//! With `R` the rotation from body to world and `D = diag(a1, a2, a3)` the semi-axes, the shape matrix is
+//! `S = R D^2 R^T`. It is never formed: `h = |D R^T n|` and `S n / h = R D (D R^T n) / h` have an error of the order
+//! of rounding times the largest semi-axis, while the formed matrix loses a factor of the aspect ratio more.
+
+use super::vector::{Symmetric2, Tangent, Vector3};
+use crate::real::Real;
+
+/// Shape and pose of an ellipsoid; the centre is kept apart, since only differences of centres matter.
+#[derive(Clone, Copy, Debug)]
+pub struct Ellipsoid<T = f64> {
+    /// Body axes as unit vectors in the world frame: the columns of the rotation.
+    pub axes: [Vector3<T>; 3],
+    /// Semi-axes along them, > 0, length.
+    pub semi_axes: Vector3<T>,
+}
+
+/// What is wrong with a shape or a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShapeError {
+    /// A semi-axis that is not a finite number greater than zero (or whose square is not one either).
+    SemiAxis(f64),
+    /// A quaternion with an entry that is not finite, or of length zero; the value is its squared length.
+    Quaternion(f64),
+}
+
+/// The support function and the witness of one body for one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Support<T = f64> {
+    /// `h(n) = max n.(p - x)` over the surface, length.
+    pub h: T,
+    /// The surface point with outward normal `n`, from the centre, world frame.
+    pub point: Vector3<T>,
+    /// `R^T n`: the direction in body axes.
+    pub local_normal: Vector3<T>,
+}
+
+impl Ellipsoid<f64> {
+    /// From semi-axes (length, along the body axes) and a quaternion `(w, x, y, z)`, body to world.
+    ///
+    /// The quaternion is normalised here, so that one that drifted is as good as a unit one.
+    ///
+    /// # Errors
+    /// [`ShapeError`] with the offending value.
+    #[inline]
+    pub fn new(semi_axes: [f64; 3], quaternion: [f64; 4]) -> Result<Self, ShapeError> {
+        for a in semi_axes {
+            // The squares must be normal numbers too, or h would be 0 or infinite.
+            if !(a > 1e-150 && a < 1e150) {
+                return Err(ShapeError::SemiAxis(a));
+            }
+        }
+        let [w, x, y, z] = quaternion;
+        let length = w * w + x * x + y * y + z * z;
+        if !(length > 1e-280 && length < 1e280) {
+            return Err(ShapeError::Quaternion(length));
+        }
+        let s = 2.0 / length;
+        let axes = [
+            Vector3::new(
+                1.0 - s * (y * y + z * z),
+                s * (x * y + w * z),
+                s * (x * z - w * y),
+            ),
+            Vector3::new(
+                s * (x * y - w * z),
+                1.0 - s * (x * x + z * z),
+                s * (y * z + w * x),
+            ),
+            Vector3::new(
+                s * (x * z + w * y),
+                s * (y * z - w * x),
+                1.0 - s * (x * x + y * y),
+            ),
+        ];
+        Ok(Ellipsoid {
+            axes,
+            semi_axes: Vector3::from_array(semi_axes),
+        })
+    }
+
+    /// The largest semi-axis: radius of the bounding sphere.
+    pub fn bounding_radius(&self) -> f64 {
+        let a = self.semi_axes;
+        a.x.max(a.y).max(a.z)
+    }
+
+    /// The smallest semi-axis.
+    pub fn smallest_semi_axis(&self) -> f64 {
+        let a = self.semi_axes;
+        a.x.min(a.y).min(a.z)
+    }
+
+    /// Whether the three semi-axes are the same number.
+    pub fn is_sphere(&self) -> bool {
+        let a = self.semi_axes;
+        a.x == a.y && a.y == a.z
+    }
+}
+
+impl<T: Real> Ellipsoid<T> {
+    /// A world vector in body axes.
+    #[inline(always)]
+    pub fn to_body(&self, w: Vector3<T>) -> Vector3<T> {
+        Vector3::new(
+            self.axes[0].dot(w),
+            self.axes[1].dot(w),
+            self.axes[2].dot(w),
+        )
+    }
+
+    /// A vector in body axes in the world frame.
+    #[inline(always)]
+    pub fn to_world(&self, b: Vector3<T>) -> Vector3<T> {
+        self.axes[0].scale_add(b.x, self.axes[1].scale_add(b.y, self.axes[2] * b.z))
+    }
+
+    /// Support function and witness for the unit vector `n`.
+    #[inline(always)]
+    pub fn support(&self, n: Vector3<T>) -> Support<T> {
+        let local_normal = self.to_body(n);
+        let z = self.semi_axes.componentwise(local_normal);
+        let h = z.norm();
+        let point = self.to_world(self.semi_axes.componentwise(z) * (h.constant(1.0) / h));
+        Support {
+            h,
+            point,
+            local_normal,
+        }
+    }
+
+    /// The Weingarten map (curvature, 1/length) at the surface point with normal `n`, in the tangent basis: the
+    /// level-set form `V = h T^T S^-1 T`, a Gram matrix, hence positive and free of cancellation.
+    ///
+    /// Its eigenvalues are the principal curvatures. The inverse Weingarten map of THEORY section 1 is its inverse;
+    /// `det V = h^4 / (a1 a2 a3)^2`.
+    #[inline(always)]
+    pub fn weingarten(&self, support: &Support<T>, tangent: &Tangent<T>) -> Symmetric2<T> {
+        let one = support.h.constant(1.0);
+        let a = self.semi_axes;
+        let inverse = Vector3::new(one / a.x, one / a.y, one / a.z);
+        let u = self.to_body(tangent.u);
+        // v = n x u, in body axes as well.
+        let v = support.local_normal.cross(u).componentwise(inverse);
+        let u = u.componentwise(inverse);
+        Symmetric2::new(u.norm_squared(), u.dot(v), v.norm_squared()) * support.h
+    }
+
+    /// `(a1 a2 a3)^2`.
+    #[inline(always)]
+    pub fn shape_determinant(&self) -> T {
+        let p = self.semi_axes.x * self.semi_axes.y * self.semi_axes.z;
+        p * p
+    }
+}

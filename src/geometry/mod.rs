@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Bodies by their support function, the contact search, curvature (THEORY: sections 1 and 7). No force, no allocation.
+
+pub mod contact_search;
+pub mod curvature;
+pub mod ellipsoid;
+pub mod plane;
+pub mod vector;
+
+pub use contact_search::{search, ContactSearch, Outcome};
+pub use curvature::{inverse_weingarten, relative_curvature, Curvature};
+pub use ellipsoid::{Ellipsoid, ShapeError, Support};
+pub use plane::{touch_plane, Plane};
+pub use vector::{Symmetric2, Tangent, Vector2, Vector3};

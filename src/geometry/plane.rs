@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An ellipsoid and a half-space: the common normal is known, so there is nothing to search.
+
+use super::ellipsoid::{Ellipsoid, Support};
+use super::vector::{Tangent, Vector3};
+
+/// A half-space.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// A point of the surface, world frame.
+    pub point: Vector3,
+    /// Unit normal out of the wall, towards the particles, world frame.
+    pub normal: Vector3,
+}
+
+/// The contact of body `i` with a plane (body `j`).
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneContact {
+    /// From the body to the wall: minus the wall's normal.
+    pub normal: Vector3,
+    /// Penetration (length); minus the gap when separated.
+    pub penetration: f64,
+    /// Support of the body towards the wall.
+    pub support: Support,
+    /// Tangent basis of `normal`.
+    pub tangent: Tangent,
+}
+
+/// Penetration `h(-m) - m.(x - p)` of a body with centre `x` and the plane through `p` with normal `m`.
+pub fn touch_plane(body: &Ellipsoid, centre: Vector3, plane: &Plane) -> PlaneContact {
+    let normal = -plane.normal;
+    let support = body.support(normal);
+    PlaneContact {
+        normal,
+        penetration: support.h - plane.normal.dot(centre - plane.point),
+        support,
+        tangent: Tangent::new(normal),
+    }
+}

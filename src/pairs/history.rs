@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is remembered of a contact, and where: no longer than the laws of a scene need.
+//!
+//! ```text
+//! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
+//! [ memory x y z ]         xi or zeta, world frame           with friction
+//! [ stiffness ]            normal stiffness at the last step with friction and `displacement rescaled`
+//! ```
+//!
+//! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
+
+/// Offsets, in doubles, of the parts of a contact's history.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HistoryLayout {
+    /// Where the cached normal stands.
+    pub normal: Option<usize>,
+    /// Where the tangential memory stands.
+    pub memory: Option<usize>,
+    /// Where the remembered stiffness stands.
+    pub stiffness: Option<usize>,
+    /// Doubles per contact.
+    pub length: usize,
+}
+
+impl HistoryLayout {
+    /// The layout for a scene.
+    pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
+        let mut length = 0;
+        let mut take = |wanted: bool, doubles: usize| {
+            wanted.then(|| {
+                let at = length;
+                length += doubles;
+                at
+            })
+        };
+        let normal = take(cached_normal, 3);
+        let memory = take(friction, 3);
+        let stiffness = take(friction && rescaled, 1);
+        HistoryLayout {
+            normal,
+            memory,
+            stiffness,
+            length,
+        }
+    }
+
+    /// Writes the history of `(j, i)` from that of `(i, j)`.
+    ///
+    /// # Panics
+    /// If either slice is shorter than the layout.
+    pub fn swap(&self, source: &[f64], target: &mut [f64]) {
+        for (k, (t, s)) in target[..self.length]
+            .iter_mut()
+            .zip(&source[..self.length])
+            .enumerate()
+        {
+            *t = if Some(k) == self.stiffness { *s } else { -s };
+        }
+    }
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Plane walls: all owned particles against a few half-spaces.
+
+use super::contact::{contact_forces, relative_curvature_matrix, Contact};
+use super::laws::Laws;
+use super::neighbour_list::{
+    cached_normal, factors_for, forget, hale_holds, recall, remember, HaleBroke,
+};
+use super::particles::{effective_mass, Particle};
+use super::tallies::{Contribution, Tallies};
+use super::{ContactForces, Step};
+use crate::force::PairLaw;
+use crate::geometry::plane::PlaneContact;
+use crate::geometry::{touch_plane, Plane, Symmetric2, Vector3};
+
+/// A plane wall and its velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingPlane {
+    /// Where it is.
+    pub plane: Plane,
+    /// How fast it moves, world frame.
+    pub velocity: Vector3,
+}
+
+/// What the caller lends for the walls of one kind.
+pub struct WallArrays<'a> {
+    /// Whether the wall acts on a particle.
+    pub acts_on: &'a dyn Fn(usize) -> bool,
+    /// One flag per owned particle and wall.
+    pub touching: &'a mut [i32],
+    /// History per owned particle and wall.
+    pub history: &'a mut [f64],
+    /// Forces of the owned particles, added to.
+    pub forces: &'a mut [[f64; 3]],
+    /// Torques of the owned particles, added to.
+    pub torques: &'a mut [[f64; 3]],
+    /// Force on each wall, added to; empty when not asked for.
+    pub wall_forces: &'a mut [[f64; 3]],
+}
+
+/// Geometry and motion of a particle at a plane.
+pub(super) fn contact_with_plane(
+    found: &PlaneContact,
+    i: &Particle,
+    wall: &MovingPlane,
+) -> Contact {
+    Contact {
+        normal: found.normal,
+        tangent: found.tangent,
+        penetration: found.penetration,
+        d: Vector3::ZERO,
+        h_i: found.support.h,
+        s_i: found.support.point,
+        weingarten_i: i.body.weingarten(&found.support, &found.tangent),
+        determinant_i: i.body.shape_determinant(),
+        h_j: 1.0,
+        s_j: Vector3::ZERO,
+        weingarten_j: Symmetric2::new(0.0, 0.0, 0.0),
+        determinant_j: 1.0,
+        velocity_i: i.velocity,
+        velocity_j: wall.velocity,
+        omega_i: i.omega,
+        omega_j: Vector3::ZERO,
+        effective_mass: effective_mass(i.inverse_mass, 0.0),
+    }
+}
+
+/// The law of one contact with a plane.
+pub(super) fn plane_forces(
+    law: &PairLaw,
+    x: &Contact,
+    remembered: &super::contact::Remembered,
+) -> ContactForces {
+    let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
+    let factors = factors_for(law, curvature.trace(), curvature.determinant());
+    contact_forces::<f64, true, true, true, true>(
+        &law.kinds,
+        &law.constants,
+        &factors,
+        curvature,
+        x,
+        remembered,
+    )
+}
+
+/// All owned particles against all planes. Contacts with the wall follow the law of the particle's type and `wall_type`.
+///
+/// # Errors
+/// Only with `factors hale`, and before any force is written.
+pub fn compute_planes(
+    laws: &Laws,
+    particles: &[Particle],
+    wall_type: usize,
+    walls: &[MovingPlane],
+    arrays: &mut WallArrays<'_>,
+    step: &Step,
+    mut tallies: Option<&mut Tallies<'_>>,
+) -> Result<(), HaleBroke> {
+    let layout = laws.layout();
+    let length = layout.length;
+    if laws.features().hale {
+        for (index, i) in particles.iter().enumerate() {
+            if (arrays.acts_on)(index) {
+                for wall in walls {
+                    let found = touch_plane(&i.body, i.position, &wall.plane);
+                    if found.penetration > 0.0 && laws.get(i.kind as usize, wall_type).kinds.hale {
+                        let x = contact_with_plane(&found, i, wall);
+                        hale_holds(relative_curvature_matrix(x.weingarten_i, x.weingarten_j))
+                            .map_err(|ratio| HaleBroke {
+                                i: index,
+                                j: index,
+                                ratio,
+                            })?;
+                    }
+                }
+            }
+        }
+    }
+    if let Some(t) = tallies.as_deref_mut() {
+        t.start_step();
+    }
+    for (index, i) in particles.iter().enumerate() {
+        if !(arrays.acts_on)(index) {
+            continue;
+        }
+        for (w, wall) in walls.iter().enumerate() {
+            let slot = index * walls.len() + w;
+            let mut none_touching = 0;
+            let touching = match arrays.touching.get_mut(slot) {
+                Some(t) => t,
+                None => &mut none_touching,
+            };
+            let history = &mut arrays.history[slot * length..(slot + 1) * length];
+            let reach = wall.plane.normal.dot(i.position - wall.plane.point);
+            let found = if reach >= i.radius {
+                None
+            } else {
+                Some(touch_plane(&i.body, i.position, &wall.plane)).filter(|f| f.penetration > 0.0)
+            };
+            let Some(found) = found else {
+                if *touching != 0 {
+                    *touching = 0;
+                    forget(&layout, history);
+                }
+                continue;
+            };
+            let law = laws.get(i.kind as usize, wall_type);
+            let x = contact_with_plane(&found, i, wall);
+            let before = cached_normal(&layout, history).unwrap_or(found.normal);
+            let remembered = recall(&layout, history, *touching != 0, step, found.normal, before);
+            let f = plane_forces(law, &x, &remembered);
+            remember(&layout, history, found.normal, &f);
+            *touching = 1;
+            for (target, v) in [
+                (&mut arrays.forces[index], -f.force),
+                (&mut arrays.torques[index], f.torque_i),
+            ] {
+                target[0] += v.x;
+                target[1] += v.y;
+                target[2] += v.z;
+            }
+            if let Some(target) = arrays.wall_forces.get_mut(w) {
+                target[0] += f.force.x;
+                target[1] += f.force.y;
+                target[2] += f.force.z;
+            }
+            if let Some(t) = tallies.as_deref_mut() {
+                t.pairs += 1;
+                t.add(
+                    index,
+                    None,
+                    true,
+                    &Contribution {
+                        normal_energy: f.elastic_energy,
+                        tangential_energy: f.tangential_energy,
+                        work: remembered.time * (f.viscous_power + f.tangential_power),
+                        d: f.contact_point,
+                        force: f.force,
+                    },
+                );
+            }
+        }
+    }
+    Ok(())
+}
