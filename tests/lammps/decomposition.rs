@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Is the motion the same on one and four ranks, with newton on and off, and across a periodic boundary; is momentum kept?
+
+use crate::harness::{
+    angular_momentum, largest_difference, linear_momentum, run, Deck, Engine, Frame, Grain, Scene,
+};
+use crate::shapes::{add, length, scale, sub, Random, Vector};
+
+/// Friction, viscosity and every other thing that needs history or rates.
+pub const LAW: &str = "nfd 1e7 0.3 200 300 tangential tfd 0.5";
+
+/// A crowd of ellipsoids in a periodic box, close enough to collide many times.
+pub fn crowd(count: usize) -> Scene {
+    let mut random = Random(64);
+    let side = (1..).find(|n| n * n * n >= count).unwrap();
+    let cell = 2.6e-2;
+    let mut grains = vec![];
+    for k in 0..count {
+        let place = [k % side, k / side % side, k / side / side].map(|c| c as f64 + 0.5);
+        let jitter: Vector = std::array::from_fn(|_| random.between(-0.05, 0.05));
+        let mut axes = [1.5e-2, 1e-2, 0.8e-2];
+        axes.rotate_left(k % 3);
+        let grain = Grain {
+            density: 2500.0,
+            ..Grain::new(axes, scale(cell, add(place, jitter))).turned(random.quaternion())
+        };
+        let velocity = scale(random.between(0.1, 0.5), random.direction());
+        let spin = scale(random.between(1.0, 20.0), random.direction());
+        grains.push(grain.moving(velocity).spinning(spin));
+    }
+    Scene::periodic([0.0; 3], [side as f64 * cell; 3], grains)
+}
+
+fn momentum_error(scene: &Scene, first: &Frame, last: &Frame) -> f64 {
+    let size: f64 = scene
+        .grains
+        .iter()
+        .zip(&first.states)
+        .map(|(g, s)| g.mass() * length(s.velocity))
+        .sum();
+    length(sub(
+        linear_momentum(&scene.grains, last),
+        linear_momentum(&scene.grains, first),
+    )) / size
+}
+
+#[test]
+fn both_versions_ranks_and_newton_do_not_change_the_motion() {
+    let engine = Engine::from_environment();
+    let scene = crowd(64);
+    let deck = |newton: bool| Deck {
+        newton,
+        time_step: 5e-6,
+        steps: 800,
+        skin: 2e-3,
+        ..Deck::new(LAW)
+    };
+    let reference = run(&engine, "crowd_1_on", &scene, &deck(true), 1);
+    let changed = scene
+        .grains
+        .iter()
+        .zip(&reference.last().states)
+        .filter(|(g, s)| length(sub(s.velocity, g.velocity)) > 1e-2 * length(g.velocity))
+        .count();
+    println!("{changed} of {} grains have collided", scene.grains.len());
+    assert!(changed > 50);
+    println!(
+        "momentum error {:.1e}",
+        momentum_error(&scene, reference.first(), reference.last())
+    );
+    assert!(momentum_error(&scene, reference.first(), reference.last()) < 1e-13);
+    for (ranks, newton) in [(1, false), (4, true), (4, false)] {
+        let name = format!("crowd_{ranks}_{newton}");
+        let outcome = run(&engine, &name, &scene, &deck(newton), ranks);
+        let (positions, velocities) = largest_difference(outcome.last(), reference.last());
+        let momentum = momentum_error(&scene, outcome.first(), outcome.last());
+        println!("{ranks} ranks, newton {newton}: positions {positions:.1e}, velocities {velocities:.1e}, momentum {momentum:.1e}");
+        assert!(
+            positions < 1e-9 && velocities < 1e-9,
+            "{ranks} ranks, newton {newton}"
+        );
+        assert!(momentum < 1e-13, "{ranks} ranks, newton {newton}");
+    }
+}
+
+/// Two ellipsoids that meet obliquely under friction about a point of the box.
+fn meeting_at(centre: Vector) -> Scene {
+    let mut random = Random(5);
+    let axes = [0.016, 0.01, 0.008];
+    let grain = |s: f64, random: &mut Random| {
+        let offset = [s * 0.0093, s * 0.003, -s * 0.002];
+        Grain {
+            density: 2500.0,
+            ..Grain::new(axes, add(centre, offset)).turned(random.quaternion())
+        }
+        .moving([-s * 0.3, s * 0.1, s * 0.2])
+        .spinning([5.0 * s, 3.0, -4.0])
+    };
+    let grains = vec![grain(-1.0, &mut random), grain(1.0, &mut random)];
+    Scene::periodic([0.0; 3], [0.125; 3], grains)
+}
+
+fn wrapped(mut scene: Scene) -> Scene {
+    for g in &mut scene.grains {
+        g.position = g.position.map(|x| x.rem_euclid(0.125));
+    }
+    scene
+}
+
+#[test]
+fn both_versions_a_contact_across_a_periodic_boundary() {
+    let engine = Engine::from_environment();
+    let deck = |newton: bool| Deck {
+        newton,
+        time_step: 4e-6,
+        steps: 3000,
+        skin: 2e-3,
+        ..Deck::new(LAW)
+    };
+    let inside = meeting_at([0.0625; 3]);
+    let reference = run(&engine, "boundary_inside", &inside, &deck(true), 1);
+    let force: f64 = length(reference.first().states[0].force);
+    let turned = length(sub(
+        reference.last().states[0].velocity,
+        inside.grains[0].velocity,
+    ));
+    println!(
+        "change of velocity {turned:.3} m/s, force at the start {force:.1} N, at the end {:?}",
+        reference.last().states[0].force
+    );
+    assert!(turned > 0.1);
+    // relative motion: positions less their starts, so that the box does not matter
+    let moved = |frame: &Frame, first: &Frame| {
+        let mut frame = frame.clone();
+        for (s, f) in frame.states.iter_mut().zip(&first.states) {
+            s.position = sub(s.position, f.position);
+        }
+        frame
+    };
+    let expected = moved(reference.last(), reference.first());
+    let places: [(&str, Vector); 4] = [
+        ("x face", [0.0, 0.0625, 0.0625]),
+        ("y face", [0.0625, 0.0, 0.0625]),
+        ("edge", [0.0, 0.0, 0.0625]),
+        ("corner", [0.0; 3]),
+    ];
+    for (place, centre) in places {
+        let scene = wrapped(meeting_at(centre));
+        for (ranks, newton) in [(1, true), (1, false), (4, true), (4, false)] {
+            let outcome = run(&engine, "boundary", &scene, &deck(newton), ranks);
+            let (positions, velocities) =
+                largest_difference(&moved(outcome.last(), outcome.first()), &expected);
+            let momentum = momentum_error(&scene, outcome.first(), outcome.last());
+            println!("{place}, {ranks} ranks, newton {newton}: positions {positions:.1e}, velocities {velocities:.1e}, momentum {momentum:.1e}");
+            assert!(
+                positions < 1e-9 && velocities < 1e-9 && momentum < 1e-13,
+                "{place}, {ranks} ranks, newton {newton}"
+            );
+        }
+    }
+    // no boundary between them: angular momentum is kept as well
+    let about = |frame: &Frame| angular_momentum(&inside.grains, frame);
+    let scale_of = length(about(reference.first()));
+    let drift = length(sub(about(reference.last()), about(reference.first()))) / scale_of;
+    println!("angular momentum: relative change {drift:.1e}");
+    assert!(drift < 1e-12);
+}

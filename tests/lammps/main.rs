@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What must hold through a real LAMMPS. One question per file.
+//!
+//! `cargo xtask test` builds LAMMPS and the plugin and names them in the environment; see `harness`.
+//! Tests whose name begins with `both_versions_` use nothing that LAMMPS 4 Feb 2025 lacks and are run against it too.
+
+mod harness;
+mod shapes;
+
+mod conservation;
+mod contact_or_not;
+mod decomposition;
+mod golden_pairs;
+mod linear_spring;
+mod misuse;
+mod normal_motion;
+mod plane_motion;
+mod restart;
+mod spheres;
+mod tangential_motion;

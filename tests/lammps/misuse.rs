@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Does every misuse stop the run with a message that names what is wrong?
+
+use crate::harness::{attempt, Deck, Engine, Grain, Scene};
+
+const LAW: &str = "hertz 1e7 0.3";
+
+fn pair_of_grains() -> Scene {
+    Scene::open(
+        10.0,
+        vec![
+            Grain::new([1.0, 0.8, 0.5], [0.0; 3]),
+            Grain::new([1.0, 0.8, 0.5], [0.0, 0.0, 0.99]),
+        ],
+    )
+}
+
+/// The run must fail, with LAMMPS' `ERROR` and all of the words in one line of its output.
+fn refused(name: &str, scene: &Scene, deck: &Deck, words: &[&str]) {
+    let engine = Engine::from_environment();
+    let outcome = attempt(
+        &engine,
+        &format!("misuse_{}", name.replace([' ', '/'], "_")),
+        scene,
+        deck,
+        1,
+    );
+    let errors: Vec<&str> = outcome
+        .output
+        .lines()
+        .filter(|l| l.contains("ERROR"))
+        .collect();
+    println!("{name}: {}", errors.first().unwrap_or(&"no error"));
+    assert!(!outcome.success, "{name}: the run went on to its end");
+    assert!(
+        !errors.is_empty(),
+        "{name}: no ERROR in\n{}",
+        outcome.output
+    );
+    // LAMMPS breaks long messages: look for the words anywhere from the first ERROR on
+    let from = outcome.output.find("ERROR").unwrap();
+    for word in words {
+        assert!(
+            outcome.output[from..].contains(word),
+            "{name}: '{word}' is not in\n{}",
+            &outcome.output[from..]
+        );
+    }
+}
+
+fn with_law(law: &str) -> Deck {
+    Deck::new(law)
+}
+
+#[test]
+fn both_versions_coefficients() {
+    let scene = pair_of_grains();
+    let cases: &[(&str, &[&str])] = &[
+        ("", &["normal law"]),
+        ("hooke 1e5 0.1", &["hooke", "hertz"]),
+        ("hertz 1e7", &["hertz", "nu"]),
+        ("hertz", &["hertz", "E"]),
+        ("hertz 1e7 0.3 0.5", &["0.5"]),
+        ("hertz 1e7 0.3 nonsense", &["nonsense"]),
+        ("hertz stiff 0.3", &["stiff", "number"]),
+        ("hertz nan 0.3", &["nan"]),
+        ("hertz inf 0.3", &["inf"]),
+        ("hertz -1e7 0.3", &["-1"]),
+        ("hertz 0 0.3", &["0"]),
+        ("hertz 1e7 0.7", &["0.7"]),
+        ("hertz 1e7 -1.5", &["-1.5"]),
+        ("nfd 1e7 0.3 100", &["nfd", "eta2"]),
+        ("nfd 1e7 0.3 -100 100", &["-100"]),
+        ("nfd 1e7 0.0 100 100 closure brilliantov", &["brilliantov"]),
+        (
+            "nfd 1e7 0.3 100 100 closure nonsense",
+            &["closure", "nonsense"],
+        ),
+        ("nfd 1e7 0.3 100 100 unloading slow", &["unloading", "slow"]),
+        ("lsd 1e4", &["lsd", "cn"]),
+        ("lsd -1e4 1", &["-10000"]),
+        ("lsd 1e4 -1", &["-1"]),
+        ("hertz 1e7 0.3 damping", &["damping"]),
+        ("hertz 1e7 0.3 damping restitution", &["restitution", "e"]),
+        ("hertz 1e7 0.3 damping restitution 1.5", &["1.5"]),
+        ("hertz 1e7 0.3 damping restitution 0", &["restitution"]),
+        ("hertz 1e7 0.3 damping relaxation -1e-4", &["relaxation"]),
+        ("hertz 1e7 0.3 damping tsuji", &["tsuji"]),
+        (
+            "hertz 1e7 0.3 damping none damping none",
+            &["damping", "twice"],
+        ),
+        ("hertz 1e7 0.3 tangential tfd", &["tfd", "mu"]),
+        ("hertz 1e7 0.3 tangential tfd -0.5", &["-0.5"]),
+        (
+            "hertz 1e7 0.3 tangential mindlin high",
+            &["mindlin", "high"],
+        ),
+        ("hertz 1e7 0.3 tangential linear 1e4 0", &["linear", "mu"]),
+        ("hertz 1e7 0.3 tangential linear -1e4 0 0.5", &["-10000"]),
+        ("hertz 1e7 0.3 tangential coulomb 0.5", &["coulomb"]),
+        (
+            "hertz 1e7 0.3 tangential tfd 0.5 displacement sideways",
+            &["displacement", "sideways"],
+        ),
+        (
+            "hertz 1e7 0.3 factors approximate",
+            &["factors", "approximate"],
+        ),
+        (
+            "hertz 1e7 0.3 conservative maybe",
+            &["conservative", "maybe"],
+        ),
+        ("hertz 1e7 0.3 limit_force 1", &["limit_force", "1"]),
+    ];
+    for (law, words) in cases {
+        refused(
+            &format!("pair_coeff * * {law}"),
+            &scene,
+            &with_law(law),
+            words,
+        );
+    }
+}
+
+#[test]
+fn both_versions_settings_around_the_pair_style() {
+    let scene = pair_of_grains();
+    let pair = |lines: &[&str]| Deck::with_pair(lines.iter().map(|s| s.to_string()).collect());
+    let style = "pair_style gran/ellipsoid";
+    refused(
+        "atom_style sphere",
+        &scene,
+        &Deck {
+            atom_style: "sphere".into(),
+            ..Deck::new(LAW)
+        },
+        &["ellipsoid"],
+    );
+    refused(
+        "no ghost velocities",
+        &scene,
+        &Deck {
+            before_data: vec!["comm_modify vel no".into()],
+            ..Deck::new(LAW)
+        },
+        &["comm_modify vel yes"],
+    );
+    refused(
+        "pair_style with coefficients",
+        &scene,
+        &pair(&["pair_style gran/ellipsoid hertz 1e7 0.3", "pair_coeff * *"]),
+        &["gran/ellipsoid"],
+    );
+    refused(
+        "cutoff not a number",
+        &scene,
+        &pair(&[
+            "pair_style gran/ellipsoid wide",
+            "pair_coeff * * hertz 1e7 0.3",
+        ]),
+        &["wide"],
+    );
+    refused(
+        "cutoff too short",
+        &scene,
+        &pair(&[
+            "pair_style gran/ellipsoid 0.5",
+            "pair_coeff * * hertz 1e7 0.3",
+        ]),
+        &["cutoff", "0.5"],
+    );
+    refused(
+        "types out of range",
+        &scene,
+        &pair(&[style, "pair_coeff 1 3 hertz 1e7 0.3"]),
+        &["3"],
+    );
+    let mut two = pair_of_grains();
+    two.kinds = 2;
+    two.grains[1].kind = 2;
+    refused(
+        "a type without coefficients",
+        &two,
+        &pair(&[style, "pair_coeff 1 1 hertz 1e7 0.3"]),
+        &["2"],
+    );
+    refused("no coefficients", &scene, &pair(&[style]), &["coeff"]);
+    refused(
+        "only the mixed pair",
+        &two,
+        &pair(&[style, "pair_coeff 1 2 hertz 1e7 0.3"]),
+        &["type 1"],
+    );
+    refused(
+        "laws that do not mix",
+        &two,
+        &pair(&[
+            style,
+            "pair_coeff 1 1 hertz 1e7 0.3",
+            "pair_coeff 2 2 lsd 1e4 1",
+        ]),
+        &["1", "2"],
+    );
+    let respa = Deck {
+        fixes: vec!["run_style respa 2 2".into()],
+        ..Deck::new(LAW)
+    };
+    refused("rRESPA", &scene, &respa, &["respa"]);
+}
+
+#[test]
+fn both_versions_shapes_and_positions() {
+    let scene = pair_of_grains();
+    let nan = "variable bad equal exp(1000.0)-exp(1000.0)";
+    let set = |commands: &[&str]| Deck {
+        fixes: commands.iter().map(|s| s.to_string()).collect(),
+        steps: 3,
+        ..Deck::new(LAW)
+    };
+    // LAMMPS makes a particle of no extent out of zero axes
+    let still = Deck {
+        integrate: false,
+        ..set(&["set atom 2 shape 0.0 0.0 0.0"])
+    };
+    refused("zero axes", &scene, &still, &["2"]);
+    let still = Deck {
+        integrate: false,
+        ..set(&[nan, "set atom 2 shape v_bad v_bad v_bad"])
+    };
+    refused("NaN axes", &scene, &still, &["2"]);
+    let infinite = Deck {
+        integrate: false,
+        ..set(&[
+            "variable bad equal exp(1000.0)",
+            "set atom 2 shape v_bad 1.0 1.0",
+        ])
+    };
+    refused("infinite axis", &scene, &infinite, &["2"]);
+    let position = Deck {
+        before_data: vec!["atom_modify sort 0 0".into()],
+        ..set(&[nan, "set atom 1 vx v_bad"])
+    };
+    refused("NaN velocity, then position", &scene, &position, &["1"]);
+    let grown = Deck {
+        before_data: vec![],
+        runs: vec![
+            "run 0".into(),
+            "set atom 2 shape 6.0 2.0 2.0".into(),
+            "run 1 pre no".into(),
+        ],
+        ..set(&[])
+    };
+    let outcome = attempt(
+        &Engine::from_environment(),
+        "misuse_grown",
+        &scene,
+        &grown,
+        1,
+    );
+    println!(
+        "a grain that grows between runs without `pre`: success {}",
+        outcome.success
+    );
+}
+
+#[test]
+fn superellipsoids_that_are_no_ellipsoids() {
+    let scene = pair_of_grains();
+    let deck = Deck {
+        atom_style: "ellipsoid superellipsoid".into(),
+        fixes: vec!["set atom 2 block 4.0 4.0".into()],
+        ..Deck::new(LAW)
+    };
+    refused("blockiness", &scene, &deck, &["4", "2"]);
+}
+
+/// Two parallel needles slender enough for Hale's closed form to break down.
+#[test]
+fn both_versions_hale_factors_beyond_their_range() {
+    let a = [300.0, 1.0, 1.0];
+    let scene = Scene::open(
+        2000.0,
+        vec![Grain::new(a, [0.0; 3]), Grain::new(a, [0.0, 1.99, 0.0])],
+    );
+    refused(
+        "Hale's factors",
+        &scene,
+        &with_law("hertz 1e7 0.3 factors hale conservative no"),
+        &["hale"],
+    );
+}
+
+#[test]
+fn both_versions_walls() {
+    let scene = pair_of_grains();
+    let wall = |words: &str| Deck {
+        fixes: vec![format!("fix floor all wall/gran/ellipsoid {words}")],
+        ..Deck::new(LAW)
+    };
+    let cases: &[(&str, &[&str])] = &[
+        ("", &["wall/gran/ellipsoid"]),
+        ("hertz 1e7 0.3", &["wall"]),
+        ("hertz 1e7 zplane -5 NULL", &["zplane", "number"]),
+        ("hertz 1e7 0.9 zplane -5 NULL", &["0.9"]),
+        ("hertz 1e7 0.3 wplane -5 NULL", &["wplane"]),
+        ("hertz 1e7 0.3 zplane -5", &["zplane"]),
+        ("hertz 1e7 0.3 zplane NULL NULL", &["NULL"]),
+        ("hertz 1e7 0.3 zplane 5 -5", &["5"]),
+        ("hertz 1e7 0.3 zplane -5 NULL spin x 1", &["spin"]),
+        ("hertz 1e7 0.3 tangential tfd -1 zplane -5 NULL", &["-1"]),
+    ];
+    for (words, expected) in cases {
+        refused(&format!("wall {words}"), &scene, &wall(words), expected);
+    }
+    let mut periodic = pair_of_grains();
+    periodic.boundary = "p p p".into();
+    refused(
+        "wall in a periodic direction",
+        &periodic,
+        &wall("hertz 1e7 0.3 zplane -5 NULL"),
+        &["periodic"],
+    );
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A grain on a plane wall: rebound, sliding into rolling, rest depth.
+
+use crate::harness::{run, Deck, Engine, Frame, Grain, Outcome, Scene};
+use crate::normal_motion::{converge, vertex, HERTZ_TIME};
+use crate::shapes::{about, hertz_stiffness, inertia, rotate, IDENTITY};
+
+const RADIUS: f64 = 1e-2;
+const DENSITY: f64 = 2500.0;
+const MODULUS: f64 = 1e7;
+const POISSON: f64 = 0.3;
+const GRAVITY: f64 = 9.81;
+
+/// The words of the wall fix are the constants of both sides.
+fn stiffness(poisson: f64) -> f64 {
+    4.0 / 3.0 * MODULUS / (2.0 * (1.0 - poisson * poisson)) * RADIUS.sqrt()
+}
+
+fn ball() -> Grain {
+    Grain {
+        density: DENSITY,
+        ..Grain::sphere(RADIUS, [0.0, 0.0, RADIUS])
+    }
+}
+
+fn deck(law: &str, time_step: f64, steps: u64) -> Deck {
+    Deck {
+        fixes: vec![format!(
+            "fix floor all wall/gran/ellipsoid {law} zplane 0.0 NULL"
+        )],
+        time_step,
+        steps,
+        skin: 1e-3,
+        ..Deck::new(&format!("hertz {MODULUS} {POISSON}"))
+    }
+}
+
+fn spin(grain: &Grain, frame: &Frame) -> f64 {
+    frame.states[0].angular_momentum[1] / inertia(grain.mass(), grain.semi_axes)[0]
+}
+
+/// Ball thrown at the floor with a small overlap; the first step is first touch.
+fn throw(
+    engine: &Engine,
+    law: &str,
+    poisson: f64,
+    down: f64,
+    along: f64,
+    steps: f64,
+) -> (Outcome, f64) {
+    let (m, k) = (ball().mass(), stiffness(poisson));
+    let time = HERTZ_TIME * (5.0 * m * down * down / (4.0 * k)).powf(0.4) / down;
+    let scene = Scene::open(0.1, vec![ball().moving([along, 0.0, -down])]);
+    let deck = Deck {
+        dump_every: 1,
+        ..deck(law, time / steps, (1.2 * steps) as u64)
+    };
+    let outcome = run(engine, "throw", &scene, &deck, 1);
+    assert_eq!(outcome.last().states[0].force, [0.0; 3], "still in contact");
+    (outcome, time)
+}
+
+#[test]
+fn both_versions_hertz_rebound_from_a_plane() {
+    let engine = Engine::from_environment();
+    let down: f64 = 0.1;
+    let (m, k) = (ball().mass(), stiffness(POISSON));
+    let depth = (5.0 * m * down * down / (4.0 * k)).powf(0.4);
+    let time = 3.2180654597190431 * (m * m / (k * k * down)).powf(0.2);
+    let law = format!("hertz {MODULUS} {POISSON}");
+    let measure = |steps: f64| {
+        let (outcome, _) = throw(&engine, &law, POISSON, down, 0.0, steps);
+        let depths: Vec<f64> = outcome
+            .frames
+            .iter()
+            .map(|f| RADIUS - f.states[0].position[2])
+            .collect();
+        let last = outcome.last();
+        let velocity = last.states[0].velocity[2];
+        let duration =
+            last.step as f64 * time / steps - (last.states[0].position[2] - RADIUS) / velocity;
+        (duration, vertex(&depths), velocity / down)
+    };
+    converge("contact time with a plane", time, 2, 1e-6, |s| measure(s).0);
+    converge("greatest overlap with a plane", depth, 2, 1e-6, |s| {
+        measure(s).1
+    });
+    converge("restitution from a plane", 1.0, 2, 1e-7, |s| measure(s).2);
+}
+
+/// Ratio of the surface velocities at the contact, across the normal.
+#[test]
+fn both_versions_no_slip_rebound_from_a_plane() {
+    let engine = Engine::from_environment();
+    let down = 1e-5;
+    for (poisson, expected) in [(0.3, 0.954847528103), (0.25, 1.0)] {
+        let law =
+            format!("hertz {MODULUS} {poisson} tangential mindlin 1e6 displacement incremental");
+        converge(
+            &format!("no-slip rebound from a plane, nu {poisson}"),
+            expected,
+            2,
+            2e-5,
+            |s| {
+                let (outcome, _) = throw(&engine, &law, poisson, down, 0.1 * down, s);
+                let last = outcome.last();
+                ((last.states[0].velocity[0] - RADIUS * spin(&ball(), last)) / (0.1 * down)).abs()
+            },
+        );
+    }
+}
+
+#[test]
+fn both_versions_gross_slip_on_a_plane() {
+    let engine = Engine::from_environment();
+    let (down, friction) = (1e-5, 0.25);
+    let along = 10.0 * friction * down;
+    for tangential in ["tfd", "mindlin"] {
+        let law = format!("hertz {MODULUS} {POISSON} tangential {tangential} {friction}");
+        let (outcome, _) = throw(&engine, &law, POISSON, down, along, 4000.0);
+        let last = outcome.last();
+        let surface = last.states[0].velocity[0] - RADIUS * spin(&ball(), last);
+        let (expected, turning) = (along - 7.0 * friction * down, 5.0 * friction * down);
+        println!(
+            "gross slip on a plane, {tangential}: surface velocity {:.8} of the expected, spin {:.8}",
+            surface / expected,
+            RADIUS * spin(&ball(), last) / turning
+        );
+        assert!((surface / expected - 1.0).abs() < 5e-4);
+        assert!((RADIUS * spin(&ball(), last) / turning - 1.0).abs() < 2e-4);
+    }
+}
+
+/// A ball set down with v0 and no spin rolls from t = 2 v0/(7 mu g) on, at 5 v0/7.
+#[test]
+fn both_versions_sliding_into_rolling() {
+    let engine = Engine::from_environment();
+    let (friction, speed) = (0.3, 0.2);
+    let (m, k) = (ball().mass(), stiffness(POISSON));
+    let depth = (m * GRAVITY / k).powf(2.0 / 3.0);
+    let mut grain = ball().moving([speed, 0.0, 0.0]);
+    grain.position = [-0.05, 0.0, RADIUS - depth];
+    let scene = Scene::open(0.1, vec![grain.clone()]);
+    // stiff enough that the arm is the radius: depth 6e-5 R
+    println!("rest depth over radius {:.1e}", depth / RADIUS);
+    let relaxation = 2e-4;
+    let (shear, bulk) = (
+        relaxation * MODULUS / (1.0 + POISSON),
+        relaxation * MODULUS / (3.0 * (1.0 - 2.0 * POISSON)),
+    );
+    let law = format!("nfd {MODULUS} {POISSON} {shear:e} {bulk:e} tangential tfd {friction}");
+    let expected = 2.0 * speed / (7.0 * friction * GRAVITY);
+    let steps = 40000;
+    let time_step = 1.5 * expected / steps as f64;
+    let mut deck = deck(&law, time_step, steps);
+    deck.fixes
+        .push(format!("fix fall all gravity {GRAVITY} vector 0 0 -1"));
+    deck.dump_every = 20;
+    let outcome = run(&engine, "rolling", &scene, &deck, 1);
+    let slip = |f: &Frame| f.states[0].velocity[0] - RADIUS * spin(&grain, f);
+    // while sliding the slip falls linearly: its zero, from the middle third of the slide
+    let at = |t: f64| &outcome.frames[(t / time_step / 20.0).round() as usize];
+    let (a, b) = (at(0.3 * expected), at(0.6 * expected));
+    let rate = (slip(b) - slip(a)) / ((b.step - a.step) as f64 * time_step);
+    let start = a.step as f64 * time_step - slip(a) / rate;
+    let last = outcome.last();
+    println!(
+        "sliding into rolling: rolls from {:.6} of the expected time, at {:.7} of 5 v0/7, slip left {:.1e}",
+        start / expected,
+        last.states[0].velocity[0] / (5.0 * speed / 7.0),
+        slip(last) / speed
+    );
+    assert!((start / expected - 1.0).abs() < 1e-3);
+    assert!((last.states[0].velocity[0] / (5.0 * speed / 7.0) - 1.0).abs() < 1e-3);
+    assert!(slip(last).abs() < 1e-3 * speed);
+    let after = outcome
+        .frames
+        .iter()
+        .find(|f| slip(f).abs() < 2e-3 * speed)
+        .unwrap()
+        .step as f64
+        * time_step;
+    assert!(
+        (after / expected - 1.0).abs() < 2e-2,
+        "slip ends at {after}, not {expected}"
+    );
+}
+
+/// Rest depth (m g/k)^(2/3): a ball, and an ellipsoid lying on each of its three sides.
+#[test]
+fn both_versions_rest_depth_on_a_plane() {
+    let engine = Engine::from_environment();
+    let axes = [1.5e-2, 1e-2, 0.8e-2];
+    let poses = [
+        ("ball", [RADIUS; 3], IDENTITY, RADIUS),
+        ("ellipsoid on its flat side", axes, IDENTITY, axes[2]),
+        (
+            "ellipsoid on its narrow side",
+            axes,
+            about([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2),
+            axes[1],
+        ),
+    ];
+    for (what, semi_axes, quaternion, height) in poses {
+        let mut grain = Grain {
+            density: DENSITY,
+            ..Grain::new(semi_axes, [0.0, 0.0, height]).turned(quaternion)
+        };
+        let modulus = MODULUS / (2.0 * (1.0 - POISSON * POISSON));
+        let flat = ([1e6; 3], IDENTITY);
+        let k = hertz_stiffness(modulus, (semi_axes, quaternion), flat, [0.0, 0.0, -1.0]);
+        let depth = (grain.mass() * GRAVITY / k).powf(2.0 / 3.0);
+        grain.position[2] = height - 0.9 * depth;
+        let scene = Scene::open(0.2, vec![grain]);
+        let period = 2.0 * std::f64::consts::PI * (2.0 * depth / (3.0 * GRAVITY)).sqrt();
+        let law = format!(
+            "hertz {MODULUS} {POISSON} damping relaxation {:e}",
+            0.2 * period
+        );
+        let mut deck = deck(&law, period / 200.0, 4000);
+        deck.fixes
+            .push(format!("fix fall all gravity {GRAVITY} vector 0 0 -1"));
+        let outcome = run(&engine, "rest", &scene, &deck, 1);
+        let state = &outcome.last().states[0];
+        let reached = height - state.position[2];
+        println!(
+            "rest depth, {what}: {:.10} of the expected {depth:.3e}",
+            reached / depth
+        );
+        assert!((reached / depth - 1.0).abs() < 1e-6, "{what}");
+        // up is still up
+        assert!(
+            (rotate(
+                state.quaternion,
+                rotate(
+                    [
+                        quaternion[0],
+                        -quaternion[1],
+                        -quaternion[2],
+                        -quaternion[3]
+                    ],
+                    [0.0, 0.0, 1.0]
+                )
+            )[2] - 1.0)
+                .abs()
+                < 1e-9
+        );
+    }
+}

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Does a restart in the middle of contacts go on as if nothing had happened, with coefficients and history from the file?
+
+use crate::decomposition::{crowd, LAW};
+use crate::harness::{attempt_in, largest_difference, last_lines, run, Deck, Engine, Outcome};
+
+const HALF: u64 = 400;
+
+fn deck(law: &str) -> Deck {
+    Deck {
+        time_step: 5e-6,
+        steps: HALF,
+        skin: 2e-3,
+        ..Deck::new(law)
+    }
+}
+
+/// Runs to the middle, writes a restart file there, then starts anew from the file.
+fn through_a_file(
+    engine: &Engine,
+    name: &str,
+    law: &str,
+    ranks: [usize; 2],
+    newton: bool,
+) -> Outcome {
+    let scene = crowd(64);
+    let mut first = Deck {
+        newton,
+        ..deck(law)
+    };
+    first.runs = vec![format!("run {HALF}"), "write_restart middle.restart".into()];
+    let outcome = run(engine, name, &scene, &first, ranks[0]);
+    let touching = outcome
+        .last()
+        .states
+        .iter()
+        .filter(|s| s.force != [0.0; 3])
+        .count();
+    assert!(
+        touching > 20,
+        "only {touching} grains are in contact in the middle"
+    );
+    let second = Deck {
+        newton,
+        pair: vec![],
+        source: vec!["read_restart middle.restart".into()],
+        ..deck(law)
+    };
+    let outcome = attempt_in(engine, outcome.directory, &scene, &second, ranks[1]);
+    assert!(outcome.success, "{}", last_lines(&outcome.output));
+    outcome
+}
+
+/// Two runs in one process: LAMMPS computes the forces anew between them, as after a restart.
+fn in_two_runs(engine: &Engine, name: &str, law: &str) -> Outcome {
+    let two = Deck {
+        runs: vec![format!("run {HALF}"), format!("run {HALF}")],
+        ..deck(law)
+    };
+    run(engine, name, &crowd(64), &two, 1)
+}
+
+fn report(what: &str, a: &Outcome, b: &Outcome) -> f64 {
+    assert_eq!(a.last().step, b.last().step);
+    let (positions, velocities) = largest_difference(a.last(), b.last());
+    println!("{what}: positions {positions:.1e}, velocities {velocities:.1e}");
+    positions.max(velocities)
+}
+
+#[test]
+fn both_versions_restart_in_the_middle_of_contacts() {
+    let engine = Engine::from_environment();
+    // forces without rates: the restart is as good as no interruption at all
+    for tangential in [
+        "mindlin 0.5",
+        "tfd 0.5",
+        "mindlin 0.5 displacement incremental",
+    ] {
+        let law = format!("hertz 1e7 0.3 tangential {tangential}");
+        let whole = run(
+            &engine,
+            "restart_whole",
+            &crowd(64),
+            &Deck {
+                steps: 2 * HALF,
+                ..deck(&law)
+            },
+            1,
+        );
+        let restarted = through_a_file(&engine, "restart_elastic", &law, [1, 1], true);
+        assert!(
+            report(
+                &format!("{tangential}, restart beside one run"),
+                &restarted,
+                &whole
+            ) < 1e-9
+        );
+    }
+}
+
+#[test]
+fn both_versions_restart_with_viscous_forces_and_other_ranks() {
+    let engine = Engine::from_environment();
+    // with rates the force that LAMMPS computes anew has the velocity of the full step; a second `run` does the same
+    let two = in_two_runs(&engine, "restart_two_runs", LAW);
+    for (ranks, newton) in [
+        ([1, 1], true),
+        ([1, 4], true),
+        ([4, 1], true),
+        ([4, 4], false),
+    ] {
+        let restarted = through_a_file(&engine, "restart_viscous", LAW, ranks, newton);
+        let what = format!(
+            "{LAW}, written by {} and read by {} ranks, newton {newton}",
+            ranks[0], ranks[1]
+        );
+        assert!(report(&what, &restarted, &two) < 1e-9, "{what}");
+    }
+    let whole = run(
+        &engine,
+        "restart_viscous_whole",
+        &crowd(64),
+        &Deck {
+            steps: 2 * HALF,
+            ..deck(LAW)
+        },
+        1,
+    );
+    let difference = report(
+        "one run beside two runs (the velocity at which LAMMPS starts a run)",
+        &whole,
+        &two,
+    );
+    assert!(difference < 1e-3);
+}
