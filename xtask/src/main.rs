@@ -3,6 +3,7 @@
 
 mod apt_source;
 mod cache;
+mod demo;
 mod header;
 mod lammps;
 mod library;
@@ -47,6 +48,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Run real decks from nothing, and leave a table and pictures of what they show
+    Demo(demo::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -80,6 +83,7 @@ fn run(task: Task) -> Result<()> {
         Task::Path { what } => println!("{}", path(what)?.display()),
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
+        Task::Demo(options) => demo::demo(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())

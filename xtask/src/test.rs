@@ -9,7 +9,7 @@ use anyhow::{anyhow, Result};
 use crate::process::run_visible;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{header, lammps, plugin, setup};
+use crate::{demo, header, lammps, plugin, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -105,6 +105,12 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     if oldest.2 != newest.2 {
         steps.run("through the oldest supported LAMMPS", || {
             run_visible(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
+        })?;
+    }
+    if filter.is_empty() {
+        steps.run("demo", || {
+            let output = tempfile::tempdir()?;
+            demo::run(output.path())
         })?;
     }
     Ok(())

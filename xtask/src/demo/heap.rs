@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Settled grains seen from the side: each projected to the ellipse that it is, nearer ones in front and lighter.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{bail, Context, Result};
+
+type Vector = [f64; 3];
+
+/// An ellipsoid of a LAMMPS dump; a sphere has three equal axes and no attitude.
+#[derive(Debug, Clone, Copy)]
+pub struct Grain {
+    pub kind: i32,
+    pub centre: Vector,
+    pub semi_axes: Vector,
+    /// w, x, y, z; body to world.
+    pub attitude: [f64; 4],
+}
+
+impl Grain {
+    pub fn volume(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.semi_axes.iter().product::<f64>()
+    }
+}
+
+/// What our decks call the diameters and the quaternion, which spheres need not have.
+const DIAMETERS: [&str; 3] = ["c_shape[1]", "c_shape[2]", "c_shape[3]"];
+const ATTITUDE: [&str; 4] = ["c_quat[1]", "c_quat[2]", "c_quat[3]", "c_quat[4]"];
+
+/// The grains of the last frame of a text dump.
+pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
+    let text =
+        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    parse_dump(&text).with_context(|| format!("in {}", path.display()))
+}
+
+fn parse_dump(text: &str) -> Result<Vec<Grain>> {
+    let frame = text.rsplit("ITEM: ATOMS ").next().unwrap_or_default();
+    let mut lines = frame.lines();
+    let names: Vec<&str> = lines.next().unwrap_or_default().split(' ').collect();
+    let place = |name: &str| names.iter().position(|other| *other == name);
+    let needed = |name: &str| place(name).with_context(|| format!("no column {name}"));
+    let kind = needed("type")?;
+    let centre = [needed("x")?, needed("y")?, needed("z")?];
+    let mut diameters = [0; 3];
+    for (place, name) in diameters.iter_mut().zip(DIAMETERS) {
+        *place = needed(name)?;
+    }
+    let attitude = ATTITUDE.map(place);
+    let mut grains = Vec::new();
+    for line in lines {
+        let values: Vec<f64> = line
+            .split_whitespace()
+            .map(str::parse)
+            .collect::<Result<_, _>>()
+            .with_context(|| format!("not a row of numbers: {line}"))?;
+        if values.len() != names.iter().filter(|name| !name.is_empty()).count() {
+            bail!("a row of {} values: {line}", values.len());
+        }
+        let quaternion = match attitude {
+            [Some(w), Some(x), Some(y), Some(z)] => [values[w], values[x], values[y], values[z]],
+            _ => [1.0, 0.0, 0.0, 0.0],
+        };
+        grains.push(Grain {
+            kind: values[kind] as i32,
+            centre: centre.map(|k| values[k]),
+            semi_axes: diameters.map(|k| 0.5 * values[k]),
+            attitude: quaternion,
+        });
+    }
+    if grains.is_empty() {
+        bail!("no grains");
+    }
+    Ok(grains)
+}
+
+/// An orthographic view: two directions across the picture and one into it.
+struct View {
+    right: Vector,
+    up: Vector,
+    away: Vector,
+}
+
+impl View {
+    /// From the side, turned by `azimuth` and looking down by `elevation`, both in radians.
+    fn new(azimuth: f64, elevation: f64) -> Self {
+        let (sa, ca) = azimuth.sin_cos();
+        let (se, ce) = elevation.sin_cos();
+        View {
+            right: [ca, sa, 0.0],
+            up: [-sa * se, ca * se, ce],
+            away: [-sa * ce, ca * ce, -se],
+        }
+    }
+}
+
+/// The outline of a projected ellipsoid: an ellipse, its major axis turned by `angle` from the right.
+#[derive(Debug, PartialEq)]
+struct Outline {
+    centre: [f64; 2],
+    major: f64,
+    minor: f64,
+    angle: f64,
+}
+
+/// The shadow of S = R diag(a^2) R^T on a plane has the shape matrix P S P^T: its eigenvalues are the squares of
+/// the outline's semi-axes.
+fn outline(grain: &Grain, view: &View) -> Outline {
+    let axes = body_axes(grain);
+    let entry = |u: &Vector, v: &Vector| -> f64 {
+        axes.iter().map(|axis| dot(axis, u) * dot(axis, v)).sum()
+    };
+    let (xx, xy, yy) = (
+        entry(&view.right, &view.right),
+        entry(&view.right, &view.up),
+        entry(&view.up, &view.up),
+    );
+    let mean = 0.5 * (xx + yy);
+    let half = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+    Outline {
+        centre: [
+            dot(&grain.centre, &view.right),
+            dot(&grain.centre, &view.up),
+        ],
+        major: (mean + half).sqrt(),
+        minor: (mean - half).max(0.0).sqrt(),
+        angle: 0.5 * (2.0 * xy).atan2(xx - yy),
+    }
+}
+
+/// The semi-axes as vectors in the world.
+fn body_axes(grain: &Grain) -> [Vector; 3] {
+    let [w, x, y, z] = grain.attitude;
+    let columns = [
+        [
+            w * w + x * x - y * y - z * z,
+            2.0 * (x * y + w * z),
+            2.0 * (x * z - w * y),
+        ],
+        [
+            2.0 * (x * y - w * z),
+            w * w - x * x + y * y - z * z,
+            2.0 * (y * z + w * x),
+        ],
+        [
+            2.0 * (x * z + w * y),
+            2.0 * (y * z - w * x),
+            w * w - x * x - y * y + z * z,
+        ],
+    ];
+    [0, 1, 2].map(|k| columns[k].map(|component| component * grain.semi_axes[k]))
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub struct Picture<'a> {
+    pub caption: String,
+    pub grains: &'a [Grain],
+}
+
+const PANEL: f64 = 420.0;
+const TOP: f64 = 84.0;
+const MARGIN: f64 = 18.0;
+
+/// Draws the heaps side by side at one scale. Grains of type `frozen` are grey.
+pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>) -> Result<()> {
+    let view = View::new(0.45, 0.35);
+    let outlines: Vec<Vec<(f64, bool, Outline)>> = pictures
+        .iter()
+        .map(|picture| {
+            let mut seen: Vec<_> = picture
+                .grains
+                .iter()
+                .map(|grain| {
+                    (
+                        dot(&grain.centre, &view.away),
+                        Some(grain.kind) == frozen,
+                        outline(grain, &view),
+                    )
+                })
+                .collect();
+            seen.sort_by(|a, b| b.0.total_cmp(&a.0));
+            seen
+        })
+        .collect();
+    let all = || outlines.iter().flatten().map(|(_, _, outline)| outline);
+    let low_x = least(all().map(|o| o.centre[0] - o.major));
+    let high_x = -least(all().map(|o| -o.centre[0] - o.major));
+    let low_y = least(all().map(|o| o.centre[1] - o.major));
+    let high_y = -least(all().map(|o| -o.centre[1] - o.major));
+    let scale = (PANEL - 2.0 * MARGIN) / (high_x - low_x);
+    let height = TOP + (high_y - low_y) * scale + 2.0 * MARGIN;
+    let width = PANEL * pictures.len() as f64;
+    let mut svg = String::new();
+    writeln!(
+        svg,
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.0} {height:.0}">
+<rect width="100%" height="100%" fill="#ffffff"/>
+<g font-family="sans-serif" fill="#333333" text-anchor="middle">
+<text x="{:.1}" y="30" font-size="18">{}</text>"##,
+        0.5 * width,
+        escaped(title)
+    )?;
+    for (panel, picture) in pictures.iter().enumerate() {
+        writeln!(
+            svg,
+            r#"<text x="{:.1}" y="62" font-size="14">{}</text>"#,
+            PANEL * (panel as f64 + 0.5),
+            escaped(&picture.caption)
+        )?;
+    }
+    svg.push_str("</g>\n");
+    for (panel, seen) in outlines.iter().enumerate() {
+        let far = seen.first().map_or(0.0, |grain| grain.0);
+        let near = seen.last().map_or(0.0, |grain| grain.0);
+        svg.push_str("<g stroke=\"#1d2b3a\" stroke-width=\"0.6\">\n");
+        for (depth, grey, outline) in seen {
+            let light = (far - depth) / (far - near).max(f64::MIN_POSITIVE);
+            writeln!(
+                svg,
+                r#"<ellipse rx="{:.2}" ry="{:.2}" fill="{}" transform="translate({:.2} {:.2}) rotate({:.2})"/>"#,
+                outline.major * scale,
+                outline.minor * scale,
+                shade(light, *grey),
+                PANEL * panel as f64 + MARGIN + (outline.centre[0] - low_x) * scale,
+                TOP + MARGIN + (high_y - outline.centre[1]) * scale,
+                // SVG's second axis points down, so angles run the other way.
+                -outline.angle.to_degrees(),
+            )?;
+        }
+        svg.push_str("</g>\n");
+    }
+    svg.push_str("</svg>\n");
+    fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn least(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::INFINITY, f64::min)
+}
+
+/// From dark, far away, to light in front.
+fn shade(light: f64, grey: bool) -> String {
+    let (far, near): (Vector, Vector) = if grey {
+        ([110.0, 110.0, 110.0], [205.0, 205.0, 205.0])
+    } else {
+        ([38.0, 70.0, 112.0], [190.0, 214.0, 240.0])
+    };
+    let mix = |k: usize| (far[k] + light.clamp(0.0, 1.0) * (near[k] - far[k])).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grain(semi_axes: Vector, attitude: [f64; 4]) -> Grain {
+        Grain {
+            kind: 1,
+            centre: [0.0; 3],
+            semi_axes,
+            attitude,
+        }
+    }
+
+    #[test]
+    fn a_projected_ellipsoid_is_known_along_its_axes() {
+        // Looking along y, from the front.
+        let view = View::new(0.0, 0.0);
+        let straight = outline(&grain([3.0, 2.0, 1.0], [1.0, 0.0, 0.0, 0.0]), &view);
+        assert!((straight.major - 3.0).abs() < 1e-12 && (straight.minor - 1.0).abs() < 1e-12);
+        assert!(straight.angle.abs() < 1e-12);
+        // Turned by 90 degrees about z: the long axis points at us.
+        let half = 0.5f64.sqrt();
+        let end_on = outline(&grain([3.0, 2.0, 1.0], [half, 0.0, 0.0, half]), &view);
+        assert!((end_on.major - 2.0).abs() < 1e-12 && (end_on.minor - 1.0).abs() < 1e-12);
+        // Turned by 30 degrees about -y: the long axis rises to the right, the way an image angle grows.
+        let turn = (15f64.to_radians().cos(), -(15f64.to_radians().sin()));
+        let tilted = outline(&grain([3.0, 2.0, 1.0], [turn.0, 0.0, turn.1, 0.0]), &view);
+        assert!(
+            (tilted.angle.to_degrees() - 30.0).abs() < 1e-9,
+            "{tilted:?}"
+        );
+    }
+
+    #[test]
+    fn no_point_of_the_surface_leaves_the_outline() {
+        let view = View::new(0.45, 0.35);
+        let grain = grain([1.6, 0.9, 0.4], {
+            let q = [0.3, -0.5, 0.7, 0.2f64];
+            let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+            q.map(|v| v / length)
+        });
+        let ellipse = outline(&grain, &view);
+        let axes = body_axes(&grain);
+        let (sin, cos) = ellipse.angle.sin_cos();
+        let mut farthest: f64 = 0.0;
+        for i in 0..400 {
+            for j in 0..400 {
+                let polar = std::f64::consts::PI * i as f64 / 399.0;
+                let around = std::f64::consts::TAU * j as f64 / 399.0;
+                let unit = [
+                    polar.sin() * around.cos(),
+                    polar.sin() * around.sin(),
+                    polar.cos(),
+                ];
+                let point: Vector =
+                    [0, 1, 2].map(|c| (0..3).map(|k| unit[k] * axes[k][c]).sum::<f64>());
+                let (x, y) = (dot(&point, &view.right), dot(&point, &view.up));
+                let along = (x * cos + y * sin) / ellipse.major;
+                let across = (y * cos - x * sin) / ellipse.minor;
+                farthest = farthest.max(along * along + across * across);
+            }
+        }
+        assert!(farthest <= 1.0 + 1e-12 && farthest > 0.999, "{farthest}");
+    }
+
+    #[test]
+    fn the_last_frame_of_a_dump_is_read() {
+        let text = "\
+ITEM: TIMESTEP
+0
+ITEM: ATOMS id type x y z
+1 1 9 9 9
+ITEM: TIMESTEP
+10
+ITEM: ATOMS id type x y z c_shape[1] c_shape[2] c_shape[3] c_quat[1] c_quat[2] c_quat[3] c_quat[4]
+1 1 0.1 0.2 0.3 4 2 2 1 0 0 0
+2 2 0.4 0.5 0.6 2 2 2 0 1 0 0
+";
+        let grains = parse_dump(text).unwrap();
+        assert_eq!(grains.len(), 2);
+        assert_eq!(grains[0].semi_axes, [2.0, 1.0, 1.0]);
+        assert_eq!(grains[1].attitude, [0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(grains[1].kind, 2);
+        assert!(parse_dump(&text.replace("c_shape[1]", "other")).is_err());
+    }
+}
