@@ -218,7 +218,7 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass) const
   }
   for (int k = 0; k < 4; k++) body.quaternion[k] = quaternion[k];
   body.mass = contact_mass;
-  body.type = atom->type[i];
+  body.kind = atom->type[i];
   body.identifier = atom->tag[i];
 
   // LAMMPS keeps angular momentum; the principal moments are those of a solid ellipsoid, as in

@@ -242,7 +242,6 @@ void FixWallGranEllipsoid::post_force(int)
   const std::vector<EllgranPlane> planes = planes_now();
   double wall_forces[6] = {};
   EllgranTallies tallies{};
-  tallies.energy = 1;
   tallies.accumulated_work = accumulated_work;
 
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
@@ -254,7 +253,7 @@ void FixWallGranEllipsoid::post_force(int)
     EllgranParticles particles = atoms.view();
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     const int wall_type = 1;    // every pair of types has the law of this fix
-    if (ellgran_compute_planes(laws, workspace, &particles, groupbit, atom->mask, wall_type,
+    if (ellgran_compute_planes(laws, workspace, &particles, atom->mask, groupbit, wall_type,
                                planes.size(), planes.data(), touching ? touching[0] : nullptr,
                                history ? history[0] : nullptr, &step, wall_forces,
                                &tallies) != ELLGRAN_SUCCESS)
@@ -268,7 +267,7 @@ void FixWallGranEllipsoid::post_force(int)
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
   output_here[DISSIPATED] = tallies.dissipated_energy;
-  output_here[TOUCHING] = static_cast<double>(tallies.touching_count);
+  output_here[TOUCHING] = tallies.touching_count;
 }
 
 void FixWallGranEllipsoid::find_contact_masses()
@@ -309,7 +308,8 @@ double FixWallGranEllipsoid::compute_vector(int k)
 
 double FixWallGranEllipsoid::memory_usage()
 {
-  double bytes = static_cast<double>(contact_masses.capacity()) * sizeof(double);
+  double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
+  bytes += static_cast<double>(contact_masses.capacity()) * sizeof(double);
   if (history_length > 0)
     bytes += static_cast<double>(atom->nmax) * static_cast<double>(walls.size()) *
         (sizeof(int) + history_length * sizeof(double));

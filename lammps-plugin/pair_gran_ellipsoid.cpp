@@ -82,7 +82,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), accumulated_work(0.0), work_wanted(false),
-    fallbacks(0), fallbacks_told(false)
+    deep_told(0)
 {
   single_enable = 1;
   single_extra = NUMBER_OF_SINGLE;
@@ -169,8 +169,6 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
 
   const bool tally = evflag || work_wanted;
   EllgranTallies tallies{};
-  tallies.energy = eflag_global ? 1 : 0;
-  tallies.virial = vflag_global ? 1 : 0;
   tallies.particle_energies = eflag_atom ? eatom : nullptr;
   tallies.particle_virials = vflag_atom ? vatom[0] : nullptr;
   tallies.accumulated_work = accumulated_work;
@@ -181,16 +179,15 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   if (!tally) return;
 
   accumulated_work = tallies.accumulated_work;
-  fallbacks += tallies.fallback_count;
   if (eflag_global) {
     eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
     pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
     pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
     pvector[DISSIPATED] = tallies.dissipated_energy;
-    pvector[TOUCHING] = static_cast<double>(tallies.touching_count);
+    pvector[TOUCHING] = tallies.touching_count;
   }
   if (vflag_global)
-    for (int k = 0; k < 6; k++) virial[k] += tallies.virial_tensor[k];
+    for (int k = 0; k < 6; k++) virial[k] += tallies.virial[k];
 }
 
 void PairGranEllipsoid::allocate()
@@ -484,16 +481,16 @@ void PairGranEllipsoid::gather_work()
 void PairGranEllipsoid::finish()
 {
   gather_work();
-  bigint sum = 0;
-  MPI_Allreduce(&fallbacks, &sum, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  fallbacks = 0;
-  if (sum > 0 && !fallbacks_told && comm->me == 0) {
-    fallbacks_told = true;
+  const bigint so_far = ellgran_workspace_many_starts_count(workspace);
+  bigint deep = so_far - deep_told, sum = 0;
+  deep_told = so_far;
+  MPI_Allreduce(&deep, &sum, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (sum > 0 && comm->me == 0)
     error->warning(FLERR,
-                   "{}: the search for contact fell back to the safe method in {} of the steps' "
-                   "pairs; results are right, the run is slower",
+                   "{}: in {} contact evaluations the overlap was deeper than half the local radius of "
+                   "curvature, where Hertz' law does not hold and the search is slow: use a stiffer "
+                   "material or lower speeds",
                    CALLER, sum);
-  }
 }
 
 void PairGranEllipsoid::write_restart(FILE *fp)
@@ -603,8 +600,9 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   step.advance_history = 0;
   EllgranContactGeometry geometry{};
   EllgranContactForce contact{};
-  if (ellgran_contact(laws, &body_i, &body_j, &step, &touching, scratch.data(), &geometry,
-                      &contact) != ELLGRAN_SUCCESS)
+  const bool remembers = history_length > 0;
+  if (ellgran_contact(laws, &body_i, &body_j, &step, remembers ? &touching : nullptr,
+                      remembers ? scratch.data() : nullptr, &geometry, &contact) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   if (!geometry.touching) return 0.0;
 
@@ -615,7 +613,7 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   svector[P_CURVATURE_B] = geometry.curvature_b;
   svector[P_MAJOR_SEMI_AXIS] = contact.contact_semi_axes[0];
   svector[P_MINOR_SEMI_AXIS] = contact.contact_semi_axes[1];
-  svector[P_DISPLACEMENT_MAGNITUDE] = length(contact.tangential_displacement);
+  svector[P_DISPLACEMENT_MAGNITUDE] = length(contact.displacement);
   svector[P_NORMAL_ENERGY] = contact.elastic_energy;
   svector[P_TANGENTIAL_ENERGY] = contact.tangential_energy;
   svector[P_VISCOUS_POWER] = contact.viscous_power;
@@ -624,7 +622,7 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
     svector[P_TANGENTIAL_FORCE + k] = -contact.tangential_force[k];
     svector[P_CONTACT_POINT + k] = geometry.contact_point[k];
     svector[P_NORMAL + k] = geometry.normal[k];
-    svector[P_DISPLACEMENT + k] = contact.tangential_displacement[k];
+    svector[P_DISPLACEMENT + k] = contact.displacement[k];
     svector[P_FORCE + k] = -contact.force[k];
     svector[P_TORQUE_FIRST + k] = contact.torque_i[k];
     svector[P_TORQUE_SECOND + k] = contact.torque_j[k];
@@ -645,6 +643,7 @@ double PairGranEllipsoid::memory_usage()
 {
   double bytes = Pair::memory_usage();
   bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
+  bytes += static_cast<double>(ellgran_workspace_bytes(workspace));
   bytes += static_cast<double>(parameters.capacity()) * sizeof(EllgranLawParameters);
   return bytes;
 }

@@ -76,8 +76,7 @@ class PairGranEllipsoid : public Pair {
   // Energy that contacts have taken up since the first run, this rank's share
   double accumulated_work;
   bool work_wanted;
-  bigint fallbacks;
-  bool fallbacks_told;
+  bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
   void allocate();
   void find_largest_semi_axes();
