@@ -43,9 +43,10 @@ pub fn curvature_gradient<T: Real>(
     factors: &Factors<T>,
 ) -> Symmetric2<T> {
     let one = factors.phi.constant(1.0);
-    // d ln g = -(1/4) M^-1 + (ln phi)'(w) (2/T I - M^-1)
+    // d ln g = -(1/4) M^-1 + (ln phi)'(w) (2/T I - M^-1),  (ln phi)'(w) = sigma/2
+    let slope = factors.sigma * 0.5;
     let inverse = curvature.adjugate() * (one / curvature.determinant());
-    (inverse * -(factors.slope + 0.25)).shifted(factors.slope * 2.0 / curvature.trace())
+    (inverse * -(slope + 0.25)).shifted(factors.sigma / curvature.trace())
 }
 
 /// `gamma_k` and `tau_k` of one body, divided by `g`.

@@ -166,14 +166,14 @@ pub(super) fn touch_spheres(
 /// Hertz factors of one contact in the form that the law asks for.
 #[inline(always)]
 pub(super) fn factors_for(law: &PairLaw, trace: f64, determinant: f64) -> Factors {
-    let sigma = !matches!(law.kinds.tangential, Tangential::None | Tangential::Linear);
     if law.kinds.linear {
         return Factors {
             phi: 1.0,
-            slope: 0.0,
             sigma: 0.0,
         };
     }
+    let sigma = law.kinds.conservative
+        || !matches!(law.kinds.tangential, Tangential::None | Tangential::Linear);
     if law.kinds.hale {
         // The caller made sure that the form does not break; were it to, the exact one stands in.
         if let Some(f) = hertz_factors::hale(trace, determinant, sigma) {

@@ -13,7 +13,7 @@ a function that does not change when A and B are swapped is even in L.  Two func
 
 by Chebyshev interpolation in 40 digits (Trefethen, Approximation Theory and Approximation Practice, ch. 4),
 truncated and rewritten in powers of x = 2 w / W_MAX - 1.  The nearest singularities are at w = +-2 pi i, so the
-coefficients fall like 3.0^-n.  Printed: the largest relative error of the rounded polynomial on a fine grid.
+coefficients fall like 3.0^-n.  (d ln(phi)/dw = sigma/2 exactly, so that the gradient needs no fit of its own.)  Printed: the largest relative error of the rounded polynomial on a fine grid.
 
 Usage: python fit.py > ../../src/force/hertz_factors/fit_coefficients.rs      (needs mpmath)
 """
@@ -23,7 +23,7 @@ from mpmath import (acosh, chop, cos, ellipe, ellipk, exp, findroot, ln, log, mp
 
 mp.dps = 40
 W_MAX = mpf(12)
-DEGREE = 29
+DEGREE = 24
 
 
 def factors(w):
@@ -93,14 +93,14 @@ def main():
     print(f"//! phi {errors['PHI']:.1e}, sigma {errors['SIGMA']:.1e}.")
     print()
     print("/// The fit holds for `0 <= w <= W_MAX`, `w = ln((A + B)^2 / (4 A B))`: B/A up to 6.5e5.")
-    print(f"pub const W_MAX: f64 = {float(W_MAX):.1f};")
+    print(f"pub(super) const W_MAX: f64 = {float(W_MAX):.1f};")
     for name in ("PHI", "SIGMA"):
         print()
         what = "F2^(-3/2)" if name == "PHI" else "(1/2 - Bl/K) (A + B)/(B - A)"
         print(f"/// Coefficients of `{what}` in rising powers of `x = 2 w / W_MAX - 1`.")
         print("#[rustfmt::skip]")
         print("#[allow(clippy::excessive_precision)]")
-        print(f"pub const {name}: [f64; {n + 1}] = [")
+        print(f"pub(super) const {name}: [f64; {n + 1}] = [")
         for a in polynomials[name]:
             print(f"    {a!r},")
         print("];")

@@ -2,8 +2,8 @@
 //! Hertz factors of an elliptical contact: `F1`, `F2`, the axis ratio, and the anisotropy of the tangential compliance.
 //!
 //! The natural variable of the fitted functions is `w = ln((A+B)^2/(4AB))`; see [`fit_coefficients`] and its generator
-//! `validation/hertz_factors/fit.py`. Precision: 1e-14 relative inside the fit (B/A up to 6.5e5), 1e-13 by iteration
-//! beyond (checked to B/A = 1e8).
+//! `validation/hertz_factors/fit.py`. Precision: 1e-14 relative inside the fit (B/A up to 6.5e5; sigma 1e-12), 1e-13 by
+//! iteration beyond (checked to B/A = 1e8).
 
 pub mod fit_coefficients;
 
@@ -16,9 +16,11 @@ use fit_coefficients::{PHI, SIGMA, W_MAX};
 pub struct Factors<T = f64> {
     /// `F2^(-3/2)`, the factor in Hertz' force; 1 for a circle.
     pub phi: T,
-    /// `d ln(phi) / dw`.
-    pub slope: T,
-    /// `(1/2 - Bl/K) (A+B)/(B-A)`; 3/16 for a circle. Only of use with a tangential law.
+    /// `(1/2 - Bl/K) (A+B)/(B-A)`, 1/6 for a circle: the anisotropy of the tangential compliance, and twice
+    /// `d ln(phi)/dw`.
+    ///
+    /// The two are one function because the energy is a minimum over pressures, so that only its explicit dependence on
+    /// the curvatures counts: `dU/dA = -F a^2/5`, that is `d ln(U)/d ln(A) = -D/(2K)` and `d ln(U)/d ln(B) = -Bl/(2K)`.
     pub sigma: T,
 }
 
@@ -30,27 +32,30 @@ pub fn fit_variable<T: Real>(trace: T, determinant: T) -> T {
     (trace * trace / (determinant * 4.0)).ln().max(zero)
 }
 
-/// The fitted factors for `0 <= w <= W_MAX`, in lanes; beyond, the value at `W_MAX` (the caller tests `w`).
+/// The fitted factors for `0 <= w <= 12`, in lanes; beyond, the value at the end (the caller tests `w`). `sigma` only where
+/// it is asked for.
 #[inline(always)]
 pub fn fitted<T: Real>(w: T, with_sigma: bool) -> Factors<T> {
     let x = w.min(w.constant(W_MAX)) * (2.0 / W_MAX) - 1.0;
-    let mut phi = x.constant(PHI[PHI.len() - 1]);
-    let mut derivative = x.constant(0.0);
-    for k in (0..PHI.len() - 1).rev() {
-        derivative = derivative.multiply_add(x, phi);
-        phi = phi.multiply_add(x, x.constant(PHI[k]));
-    }
-    let mut sigma = x.constant(0.0);
-    if with_sigma {
-        for k in (0..SIGMA.len()).rev() {
-            sigma = sigma.multiply_add(x, x.constant(SIGMA[k]));
-        }
-    }
     Factors {
-        phi,
-        slope: derivative * (2.0 / W_MAX) / phi,
-        sigma,
+        phi: polynomial(&PHI, x),
+        sigma: if with_sigma {
+            polynomial(&SIGMA, x)
+        } else {
+            x.constant(0.0)
+        },
     }
+}
+
+/// Even and odd powers apart: two chains of half the length.
+#[inline(always)]
+fn polynomial<T: Real>(coefficients: &[f64], x: T) -> T {
+    let square = x * x;
+    let mut sums = [x.constant(0.0); 2];
+    for (k, &a) in coefficients.iter().enumerate().rev() {
+        sums[k & 1] = sums[k & 1].multiply_add(square, x.constant(a));
+    }
+    sums[1].multiply_add(x, sums[0])
 }
 
 /// The factors for any curvature, one contact: the fit, and iteration beyond it.
@@ -73,17 +78,9 @@ fn log_ratio(w: f64) -> f64 {
 fn beyond_fit(w: f64) -> Factors {
     let l = log_ratio(w);
     let (shape, integrals) = iterate(l);
-    // phi is smooth in L: fourth-order differences have an error of 1e-12.
-    let h = 2e-2;
-    let ln_phi = |l: f64| -1.5 * iterate(l).0.f2.ln();
-    let slope = (8.0 * (ln_phi(l + h) - ln_phi(l - h))
-        - (ln_phi(l + 2.0 * h) - ln_phi(l - 2.0 * h)))
-        / (12.0 * h);
-    let tanh = (0.5 * l).tanh();
     Factors {
         phi: shape.f2.powf(-1.5),
-        slope: slope / tanh,
-        sigma: (integrals.d - integrals.bl) / (2.0 * integrals.k) / tanh,
+        sigma: (integrals.d - integrals.bl) / (2.0 * integrals.k) / (0.5 * l).tanh(),
     }
 }
 
@@ -154,8 +151,9 @@ fn log_ratio_slope(k2: f64, e: &EllipseIntegrals) -> f64 {
     -2.0 * k2 * (dbl / e.bl - dd / e.d) - 2.0
 }
 
-/// Hale's closed form, the paper's Eq. (4), with its derivative: `None` where it breaks (`F2 <= 0`, that is `B/A` above
-/// 25178.12, where the force would be infinite or NaN). `sigma` is exact: Hale gives none.
+/// Hale's closed form, the paper's Eq. (4): `None` where it breaks (`F2 <= 0`, that is `B/A` above
+/// 25178.12, where the force would be infinite or NaN). `sigma` is exact: Hale gives none, and the derivative of his form is
+/// singular at a circle (the conservative law refuses it).
 pub fn hale(trace: f64, determinant: f64, with_sigma: bool) -> Option<Factors> {
     let w = fit_variable(trace, determinant);
     let l = log_ratio(w);
@@ -165,8 +163,6 @@ pub fn hale(trace: f64, determinant: f64, with_sigma: bool) -> Option<Factors> {
     }
     Some(Factors {
         phi: f2.powf(-1.5),
-        // The conservative law refuses Hale's form: its derivative is singular at a circle.
-        slope: 0.0,
         sigma: if with_sigma {
             exact(trace, determinant, true).sigma
         } else {
