@@ -25,7 +25,7 @@ const RADIUS: f64 = 1e-3;
 const SPHERE: [&str; 3] = ["1e-3", "1e-3", "1e-3"];
 const ELLIPSOID: [&str; 3] = ["2e-3", "1e-3", "1e-3"];
 /// Overlap over radius at which shear.lmp holds the grains.
-const SHEARED: f64 = 0.01;
+const SHEARED: f64 = 0.001;
 
 /// A law on trial: what to run it with, and how it is drawn.
 struct Trial<'a> {
@@ -55,7 +55,7 @@ impl Trial<'_> {
             ("c", self.axes[2]),
         ];
         variables.extend(&self.more);
-        engine.run(deck, self.name, 1, &variables)?;
+        engine.run(deck, self.name, &variables)?;
         engine.columns(&format!("{}.txt", self.name))
     }
 
@@ -150,74 +150,66 @@ pub fn normal_force(engine: &Engine, output: &Path) -> Result<Table> {
     for trial in &spheres {
         left.push(pressed(engine, trial, "spheres", &mut table)?);
     }
-    let mut right = Vec::new();
-    let poses = [("parallel", "0", false), ("crossed", "90", true)];
-    for (pose, turn, dashed) in poses {
+    let mut panels = vec![panel(
+        "Two spheres of 1 mm, pressed and pulled at 5 cm/s",
+        "overlap (µm)",
+        "normal force (mN)",
+        left,
+    )];
+    for (pose, turn, name) in [
+        ("parallel", "0", "press-parallel"),
+        ("crossed", "90", "press-crossed"),
+    ] {
         let mut trials = vec![Trial {
-            dashed,
             more: vec![("turn", turn)],
             ..ours(
-                if dashed {
-                    "press-crossed"
-                } else {
-                    "press-parallel"
-                },
-                &format!("{pose}: gran/ellipsoid, contact ellipse"),
+                name,
+                "gran/ellipsoid, contact ellipse",
                 MATERIAL.elastic(),
                 ELLIPSOID,
             )
         }];
         if engine.superellipsoid {
             let law = MATERIAL.superellipsoid(None, 0.0, contact_radius(SHEARED * RADIUS));
-            for (curvature, style, colour) in [
-                ("mean", "granular/superellipsoid", SUPERELLIPSOID),
-                (
-                    "Gaussian",
-                    "granular/superellipsoid curvature_gaussian",
-                    SUPERELLIPSOID_LIGHT,
-                ),
-            ] {
-                trials.push(Trial {
-                    dashed,
-                    style,
-                    colour,
-                    more: vec![("turn", turn)],
-                    ..superellipsoid(
-                        "press-superellipsoid",
-                        &format!("{pose}: granular/superellipsoid, {curvature} curvature"),
-                        law.clone(),
-                        ELLIPSOID,
-                    )
-                });
-            }
+            let mean = superellipsoid(
+                "press-superellipsoid-mean",
+                "granular/superellipsoid, mean curvature",
+                law.clone(),
+                ELLIPSOID,
+            );
+            let gaussian = Trial {
+                style: "granular/superellipsoid curvature_gaussian",
+                colour: SUPERELLIPSOID_LIGHT,
+                ..superellipsoid(
+                    "press-superellipsoid-gaussian",
+                    "granular/superellipsoid, Gaussian curvature",
+                    law,
+                    ELLIPSOID,
+                )
+            };
+            trials.extend([mean, gaussian].map(|trial| Trial {
+                dashed: true,
+                more: vec![("turn", turn)],
+                ..trial
+            }));
         }
+        let mut curves = Vec::new();
         for trial in &trials {
-            right.push(pressed(engine, trial, "aspect ratio 2", &mut table)?);
+            curves.push(pressed(engine, trial, pose, &mut table)?);
         }
+        panels.push(panel(
+            &format!("Two elastic ellipsoids, 2 x 1 x 1 mm, side by side, {pose}"),
+            "overlap (µm)",
+            "normal force (mN)",
+            curves,
+        ));
     }
     let title = if engine.superellipsoid {
         "NFD dissipates without a fitted constant and never pulls; one radius fits the parallel pair or the crossed one, not both"
     } else {
         "NFD dissipates without a fitted constant and never pulls"
     };
-    chart::draw(
-        &output.join("normal-force.svg"),
-        title,
-        &[
-            panel(
-                "Two spheres of 1 mm, pressed and pulled at 5 cm/s",
-                "overlap (µm)",
-                "normal force (mN)",
-                left,
-            ),
-            panel(
-                "Two elastic ellipsoids, 2 x 1 x 1 mm, side by side",
-                "overlap (µm)",
-                "normal force (mN)",
-                right,
-            ),
-        ],
-    )?;
+    chart::draw(&output.join("normal-force.svg"), title, &panels)?;
     Ok(table)
 }
 
@@ -235,8 +227,8 @@ fn pressed(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
     table.row(vec![
         format!("{scene}, {}", trial.label),
         format!("{:.3}", 1e3 * deepest[1]),
-        format!("{:.2}", 1e9 * loop_area),
-        format!("{:.2}", -1e3 * pull),
+        format!("{:.2}", (1e9 * loop_area).max(0.0)),
+        format!("{:.2}", 1e3 * pull.abs()),
     ]);
     let points = rows
         .iter()
@@ -257,14 +249,11 @@ pub fn tangential_force(engine: &Engine, output: &Path) -> Result<Table> {
             MATERIAL.with_friction(&MATERIAL.elastic()),
             SPHERE,
         ),
-        Trial {
-            dashed: true,
-            ..granular(
-                "shear-granular",
-                "granular, tangential mindlin",
-                MATERIAL.granular(None, friction),
-            )
-        },
+        granular(
+            "shear-granular",
+            "granular, tangential mindlin",
+            MATERIAL.granular(None, friction),
+        ),
     ];
     let fitted = MATERIAL.superellipsoid(None, friction, contact_radius(overlap));
     if engine.superellipsoid {
@@ -323,7 +312,7 @@ pub fn tangential_force(engine: &Engine, output: &Path) -> Result<Table> {
         }
     }
     let mut table = Table::new(
-        "One grain sheared on another at 1 % overlap, friction 0.5",
+        "One grain sheared on another at 0.1 % overlap, friction 0.5",
         &[
             "scene and law",
             "first stiffness (N/m)",
@@ -345,13 +334,13 @@ pub fn tangential_force(engine: &Engine, output: &Path) -> Result<Table> {
         "TFD softens as the contact slips from its edge inwards; a spring is straight up to sliding, and alike in every direction",
         &[
             panel(
-                "Two spheres of 1 mm at 1 % overlap",
+                "Two spheres of 1 mm at 0.1 % overlap",
                 "tangential displacement (µm)",
                 "tangential force over normal force",
                 left,
             ),
             panel(
-                "Two parallel ellipsoids, 6 x 1 x 1 mm, at 1 % overlap",
+                "Two parallel ellipsoids, 6 x 1 x 1 mm, at 0.1 % overlap",
                 "tangential displacement (µm)",
                 "tangential force over normal force",
                 right,
@@ -372,17 +361,23 @@ fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
         .iter()
         .find(|row| row[0] > 0.0)
         .context("the grain did not move")?;
-    let most = points.iter().map(|point| point.1).fold(0.0, f64::max);
-    let sliding = points
+    // The first way there, up to the turn.
+    let turn = points
+        .windows(2)
+        .position(|pair| pair[1].0 < pair[0].0)
+        .unwrap_or(points.len());
+    let there = &points[..turn];
+    let most = there.iter().map(|point| point.1).fold(0.0, f64::max);
+    let sliding = there
         .iter()
         .find(|point| point.1 > 0.999 * most)
         .context("no force")?;
     table.row(vec![
         format!("{scene}, {}", trial.label),
         format!("{:.0}", -first[1] / first[0]),
-        format!("{:.3}", 1e3 * rows[0][2]),
+        format!("{:.4}", 1e3 * rows[0][2]),
         format!("{most:.4}"),
-        format!("{:.2}", sliding.0),
+        format!("{:.3}", sliding.0),
     ]);
     Ok(trial.curve(points))
 }
@@ -391,7 +386,7 @@ fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
 pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     let example = engine.path("collision.dat");
     let example = example.to_str().context("the output path is not UTF-8")?;
-    engine.run("collision.lmp", "collision", 1, &[("out", example)])?;
+    engine.run("collision.lmp", "collision", &[("out", example)])?;
     let rows: Vec<[f64; 8]> = engine.columns("collision.dat")?;
     let touching: Vec<&[f64; 8]> = rows.iter().filter(|row| row[2] > 0.0).collect();
     let loop_of = |x: usize, y: usize| -> Vec<(f64, f64)> {

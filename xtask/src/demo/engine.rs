@@ -9,12 +9,11 @@ use anyhow::{Context, Result};
 
 use crate::process::{output_of, run_logged};
 use crate::progress::Progress;
-use crate::{lammps, plugin, setup, workspace};
+use crate::{lammps, plugin, workspace};
 
 pub struct Engine {
     binary: PathBuf,
     plugin: PathBuf,
-    mpirun: PathBuf,
     /// The release, as LAMMPS spells it.
     pub release: String,
     /// Has it `pair_style granular/superellipsoid`, which came in 2026?
@@ -38,30 +37,15 @@ impl Engine {
             release: source.spelled()?,
             binary,
             plugin,
-            mpirun: setup::mpirun()?,
             data: data.canonicalize()?,
         })
     }
 
     /// Runs `deck`, a path below examples/lammps, with the plugin and the given variables. `name` is the log's.
-    pub fn run(
-        &self,
-        deck: &str,
-        name: &str,
-        ranks: u32,
-        variables: &[(&str, &str)],
-    ) -> Result<()> {
+    pub fn run(&self, deck: &str, name: &str, variables: &[(&str, &str)]) -> Result<()> {
         let deck = workspace::root().join("examples/lammps").join(deck);
-        let mut command = if ranks > 1 {
-            let mut command = Command::new(&self.mpirun);
-            command
-                .args(["-np", &ranks.to_string()])
-                .arg(&self.binary)
-                .envs(setup::mpirun_environment());
-            command
-        } else {
-            Command::new(&self.binary)
-        };
+        // One rank: ranks wait for each other by spinning, which stands still on a busy machine.
+        let mut command = Command::new(&self.binary);
         // Decks include files that stand beside them by their bare names.
         let directory = deck.parent().context("a deck has a directory")?;
         command

@@ -162,6 +162,8 @@ pub struct Picture<'a> {
     pub grains: &'a [Grain],
 }
 
+/// Width of a lone picture, and of one of several.
+const ALONE: f64 = 640.0;
 const PANEL: f64 = 420.0;
 const TOP: f64 = 84.0;
 const MARGIN: f64 = 18.0;
@@ -187,14 +189,15 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
             seen
         })
         .collect();
+    let panel_width = if pictures.len() == 1 { ALONE } else { PANEL };
     let all = || outlines.iter().flatten().map(|(_, _, outline)| outline);
     let low_x = least(all().map(|o| o.centre[0] - o.major));
     let high_x = -least(all().map(|o| -o.centre[0] - o.major));
     let low_y = least(all().map(|o| o.centre[1] - o.major));
     let high_y = -least(all().map(|o| -o.centre[1] - o.major));
-    let scale = (PANEL - 2.0 * MARGIN) / (high_x - low_x);
+    let scale = (panel_width - 2.0 * MARGIN) / (high_x - low_x);
     let height = TOP + (high_y - low_y) * scale + 2.0 * MARGIN;
-    let width = PANEL * pictures.len() as f64;
+    let width = panel_width * pictures.len() as f64;
     let mut svg = String::new();
     writeln!(
         svg,
@@ -209,7 +212,7 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
         writeln!(
             svg,
             r#"<text x="{:.1}" y="62" font-size="14">{}</text>"#,
-            PANEL * (panel as f64 + 0.5),
+            panel_width * (panel as f64 + 0.5),
             escaped(&picture.caption)
         )?;
     }
@@ -226,7 +229,7 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
                 outline.major * scale,
                 outline.minor * scale,
                 shade(light, *grey),
-                PANEL * panel as f64 + MARGIN + (outline.centre[0] - low_x) * scale,
+                panel_width * panel as f64 + MARGIN + (outline.centre[0] - low_x) * scale,
                 TOP + MARGIN + (high_y - outline.centre[1]) * scale,
                 // SVG's second axis points down, so angles run the other way.
                 -outline.angle.to_degrees(),

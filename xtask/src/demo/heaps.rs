@@ -27,20 +27,18 @@ const FROZEN: i32 = 2;
 const AREA: f64 = 16e-3 * 16e-3;
 
 pub fn heaps(engine: &Engine, output: &Path) -> Result<Vec<Table>> {
-    let ranks = crate::process::jobs().min(2) as u32;
-    let in_box = settle_in_box(engine, output, ranks)?;
-    let on_floor = settle_on_floor(engine, output, ranks)?;
+    let in_box = settle_in_box(engine, output)?;
+    let on_floor = settle_on_floor(engine, output)?;
     Ok(vec![in_box, on_floor])
 }
 
 /// The example deck: walls, friction, viscosity.
-fn settle_in_box(engine: &Engine, output: &Path, ranks: u32) -> Result<Table> {
+fn settle_in_box(engine: &Engine, output: &Path) -> Result<Table> {
     let dump = engine.path("settling.dump");
     let data = engine.path("settling.dat");
     engine.run(
         "settling.lmp",
         "settling",
-        ranks,
         &[
             (
                 "dump",
@@ -99,7 +97,7 @@ fn settle_in_box(engine: &Engine, output: &Path, ranks: u32) -> Result<Table> {
 }
 
 /// The same fall under each pair style, on a floor of frozen grains.
-fn settle_on_floor(engine: &Engine, output: &Path, ranks: u32) -> Result<Table> {
+fn settle_on_floor(engine: &Engine, output: &Path) -> Result<Table> {
     let mass = MATERIAL.mass(4.0 / 3.0 * std::f64::consts::PI * SEMI_AXES.iter().product::<f64>());
     // Of spheres of 1 mm at 1 % overlap.
     let contact_radius = (0.5f64 * 1e-3 * 1e-5).sqrt();
@@ -143,7 +141,6 @@ fn settle_on_floor(engine: &Engine, output: &Path, ranks: u32) -> Result<Table> 
         engine.run(
             "compare/heap.lmp",
             name,
-            ranks,
             &[
                 ("atoms", atoms),
                 ("style", style),
