@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use anyhow::{anyhow, Result};
+use anyhow::{anyhow, Context, Result};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -16,12 +16,16 @@ pub const SUPERELLIPSOID_LIGHT: RGBColor = RGBColor(0x8b, 0xbf, 0xa3);
 const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 
-const PANEL_WIDTH: u32 = 560;
-const HEIGHT: u32 = 460;
-const TITLE_HEIGHT: u32 = 44;
-const MOST_POINTS: usize = 160;
+/// plotters rounds to whole units of the picture: a picture FINE times as large, shown at its own size, has smooth
+/// curves.
+const MOST_POINTS: usize = 400;
+const FINE: u32 = 8;
+const PANEL_WIDTH: u32 = 560 * FINE;
+const HEIGHT: u32 = 460 * FINE;
+const TITLE_HEIGHT: u32 = 44 * FINE;
 /// Legend lines stand under the panel, so that they cover no curve.
-const LEGEND_LINE: i32 = 20;
+const LEGEND_LINE: u32 = 20 * FINE;
+const STROKE: u32 = 2 * FINE;
 
 pub struct Curve {
     pub label: String,
@@ -41,27 +45,42 @@ pub struct Panel {
 /// `title` is the conclusion to draw from the picture.
 pub fn draw(path: &Path, title: &str, panels: &[Panel]) -> Result<()> {
     let lines = panels.iter().map(|panel| panel.curves.len()).max();
-    let legend = LEGEND_LINE * lines.unwrap_or(0) as i32 + 10;
+    let legend = LEGEND_LINE * lines.unwrap_or(0) as u32 + 10 * FINE;
     let size = (
         PANEL_WIDTH * panels.len() as u32,
-        TITLE_HEIGHT + HEIGHT + legend as u32,
+        TITLE_HEIGHT + HEIGHT + legend,
     );
-    let failed = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", path.display());
-    let root = SVGBackend::new(path, size).into_drawing_area();
-    root.fill(&WHITE).map_err(|error| failed(&error))?;
+    let mut svg = String::new();
+    draw_figure(&mut svg, size, title, panels)
+        .map_err(|error| anyhow!("{}: {error}", path.display()))?;
+    std::fs::write(path, shown_at_its_size(&svg, size))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn draw_figure(svg: &mut String, size: (u32, u32), title: &str, panels: &[Panel]) -> Drawn {
+    let root = SVGBackend::with_string(svg, size).into_drawing_area();
+    root.fill(&WHITE)?;
     root.draw(&Text::new(
         title.to_string(),
-        (size.0 as i32 / 2, 14),
-        centred(18),
-    ))
-    .map_err(|error| failed(&error))?;
+        (size.0 as i32 / 2, 14 * FINE as i32),
+        centred(18 * FINE as i32),
+    ))?;
     let (_, below) = root.split_vertically(TITLE_HEIGHT);
     for (area, panel) in below.split_evenly((1, panels.len())).iter().zip(panels) {
         let (plot, key) = area.split_vertically(HEIGHT);
-        draw_panel(&plot, panel).map_err(|error| failed(&error))?;
-        draw_legend(&key, panel).map_err(|error| failed(&error))?;
+        draw_panel(&plot, panel)?;
+        draw_legend(&key, panel)?;
     }
-    root.present().map_err(|error| failed(&error))
+    root.present()
+}
+
+/// The first width and height of the text are those of the picture; its view box keeps the fine units.
+fn shown_at_its_size(svg: &str, size: (u32, u32)) -> String {
+    svg.replacen(
+        &format!(r#"width="{}" height="{}""#, size.0, size.1),
+        &format!(r#"width="{}" height="{}""#, size.0 / FINE, size.1 / FINE),
+        1,
+    )
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -71,28 +90,29 @@ fn draw_panel(area: &Area, panel: &Panel) -> Drawn {
     let x = range(panel, |point| point.0);
     let y = range(panel, |point| point.1);
     let mut chart = ChartBuilder::on(area)
-        .margin(12)
-        .margin_right(20)
-        .caption(&panel.title, ("sans-serif", 15, &INK))
-        .x_label_area_size(46)
-        .y_label_area_size(64)
+        .margin(12 * FINE)
+        .margin_right(20 * FINE)
+        .caption(&panel.title, ("sans-serif", 15 * FINE, &INK))
+        .x_label_area_size(46 * FINE)
+        .y_label_area_size(64 * FINE)
         .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
         .light_line_style(WHITE)
-        .bold_line_style(GRID)
-        .axis_style(INK)
+        .bold_line_style(GRID.stroke_width(FINE))
+        .axis_style(INK.stroke_width(FINE))
+        .set_all_tick_mark_size(5 * FINE)
         .x_labels(7)
         .y_labels(7)
         .x_label_formatter(&|value| number(*value))
         .y_label_formatter(&|value| number(*value))
-        .label_style(("sans-serif", 13, &INK))
-        .axis_desc_style(("sans-serif", 14, &INK))
+        .label_style(("sans-serif", 13 * FINE, &INK))
+        .axis_desc_style(("sans-serif", 14 * FINE, &INK))
         .x_desc(&panel.x_label)
         .y_desc(&panel.y_label)
         .draw()?;
     for curve in &panel.curves {
-        // The picture has whole pixels: more points than every other one only make steps of a slope.
+        // More would only make the file larger.
         let apart = curve.points.len().div_ceil(MOST_POINTS);
         let last = curve.points.last().copied();
         let points = curve
@@ -101,9 +121,9 @@ fn draw_panel(area: &Area, panel: &Panel) -> Drawn {
             .copied()
             .step_by(apart.max(1))
             .chain(last);
-        let style = curve.colour.stroke_width(2);
+        let style = curve.colour.stroke_width(STROKE);
         if curve.dashed {
-            chart.draw_series(DashedLineSeries::new(points, 6, 5, style))?;
+            chart.draw_series(DashedLineSeries::new(points, 6 * FINE, 5 * FINE, style))?;
         } else {
             chart.draw_series(LineSeries::new(points, style))?;
         }
@@ -113,20 +133,25 @@ fn draw_panel(area: &Area, panel: &Panel) -> Drawn {
 
 fn draw_legend(area: &Area, panel: &Panel) -> Drawn {
     for (line, curve) in panel.curves.iter().enumerate() {
-        let y = LEGEND_LINE * line as i32 + LEGEND_LINE / 2;
-        let style = curve.colour.stroke_width(2);
+        let y = (LEGEND_LINE * line as u32 + LEGEND_LINE / 2) as i32;
+        let style = curve.colour.stroke_width(STROKE);
         let strokes: &[(i32, i32)] = if curve.dashed {
             &[(80, 87), (92, 99), (104, 110)]
         } else {
             &[(80, 110)]
         };
         for &(from, to) in strokes {
+            let (from, to) = (from * FINE as i32, to * FINE as i32);
             area.draw(&PathElement::new(vec![(from, y), (to, y)], style))?;
         }
-        let style = TextStyle::from(("sans-serif", 13).into_font())
+        let style = TextStyle::from(("sans-serif", 13 * FINE as i32).into_font())
             .color(&INK)
             .pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(curve.label.clone(), (118, y), style))?;
+        area.draw(&Text::new(
+            curve.label.clone(),
+            (118 * FINE as i32, y),
+            style,
+        ))?;
     }
     Ok(())
 }

@@ -205,7 +205,7 @@ pub fn normal_force(engine: &Engine, output: &Path) -> Result<Table> {
         ));
     }
     let title = if engine.superellipsoid {
-        "NFD dissipates without a fitted constant and never pulls; one radius fits the parallel pair or the crossed one, not both"
+        "NFD dissipates without a fitted constant and never pulls; one radius cannot serve both poses of a pair"
     } else {
         "NFD dissipates without a fitted constant and never pulls"
     };

@@ -173,7 +173,7 @@ fn settle_on_floor(engine: &Engine, output: &Path) -> Result<Table> {
         .collect();
     heap::draw(
         &output.join("heap-compared.svg"),
-        "The same fall: shape decides how grains lie; spheres of the same volume pack otherwise",
+        "The same fall under each pair style: ellipsoids lie flat and close, spheres of their volume stand higher",
         &pictures,
         Some(FROZEN),
     )?;
