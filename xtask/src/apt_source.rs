@@ -54,8 +54,22 @@ const SUITES: [&str; 10] = [
     "duke",
 ];
 
+/// The first suite's that has it. A suite that cannot be read, because it does not exist yet or any more, counts only
+/// if no other has the package.
+pub fn find_in(name: &str, upstream: &str, suites: &[&str]) -> Result<Option<Package>> {
+    let mut failure = None;
+    for suite in suites {
+        match find(name, upstream, suite) {
+            Ok(Some(package)) => return Ok(Some(package)),
+            Ok(None) => {}
+            Err(error) => failure = Some(error),
+        }
+    }
+    failure.map_or(Ok(None), Err)
+}
+
 /// The newest version of source package `name` in `suite` whose version starts with `upstream`.
-pub fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
+fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
     for tool in ["apt-get", "apt-cache", "apt-config"] {
         if find_program(tool).is_none() {
             bail!("{tool} is not on this system");

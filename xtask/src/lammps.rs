@@ -143,19 +143,8 @@ fn fetched(release: &Release) -> Result<Option<Source>> {
     let directory = home.join("source");
     if !directory.is_dir() {
         cache::need_space(&cache::directory()?, 1500)?;
-        let mut failure = None;
-        let found = release.suites.iter().find_map(|suite| {
-            match apt_source::find("lammps", release.version, suite) {
-                Ok(found) => found,
-                // A suite may not exist yet: that counts only if no other has the release.
-                Err(error) => {
-                    failure = Some(error);
-                    None
-                }
-            }
-        });
-        let Some(package) = found else {
-            return failure.map_or(Ok(None), Err);
+        let Some(package) = apt_source::find_in("lammps", release.version, release.suites)? else {
+            return Ok(None);
         };
         let download = tempfile::Builder::new()
             .prefix("download-")

@@ -7,6 +7,7 @@ mod demo;
 mod header;
 mod lammps;
 mod library;
+mod liggghts;
 mod plugin;
 mod process;
 mod progress;
@@ -29,7 +30,8 @@ use clap::{Parser, Subcommand, ValueEnum};
 Environment:
   ELLGRAN_CACHE            where engines are kept (else $XDG_CACHE_HOME/ellgran, else ~/.cache/ellgran)
   ELLGRAN_LAMMPS_SOURCE    a LAMMPS source tree of your own
-  ELLGRAN_LAMMPS_VERSION   20260704 or 20250204, in place of the newest that can be had"
+  ELLGRAN_LAMMPS_VERSION   20260704 or 20250204, in place of the newest that can be had
+  ELLGRAN_LIGGGHTS_SOURCE  a LIGGGHTS-PUBLIC 3.8.0 source tree of your own, which is copied"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -62,6 +64,8 @@ enum Artefact {
     LammpsPlugin,
     /// The top directory of its source tree
     LammpsSource,
+    /// The LIGGGHTS binary with our contact models
+    Liggghts,
     /// libellgran.a
     Library,
     /// The launcher of parallel runs
@@ -95,6 +99,7 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::Lammps => lammps::source()?.binary(),
         Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
+        Artefact::Liggghts => liggghts::binary(),
         Artefact::Library => library::library(),
         Artefact::Mpirun => setup::mpirun(),
     }
