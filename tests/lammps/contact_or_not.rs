@@ -142,7 +142,7 @@ fn both_versions_exactly_parallel_and_crossed_needles() {
                     a,
                     a,
                     IDENTITY,
-                    [2.0 * aspect + gap / aspect, 0.0, 0.0],
+                    [2.0 * aspect + gap, 0.0, 0.0],
                 );
                 push("crossed", a, a, quarter, [0.0, 0.0, 2.0 + gap]);
                 push(
@@ -150,7 +150,7 @@ fn both_versions_exactly_parallel_and_crossed_needles() {
                     a,
                     a,
                     quarter,
-                    [aspect + 1.0 + gap / aspect, 0.0, 0.0],
+                    [aspect + 1.0 + gap, 0.0, 0.0],
                 );
                 push(
                     "half turned about itself",

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use crate::shapes::{
@@ -149,7 +150,13 @@ impl Scene {
     }
 
     /// Data file for `atom_style ellipsoid`, every double readable to the same bits.
-    pub fn ellipsoid_data(&self) -> String {
+    pub fn ellipsoid_data(&self, atom_style: &str) -> String {
+        // superellipsoids want their two exponents as well
+        let block = if atom_style.contains("superellipsoid") {
+            " 2 2"
+        } else {
+            ""
+        };
         let mut text = self.header(true);
         text.push_str("\nAtoms # ellipsoid\n\n");
         for (k, g) in self.grains.iter().enumerate() {
@@ -172,7 +179,7 @@ impl Scene {
             let (a, b, c) = (2.0 * a, 2.0 * b, 2.0 * c);
             writeln!(
                 text,
-                "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e}",
+                "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e}{block}",
                 k + 1,
                 a,
                 b,
@@ -428,10 +435,15 @@ pub fn thermo_rows(output: &str) -> Vec<HashMap<String, f64>> {
     rows
 }
 
-/// A clean directory of this name under the build directory.
+/// A clean directory of this name under the build directory; another one for each test.
 pub fn fresh_directory(name: &str) -> PathBuf {
+    let test = std::thread::current()
+        .name()
+        .unwrap_or("main")
+        .replace("::", ".");
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("lammps")
+        .join(test)
         .join(name);
     let _ = fs::remove_dir_all(&directory);
     fs::create_dir_all(&directory).expect("cannot create a directory for the run");
@@ -441,6 +453,9 @@ pub fn fresh_directory(name: &str) -> PathBuf {
 /// Runs `deck` in `directory` on `ranks` ranks; returns whether it succeeded and everything it wrote on its streams.
 pub fn execute(engine: &Engine, directory: &Path, deck: &str, ranks: usize) -> (bool, String) {
     fs::write(directory.join("in.deck"), deck).unwrap();
+    // ranks that wait keep a core busy: one run on several ranks at a time
+    static SEVERAL_RANKS: Mutex<()> = Mutex::new(());
+    let _alone = (ranks > 1).then(|| SEVERAL_RANKS.lock().unwrap_or_else(|e| e.into_inner()));
     let mut command = if ranks == 1 {
         Command::new(&engine.lammps)
     } else {
@@ -531,7 +546,7 @@ pub fn attempt_in(
     let data = if deck.atom_style == "sphere" {
         scene.sphere_data()
     } else {
-        scene.ellipsoid_data()
+        scene.ellipsoid_data(&deck.atom_style)
     };
     fs::write(directory.join("scene.data"), data).unwrap();
     let _ = fs::remove_file(directory.join("frames"));
@@ -675,7 +690,11 @@ pub fn forces_of_many(
     let directory = fresh_directory(name);
     let mut text = String::new();
     for (k, scene) in scenes.iter().enumerate() {
-        fs::write(directory.join(format!("{k}.data")), scene.ellipsoid_data()).unwrap();
+        fs::write(
+            directory.join(format!("{k}.data")),
+            scene.ellipsoid_data(atom_style),
+        )
+        .unwrap();
         let skin = 1e-2 * (scene.high[0] - scene.low[0]);
         let commands = [
             "clear".to_string(),

@@ -165,6 +165,23 @@ pub fn converge_from(
     }
 }
 
+/// As `converge`, where force begins or ends with a power of the overlap below one and the order is no whole number: the error
+/// must fall between the coarsest and the finest of the three steps, and what remains after one extrapolation of first order be
+/// within `tolerance` (relative).
+pub fn approach(steps: f64, what: &str, expected: f64, tolerance: f64, measure: impl Fn(f64) -> f64) {
+    let errors = [steps, 2.0 * steps, 4.0 * steps].map(|s| measure(s) / expected - 1.0);
+    let remains = 2.0 * errors[2] - errors[1];
+    println!(
+        "{what}: expected {expected:.10}; relative error at T/{:.0}, T/{:.0}, T/{:.0}: {:.2e} {:.2e} {:.2e}; extrapolated {remains:.1e}",
+        steps, 2.0 * steps, 4.0 * steps, errors[0], errors[1], errors[2]
+    );
+    assert!(remains.abs() < tolerance, "{what}: relative errors {errors:?}");
+    assert!(
+        errors[2].abs() < (errors[0].abs() / 2.0).max(0.2 * tolerance),
+        "{what}: the error does not fall: {errors:?}"
+    );
+}
+
 #[test]
 fn both_versions_hertz_contact_time_and_greatest_overlap() {
     let engine = Engine::from_environment();
@@ -228,7 +245,7 @@ const NFD_TABLE: [(f64, Option<f64>, Option<f64>, f64); 7] = [
     (2.0, None, None, 0.2398232521),
 ];
 
-/// An engine that hands out velocities of the half step makes viscous forces first order in the time step.
+/// LAMMPS hands out velocities of the half step: a viscous force that is there at once makes the error first order.
 const VISCOUS_ORDER: i32 = 1;
 
 #[test]
@@ -252,11 +269,7 @@ fn both_versions_nfd_restitution() {
             let Some(expected) = expected else { continue };
             let law = format!("nfd {MODULUS} {POISSON} {shear:e} {bulk:e} {words}");
             let times = 1.3 + 4.0 * b;
-            converge(
-                &format!("nfd b {b}, {words}"),
-                expected,
-                VISCOUS_ORDER,
-                2e-6,
+            approach(2000.0, &format!("nfd b {b}, {words}"), expected, 5e-6,
                 |s| restitution(&engine, "nfd", &law, speed, hertz_time(speed) / s, times),
             );
         }
@@ -312,10 +325,7 @@ fn both_versions_closures_give_the_relaxation_time_of_theory() {
             );
             let difference = (a - b).abs();
             println!("closure {closure}, eta2/eta1 {bulk}: restitution {:.9}, of A_n = {time} eta1/E {:.9}", a, b);
-            assert!(
-                a.restitution < 0.95 && difference < 1e-7,
-                "{closure}: {difference:e}"
-            );
+            assert!(a < 0.995 && difference < 1e-7, "{closure}: {difference:e}");
         }
     }
 }
@@ -326,11 +336,7 @@ fn both_versions_damping_restitution_at_any_speed() {
     for e in [0.9, 0.5] {
         for speed in [1e-3, 1e-2, 0.1] {
             let law = format!("hertz {MODULUS} {POISSON} damping restitution {e} limit_force no");
-            converge(
-                &format!("damping restitution {e} at {speed} m/s"),
-                e,
-                VISCOUS_ORDER,
-                5e-6,
+            approach(4000.0, &format!("damping restitution {e} at {speed} m/s"), e, 5e-6,
                 |s| {
                     restitution(
                         &engine,

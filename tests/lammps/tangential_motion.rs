@@ -7,8 +7,8 @@ use crate::harness::{kinetic_energy, run, Deck, Engine, Grain, Scene};
 use crate::normal_motion::{converge, greatest_overlap, hertz_time, DENSITY, MODULUS, RADIUS};
 use crate::shapes::{inertia, scale, Vector};
 
-/// Slow enough that the lever arm, the radius less half the overlap, is the radius: overlap 7e-6 of the radius.
-const SPEED: f64 = 1e-5;
+/// Slow enough that the lever arm, the radius less half the overlap, is the radius: overlap 1e-6 of the radius.
+const SPEED: f64 = 1e-6;
 
 struct Rebound {
     /// Relative velocity of the surfaces at the contact, across the normal, over its initial value.
