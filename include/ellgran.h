@@ -175,9 +175,35 @@
 typedef struct EllgranLaws EllgranLaws;
 
 /*
+ A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
+ */
+typedef struct EllgranStagedContact EllgranStagedContact;
+
+/*
+ Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
+ or triangles than any before it.
+ */
+typedef struct EllgranWallContacts EllgranWallContacts;
+
+/*
  Memory that one thread of calls keeps from step to step. Opaque.
  */
 typedef struct EllgranWorkspace EllgranWorkspace;
+
+/*
+ What became of a lane.
+ */
+typedef struct Fate Fate;
+
+/*
+ An instruction set for the lanes.
+ */
+typedef struct InstructionSet InstructionSet;
+
+/*
+ What a lane gives back.
+ */
+typedef struct LaneResult LaneResult;
 
 /*
  A body of one contact, world frame.
@@ -606,6 +632,60 @@ typedef struct EllgranTallies {
   int64_t pair_count;
 } EllgranTallies;
 
+/*
+ The surface of a wall where a body touches it.
+ */
+typedef struct EllgranWallSurface {
+  /*
+   The point of the surface that lies deepest in the body, world frame.
+   */
+  double point[3];
+  /*
+   Normal out of the wall, towards the body; any length but zero.
+   */
+  double normal[3];
+  /*
+   First principal direction; only its part in the tangent plane counts. Not read where both entries of
+   `curvatures` and of `turning_radii` are alike.
+   */
+  double direction[3];
+  /*
+   Curvatures along `direction` and across it, 1/length: 0 for a plane, negative in a cavity.
+   */
+  double curvatures[2];
+  /*
+   How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
+   plane, -Rc in a cavity of radius Rc, 0 across an edge.
+   */
+  double turning_radii[2];
+  /*
+   Velocity of the surface there.
+   */
+  double velocity[3];
+} EllgranWallSurface;
+
+/*
+ A contact of an ellipsoid with a wall.
+ */
+typedef struct EllgranWallContact {
+  /*
+   The wall's surface; its velocity is zero and is the caller's to set.
+   */
+  struct EllgranWallSurface surface;
+  /*
+   Index of the triangle that stands for the contact, 0 where there are none.
+   */
+  size_t triangle;
+  /*
+   Weights of that triangle's corners at the point of the surface; the velocity there is their mean so weighted.
+   */
+  double weights[3];
+} EllgranWallContact;
+
+
+
+
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -790,7 +870,8 @@ int32_t ellgran_compute_pairs(const struct EllgranLaws *laws,
                               struct EllgranTallies *tallies);
 
 /*
- A new workspace.
+ A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
+ environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `avx2` or `avx512`.
 
  # Safety
  `workspace` is NULL or valid for writes.
@@ -804,6 +885,14 @@ int32_t ellgran_workspace_new(struct EllgranWorkspace **workspace);
  `workspace` is NULL or came from `ellgran_workspace_new` and is not used again.
  */
 void ellgran_workspace_free(struct EllgranWorkspace *workspace);
+
+/*
+ The name of the instruction set that a workspace runs on, static; NULL for NULL.
+
+ # Safety
+ `workspace` is NULL or valid.
+ */
+const char *ellgran_workspace_instruction_set(const struct EllgranWorkspace *workspace);
 
 /*
  Bytes that a workspace holds; 0 for NULL.
@@ -850,6 +939,98 @@ int32_t ellgran_compute_planes(const struct EllgranLaws *laws,
                                struct EllgranTallies *tallies);
 
 /*
+ Memory for the stages of a contact.
+
+ # Safety
+ `staged` is NULL or valid for writes.
+ */
+int32_t ellgran_staged_new(struct EllgranStagedContact **staged);
+
+/*
+ Frees what `ellgran_staged_new` gave; NULL is allowed.
+
+ # Safety
+ `staged` is NULL or came from `ellgran_staged_new` and is not used again.
+ */
+void ellgran_staged_free(struct EllgranStagedContact *staged);
+
+/*
+ First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
+ says nothing. Types are not read.
+
+ `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
+ is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_pair(struct EllgranStagedContact *staged,
+                            const struct EllgranBody *i,
+                            const struct EllgranBody *j,
+                            double share_i,
+                            double *cached_normal,
+                            struct EllgranContactGeometry *geometry);
+
+/*
+ First stage, an ellipsoid and a wall; otherwise like `ellgran_staged_pair`.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
+                            const struct EllgranBody *i,
+                            const struct EllgranWallSurface *wall,
+                            double share_i,
+                            struct EllgranContactGeometry *geometry);
+
+/*
+ Radius of the sphere that feels the same elastic normal force when pressed into a plane as deep: `Re F2^-3`. With it a
+ law that was written for spheres gives the exact elastic normal force of the ellipse.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *staged,
+                                         double *radius);
+
+/*
+ Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
+ the types is left out. `effective_mass` is read by damping with a coefficient of restitution.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
+                              const struct EllgranLaws *laws,
+                              int32_t type_i,
+                              int32_t type_j,
+                              double effective_mass,
+                              struct EllgranContactForce *force);
+
+/*
+ Third stage: tangential force and its torques alone, with the tangential law of the types and this coefficient of
+ friction.
+
+ `touched`: 1 if the pair touched at the last step; `normal_before` (3 doubles): its normal then; `memory` (3 doubles):
+ the tangential displacement, kept between steps. Both change sign when the pair is swapped. `displacement rescaled`,
+ which remembers more, is not available here.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_tangential(const struct EllgranStagedContact *staged,
+                                  const struct EllgranLaws *laws,
+                                  int32_t type_i,
+                                  int32_t type_j,
+                                  double friction,
+                                  double effective_mass,
+                                  const struct EllgranStep *step,
+                                  int32_t touched,
+                                  const double *normal_before,
+                                  double *memory,
+                                  struct EllgranContactForce *force);
+
+/*
  The message of the last failure in this thread, UTF-8, never NULL; empty if there was none. It is overwritten by the
  next failing call of this thread.
  */
@@ -864,6 +1045,78 @@ uint32_t ellgran_abi_version(void);
  The library's version as text, such as `0.1.0`; static.
  */
 const char *ellgran_version(void);
+
+/*
+ Memory for the contacts of a particle.
+
+ # Safety
+ `contacts` is NULL or valid for writes.
+ */
+int32_t ellgran_wall_contacts_new(struct EllgranWallContacts **contacts);
+
+/*
+ Frees what `ellgran_wall_contacts_new` gave; NULL is allowed.
+
+ # Safety
+ `contacts` is NULL or came from `ellgran_wall_contacts_new` and is not used again.
+ */
+void ellgran_wall_contacts_free(struct EllgranWallContacts *contacts);
+
+/*
+ Number of contacts of the last call; 0 for NULL.
+
+ # Safety
+ `contacts` is NULL or valid.
+ */
+size_t ellgran_wall_contacts_count(const struct EllgranWallContacts *contacts);
+
+/*
+ The contact of this index, of the last call; NULL if there is none. Valid until the next call.
+
+ # Safety
+ `contacts` is NULL or valid.
+ */
+const struct EllgranWallContact *ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
+                                                           size_t index);
+
+/*
+ The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.
+
+ # Safety
+ The pointers are NULL or valid; `point` and `normal` have 3 doubles.
+ */
+int32_t ellgran_plane_contacts(struct EllgranWallContacts *contacts,
+                               const struct EllgranBody *body,
+                               const double *point,
+                               const double *normal);
+
+/*
+ The contacts of an ellipsoid with a circular cylinder: from within, if its centre is - two, if both of its ends are beyond
+ the wall - else from without.
+
+ # Safety
+ The pointers are NULL or valid; `point` (of the axis) and `axis` have 3 doubles.
+ */
+int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
+                                  const struct EllgranBody *body,
+                                  const double *point,
+                                  const double *axis,
+                                  double radius);
+
+/*
+ The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
+ corner is taken as flat in Hertz' law, with the normal that the contact has there.
+
+ `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
+ free.
+
+ # Safety
+ The pointers are NULL or valid; `corners` has `count * 9` doubles.
+ */
+int32_t ellgran_triangle_contacts(struct EllgranWallContacts *contacts,
+                                  const struct EllgranBody *body,
+                                  size_t count,
+                                  const double *corners);
 
 #ifdef __cplusplus
 }  // extern "C"

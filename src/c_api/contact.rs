@@ -91,7 +91,7 @@ pub struct EllgranContactForce {
 }
 
 impl EllgranBody {
-    fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
+    pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
         prepare_body(
             &Body {
                 position: self.position,
@@ -125,7 +125,7 @@ impl From<&OneContact> for EllgranContactGeometry {
     }
 }
 
-fn force_of(g: &OneContact, f: &ContactForces, linear: bool) -> EllgranContactForce {
+pub(super) fn force_of(g: &OneContact, f: &ContactForces, linear: bool) -> EllgranContactForce {
     let contact_semi_axes = if linear {
         [0.0; 2]
     } else {

@@ -17,6 +17,8 @@ pub mod law;
 pub mod neighbour_list;
 pub mod particles;
 pub mod planes;
+pub mod staged;
 pub mod status;
 pub mod tallies;
 pub mod version;
+pub mod walls;

@@ -179,6 +179,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             &step,
             &mut accumulators,
             sums.as_mut(),
+            workspace.instruction_set,
         )
         .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
         workspace.many_starts += many_starts;

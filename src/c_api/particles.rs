@@ -6,8 +6,8 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use crate::pairs::particles::Rotation;
-use crate::pairs::{Laws, ParticleArrays, Step, Workspace};
-use libc::{c_void, size_t};
+use crate::pairs::{InstructionSet, Laws, ParticleArrays, Step, Workspace};
+use libc::{c_char, c_void, size_t};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 #[repr(C)]
@@ -68,7 +68,8 @@ pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
 }
 
-/// A new workspace.
+/// A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
+/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `avx2` or `avx512`.
 ///
 /// # Safety
 /// `workspace` is NULL or valid for writes.
@@ -77,8 +78,10 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
     at_border("ellgran_workspace_new", || {
         // SAFETY: promised by the caller.
         let out = unsafe { required_mut(workspace, "workspace") }?;
+        let chosen =
+            InstructionSet::choose().map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
         *out = Box::into_raw(Box::new(EllgranWorkspace {
-            workspace: Workspace::new(),
+            workspace: Workspace::new(chosen),
         }));
         Ok(())
     })
@@ -94,6 +97,23 @@ pub unsafe extern "C" fn ellgran_workspace_free(workspace: *mut EllgranWorkspace
         // SAFETY: promised by the caller.
         drop(unsafe { Box::from_raw(workspace) });
     }
+}
+
+/// The name of the instruction set that a workspace runs on, static; NULL for NULL.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_workspace_instruction_set(
+    workspace: *const EllgranWorkspace,
+) -> *const c_char {
+    // SAFETY: promised by the caller.
+    let text = unsafe { workspace.as_ref() }.map(|w| match w.workspace.instruction_set {
+        InstructionSet::Scalar => c"scalar",
+        InstructionSet::Avx2 => c"avx2",
+        InstructionSet::Avx512 => c"avx512",
+    });
+    text.map_or(core::ptr::null(), |t| t.as_ptr())
 }
 
 /// Bytes that a workspace holds; 0 for NULL.

@@ -15,6 +15,8 @@ pub struct Ellipsoid<T = f64> {
     pub axes: [Vector3<T>; 3],
     /// Semi-axes along them, > 0, length.
     pub semi_axes: Vector3<T>,
+    /// Their inverses, 1/length.
+    pub inverse_semi_axes: Vector3<T>,
 }
 
 /// What is wrong with a shape or a pose.
@@ -78,6 +80,7 @@ impl Ellipsoid<f64> {
         Ok(Ellipsoid {
             axes,
             semi_axes: Vector3::from_array(semi_axes),
+            inverse_semi_axes: Vector3::from_array(semi_axes.map(|a| 1.0 / a)),
         })
     }
 
@@ -138,9 +141,7 @@ impl<T: Real> Ellipsoid<T> {
     /// `det V = h^4 / (a1 a2 a3)^2`.
     #[inline(always)]
     pub fn weingarten(&self, support: &Support<T>, tangent: &Tangent<T>) -> Symmetric2<T> {
-        let one = support.h.constant(1.0);
-        let a = self.semi_axes;
-        let inverse = Vector3::new(one / a.x, one / a.y, one / a.z);
+        let inverse = self.inverse_semi_axes;
         let u = self.to_body(tangent.u);
         // v = n x u, in body axes as well.
         let v = support.local_normal.cross(u).componentwise(inverse);

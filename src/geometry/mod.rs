@@ -3,8 +3,11 @@
 
 pub mod contact_search;
 pub mod curvature;
+pub mod cylinder;
 pub mod ellipsoid;
+pub mod interior_point;
 pub mod plane;
+pub mod triangles;
 pub mod vector;
 
 pub use contact_search::{search, ContactSearch, Outcome};

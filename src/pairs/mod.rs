@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Geometry and force brought together: one contact, a whole neighbour list, plane walls; the history of a contact.
 
+mod batch;
 pub mod contact;
 pub mod history;
+pub mod instruction_set;
+pub mod lanes;
 pub mod laws;
 pub mod neighbour_list;
 pub mod one_contact;
 pub mod particles;
 pub mod planes;
+pub mod staged;
 pub mod tallies;
 
 pub use contact::{Contact, ContactForces};
 pub use history::HistoryLayout;
+pub use instruction_set::InstructionSet;
 pub use laws::Laws;
 pub use neighbour_list::{compute_pairs, NeighbourRow, NeighbourRows};
 pub use one_contact::{one_contact, one_contact_with_plane, Body, OneContact};

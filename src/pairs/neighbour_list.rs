@@ -4,10 +4,13 @@
 //! A pair is rejected by its bounding spheres, else by one evaluation with the cached normal; what is left goes through
 //! the contact search, the law and the scatter. Nothing is allocated.
 
+use super::batch::{run as run_batch, Candidate, Fate, LaneResult};
 use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
 use super::history::HistoryLayout;
+use super::instruction_set::InstructionSet;
+use super::lanes::MOST_LANES;
 use super::laws::{Features, Laws};
 use super::particles::{effective_mass, Particle};
 use super::tallies::{Contribution, Tallies};
@@ -207,6 +210,13 @@ pub(super) fn contact_of(found: &ContactSearch, d: Vector3, i: &Particle, j: &Pa
     }
 }
 
+/// Whether the plane with normal `n` separates a pair: one evaluation rejects.
+#[inline(always)]
+fn separates(i: &Particle, j: &Particle, d: Vector3, n: Vector3) -> bool {
+    let h = |body: &Ellipsoid| body.semi_axes.componentwise(body.to_body(n)).norm();
+    h(&i.body) + h(&j.body) < n.dot(d)
+}
+
 /// Whether and where a pair touches, from its cached normal.
 #[inline(always)]
 pub(super) fn touch(i: &Particle, j: &Particle, d: Vector3, start: Option<Vector3>) -> Outcome {
@@ -214,9 +224,7 @@ pub(super) fn touch(i: &Particle, j: &Particle, d: Vector3, start: Option<Vector
         return Outcome::Touching(touch_spheres(i.radius, j.radius, d, &i.body, &j.body));
     }
     if let Some(n) = start {
-        // One evaluation rejects: h_i + h_j - n.d < 0.
-        let h = |body: &Ellipsoid| body.semi_axes.componentwise(body.to_body(n)).norm();
-        if h(&i.body) + h(&j.body) - n.dot(d) < 0.0 {
+        if separates(i, j, d, n) {
             return Outcome::Separated(n);
         }
     }
@@ -258,143 +266,366 @@ pub fn compute_pairs<R: NeighbourRows>(
     rows: &mut R,
     step: &Step,
     accumulators: &mut Accumulators<'_>,
-    tallies: Option<&mut Tallies<'_>>,
+    mut tallies: Option<&mut Tallies<'_>>,
+    instruction_set: InstructionSet,
 ) -> Result<u64, HaleBroke> {
     let features = laws.features();
     if features.hale {
         check_hale(laws, particles, rows)?;
     }
-    let rate = features.viscous || features.friction || tallies.is_some();
-    macro_rules! kernel {
-        ($friction:literal, $rate:literal, $conservative:literal) => {
-            all_rows::<R, $friction, $rate, $conservative>(
-                laws,
-                particles,
-                rows,
-                step,
-                accumulators,
-                tallies,
-            )
-        };
-    }
-    Ok(match (features.friction, rate, features.conservative) {
-        (true, _, true) => kernel!(true, true, true),
-        (true, _, false) => kernel!(true, true, false),
-        (false, true, true) => kernel!(false, true, true),
-        (false, true, false) => kernel!(false, true, false),
-        (false, false, true) => kernel!(false, false, true),
-        (false, false, false) => kernel!(false, false, false),
-    })
-}
-
-fn all_rows<R: NeighbourRows, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
-    laws: &Laws,
-    particles: &[Particle],
-    rows: &mut R,
-    step: &Step,
-    accumulators: &mut Accumulators<'_>,
-    mut tallies: Option<&mut Tallies<'_>>,
-) -> u64 {
-    let mut many_starts = 0;
-    let layout = laws.layout();
-    let length = layout.length;
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
     }
-    for k in 0..rows.count() {
-        let count = rows.row(k).neighbours.len();
-        let central = rows.row(k).central;
-        let i = &particles[central];
-        let mut force_i = Vector3::ZERO;
-        let mut torque_i = Vector3::ZERO;
-        for m in 0..count {
-            let entry = rows.row(k).neighbours[m];
-            let Some(other) = rows.index(entry) else {
-                continue;
-            };
-            let j = &particles[other];
-            let d = j.position - i.position;
-            let reach = i.radius + j.radius;
-            let row = rows.row(k);
-            let mut none_touching = 0;
-            let touching: &mut i32 = match row.touching.get_mut(m) {
-                Some(t) => t,
-                None => &mut none_touching,
-            };
-            let history = &mut row.history[m * length..(m + 1) * length];
-            if d.norm_squared() >= reach * reach {
-                if *touching != 0 {
-                    *touching = 0;
-                    forget(&layout, history);
+    let rate = features.viscous || features.friction || tallies.is_some();
+    let pass = Pass {
+        laws,
+        layout: laws.layout(),
+        particles,
+        rows,
+        step,
+        accumulators,
+        tallies,
+        many_starts: 0,
+    };
+    Ok(match (features.friction, rate, features.conservative) {
+        (true, _, true) => pass.run::<true, true, true>(instruction_set),
+        (true, _, false) => pass.run::<true, true, false>(instruction_set),
+        (false, true, true) => pass.run::<false, true, true>(instruction_set),
+        (false, true, false) => pass.run::<false, true, false>(instruction_set),
+        (false, false, true) => pass.run::<false, false, true>(instruction_set),
+        (false, false, false) => pass.run::<false, false, false>(instruction_set),
+    })
+}
+
+/// One pass over the list.
+struct Pass<'a, 'b, 'c, R: NeighbourRows> {
+    laws: &'a Laws,
+    layout: HistoryLayout,
+    particles: &'a [Particle],
+    rows: &'a mut R,
+    step: &'a Step,
+    accumulators: &'a mut Accumulators<'b>,
+    tallies: Option<&'a mut Tallies<'c>>,
+    many_starts: u64,
+}
+
+/// Where a pair stands: its row, its place in the row, its particles.
+#[derive(Clone, Copy)]
+struct Place {
+    row: usize,
+    entry: usize,
+    i: usize,
+    j: usize,
+}
+
+/// A pass and what to do with it in lanes: what `pulp` calls with the instruction set.
+struct InLanes<'a, 'b, 'c, R: NeighbourRows, const F: bool, const V: bool, const C: bool>(
+    Pass<'a, 'b, 'c, R>,
+);
+
+impl<R: NeighbourRows, const F: bool, const V: bool, const C: bool> pulp::WithSimd
+    for InLanes<'_, '_, '_, R, F, V, C>
+{
+    type Output = u64;
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> u64 {
+        self.0.all_in_lanes::<S, F, V, C>(simd)
+    }
+}
+
+impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
+    fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        self,
+        instruction_set: InstructionSet,
+    ) -> u64 {
+        match instruction_set {
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => {
+                if let Some(simd) = pulp::x86::V4::try_new() {
+                    return pulp::Simd::vectorize(
+                        simd,
+                        InLanes::<R, FRICTION, RATE, CONSERVATIVE>(self),
+                    );
                 }
-                continue;
             }
-            let cached = cached_normal(&layout, history);
-            let found = match touch(i, j, d, cached) {
-                Outcome::Separated(n) => {
-                    if let Some(at) = layout.normal {
-                        history[at..at + 3].copy_from_slice(&n.to_array());
-                    }
-                    if *touching != 0 {
-                        *touching = 0;
-                        forget(&layout, history);
-                    }
-                    continue;
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    return pulp::Simd::vectorize(
+                        simd,
+                        InLanes::<R, FRICTION, RATE, CONSERVATIVE>(self),
+                    );
                 }
-                Outcome::Touching(found) if found.penetration <= 0.0 => {
-                    if *touching != 0 {
-                        *touching = 0;
-                        forget(&layout, history);
-                    }
-                    continue;
-                }
-                Outcome::Touching(found) => found,
-            };
-            let law = laws.get(i.kind as usize, j.kind as usize);
-            let x = contact_of(&found, d, i, j);
-            let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-            let factors = factors_for(law, curvature.trace(), curvature.determinant());
-            let before = normal_before(cached, i, j, d, found.normal, step);
-            let remembered = recall(&layout, history, *touching != 0, step, found.normal, before);
-            let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, false>(
-                &law.kinds,
-                &law.constants,
-                &factors,
-                curvature,
-                &x,
-                &remembered,
-            );
-            remember(&layout, history, found.normal, &f);
-            *touching = 1;
-            many_starts += found.many_starts as u64;
-            force_i = force_i - f.force;
-            torque_i = torque_i + f.torque_i;
-            if other < accumulators.reaction_below {
-                add(&mut accumulators.forces[other], f.force);
-                add(&mut accumulators.torques[other], f.torque_j);
             }
-            if let Some(t) = tallies.as_deref_mut() {
-                t.add(
-                    central,
-                    Some(other),
-                    other < accumulators.reaction_below,
-                    &Contribution {
-                        normal_energy: f.elastic_energy,
-                        tangential_energy: f.tangential_energy,
-                        work: remembered.time * (f.viscous_power + f.tangential_power),
-                        d,
-                        force: f.force,
-                    },
-                );
+            _ => {}
+        }
+        self.all_scalar::<FRICTION, RATE, CONSERVATIVE>()
+    }
+
+    fn all_scalar<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        mut self,
+    ) -> u64 {
+        for row in 0..self.rows.count() {
+            let (central, count) = self.start_row(row);
+            for entry in 0..count {
+                if let Some((place, d)) = self.within_reach(row, entry, central) {
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+                }
             }
         }
-        if let Some(t) = tallies.as_deref_mut() {
+        self.many_starts
+    }
+
+    #[inline(always)]
+    fn start_row(&mut self, row: usize) -> (usize, usize) {
+        let r = self.rows.row(row);
+        let (central, count) = (r.central, r.neighbours.len());
+        if let Some(t) = self.tallies.as_deref_mut() {
             t.pairs += count as u64;
         }
-        add(&mut accumulators.forces[central], force_i);
-        add(&mut accumulators.torques[central], torque_i);
+        (central, count)
     }
-    many_starts
+
+    /// A pair whose bounding spheres overlap, and the vector between its centres.
+    #[inline(always)]
+    fn within_reach(
+        &mut self,
+        row: usize,
+        entry: usize,
+        central: usize,
+    ) -> Option<(Place, Vector3)> {
+        let named = self.rows.row(row).neighbours[entry];
+        let other = self.rows.index(named)?;
+        let place = Place {
+            row,
+            entry,
+            i: central,
+            j: other,
+        };
+        let (i, j) = (&self.particles[central], &self.particles[other]);
+        let d = j.position - i.position;
+        let reach = i.radius + j.radius;
+        if d.norm_squared() < reach * reach {
+            Some((place, d))
+        } else {
+            self.separated(place, None);
+            None
+        }
+    }
+
+    /// What is remembered of a pair: whether it touched, and the doubles.
+    #[inline(always)]
+    fn memory(&mut self, place: Place) -> (Option<&mut i32>, &mut [f64]) {
+        let length = self.layout.length;
+        let row = self.rows.row(place.row);
+        (
+            row.touching.get_mut(place.entry),
+            &mut row.history[place.entry * length..(place.entry + 1) * length],
+        )
+    }
+
+    /// A pair that does not touch: forgets the tangential part, keeps the separating normal.
+    #[inline(always)]
+    fn separated(&mut self, place: Place, normal: Option<Vector3>) {
+        let layout = self.layout;
+        let (touching, history) = self.memory(place);
+        if let (Some(n), Some(at)) = (normal, layout.normal) {
+            history[at..at + 3].copy_from_slice(&n.to_array());
+        }
+        if let Some(t) = touching {
+            if *t != 0 {
+                *t = 0;
+                forget(&layout, history);
+            }
+        }
+    }
+
+    /// Search, law and scatter of one pair, with every safeguard.
+    fn one_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        &mut self,
+        place: Place,
+        d: Vector3,
+    ) {
+        let layout = self.layout;
+        let step = *self.step;
+        let (i, j) = (&self.particles[place.i], &self.particles[place.j]);
+        let (touching, history) = self.memory(place);
+        let touched = touching.is_some_and(|t| *t != 0);
+        let cached = cached_normal(&layout, history);
+        let found = match touch(i, j, d, cached) {
+            Outcome::Touching(found) if found.penetration > 0.0 => found,
+            Outcome::Touching(_) => return self.separated(place, None),
+            Outcome::Separated(n) => return self.separated(place, Some(n)),
+        };
+        let law = self.laws.get(i.kind as usize, j.kind as usize);
+        let x = contact_of(&found, d, i, j);
+        let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
+        let factors = factors_for(law, curvature.trace(), curvature.determinant());
+        let before = normal_before(cached, i, j, d, found.normal, &step);
+        let (_, history) = self.memory(place);
+        let remembered = recall(&layout, history, touched, &step, found.normal, before);
+        let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, false>(
+            &law.kinds,
+            &law.constants,
+            &factors,
+            curvature,
+            &x,
+            &remembered,
+        );
+        self.many_starts += found.many_starts as u64;
+        self.apply(place, d, found.normal, &f, remembered.time);
+    }
+
+    /// Scatter of a touching pair: history, forces, tallies.
+    #[inline(always)]
+    fn apply(&mut self, place: Place, d: Vector3, normal: Vector3, f: &ContactForces, time: f64) {
+        let layout = self.layout;
+        let (touching, history) = self.memory(place);
+        remember(&layout, history, normal, f);
+        if let Some(t) = touching {
+            *t = 1;
+        }
+        let a = &mut *self.accumulators;
+        add(&mut a.forces[place.i], -f.force);
+        add(&mut a.torques[place.i], f.torque_i);
+        let reaction = place.j < a.reaction_below;
+        if reaction {
+            add(&mut a.forces[place.j], f.force);
+            add(&mut a.torques[place.j], f.torque_j);
+        }
+        if let Some(t) = self.tallies.as_deref_mut() {
+            t.add(
+                place.i,
+                Some(place.j),
+                reaction,
+                &Contribution {
+                    normal_energy: f.elastic_energy,
+                    tangential_energy: f.tangential_energy,
+                    work: time * (f.viscous_power + f.tangential_power),
+                    d,
+                    force: f.force,
+                },
+            );
+        }
+    }
+
+    /// The whole list in lanes: rejected pairs one by one with the cached normal, contacts collected and taken together.
+    #[inline(always)]
+    fn all_in_lanes<
+        S: pulp::Simd,
+        const FRICTION: bool,
+        const RATE: bool,
+        const CONSERVATIVE: bool,
+    >(
+        mut self,
+        simd: S,
+    ) -> u64 {
+        // Hale's form breaks where the exact one does not, and is not in the lanes.
+        if self.laws.features().hale {
+            return self.all_scalar::<FRICTION, RATE, CONSERVATIVE>();
+        }
+        let lanes = S::F64_LANES.min(MOST_LANES);
+        let uniform = self.laws.types() == 1;
+        let mut waiting: [Option<(Place, Candidate<'a>)>; MOST_LANES] = [None; MOST_LANES];
+        let mut count = 0;
+        for row in 0..self.rows.count() {
+            let (central, neighbours) = self.start_row(row);
+            for entry in 0..neighbours {
+                let Some((place, d)) = self.within_reach(row, entry, central) else {
+                    continue;
+                };
+                let layout = self.layout;
+                let step = *self.step;
+                let (i, j): (&'a Particle, &'a Particle) =
+                    (&self.particles[place.i], &self.particles[place.j]);
+                let (touching, history) = self.memory(place);
+                let touched = touching.is_some_and(|t| *t != 0);
+                let cached = cached_normal(&layout, history);
+                let both_spheres = i.sphere && j.sphere;
+                let start = if both_spheres {
+                    let distance = d.norm();
+                    (distance > 0.0).then(|| d * (1.0 / distance))
+                } else {
+                    cached
+                };
+                let Some(start) = start else {
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+                    continue;
+                };
+                if !touched && !both_spheres && separates(i, j, d, start) {
+                    continue;
+                }
+                let law = self.laws.get(i.kind as usize, j.kind as usize);
+                let before = normal_before(cached, i, j, d, start, &step);
+                let (_, history) = self.memory(place);
+                let remembered = recall(&layout, history, touched, &step, start, before);
+                if let Some((_, first)) = &waiting[0] {
+                    if count > 0 && first.law.kinds != law.kinds {
+                        self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+                        continue;
+                    }
+                }
+                waiting[count] = Some((
+                    place,
+                    Candidate {
+                        i,
+                        j,
+                        d,
+                        start,
+                        law,
+                        remembered,
+                    },
+                ));
+                count += 1;
+                if count == lanes {
+                    self.batch::<S, FRICTION, RATE, CONSERVATIVE>(
+                        simd, &waiting, lanes, count, uniform,
+                    );
+                    count = 0;
+                }
+            }
+        }
+        if count > 0 {
+            self.batch::<S, FRICTION, RATE, CONSERVATIVE>(simd, &waiting, lanes, count, uniform);
+        }
+        self.many_starts
+    }
+
+    #[inline(always)]
+    fn batch<S: pulp::Simd, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        &mut self,
+        simd: S,
+        waiting: &[Option<(Place, Candidate<'a>)>; MOST_LANES],
+        lanes: usize,
+        count: usize,
+        uniform: bool,
+    ) {
+        let Some((_, filler)) = waiting[count - 1] else {
+            return;
+        };
+        // The last pair fills the lanes that are left over; its copies are not used.
+        let candidates: [Candidate<'a>; MOST_LANES] = core::array::from_fn(|k| match waiting[k] {
+            Some((_, c)) if k < count => c,
+            _ => filler,
+        });
+        let mut results = [LaneResult::EMPTY; MOST_LANES];
+        run_batch::<S, FRICTION, RATE, CONSERVATIVE>(
+            simd,
+            &candidates[..lanes],
+            uniform,
+            &mut results,
+        );
+        for k in 0..count {
+            let (Some((place, c)), r) = (&waiting[k], &results[k]) else {
+                continue;
+            };
+            match r.fate {
+                Fate::Touching => self.apply(*place, c.d, r.normal, &r.forces, c.remembered.time),
+                Fate::Separated => self.separated(*place, Some(r.normal)),
+                Fate::Hard => self.one_pair::<FRICTION, RATE, CONSERVATIVE>(*place, c.d),
+            }
+        }
+    }
 }
 
 /// Geometry of all pairs, to refuse a contact at which Hale's form breaks before anything is written.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An engine's particle arrays, and what is made of them once a step.
 
+use super::InstructionSet;
 use crate::geometry::{Ellipsoid, ShapeError, Vector3};
 
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
@@ -70,17 +71,23 @@ pub struct Particle {
 }
 
 /// Memory that one thread of calls keeps from step to step; grows only when the number of particles does.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Workspace {
     particles: Vec<Particle>,
+    /// What the pairs are computed on.
+    pub instruction_set: InstructionSet,
     /// Contacts so far that took the slow search from many starts.
     pub many_starts: u64,
 }
 
 impl Workspace {
-    /// An empty workspace.
-    pub fn new() -> Self {
-        Self::default()
+    /// An empty workspace for an instruction set.
+    pub fn new(instruction_set: InstructionSet) -> Self {
+        Workspace {
+            particles: Vec::new(),
+            instruction_set,
+            many_starts: 0,
+        }
     }
 
     /// Checks and prepares all particles.

@@ -11,6 +11,9 @@ use super::elliptic_integrals::{ellipse_integrals, EllipseIntegrals};
 use crate::real::Real;
 use fit_coefficients::{PHI, SIGMA, W_MAX};
 
+/// Where the fit ends, in [`fit_variable`]: B/A = 6.5e5.
+pub(crate) const FIT_END: f64 = W_MAX;
+
 /// What the force needs at one relative curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct Factors<T = f64> {

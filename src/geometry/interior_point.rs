@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A point inside an ellipsoid (or ellipse): the direction in which the surface is nearest.
+
+/// Outward normal, not of unit length, of the surface point nearest to the interior point `y`, both along the principal
+/// axes; `semi_axes` > 0. `None` if the point is not inside.
+///
+/// The nearest point is `p_k = a_k^2 y_k/(t + a_k^2)` with `t` the largest root of `sum (a_k y_k/(t + a_k^2))^2 = 1`. The
+/// sum falls and is convex right of its last pole, so Newton's method from the left rises to the root.
+pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Option<[f64; N]> {
+    let inside: f64 = (0..N).map(|k| (y[k] / semi_axes[k]).powi(2)).sum();
+    if !(inside < 1.0) {
+        return None;
+    }
+    let least = semi_axes.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_least = |k: usize| semi_axes[k] == least;
+    let along_least = (0..N)
+        .filter(|&k| is_least(k))
+        .map(|k| y[k] * y[k])
+        .sum::<f64>()
+        .sqrt();
+    // With s = t + least^2 > 0 no difference of near numbers is left but in the axes' own squares.
+    let gap = |k: usize| (semi_axes[k] - least) * (semi_axes[k] + least);
+    let sums = |s: f64| {
+        let (mut value, mut slope) = (-1.0, 0.0);
+        for k in 0..N {
+            if y[k] != 0.0 {
+                let bottom = s + gap(k);
+                let term = (semi_axes[k] * y[k] / bottom).powi(2);
+                value += term;
+                slope -= 2.0 * term / bottom;
+            }
+        }
+        (value, slope)
+    };
+    let mut s = least * along_least;
+    if s == 0.0 {
+        // On the plane (or axis) of symmetry: the others alone may reach the root, else the nearest points are a pair, and
+        // either serves.
+        let others: f64 = (0..N)
+            .filter(|&k| !is_least(k) && y[k] != 0.0)
+            .map(|k| (semi_axes[k] * y[k] / gap(k)).powi(2))
+            .sum();
+        if others <= 1.0 {
+            let mut normal = [0.0; N];
+            for k in 0..N {
+                if !is_least(k) && y[k] != 0.0 {
+                    normal[k] = y[k] / gap(k);
+                }
+            }
+            let first = (0..N).find(|&k| is_least(k))?;
+            normal[first] = (1.0 - others).sqrt() / least;
+            return Some(normal);
+        }
+        s = f64::MIN_POSITIVE.max(1e-14 * least * least);
+    }
+    for _ in 0..200 {
+        let (value, slope) = sums(s);
+        let step = -value / slope;
+        if !(step > 1e-15 * s) {
+            break;
+        }
+        s += step;
+    }
+    Some(core::array::from_fn(|k| y[k] / (s + gap(k))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest_normal;
+
+    fn depth(a: [f64; 3], y: [f64; 3], n: [f64; 3]) -> f64 {
+        let size = n.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let h = (0..3)
+            .map(|k| (a[k] * n[k] / size).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        h - (0..3).map(|k| y[k] * n[k] / size).sum::<f64>()
+    }
+
+    #[test]
+    fn no_direction_is_nearer() {
+        let a = [1.0, 0.5, 0.1];
+        for y in [
+            [0.3, 0.2, 0.05],
+            [0.9, 0.0, 0.0],
+            [0.0, 0.0, 0.0],
+            [0.1, 0.0, 1e-9],
+            [0.5, -0.4, 0.0],
+            [0.0, 0.49, 0.0],
+        ] {
+            let n = nearest_normal(a, y).expect("the point is inside");
+            let found = depth(a, y, n);
+            let mut least = f64::INFINITY;
+            for i in 0..200 {
+                for j in 0..400 {
+                    let (t, p) = (
+                        std::f64::consts::PI * (i as f64 + 0.5) / 200.0,
+                        std::f64::consts::TAU * j as f64 / 400.0,
+                    );
+                    let n = [t.cos(), t.sin() * p.cos(), t.sin() * p.sin()];
+                    least = least.min(depth(a, y, n));
+                }
+            }
+            assert!(found <= least + 1e-12, "{y:?}: {found} against {least}");
+            assert!(found > least - 1e-3, "{y:?}: {found} against {least}");
+        }
+        assert!(nearest_normal(a, [0.0, 0.51, 0.0]).is_none());
+    }
+}

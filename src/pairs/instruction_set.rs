@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which instruction set the neighbour-list path runs on: chosen when a workspace is made, never in a step.
+
+/// An instruction set for the lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// One number at a time; any machine.
+    Scalar,
+    /// Four lanes with fused multiply-add (x86-64-v3).
+    Avx2,
+    /// Eight lanes (x86-64-v4).
+    Avx512,
+}
+
+/// The environment variable that forces a choice: `scalar`, `avx2` or `avx512`.
+pub const ENVIRONMENT_VARIABLE: &str = "ELLGRAN_INSTRUCTION_SET";
+
+impl InstructionSet {
+    /// All of them, widest last.
+    pub const ALL: [InstructionSet; 3] = [
+        InstructionSet::Scalar,
+        InstructionSet::Avx2,
+        InstructionSet::Avx512,
+    ];
+
+    /// Its name, as the environment variable takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            InstructionSet::Scalar => "scalar",
+            InstructionSet::Avx2 => "avx2",
+            InstructionSet::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this machine has it.
+    pub fn is_available(self) -> bool {
+        match self {
+            InstructionSet::Scalar => true,
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => pulp::x86::V3::try_new().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => pulp::x86::V4::try_new().is_some(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The widest that this machine has.
+    pub fn widest() -> Self {
+        *Self::ALL
+            .iter()
+            .rfind(|s| s.is_available())
+            .unwrap_or(&InstructionSet::Scalar)
+    }
+
+    /// The choice of the environment variable, or the widest.
+    ///
+    /// # Errors
+    /// A name that is none, or a set that this machine does not have.
+    pub fn choose() -> Result<Self, String> {
+        let Some(value) = std::env::var_os(ENVIRONMENT_VARIABLE) else {
+            return Ok(Self::widest());
+        };
+        let wanted = Self::ALL
+            .into_iter()
+            .find(|s| value == s.name())
+            .ok_or_else(|| {
+                format!("{ENVIRONMENT_VARIABLE} = {value:?} must be scalar, avx2 or avx512")
+            })?;
+        if wanted.is_available() {
+            Ok(wanted)
+        } else {
+            Err(format!(
+                "{ENVIRONMENT_VARIABLE} = {} but this machine does not have it",
+                wanted.name()
+            ))
+        }
+    }
+}

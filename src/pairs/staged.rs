@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact in stages - geometry, normal force, tangential force - for engines that keep the three apart and let a
+//! user combine them. The same functions as in one call, so that both give the same numbers.
+
+use super::contact::{
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
+};
+use super::neighbour_list::{contact_of, factors_for, hale_holds, touch};
+use super::one_contact::{HaleRatio, OneContact};
+use super::particles::{effective_mass, Particle};
+use super::Step;
+use crate::force::conservative::{
+    additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
+    BodyGradient,
+};
+use crate::force::hertz_factors;
+use crate::force::{PairLaw, Tangential};
+use crate::geometry::{relative_curvature, Outcome, Symmetric2, Tangent, Vector2, Vector3};
+
+/// The surface of a wall where a body touches it.
+#[derive(Clone, Copy, Debug)]
+pub struct WallSurface {
+    /// The point of the surface that lies deepest in the body, world frame.
+    pub point: Vector3,
+    /// Unit normal out of the wall, towards the body.
+    pub normal: Vector3,
+    /// A unit tangent vector: the first principal direction.
+    pub direction: Vector3,
+    /// Curvatures for Hertz' law along `direction` and across it, 1/length; 0 for a plane, negative for a cavity.
+    pub curvatures: [f64; 2],
+    /// How far from the point, along the normal into the wall, the surface turns with the body's motion, along
+    /// `direction` and across it: infinite for a plane, `-Rc` for a cavity of that radius, 0 at an edge or a corner.
+    pub turning_radii: [f64; 2],
+    /// Velocity of the surface there.
+    pub velocity: Vector3,
+}
+
+/// A contact whose geometry is known.
+#[derive(Clone, Copy, Debug)]
+pub struct StagedContact {
+    x: Contact,
+    curvature: Symmetric2,
+    /// For a wall: its turning radii and the direction that they belong to, in the tangent basis.
+    wall: Option<([f64; 2], Vector2)>,
+}
+
+impl StagedContact {
+    /// Two ellipsoids: the contact, or `None` when they do not touch. `cached_normal` is the normal of the last step, not
+    /// a unit vector if there is none, and is written.
+    pub fn of_pair(i: &Particle, j: &Particle, cached_normal: &mut Vector3) -> Option<Self> {
+        let d = j.position - i.position;
+        let reach = i.radius + j.radius;
+        if d.norm_squared() >= reach * reach {
+            return None;
+        }
+        let start = Some(*cached_normal).filter(|n| (n.norm_squared() - 1.0).abs() < 1e-6);
+        match touch(i, j, d, start) {
+            Outcome::Touching(found) if found.penetration > 0.0 => {
+                *cached_normal = found.normal;
+                let x = contact_of(&found, d, i, j);
+                Some(StagedContact {
+                    curvature: relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
+                    x,
+                    wall: None,
+                })
+            }
+            Outcome::Separated(n) => {
+                *cached_normal = n;
+                None
+            }
+            Outcome::Touching(_) => None,
+        }
+    }
+
+    /// An ellipsoid and a wall, or `None` when they do not touch.
+    pub fn of_wall(i: &Particle, wall: &WallSurface) -> Option<Self> {
+        let normal = -wall.normal;
+        let support = i.body.support(normal);
+        let penetration = support.h - wall.normal.dot(i.position - wall.point);
+        if !(penetration > 0.0) {
+            return None;
+        }
+        let tangent = Tangent::new(normal);
+        let along = tangent.components(wall.direction);
+        let [k1, k2] = wall.curvatures;
+        let (u, v) = (along.u, along.v);
+        let weingarten_j = Symmetric2::new(
+            k1 * u * u + k2 * v * v,
+            (k1 - k2) * u * v,
+            k1 * v * v + k2 * u * u,
+        );
+        let weingarten_i = i.body.weingarten(&support, &tangent);
+        let curvature = convex(
+            relative_curvature_matrix(weingarten_i, weingarten_j),
+            weingarten_i,
+        );
+        Some(StagedContact {
+            x: Contact {
+                normal,
+                tangent,
+                penetration,
+                d: Vector3::ZERO,
+                h_i: support.h,
+                s_i: support.point,
+                weingarten_i,
+                determinant_i: i.body.shape_determinant(),
+                h_j: 1.0,
+                s_j: Vector3::ZERO,
+                weingarten_j,
+                determinant_j: 1.0,
+                velocity_i: i.velocity,
+                velocity_j: wall.velocity,
+                omega_i: i.omega,
+                omega_j: Vector3::ZERO,
+                effective_mass: effective_mass(i.inverse_mass, 0.0),
+            },
+            curvature,
+            wall: Some((wall.turning_radii, along)),
+        })
+    }
+
+    /// Whether body `j` is a wall.
+    pub fn is_wall(&self) -> bool {
+        self.wall.is_some()
+    }
+
+    /// The geometry; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
+    pub fn geometry(&self, centre_i: Vector3, share_i: f64) -> OneContact {
+        let x = &self.x;
+        let curvature = relative_curvature(self.curvature, &x.tangent);
+        let witness_i = centre_i + x.s_i;
+        OneContact {
+            touching: true,
+            penetration: x.penetration,
+            normal: x.normal,
+            contact_point: witness_i - x.normal * (x.penetration * share_i),
+            witness_i,
+            witness_j: witness_i - x.normal * x.penetration,
+            curvature_a: curvature.a,
+            curvature_b: curvature.b,
+            major_direction: curvature.major_direction,
+        }
+    }
+
+    /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
+    /// makes a law written for spheres exact on ellipses in its normal force.
+    pub fn equivalent_radius(&self) -> f64 {
+        let (trace, determinant) = (self.curvature.trace(), self.curvature.determinant());
+        let phi = hertz_factors::exact(trace, determinant, false).phi;
+        0.5 / determinant.sqrt() * phi * phi
+    }
+
+    /// Normal force and the further terms of the conservative law, without the tangential force.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    pub fn normal(&self, law: &PairLaw, effective_mass: f64) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        law.kinds.tangential = Tangential::None;
+        let x = Contact {
+            effective_mass,
+            ..self.x
+        };
+        let nothing = Remembered {
+            continued: false,
+            normal: x.normal,
+            memory: Vector3::ZERO,
+            stiffness: 0.0,
+            time: 0.0,
+        };
+        let mut f = self.forces::<false>(&law, &x, &nothing)?;
+        if law.kinds.conservative {
+            self.turn_with_wall(&law, &mut f);
+        }
+        Ok(f)
+    }
+
+    /// Tangential force and its torques alone, with this coefficient of friction. `continued`: whether the pair touched at
+    /// the last step; `normal_before`: its normal then; `memory`: the remembered displacement, written.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    #[allow(clippy::too_many_arguments)]
+    pub fn tangential(
+        &self,
+        law: &PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        continued: bool,
+        normal_before: Vector3,
+        memory: &mut Vector3,
+    ) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        law.constants.friction = friction;
+        if !(friction > 0.0) {
+            law.kinds.tangential = Tangential::None;
+        }
+        // The normal part is subtracted below: without its further terms.
+        law.kinds.conservative = false;
+        let x = Contact {
+            effective_mass,
+            ..self.x
+        };
+        let known = continued && (normal_before.norm_squared() - 1.0).abs() < 1e-6;
+        let remembered = Remembered {
+            continued,
+            normal: if known { normal_before } else { x.normal },
+            memory: if continued { *memory } else { Vector3::ZERO },
+            stiffness: 0.0,
+            time: if step.advance_history {
+                step.time_step
+            } else {
+                0.0
+            },
+        };
+        let mut f = self.forces::<true>(&law, &x, &remembered)?;
+        *memory = f.memory;
+        f.force = f.tangential_force;
+        f.torque_i = -f.contact_point.cross(f.tangential_force);
+        f.torque_j = if self.is_wall() {
+            Vector3::ZERO
+        } else {
+            (f.contact_point - x.d).cross(f.tangential_force)
+        };
+        Ok(f)
+    }
+
+    fn forces<const FRICTION: bool>(
+        &self,
+        law: &PairLaw,
+        x: &Contact,
+        remembered: &Remembered,
+    ) -> Result<ContactForces, HaleRatio> {
+        if law.kinds.hale {
+            hale_holds(self.curvature).map_err(HaleRatio)?;
+        }
+        let factors = factors_for(law, self.curvature.trace(), self.curvature.determinant());
+        let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);
+        Ok(if self.is_wall() {
+            contact_forces::<f64, FRICTION, true, true, true>(
+                kinds, constants, &factors, m, x, remembered,
+            )
+        } else {
+            contact_forces::<f64, FRICTION, true, true, false>(
+                kinds, constants, &factors, m, x, remembered,
+            )
+        })
+    }
+
+    /// A plane holds the normal where it is; on any other wall the normal turns as the body moves, and the energy changes
+    /// with it: `lambda` of the conservative law, of the directions in which the wall lets it turn.
+    fn turn_with_wall(&self, law: &PairLaw, f: &mut ContactForces) {
+        let Some((radii, along)) = self.wall else {
+            return;
+        };
+        if radii.iter().all(|r| r.is_infinite()) {
+            return;
+        }
+        let x = &self.x;
+        let factors = factors_for(law, self.curvature.trace(), self.curvature.determinant());
+        let h2 = x.h_i * x.h_i;
+        let body = BodyAtContact {
+            h: x.h_i,
+            witness: x.tangent.components(x.s_i),
+            weingarten: x.weingarten_i,
+            inverse_weingarten: x.weingarten_i.adjugate() * (x.determinant_i / (h2 * h2)),
+        };
+        let gamma = body_gradient(curvature_gradient(self.curvature, &factors), &body).gamma;
+        let lambda = response(body.inverse_weingarten, x.penetration, radii, along, gamma);
+        let none = BodyGradient {
+            gamma: Vector2::new(0.0, 0.0),
+            twist: 0.0,
+        };
+        let energy = f.elastic_energy;
+        let (t, m) = additional_torque(&body, &none, lambda);
+        f.force = f.force - x.tangent.vector(lambda) * energy;
+        f.torque_i = f.torque_i - (x.tangent.vector(t) + x.normal * m) * energy;
+    }
+}
+
+/// Hertz' law needs a convex gap. In a cavity nearly as narrow as the body it is not; then the smaller curvature is kept
+/// above a thousandth of the body's own.
+fn convex(m: Symmetric2, own: Symmetric2) -> Symmetric2 {
+    let least = 5e-4 * own.determinant() / own.trace();
+    if m.trace() > 0.0 && m.determinant() > least * m.trace() {
+        return m;
+    }
+    let (a, b, direction) = m.eigen();
+    let (a, b) = (a.max(least), b.max(least));
+    let (u, v) = (direction.u, direction.v);
+    Symmetric2::new(
+        a * u * u + b * v * v,
+        (a - b) * u * v,
+        a * v * v + b * u * u,
+    )
+}
+
+fn response(
+    inverse_weingarten: Symmetric2,
+    penetration: f64,
+    radii: [f64; 2],
+    along: Vector2,
+    gamma: Vector2,
+) -> Vector2 {
+    let across = Vector2::new(-along.v, along.u);
+    let one = |direction: Vector2, radius: f64| {
+        let second = direction.dot(inverse_weingarten.apply(direction)) + radius - penetration;
+        // Second derivative zero: the body fits the cavity, and the contact is anywhere.
+        let floor = 0.05 * direction.dot(inverse_weingarten.apply(direction));
+        let second = if second < 0.0 {
+            second.min(-floor)
+        } else {
+            second.max(floor)
+        };
+        direction * (direction.dot(gamma) / second)
+    };
+    match (radii[0].is_finite(), radii[1].is_finite()) {
+        (true, true) => {
+            let (u, v) = (along.u, along.v);
+            let [a, b] = radii;
+            let wall = Symmetric2::new(
+                a * u * u + b * v * v,
+                (a - b) * u * v,
+                a * v * v + b * u * u,
+            );
+            normal_response(inverse_weingarten + wall, penetration, gamma)
+        }
+        (true, false) => one(along, radii[0]),
+        (false, true) => one(across, radii[1]),
+        (false, false) => Vector2::new(0.0, 0.0),
+    }
+}
