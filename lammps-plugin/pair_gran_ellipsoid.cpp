@@ -274,6 +274,7 @@ void PairGranEllipsoid::init_style()
   find_largest_semi_axes();
   find_mass_sources();
   build_laws();
+  place_history_fix();
 
   // Only `atom_style ellipsoid superellipsoid` has a per-atom radius that encloses the shape; else
   // the list is cut at the largest semi-axes of the two types. A list cut by radius marks in its
@@ -283,8 +284,6 @@ void PairGranEllipsoid::init_style()
   if (by_size) request |= NeighConst::REQ_SIZE;
   if (by_size && history_length > 0) request |= NeighConst::REQ_HISTORY;
   neighbor->add_request(this, request);
-
-  place_history_fix();
   if (fix_history) fix_history->use_bit_flag = by_size ? 1 : 0;
 }
 
