@@ -9,6 +9,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::library::library;
 use crate::process::{ninja, output_of, run_logged};
+use crate::progress::say;
 use crate::{apt_source, cache, setup, tarball, workspace};
 
 const VERSION: &str = "3.8.0";
@@ -50,6 +51,12 @@ pub fn binary() -> Result<PathBuf> {
     let installer = workspace::root().join("liggghts-patch").join("install");
     output_of(Command::new("sh").arg(&installer).arg(&tree).arg("--few"))
         .context("the contact models cannot be installed")?;
+    if !build.join("liggghts").is_file() {
+        say(format!(
+            "Building LIGGGHTS {name} in {} (once; 5 minutes on two cores)",
+            build.display()
+        ));
+    }
     let mut configure = Command::new("cmake");
     configure
         .arg("-S")
@@ -68,7 +75,7 @@ pub fn binary() -> Result<PathBuf> {
     ninja(
         &build,
         &["liggghts_bin"],
-        &format!("Building LIGGGHTS {name} with ellgran (the first time 5 minutes on two cores)"),
+        &format!("Building LIGGGHTS {name}"),
     )
     .context("LIGGGHTS cannot be built")?;
     let directory = workspace::target_directory()?.join("liggghts");

@@ -87,10 +87,14 @@ pub fn ninja(build: &Path, targets: &[&str], title: &str) -> Result<()> {
 
 /// Runs with the terminal's own input closed and its output on standard error, where progress belongs.
 pub fn run_visible(command: &mut Command) -> Result<()> {
+    run_open(command.stdout(std::io::stderr()))
+}
+
+/// Runs with its output as our own, for programs whose output is the result.
+pub fn run_open(command: &mut Command) -> Result<()> {
     let described = describe(command);
     let status = command
         .stdin(Stdio::null())
-        .stdout(std::io::stderr())
         .status()
         .with_context(|| format!("cannot start: {described}"))?;
     if !status.success() {
