@@ -31,8 +31,8 @@ const CONFIGURATION: [&str; 5] = [
 /// the binary is copied out of it, so that another checkout's build does not change it underfoot.
 pub fn binary() -> Result<PathBuf> {
     setup::setup()?;
-    let library = library()?;
     let (source, name) = source()?;
+    let library = library()?;
     let _lock = cache::lock(&format!("liggghts-build-{name}"))?;
     let home = cache::directory()?.join(format!("liggghts-{name}"));
     let tree = home.join("patched");
