@@ -137,21 +137,9 @@ fn both_versions_exactly_parallel_and_crossed_needles() {
                     IDENTITY,
                     [0.0, 0.0, 1.0 + gap],
                 );
-                push(
-                    "end to end",
-                    a,
-                    a,
-                    IDENTITY,
-                    [2.0 * aspect + gap, 0.0, 0.0],
-                );
+                push("end to end", a, a, IDENTITY, [2.0 * aspect + gap, 0.0, 0.0]);
                 push("crossed", a, a, quarter, [0.0, 0.0, 2.0 + gap]);
-                push(
-                    "end on side",
-                    a,
-                    a,
-                    quarter,
-                    [aspect + 1.0 + gap, 0.0, 0.0],
-                );
+                push("end on side", a, a, quarter, [aspect + 1.0 + gap, 0.0, 0.0]);
                 push(
                     "half turned about itself",
                     flat,

@@ -8,22 +8,26 @@ use crate::shapes::{
     about, add, compose, cross, length, rotate, scale, sub, Quaternion, Vector, IDENTITY,
 };
 
-const ASPECT_10: &str = include_str!("../../validation/reference/pairs_aspect_10.csv");
-const ASPECT_100: &str = include_str!("../../validation/reference/pairs_aspect_100.csv");
+pub const ASPECT_10: &str = include_str!("../../validation/reference/pairs_aspect_10.csv");
+pub const ASPECT_100: &str = include_str!("../../validation/reference/pairs_aspect_100.csv");
 
 /// What must be reached where the rounding of the coordinates allows it.
 const TOLERANCE: f64 = 1e-9;
 
-struct Pair {
-    case: String,
-    grains: [Grain; 2],
-    materials: [[f64; 2]; 2],
-    delta: f64,
+pub struct Pair {
+    pub case: String,
+    pub grains: [Grain; 2],
+    pub materials: [[f64; 2]; 2],
+    pub delta: f64,
+    pub normal: Vector,
+    pub contact_point: Vector,
+    /// A <= B
+    pub curvatures: [f64; 2],
     /// Force on j, torque on i, torque on j: along the normal only, and the complete gradient.
-    expected: [[Vector; 3]; 2],
+    pub expected: [[Vector; 3]; 2],
 }
 
-fn read_pairs(text: &str) -> Vec<Pair> {
+pub fn read_pairs(text: &str) -> Vec<Pair> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     lines
@@ -54,6 +58,9 @@ fn read_pairs(text: &str) -> Vec<Pair> {
                 grains: [grain("i"), grain("j")],
                 materials: [material("i"), material("j")],
                 delta: number("delta"),
+                normal: vector("normal", xyz),
+                contact_point: vector("contact_point", xyz),
+                curvatures: [number("curvature_a"), number("curvature_b")],
                 expected: [results(""), results("conservative_")],
             }
         })
@@ -166,10 +173,13 @@ fn hold(name: &str, text: &str, stride: usize, factor: f64, turn: Quaternion, at
             if error / allowed > worst[law].0 {
                 worst[law] = (error / allowed, pair.case.clone());
             }
-            for (slot, value) in largest
-                .iter_mut()
-                .zip([e.force, e.torque, e.third_law, e.moment, if allowed == TOLERANCE { error } else { 0.0 }])
-            {
+            for (slot, value) in largest.iter_mut().zip([
+                e.force,
+                e.torque,
+                e.third_law,
+                e.moment,
+                if allowed == TOLERANCE { error } else { 0.0 },
+            ]) {
                 *slot = slot.max(value);
             }
             if !(error <= allowed && e.third_law < 1e-14 && e.moment < 1e-12) {

@@ -168,14 +168,23 @@ pub fn converge_from(
 /// As `converge`, where force begins or ends with a power of the overlap below one and the order is no whole number: the error
 /// must fall between the coarsest and the finest of the three steps, and what remains after one extrapolation of first order be
 /// within `tolerance` (relative).
-pub fn approach(steps: f64, what: &str, expected: f64, tolerance: f64, measure: impl Fn(f64) -> f64) {
+pub fn approach(
+    steps: f64,
+    what: &str,
+    expected: f64,
+    tolerance: f64,
+    measure: impl Fn(f64) -> f64,
+) {
     let errors = [steps, 2.0 * steps, 4.0 * steps].map(|s| measure(s) / expected - 1.0);
     let remains = 2.0 * errors[2] - errors[1];
     println!(
         "{what}: expected {expected:.10}; relative error at T/{:.0}, T/{:.0}, T/{:.0}: {:.2e} {:.2e} {:.2e}; extrapolated {remains:.1e}",
         steps, 2.0 * steps, 4.0 * steps, errors[0], errors[1], errors[2]
     );
-    assert!(remains.abs() < tolerance, "{what}: relative errors {errors:?}");
+    assert!(
+        remains.abs() < tolerance,
+        "{what}: relative errors {errors:?}"
+    );
     assert!(
         errors[2].abs() < (errors[0].abs() / 2.0).max(0.2 * tolerance),
         "{what}: the error does not fall: {errors:?}"
@@ -188,7 +197,7 @@ fn both_versions_hertz_contact_time_and_greatest_overlap() {
     let law = format!("hertz {MODULUS} {POISSON}");
     for speed in [1e-3, 0.1] {
         let (m, k) = mass_and_stiffness();
-        let time = 3.2180654597190431 * (m * m / (k * k * speed)).powf(0.2);
+        let time = 3.218_065_459_719_043 * (m * m / (k * k * speed)).powf(0.2);
         let measure = |steps: f64| collide(&engine, "hertz_time", &law, speed, time / steps, 1.2);
         converge(
             &format!("Hertz contact time at {speed} m/s"),
@@ -269,7 +278,11 @@ fn both_versions_nfd_restitution() {
             let Some(expected) = expected else { continue };
             let law = format!("nfd {MODULUS} {POISSON} {shear:e} {bulk:e} {words}");
             let times = 1.3 + 4.0 * b;
-            approach(2000.0, &format!("nfd b {b}, {words}"), expected, 5e-6,
+            approach(
+                2000.0,
+                &format!("nfd b {b}, {words}"),
+                expected,
+                5e-6,
                 |s| restitution(&engine, "nfd", &law, speed, hertz_time(speed) / s, times),
             );
         }
@@ -336,7 +349,11 @@ fn both_versions_damping_restitution_at_any_speed() {
     for e in [0.9, 0.5] {
         for speed in [1e-3, 1e-2, 0.1] {
             let law = format!("hertz {MODULUS} {POISSON} damping restitution {e} limit_force no");
-            approach(4000.0, &format!("damping restitution {e} at {speed} m/s"), e, 5e-6,
+            approach(
+                4000.0,
+                &format!("damping restitution {e} at {speed} m/s"),
+                e,
+                5e-6,
                 |s| {
                     restitution(
                         &engine,
@@ -392,4 +409,46 @@ fn both_versions_lsd_restitution() {
             );
         }
     }
+}
+
+/// A frozen partner counts as infinitely heavy: the restitution stays what was asked for.
+#[test]
+fn both_versions_restitution_against_a_frozen_grain() {
+    let engine = Engine::from_environment();
+    let (e, speed) = (0.6, 0.1);
+    let heavy = Grain {
+        density: DENSITY,
+        ..Grain::sphere(RADIUS, [-RADIUS, 0.0, 0.0])
+    };
+    let mut light = Grain {
+        density: DENSITY,
+        ..Grain::sphere(RADIUS, [RADIUS, 0.0, 0.0]).moving([-speed, 0.0, 0.0])
+    };
+    light.kind = 2;
+    let scene = Scene::open(0.1, vec![heavy, light]);
+    let time = hertz_time(speed) * 2f64.powf(0.4);
+    approach(4000.0, "restitution against a frozen grain", e, 2e-5, |s| {
+        let deck = Deck {
+            integrate: false,
+            fixes: vec![
+                "group wall type 1".into(),
+                "group free type 2".into(),
+                "fix move free nve/asphere".into(),
+                "fix still wall freeze".into(),
+            ],
+            time_step: time / s,
+            steps: (2.0 * s) as u64,
+            skin: 1e-3,
+            ..Deck::new(&format!(
+                "hertz {MODULUS} {POISSON} damping restitution {e} limit_force no"
+            ))
+        };
+        let outcome = run(&engine, "frozen", &scene, &deck, 1);
+        assert_eq!(
+            outcome.last().states[0].velocity,
+            [0.0; 3],
+            "the frozen grain moved"
+        );
+        outcome.last().states[1].velocity[0] / speed
+    });
 }

@@ -66,7 +66,7 @@ fn both_versions_hertz_rebound_from_a_plane() {
     let down: f64 = 0.1;
     let (m, k) = (ball().mass(), stiffness(POISSON));
     let depth = (5.0 * m * down * down / (4.0 * k)).powf(0.4);
-    let time = 3.2180654597190431 * (m * m / (k * k * down)).powf(0.2);
+    let time = 3.218_065_459_719_043 * (m * m / (k * k * down)).powf(0.2);
     let law = format!("hertz {MODULUS} {POISSON}");
     let measure = |steps: f64| {
         let (outcome, _) = throw(&engine, &law, POISSON, down, 0.0, steps);
@@ -145,14 +145,17 @@ fn both_versions_sliding_into_rolling() {
     let scene = Scene::open(0.1, vec![grain.clone()]);
     // the tangential spring would swing for long after the ball has begun to roll: damp it
     let relaxation = 1e-4;
-    let (shear, bulk) =
-        (relaxation * modulus / (1.0 + POISSON), relaxation * modulus / (3.0 * (1.0 - 2.0 * POISSON)));
+    let (shear, bulk) = (
+        relaxation * modulus / (1.0 + POISSON),
+        relaxation * modulus / (3.0 * (1.0 - 2.0 * POISSON)),
+    );
     let law = format!("nfd {modulus} {POISSON} {shear:e} {bulk:e} tangential tfd {friction}");
     let expected = 2.0 * speed / (7.0 * friction * GRAVITY);
     let (steps, every) = (60000, 20);
     let time_step = 2.0 * expected / steps as f64;
     let mut deck = deck(&law, time_step, steps);
-    deck.fixes.push(format!("fix fall all gravity {GRAVITY} vector 0 0 -1"));
+    deck.fixes
+        .push(format!("fix fall all gravity {GRAVITY} vector 0 0 -1"));
     deck.dump_every = every;
     let outcome = run(&engine, "rolling", &scene, &deck, 1);
     let slip = |f: &Frame| f.states[0].velocity[0] - RADIUS * spin(&grain, f);
@@ -173,8 +176,16 @@ fn both_versions_sliding_into_rolling() {
     assert!((rolling - 1.0).abs() < 2e-4);
     assert!(slip(last).abs() < 2e-4 * speed);
     // the spring swings once the ball rolls, by less than mu g over its frequency
-    let swing = outcome.frames.iter().filter(|f| f.step as f64 * time_step > 1.01 * expected).map(|f| slip(f).abs()).fold(0.0, f64::max);
-    assert!(swing < 0.03 * speed, "slip up to {swing} after the ball should roll");
+    let swing = outcome
+        .frames
+        .iter()
+        .filter(|f| f.step as f64 * time_step > 1.01 * expected)
+        .map(|f| slip(f).abs())
+        .fold(0.0, f64::max);
+    assert!(
+        swing < 0.03 * speed,
+        "slip up to {swing} after the ball should roll"
+    );
 }
 
 /// Rest depth (m g/k)^(2/3): a ball, and an ellipsoid lying on each of its three sides.

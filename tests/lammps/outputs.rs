@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Are the outputs right: geometry of each contact, stored and dissipated energy, pressure?
+
+use std::fs;
+
+use crate::decomposition::{crowd, LAW};
+use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
+use crate::harness::{run, Deck, Engine, Scene};
+use crate::shapes::{dot, length, scale, sub, Vector};
+
+/// `compute pair/local` and thermo output of golden pairs, through `single()`.
+#[test]
+fn both_versions_pair_local_energy_and_pressure() {
+    let engine = Engine::from_environment();
+    let mut worst = [0.0f64; 7];
+    let mut count = 0;
+    for text in [ASPECT_10, ASPECT_100] {
+        for pair in read_pairs(text).into_iter().step_by(10) {
+            let arm = pair
+                .grains
+                .iter()
+                .flat_map(|g| g.semi_axes)
+                .fold(0.0, f64::max);
+            let extent = pair
+                .grains
+                .iter()
+                .flat_map(|g| g.position)
+                .fold(arm, |m, x| m.max(x.abs()));
+            let allowed = 1e-8f64.max(16.0 * f64::EPSILON * extent / pair.delta);
+            let mut grains = pair.grains.to_vec();
+            grains[1].kind = 2;
+            let scene = Scene::open(8.0, grains);
+            let law = |k: usize| {
+                format!(
+                    "pair_coeff {0} {0} hertz {1:e} {2:e}",
+                    k + 1,
+                    pair.materials[k][0],
+                    pair.materials[k][1]
+                )
+            };
+            let mut deck =
+                Deck::with_pair(vec!["pair_style gran/ellipsoid".into(), law(0), law(1)]);
+            deck.fixes = vec![
+                "compute first all property/local patom1".into(),
+                "compute contact all pair/local dist eng force p1 p6 p7 p8 p9 p10 p11 p12 p13 p14 p21 p22 p23".into(),
+                "dump contacts all local 1 contacts index c_first c_contact[*]".into(),
+                "dump_modify contacts format float %.17g".into(),
+                "compute pressing all pressure NULL pair".into(),
+            ];
+            deck.thermo_columns = "step pe c_pressing".into();
+            let outcome = run(&engine, "pair_local", &scene, &deck, 1);
+            let dump = fs::read_to_string(outcome.directory.join("contacts")).unwrap();
+            let row: Vec<f64> = dump
+                .lines()
+                .nth(9)
+                .expect("no contact")
+                .split_whitespace()
+                .map(|w| w.parse().unwrap())
+                .collect();
+            let sign = if row[1] == 1.0 { 1.0 } else { -1.0 };
+            let [_, _, dist, energy, force, p1, cx, cy, cz, nx, ny, nz, delta, a, b, fx, fy, fz] =
+                row[..]
+            else {
+                panic!("{} columns", row.len())
+            };
+            let vector = |x: f64, y: f64, z: f64| -> Vector { [x, y, z] };
+            let d = sub(pair.grains[1].position, pair.grains[0].position);
+            let along = length(pair.expected[0][0]);
+            let volume = 16.0f64.powi(3);
+            let thermo = &outcome.thermo()[0];
+            let stored = 0.4 * along * pair.delta;
+            let pressure = dot(d, pair.expected[1][0]) / (3.0 * volume);
+            let errors = [
+                (dist / length(d) - 1.0).abs() / 1e-7,
+                length(sub(vector(cx, cy, cz), pair.contact_point)) / arm / allowed,
+                length(sub(scale(sign, vector(nx, ny, nz)), pair.normal)) / allowed,
+                (delta / pair.delta - 1.0)
+                    .abs()
+                    .max((a / pair.curvatures[0] - 1.0).abs())
+                    .max((b / pair.curvatures[1] - 1.0).abs())
+                    / allowed,
+                (force / along - 1.0).abs().max((p1 / along - 1.0).abs()) / allowed,
+                length(sub(scale(-sign, vector(fx, fy, fz)), pair.expected[1][0]))
+                    / along
+                    / allowed,
+                (energy / stored - 1.0)
+                    .abs()
+                    .max((thermo["PotEng"] / stored - 1.0).abs())
+                    .max((thermo["c_pressing"] / pressure - 1.0).abs())
+                    / (4.0 * allowed),
+            ];
+            for (w, e) in worst.iter_mut().zip(errors) {
+                *w = w.max(if e.is_nan() { f64::INFINITY } else { e });
+            }
+            assert!(
+                errors.iter().all(|e| *e < 1.0),
+                "case {}: {errors:?} of the allowance",
+                pair.case
+            );
+            count += 1;
+        }
+    }
+    println!(
+        "{count} pairs; largest share of the allowance: contact point {:.2}, normal {:.2}, penetration and curvatures {:.2}, normal force {:.2}, force {:.2}, energy and pressure {:.2}",
+        worst[1], worst[2], worst[3], worst[4], worst[5], worst[6]
+    );
+}
+
+/// Kinetic, stored and dissipated energy add up to what was there.
+#[test]
+fn both_versions_energy_is_kept_stored_or_dissipated() {
+    let engine = Engine::from_environment();
+    for law in [
+        LAW,
+        "hertz 1e8 0.3 damping restitution 0.7 tangential mindlin 0.4",
+        "lsd 2e5 5 tangential linear 1.5e5 3 0.5",
+    ] {
+        let departure = |time_step: f64| {
+            let steps = (5e-3 / time_step).round() as u64;
+            let deck = Deck {
+                time_step,
+                steps,
+                thermo_every: steps / 20,
+                thermo_columns:
+                    "step pe ke c_turning c_energy[1] c_energy[2] c_energy[3] c_energy[4]".into(),
+                fixes: vec![
+                    "compute turning all erotate/asphere".into(),
+                    "compute energy all pair gran/ellipsoid".into(),
+                ],
+                skin: 2e-3,
+                ..Deck::new(law)
+            };
+            let outcome = run(&engine, "energy", &crowd(64), &deck, 1);
+            let rows = outcome.thermo();
+            let total = |k: usize| {
+                rows[k]["PotEng"]
+                    + rows[k]["KinEng"]
+                    + rows[k]["c_turning"]
+                    + rows[k]["c_energy[3]"]
+            };
+            let last = rows.len() - 1;
+            assert!(
+                rows[last]["c_energy[3]"] > 0.02 * total(0),
+                "{law}: nothing is dissipated"
+            );
+            for row in &rows {
+                let parts = row["c_energy[1]"] + row["c_energy[2]"];
+                assert!(
+                    (row["PotEng"] - parts).abs() <= 1e-12 * parts.abs(),
+                    "pe is not the sum of its parts"
+                );
+            }
+            let largest = (0..=last)
+                .map(|k| (total(k) / total(0) - 1.0).abs())
+                .fold(0.0, f64::max);
+            (largest, rows[last]["c_energy[3]"] / total(0))
+        };
+        let (coarse, fine) = (departure(4e-6), departure(1e-6));
+        println!(
+            "{law}: {:.1} % dissipated; the sum departs by {:.1e} at 4 us, {:.1e} at 1 us",
+            100.0 * fine.1,
+            coarse.0,
+            fine.0
+        );
+        assert!(fine.0 < 2e-3 && fine.0 < 0.5 * coarse.0, "{law}");
+    }
+}
