@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Rigid ellipsoids in motion: velocity Verlet, the free rotation split into turns about the body axes. Second order,
+//! symplectic and reversible, so that an energy that drifts is the law's. Forces see the velocities of the half step,
+//! as in the engines.
+
+use super::scene::{
+    advance, advance_plane, array, position, quaternion, rotation, Felt, Memory, Rotation, Vector,
+};
+use ellgran::pairs::{Body, Laws, MovingPlane};
+use nalgebra::Unit;
+
+/// A body and its angular momentum (world frame). `body.angular_velocity` follows from it.
+#[derive(Clone, Debug)]
+pub struct Rigid {
+    pub body: Body,
+    pub momentum: Vector,
+}
+
+impl Rigid {
+    pub fn new(body: Body) -> Self {
+        let mut r = Rigid {
+            body,
+            momentum: Vector::zeros(),
+        };
+        let q = r.turn();
+        let w = q.inverse_transform_vector(&Vector::from(r.body.angular_velocity));
+        r.momentum = q * r.inertia().component_mul(&w);
+        r
+    }
+    fn turn(&self) -> Rotation {
+        rotation(self.body.quaternion)
+    }
+    /// Principal moments of a solid ellipsoid.
+    fn inertia(&self) -> Vector {
+        let a = self.body.semi_axes.map(|a| a * a);
+        Vector::new(a[1] + a[2], a[0] + a[2], a[0] + a[1]) * (self.body.mass / 5.0)
+    }
+    fn set_angular_velocity(&mut self) {
+        let q = self.turn();
+        let l = q.inverse_transform_vector(&self.momentum);
+        self.body.angular_velocity = array(q * l.component_div(&self.inertia()));
+    }
+    pub fn kinetic_energy(&self) -> f64 {
+        let v = Vector::from(self.body.velocity);
+        0.5 * self.body.mass * v.norm_squared()
+            + 0.5 * self.momentum.dot(&Vector::from(self.body.angular_velocity))
+    }
+    fn kick(&mut self, force: Vector, torque: Vector, time: f64) {
+        self.body.velocity =
+            array(Vector::from(self.body.velocity) + force * (time / self.body.mass));
+        self.momentum += torque * time;
+        self.set_angular_velocity();
+    }
+    fn drift(&mut self, time: f64) {
+        self.body.position = array(position(&self.body) + Vector::from(self.body.velocity) * time);
+        let inertia = self.inertia();
+        let mut q = self.turn();
+        for (axis, part) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
+            let direction = q * Vector::ith(axis, 1.0);
+            let angle = self.momentum.dot(&direction) / inertia[axis] * part * time;
+            q = Rotation::from_axis_angle(&Unit::new_normalize(direction), angle) * q;
+        }
+        self.body.quaternion = quaternion(Rotation::new_normalize(q.into_inner()));
+        self.set_angular_velocity();
+    }
+    /// Runs backwards from now on.
+    pub fn reverse(&mut self) {
+        self.momentum = -self.momentum;
+        self.body.velocity = self.body.velocity.map(|v| -v);
+        self.set_angular_velocity();
+    }
+}
+
+/// One body and a wall, or two bodies.
+pub enum Partner {
+    Wall(MovingPlane),
+    Body(Rigid),
+}
+
+/// A contact in motion.
+pub struct Motion<'a> {
+    pub laws: &'a Laws,
+    pub i: Rigid,
+    pub j: Partner,
+    pub memory: Memory,
+    pub time_step: f64,
+    /// On `i`, at all times.
+    pub gravity: Vector,
+    /// The contact of now.
+    pub felt: Option<Felt>,
+}
+
+impl<'a> Motion<'a> {
+    pub fn new(laws: &'a Laws, i: Body, j: Partner, time_step: f64) -> Self {
+        let mut motion = Motion {
+            laws,
+            i: Rigid::new(i),
+            j,
+            memory: Memory::new(laws),
+            time_step,
+            gravity: Vector::zeros(),
+            felt: None,
+        };
+        motion.feel(0.0);
+        motion
+    }
+
+    fn feel(&mut self, time: f64) {
+        self.felt = match &self.j {
+            Partner::Wall(wall) => {
+                advance_plane(self.laws, &self.i.body, wall, time, &mut self.memory)
+            }
+            Partner::Body(j) => advance(self.laws, &self.i.body, &j.body, time, &mut self.memory),
+        };
+    }
+
+    fn kick(&mut self) {
+        let time = 0.5 * self.time_step;
+        let none = Vector::zeros();
+        let (force, torque_i, torque_j) = self
+            .felt
+            .as_ref()
+            .map_or((none, none, none), |f| (f.force, f.torque_i, f.torque_j));
+        self.i
+            .kick(self.gravity * self.i.body.mass - force, torque_i, time);
+        if let Partner::Body(j) = &mut self.j {
+            j.kick(force, torque_j, time);
+        }
+    }
+
+    pub fn step(&mut self) {
+        self.kick();
+        self.i.drift(self.time_step);
+        if let Partner::Body(j) = &mut self.j {
+            j.drift(self.time_step);
+        }
+        self.feel(self.time_step);
+        self.kick();
+    }
+
+    /// Steps until the bodies have touched and parted; false if they have not after `most` steps.
+    pub fn collide(&mut self, most: usize) -> bool {
+        let mut met = self.felt.is_some();
+        for _ in 0..most {
+            self.step();
+            match (&self.felt, met) {
+                (None, true) => return true,
+                (Some(_), _) => met = true,
+                (None, false) => {}
+            }
+        }
+        false
+    }
+
+    pub fn reverse(&mut self) {
+        self.i.reverse();
+        if let Partner::Body(j) = &mut self.j {
+            j.reverse();
+        }
+    }
+
+    pub fn kinetic_energy(&self) -> f64 {
+        self.i.kinetic_energy()
+            + match &self.j {
+                Partner::Wall(_) => 0.0,
+                Partner::Body(j) => j.kinetic_energy(),
+            }
+    }
+
+    /// Kinetic and elastic.
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy()
+            + self.felt.as_ref().map_or(0.0, |f| {
+                f.forces.elastic_energy + f.forces.tangential_energy
+            })
+    }
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The tangential compliances of an elliptical contact without slip (section 4), read off the law as small-displacement
+//! stiffness in the two principal directions.
+
+use crate::support::elliptic::{complete, curvature_ratio};
+use crate::support::scene::pair_law;
+use ellgran::force::hertz_factors::{contact_ellipse, exact};
+use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw};
+use ellgran::geometry::{Symmetric2, Vector2};
+
+const PENETRATION: f64 = 1e-3;
+
+struct Elliptical {
+    law: PairLaw,
+    curvature: Symmetric2,
+    normal: NormalForce,
+    /// Major semi-axis of the contact ellipse.
+    a: f64,
+    shear_modulus: f64,
+}
+
+/// Two equal bodies pressed together, with the curvatures `A` along u and `B` along v that make this axis ratio.
+fn contact(axis_ratio: f64, nu: f64) -> Elliptical {
+    let e = 3e6;
+    let law = pair_law(&format!(
+        "hertz {e} {nu} tangential mindlin 1e9 displacement total"
+    ));
+    let ratio = if axis_ratio < 1.0 {
+        curvature_ratio(axis_ratio)
+    } else {
+        1.0
+    };
+    let curvature = Symmetric2::new(0.7, 0.0, 0.7 * ratio);
+    let factors = exact(curvature.trace(), curvature.determinant(), true);
+    let normal = normal_force(
+        &law.kinds,
+        &law.constants,
+        PENETRATION,
+        0.0,
+        curvature.determinant(),
+        &factors,
+        1.0,
+    );
+    let ellipse = contact_ellipse(ratio);
+    let effective_radius = 0.5 / curvature.determinant().sqrt();
+    // Eq. (2): a b = Re delta F1^2/F2.
+    let ab = effective_radius * PENETRATION * ellipse.f1.powi(2) / ellipse.f2;
+    Elliptical {
+        law,
+        curvature,
+        normal,
+        a: (ab / ellipse.axis_ratio).sqrt(),
+        shear_modulus: e / (2.0 * (1.0 + nu)),
+    }
+}
+
+impl Elliptical {
+    /// Compliance of one of the two equal bodies along the major (u) and the minor (v) semi-axis.
+    fn tangential(&self) -> [f64; 2] {
+        let small = 1e-6 * PENETRATION;
+        let factors = exact(self.curvature.trace(), self.curvature.determinant(), true);
+        [Vector2::new(small, 0.0), Vector2::new(0.0, small)].map(|xi| {
+            let zero = Vector2::new(0.0, 0.0);
+            let t = tangential_force(
+                &self.law.kinds,
+                &self.law.constants,
+                &self.normal,
+                &factors,
+                self.curvature,
+                zero,
+                0.0,
+                xi,
+                zero,
+            );
+            // Against the displacement, and along it: these are principal directions.
+            let along = -(t.force.dot(xi)) / small;
+            let across = t.force.u * xi.v - t.force.v * xi.u;
+            assert!(along > 0.0 && across == 0.0);
+            small / (2.0 * along)
+        })
+    }
+    fn in_units_of_one_over_2_pi_g_a(&self, compliance: f64) -> f64 {
+        2.0 * std::f64::consts::PI * self.shear_modulus * self.a * compliance
+    }
+}
+
+fn hold(name: &str, got: f64, wanted: f64, relative: f64) {
+    assert!(
+        (got / wanted - 1.0).abs() <= relative,
+        "{name}: {got:.13}, expected {wanted:.13}"
+    );
+}
+
+#[test]
+fn axis_ratio_2_nu_0_3_gives_1_887744801222_and_1_778331799527() {
+    let c = contact(0.5, 0.3);
+    let [major, minor] = c.tangential().map(|x| c.in_units_of_one_over_2_pi_g_a(x));
+    hold("2 pi G a C_a", major, 1.887744801222, 1e-12);
+    hold("2 pi G a C_b", minor, 1.778331799527, 1e-12);
+}
+
+#[test]
+fn axis_ratio_10_nu_0_3_gives_3_398959432264_and_2_883624084819() {
+    let c = contact(0.1, 0.3);
+    let [major, minor] = c.tangential().map(|x| c.in_units_of_one_over_2_pi_g_a(x));
+    hold("2 pi G a C_a", major, 3.398959432264, 1e-12);
+    hold("2 pi G a C_b", minor, 2.883624084819, 1e-12);
+}
+
+#[test]
+fn a_circle_has_stiffness_8_g_a_over_2_minus_nu_in_every_direction() {
+    for nu in [-0.2, 0.0, 0.3, 0.5] {
+        let c = contact(1.0, nu);
+        for x in c.tangential() {
+            hold(
+                "1/C",
+                1.0 / x,
+                8.0 * c.shear_modulus * c.a / (2.0 - nu),
+                1e-12,
+            );
+        }
+    }
+}
+
+#[test]
+fn any_ellipse_has_the_complete_integrals_compliances() {
+    for axis_ratio in [0.9, 0.7, 0.3, 0.05, 0.01, 1e-3, 1e-4] {
+        for nu in [0.0, 0.3, 0.5] {
+            let c = contact(axis_ratio, nu);
+            let (k, e) = complete(axis_ratio);
+            let d = (k - e) / (1.0 - axis_ratio * axis_ratio);
+            let [major, minor] = c.tangential().map(|x| c.in_units_of_one_over_2_pi_g_a(x));
+            hold("2 pi G a C_a", major, k - nu * (k - d), 1e-11);
+            hold("2 pi G a C_b", minor, k - nu * d, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn the_normal_stiffness_is_that_of_a_flat_elliptical_punch() {
+    // dF/d(delta) at fixed curvature = 2 pi G a/((1 - nu) K), two bodies in series: half of it.
+    for axis_ratio in [1.0, 0.5, 0.1, 0.01] {
+        let c = contact(axis_ratio, 0.3);
+        let (k, _) = complete(axis_ratio);
+        let wanted = std::f64::consts::PI * c.shear_modulus * c.a / (0.7 * k);
+        hold("1/C_n", c.normal.stiffness, wanted, 1e-11);
+    }
+}
+
+#[test]
+fn the_mean_of_kappa_is_the_circles_for_every_ellipse() {
+    for nu in [0.0, 0.25, 0.3, 0.5] {
+        let wanted = (2.0 - nu) / (2.0 * (1.0 - nu));
+        for axis_ratio in [1.0, 0.8, 0.5, 0.1, 0.01, 1e-3] {
+            let c = contact(axis_ratio, nu);
+            let normal = 0.5 / c.normal.stiffness;
+            let [major, minor] = c.tangential().map(|x| x / normal);
+            hold(
+                "(kappa_a + kappa_b)/2",
+                0.5 * (major + minor),
+                wanted,
+                1e-12,
+            );
+        }
+    }
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The numbers of the theory, each by name, held against the core.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod closures;
+mod compliance;
+mod factor_fit;
+mod golden_pairs;
+mod hale;
+mod hertz_collision;
+mod hertz_factors;
+mod integrate;
+mod mixing;
+mod partial_slip;
+mod principal_curvatures;
+mod relative_curvature;
+mod restitution;
+mod sphere_on_plane;
+mod tangential_rebound;

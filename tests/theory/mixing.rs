@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Two unlike materials: moduli and relaxation times in series.
+
+use crate::support::scene::{body, laws, pair_law, parameters, touch, vector, Rotation, Vector};
+use ellgran::force::damping::{normal_relaxation_time, tangential_relaxation_numbers};
+use ellgran::force::{Closure, PairLaw};
+
+const SOFT: &str = "nfd 2e6 0.45 30 5 tangential mindlin 0.3";
+const HARD: &str = "nfd 9e7 0.15 700 900 tangential mindlin 0.3";
+
+#[test]
+fn effective_modulus_and_relaxation_time_in_series() {
+    let (i, j) = (parameters(SOFT), parameters(HARD));
+    let law = PairLaw::resolve(&i, &j).unwrap();
+    let ci = (1.0 - 0.45f64.powi(2)) / 2e6;
+    let cj = (1.0 - 0.15f64.powi(2)) / 9e7;
+    let modulus = 1.0 / (ci + cj);
+    assert!((law.constants.normal_stiffness / (4.0 / 3.0 * modulus) - 1.0).abs() < 1e-14);
+    let time =
+        |p: &ellgran::force::LawParameters| normal_relaxation_time(&p.material, Closure::Energy);
+    let wanted = (time(&i) * ci + time(&j) * cj) / (ci + cj);
+    assert!((law.constants.normal_damping / wanted - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn tangential_compliances_of_the_two_bodies_add() {
+    let law = PairLaw::resolve(&parameters(SOFT), &parameters(HARD)).unwrap();
+    let shear = |e: f64, nu: f64| e / (2.0 * (1.0 + nu));
+    let (gi, gj) = (shear(2e6, 0.45), shear(9e7, 0.15));
+    for beta in [0.5, 0.3, 0.1, 0.7] {
+        // C_k ~ (1 - nu beta)/G and C_n ~ (1 - nu)/G, with the same factor K/(2 pi a).
+        let wanted = ((1.0 - 0.45 * beta) / gi + (1.0 - 0.15 * beta) / gj)
+            / ((1.0 - 0.45) / gi + (1.0 - 0.15) / gj);
+        let got = law.constants.kappa0 - law.constants.kappa1 * beta;
+        assert!((got / wanted - 1.0).abs() < 1e-14, "beta {beta}");
+    }
+}
+
+#[test]
+fn tangential_relaxation_of_the_energy_closure_as_in_section_4() {
+    let p = parameters(SOFT);
+    let nu = 0.45;
+    let (tau1, tau2) = (
+        p.material.shear_relaxation_time(),
+        p.material.bulk_relaxation_time(),
+    );
+    let (t0, t1) = tangential_relaxation_numbers(&p.material, Closure::Energy);
+    for beta in [0.5, 0.2, 0.8] {
+        let wanted = tau1 * (3.0 - beta * (1.0 + 2.0 * nu - 2.0 * nu * nu))
+            / (3.0 * (1.0 - beta * nu))
+            + tau2 * beta * (1.0 + nu) * (1.0 - 2.0 * nu) / (3.0 * (1.0 - beta * nu));
+        let got = (t0 - t1 * beta) / (1.0 - nu * beta);
+        assert!(
+            (got / wanted - 1.0).abs() < 1e-14,
+            "beta {beta}: {got} {wanted}"
+        );
+    }
+}
+
+#[test]
+fn a_pair_mixed_with_itself_is_the_pair() {
+    let law = PairLaw::resolve(&parameters(SOFT), &parameters(SOFT)).unwrap();
+    assert_eq!(law.kinds, pair_law(SOFT).kinds);
+    assert_eq!(law.constants.share_i, 0.5);
+}
+
+#[test]
+fn the_contact_point_divides_the_penetration_by_compliance() {
+    let both = laws(&[SOFT, HARD]);
+    let i = body([1.0; 3], Vector::zeros(), Rotation::identity());
+    let mut j = body([1.0; 3], Vector::new(1.99, 0.0, 0.0), Rotation::identity());
+    j.kind = 2;
+    let felt = touch(&both, &i, &j).unwrap();
+    let ci = (1.0 - 0.45f64.powi(2)) / 2e6;
+    let cj = (1.0 - 0.15f64.powi(2)) / 9e7;
+    // The soft body gives way further.
+    let wanted = 1.0 - 0.01 * ci / (ci + cj);
+    assert!((vector(felt.geometry.contact_point).x - wanted).abs() < 1e-14);
+}

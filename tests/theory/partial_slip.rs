@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! TFD, the law of Cattaneo and Mindlin: force, sliding limit, viscous part (section 4).
+
+use crate::support::elliptic::{complete, curvature_ratio};
+use crate::support::scene::pair_law;
+use ellgran::force::hertz_factors::exact;
+use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw, TangentialForce};
+use ellgran::geometry::{Symmetric2, Vector2};
+
+const PENETRATION: f64 = 2e-3;
+const FRICTION: f64 = 0.4;
+const NU: f64 = 0.3;
+
+fn normal(law: &PairLaw, curvature: Symmetric2) -> NormalForce {
+    normal_force(
+        &law.kinds,
+        &law.constants,
+        PENETRATION,
+        0.0,
+        curvature.determinant(),
+        &exact(curvature.trace(), curvature.determinant(), true),
+        1.0,
+    )
+}
+
+fn slide(law: &PairLaw, curvature: Symmetric2, xi: Vector2, velocity: Vector2) -> TangentialForce {
+    tangential_force(
+        &law.kinds,
+        &law.constants,
+        &normal(law, curvature),
+        &exact(curvature.trace(), curvature.determinant(), true),
+        curvature,
+        xi,
+        0.0,
+        Vector2::new(0.0, 0.0),
+        velocity,
+    )
+}
+
+fn elastic() -> PairLaw {
+    pair_law(&format!("hertz 1e6 {NU} tangential tfd {FRICTION}"))
+}
+
+#[test]
+fn equal_spheres_slide_beyond_mu_2_minus_nu_over_2_1_minus_nu_delta() {
+    let law = elastic();
+    let m = Symmetric2::new(1.0, 0.0, 1.0);
+    let f_n = normal(&law, m).force;
+    let limit = FRICTION * (2.0 - NU) / (2.0 * (1.0 - NU)) * PENETRATION;
+    for x in [1e-6, 0.01, 0.3, 0.7, 0.99, 1.0, 1.5] {
+        let (sin, cos) = 0.7f64.sin_cos();
+        let t = slide(
+            &law,
+            m,
+            Vector2::new(cos, sin) * (x * limit),
+            Vector2::new(0.0, 0.0),
+        );
+        let wanted = FRICTION * f_n * (1.0 - (1.0 - f64::min(x, 1.0)).powf(1.5));
+        let got = t.force.dot(t.force).sqrt();
+        assert!(
+            (got - wanted).abs() < 1e-12 * wanted.max(1e-3 * f_n),
+            "{x}: {got} {wanted}"
+        );
+        assert!(
+            t.force.u < 0.0 && t.force.v < 0.0,
+            "against the displacement"
+        );
+        // On sliding what is remembered stays on the cone.
+        let kept = t.memory.dot(t.memory).sqrt();
+        assert!((kept - limit * x.min(1.0)).abs() < 1e-12 * limit);
+    }
+}
+
+#[test]
+fn an_ellipse_slides_beyond_mu_kappa_delta_in_each_principal_direction() {
+    let law = elastic();
+    for axis_ratio in [0.5, 0.1, 0.02] {
+        let (k, e) = complete(axis_ratio);
+        let d = (k - e) / (1.0 - axis_ratio * axis_ratio);
+        let m = Symmetric2::new(1.0, 0.0, curvature_ratio(axis_ratio));
+        let f_n = normal(&law, m).force;
+        let directions = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
+        for (direction, beta) in directions.into_iter().zip([(k - d) / k, d / k]) {
+            let kappa = (1.0 - NU * beta) / (1.0 - NU);
+            for x in [0.1, 0.6, 0.999] {
+                let xi = direction * (x * FRICTION * kappa * PENETRATION);
+                let t = slide(&law, m, xi, Vector2::new(0.0, 0.0));
+                let wanted = FRICTION * f_n * (1.0 - f64::powf(1.0 - x, 1.5));
+                let got = -(t.force.dot(direction));
+                assert!(
+                    (got / wanted - 1.0).abs() < 1e-10,
+                    "b/a {axis_ratio}, {x}: {got} {wanted}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_turned_tangent_basis_turns_the_force() {
+    let law = elastic();
+    let (a, b) = (1.0, 40.0);
+    let principal = Symmetric2::new(a, 0.0, b);
+    let xi = Vector2::new(2e-4, -3e-4);
+    let straight = slide(&law, principal, xi, Vector2::new(0.0, 0.0)).force;
+    let (sin, cos) = 1.1f64.sin_cos();
+    let turned = |x: Vector2| Vector2::new(cos * x.u - sin * x.v, sin * x.u + cos * x.v);
+    let m = Symmetric2::new(
+        a * cos * cos + b * sin * sin,
+        (a - b) * sin * cos,
+        a * sin * sin + b * cos * cos,
+    );
+    let got = slide(&law, m, turned(xi), Vector2::new(0.0, 0.0)).force;
+    let off = got - turned(straight);
+    assert!(off.dot(off).sqrt() < 1e-12 * straight.dot(straight).sqrt());
+    // Anisotropic: not against the displacement.
+    assert!(
+        (straight.u * xi.v - straight.v * xi.u).abs() > 1e-3 * straight.dot(straight).sqrt() * 3e-4
+    );
+}
+
+#[test]
+fn elastic_energy_is_the_work_of_the_displacement() {
+    let law = elastic();
+    let m = Symmetric2::new(1.0, 0.0, 9.0);
+    let end = Vector2::new(4e-4, 3e-4);
+    let steps = 2000;
+    let mut work = 0.0;
+    for k in 0..steps {
+        let at = slide(
+            &law,
+            m,
+            end * ((k as f64 + 0.5) / steps as f64),
+            Vector2::new(0.0, 0.0),
+        );
+        work -= at.force.dot(end) / steps as f64;
+    }
+    let got = slide(&law, m, end, Vector2::new(0.0, 0.0)).elastic_energy;
+    assert!((got / work - 1.0).abs() < 1e-6, "{got} {work}");
+}
+
+#[test]
+fn the_viscous_part_is_a_t_k_t_v_t() {
+    let (eta1, eta2) = (3.0, 5.0);
+    let law = pair_law(&format!(
+        "nfd 1e6 {NU} {eta1} {eta2} tangential tfd {FRICTION}"
+    ));
+    let e = 1e6;
+    let (tau1, tau2) = (eta1 * (1.0 + NU) / e, eta2 * 3.0 * (1.0 - 2.0 * NU) / e);
+    for axis_ratio in [1.0, 0.3] {
+        let (beta_major, ratio) = if axis_ratio < 1.0 {
+            let (k, e) = complete(axis_ratio);
+            let d = (k - e) / (1.0 - axis_ratio * axis_ratio);
+            ((k - d) / k, curvature_ratio(axis_ratio))
+        } else {
+            (0.5, 1.0)
+        };
+        let m = Symmetric2::new(1.0, 0.0, ratio);
+        let f_n = normal(&law, m).force;
+        let cases = [
+            (Vector2::new(1.0, 0.0), beta_major),
+            (Vector2::new(0.0, 1.0), 1.0 - beta_major),
+        ];
+        for (direction, beta) in cases {
+            let kappa = (1.0 - NU * beta) / (1.0 - NU);
+            let limit = FRICTION * kappa * PENETRATION;
+            let time = tau1 * (3.0 - beta * (1.0 + 2.0 * NU - 2.0 * NU * NU))
+                / (3.0 * (1.0 - beta * NU))
+                + tau2 * beta * (1.0 + NU) * (1.0 - 2.0 * NU) / (3.0 * (1.0 - beta * NU));
+            for x in [0.0, 0.5, 0.9] {
+                let speed = 1e-3 * limit / time;
+                let rest = slide(&law, m, direction * (x * limit), Vector2::new(0.0, 0.0));
+                let moving = slide(&law, m, direction * (x * limit), direction * speed);
+                let got = -((moving.force - rest.force).dot(direction));
+                let stiffness = 1.5 * FRICTION * f_n * f64::sqrt(1.0 - x) / limit;
+                let wanted = time * stiffness * speed;
+                assert!(
+                    (got / wanted - 1.0).abs() < 1e-9,
+                    "b/a {axis_ratio}, {x}: {got} {wanted}"
+                );
+            }
+        }
+    }
+}

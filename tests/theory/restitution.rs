@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Coefficients of restitution of section 6, by integration of the library's normal force.
+
+use crate::integrate::until;
+use crate::support::scene::pair_law;
+use ellgran::force::damping::restitution_coefficient;
+use ellgran::force::hertz_factors::exact;
+use ellgran::force::normal_force;
+
+/// Where the contact ends.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    NoOverlap,
+    NoForce,
+}
+
+/// `e` of a collision of effective mass `m` at speed `v`; `words` follow `hertz 1e6 0.25` or are a whole law.
+fn restitution(deck: &str, m: f64, v: f64, end: End) -> f64 {
+    let law = pair_law(deck);
+    let (trace, determinant) = (2.0, 0.9);
+    let factors = exact(trace, determinant, true);
+    let force = |y: &[f64; 2]| {
+        normal_force(
+            &law.kinds,
+            &law.constants,
+            y[0].max(0.0),
+            y[1],
+            determinant,
+            &factors,
+            m,
+        )
+        .force
+    };
+    let rate = |y: &[f64; 2]| [y[1], -force(y) / m];
+    // The contact time of the elastic collision, or of the spring.
+    let span = if law.kinds.linear {
+        std::f64::consts::PI * (m / law.constants.normal_stiffness).sqrt()
+    } else {
+        let k = stiffness(deck);
+        3.3 * (m * m / (k * k * v)).powf(0.2)
+    };
+    let event = |t: f64, y: &[f64; 2]| {
+        if end == End::NoForce && t > 0.2 * span {
+            y[0].min(force(y))
+        } else {
+            y[0]
+        }
+    };
+    let (_, y) = until(rate, event, [0.0, v], span, 20_000);
+    -y[1] / v
+}
+
+/// `k` in `F = k delta^(3/2)` of the contact above.
+fn stiffness(deck: &str) -> f64 {
+    let law = pair_law(deck);
+    let factors = exact(2.0, 0.9, true);
+    normal_force(&law.kinds, &law.constants, 1.0, 0.0, 0.9, &factors, 1.0).elastic
+}
+
+/// A deck whose damping is `b = (3/2) A (k/m)^(2/5) v^(1/5)`.
+fn deck(b: f64, m: f64, v: f64, words: &str) -> String {
+    let k = stiffness("hertz 1e6 0.25");
+    let time = b / 1.5 / ((k / m).powf(0.4) * v.powf(0.2));
+    format!("hertz 1e6 0.25 damping relaxation {time:e} {words}")
+}
+
+const FIRST_ORDER: &str = "unloading first_order limit_force no";
+
+fn hold(words: &str, end: End, table: &[(f64, f64)], tolerance: f64) {
+    for &(b, wanted) in table {
+        // e depends on A, k, m, v through b only.
+        for (m, v) in [(1.0, 0.02), (3e-4, 1.7)] {
+            let got = restitution(&deck(b, m, v, words), m, v, end);
+            println!("b = {b}: e = {got:.15}, expected {wanted}");
+            assert!(
+                (got - wanted).abs() < tolerance,
+                "b = {b}: {got:.16}, expected {wanted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn first_order_ending_at_delta_0() {
+    hold(
+        FIRST_ORDER,
+        End::NoOverlap,
+        &[
+            (0.01, 0.988544818656846),
+            (0.1, 0.892147587290229),
+            (0.5, 0.573824628664949),
+            (1.0, 0.331164810466641),
+        ],
+        1e-11,
+    );
+}
+
+#[test]
+fn first_order_ending_at_no_force() {
+    hold(
+        FIRST_ORDER,
+        End::NoForce,
+        &[
+            (0.01, 0.988547439642729),
+            (0.1, 0.892858875506553),
+            (0.5, 0.595251501135127),
+            (1.0, 0.393930603229873),
+        ],
+        1e-11,
+    );
+}
+
+#[test]
+fn no_attraction_gives_the_restitution_of_an_end_at_no_force() {
+    hold(
+        "unloading first_order",
+        End::NoOverlap,
+        &[
+            (0.1, 0.892858875506553),
+            (0.5, 0.595251501135127),
+            (1.0, 0.393930603229873),
+        ],
+        // The force has a kink where it is cut off, and the integrator steps over it.
+        1e-8,
+    );
+}
+
+#[test]
+fn ting() {
+    hold(
+        "",
+        End::NoForce,
+        &[
+            (0.01, 0.9885734333),
+            (0.05, 0.9449344576),
+            (0.1, 0.8946592491),
+            (0.2, 0.8063105029),
+            (0.5, 0.6115915092),
+            (1.0, 0.4201625166),
+            (2.0, 0.2398232521),
+        ],
+        // The digits of the table.
+        0.5001e-10,
+    );
+}
+
+#[test]
+fn series_for_small_damping_1_15345_and_0_79827() {
+    let b = 1e-3;
+    let e = restitution(&deck(b, 1.0, 0.5, FIRST_ORDER), 1.0, 0.5, End::NoOverlap);
+    let series = 1.0 - 1.153_448_858_095_288_8 * b + 0.798_266_560_944_795_4 * b * b;
+    // The next term is of the third order in b.
+    assert!((e - series).abs() < 2.0 * b.powi(3), "{e} {series}");
+}
+
+#[test]
+fn tsuji_damping_gives_the_restitution_asked_for_at_any_speed() {
+    for e in [0.95, 0.7, 0.3, 0.05] {
+        let deck = format!("hertz 1e6 0.25 damping restitution {e} limit_force no");
+        for (m, v) in [(1.0, 0.01), (1.0, 3.0), (1e-5, 0.4)] {
+            let got = restitution(&deck, m, v, End::NoOverlap);
+            // delta^(1/4) at the beginning costs the integrator digits.
+            assert!((got - e).abs() < 1e-9, "e = {e}, m = {m}, v = {v}: {got}");
+        }
+    }
+}
+
+#[test]
+fn tsuji_coefficient_inverts_exp_of_minus_pi_z_over_root() {
+    for e in [1.0, 0.9, 0.5, 0.1, 1e-3] {
+        let z = restitution_coefficient(e) / 5f64.sqrt();
+        let back = (-std::f64::consts::PI * z / (1.0 - z * z).sqrt()).exp();
+        assert!((back / e - 1.0).abs() < 1e-13, "{e} {back}");
+    }
+}
+
+#[test]
+fn lsd_ends_at_delta_0_with_exp_of_minus_pi_z_over_root() {
+    let (m, k) = (0.2f64, 5e4f64);
+    for z in [0.02, 0.1, 0.4, 0.8] {
+        let c = 2.0 * z * (m * k).sqrt();
+        let deck = format!("lsd {k:e} {c:e} limit_force no");
+        let wanted = (-std::f64::consts::PI * z / f64::sqrt(1.0 - z * z)).exp();
+        for v in [0.01, 1.0] {
+            let got = restitution(&deck, m, v, End::NoOverlap);
+            assert!((got - wanted).abs() < 1e-12, "z = {z}: {got} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn nfd_restitution_falls_with_speed_and_lsd_does_not() {
+    let nfd = |v: f64| restitution("nfd 1e6 0.25 10 10", 1.0, v, End::NoForce);
+    assert!(nfd(0.1) > nfd(1.0) + 1e-4 && nfd(1.0) > nfd(10.0) + 1e-4);
+    // e = e(b), b ~ v^(1/5): 1 - e grows by 10^(1/5) a decade while it is small.
+    let growth = (1.0 - nfd(1e-4)) / (1.0 - nfd(1e-5));
+    assert!((growth / 10f64.powf(0.2) - 1.0).abs() < 2e-3, "{growth}");
+}
