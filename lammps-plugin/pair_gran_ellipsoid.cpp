@@ -2,12 +2,13 @@
 
 #include "pair_gran_ellipsoid.h"
 
+#include "ellgran_history.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "compute.h"
 #include "error.h"
 #include "fix.h"
-#include "fix_neigh_history.h"
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
@@ -390,16 +391,18 @@ void PairGranEllipsoid::place_history_fix()
                      "{}: the laws now keep {} values per contact: contacts that exist start with no "
                      "tangential displacement",
                      CALLER, history_length);
-    const std::string style = (history_length == 0)
-        ? "DUMMY"
-        : fmt::format("NEIGH_HISTORY {}", history_length);
-    modify->replace_fix(id_history, fmt::format("{} all {}", id, style), 1);
+    if (history_length == 0) {
+      modify->replace_fix(id_history, id + " all DUMMY", 0);
+      fix_history = nullptr;
+    } else {
+      fix_history = replace_by_history(modify, id_history, id, history_length);
+    }
     id_history = id;
   }
-  fix_history = nullptr;
-  if (history_length == 0) return;
-  fix_history = dynamic_cast<FixNeighHistory *>(modify->get_fix_by_id(id_history));
-  if (!fix_history) error->all(FLERR, "{}: the fix {} was deleted", CALLER, id_history);
+  if (!fix_history) return;
+  if (!modify->get_fix_by_id(id_history))
+    error->all(FLERR, "{}: the fix {} that keeps the history of contacts was deleted", CALLER,
+               id_history);
   fix_history->pair = this;
 }
 

@@ -59,7 +59,7 @@ class PairGranEllipsoid : public Pair {
   // Contact history
   int history_length;    // doubles per contact, 0: no fix
   std::string id_placeholder, id_history;
-  class FixNeighHistory *fix_history;
+  class FixEllgranHistory *fix_history;
   int neighbour_previous;        // single() finds its pair in constant time when called in order
   std::vector<double> scratch;    // history that single() may overwrite
 

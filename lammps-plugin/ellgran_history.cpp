@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include "ellgran_history.h"
+
+#include "comm.h"
+#include "modify.h"
+
+using namespace LAMMPS_NS;
+
+FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
+    FixNeighHistory(lmp, narg, arg), list_is_current(false)
+{
+}
+
+void FixEllgranHistory::setup(int)
+{
+  list_is_current = true;
+}
+
+void FixEllgranHistory::min_setup(int)
+{
+  list_is_current = true;
+}
+
+void FixEllgranHistory::post_run()
+{
+  FixNeighHistory::post_run();
+  list_is_current = false;
+}
+
+void FixEllgranHistory::write_restart(FILE *fp)
+{
+  if (list_is_current) {
+    FixNeighHistory::write_restart(fp);
+  } else if (comm->me == 0) {
+    const int size = 0;
+    fwrite(&size, sizeof(int), 1, fp);
+  }
+}
+
+namespace {
+
+Fix *create_history(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixEllgranHistory(lmp, narg, arg);
+}
+
+// While it lives, LAMMPS makes our class when it is asked for its own style. So the fix keeps the
+// name that LAMMPS knows, and there is no style of ours that could be unloaded before the pair style.
+class Substitute {
+ public:
+  explicit Substitute(Modify *modify) :
+      entry((*modify->fix_map)["NEIGH_HISTORY"]), original(entry)
+  {
+    entry = &create_history;
+  }
+  ~Substitute() { entry = original; }
+  Substitute(const Substitute &) = delete;
+  Substitute &operator=(const Substitute &) = delete;
+
+ private:
+  Modify::FixCreator &entry;
+  const Modify::FixCreator original;
+};
+
+}    // namespace
+
+FixEllgranHistory *LAMMPS_NS::replace_by_history(Modify *modify, const std::string &old_id,
+                                                 const std::string &id, int length)
+{
+  const Substitute substitute(modify);
+  const std::string command = id + " all NEIGH_HISTORY " + std::to_string(length);
+  return static_cast<FixEllgranHistory *>(modify->replace_fix(old_id, command, 0));
+}

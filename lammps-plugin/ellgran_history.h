@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// LAMMPS' neighbour history, right in restart files that `write_restart` makes between runs.
+
+#ifndef ELLGRAN_HISTORY_H
+#define ELLGRAN_HISTORY_H
+
+#include "fix_neigh_history.h"
+
+#include <string>
+
+namespace LAMMPS_NS {
+
+/// When a run ends, history moves from the neighbour list to the atoms. `write_restart` then moves atoms between
+/// processors and renumbers ghosts, so that the list of the last run points to other atoms, and the base class
+/// reads it all the same: contacts across processors and periodic boundaries are lost or mixed up. Here the
+/// list is read only while a run goes on.
+class FixEllgranHistory : public FixNeighHistory {
+ public:
+  FixEllgranHistory(class LAMMPS *, int, char **);
+
+  void setup(int) override;
+  void min_setup(int) override;
+  void post_run() override;
+  void write_restart(FILE *) override;
+
+ private:
+  bool list_is_current;
+};
+
+/// Replaces the fix `old_id` by one with `id` that keeps `length` doubles per neighbour, in the same place.
+FixEllgranHistory *replace_by_history(class Modify *modify, const std::string &old_id,
+                                      const std::string &id, int length);
+
+}    // namespace LAMMPS_NS
+
+#endif
