@@ -346,10 +346,28 @@ void PairGranEllipsoid::require_allowed_sizes() const
 void PairGranEllipsoid::build_laws()
 {
   const int ntypes = atom->ntypes;
+  std::vector<EllgranLawParameters> given = parameters;
   std::vector<uint8_t> is_set(parameters.size(), 0);
+  const auto index = [ntypes](int i, int j) { return (i - 1) * ntypes + (j - 1); };
+  int example = 0;
   for (int i = 1; i <= ntypes; i++)
     for (int j = i; j <= ntypes; j++)
-      is_set[(i - 1) * ntypes + (j - 1)] = setflag[i][j] ? 1 : 0;
+      if (setflag[i][j]) {
+        is_set[index(i, j)] = 1;
+        example = index(i, j);
+      }
+
+  // Under pair_style hybrid some types may belong to other styles alone. LAMMPS never asks for their
+  // pairs here, but each type must have a law: any that is in use.
+  const auto elsewhere = [this](int i, int j) {
+    return !setflag[i][j] && !(setflag[i][i] && setflag[j][j]);
+  };
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++)
+      if (elsewhere(i, j)) {
+        is_set[index(i, j)] = 1;
+        given[index(i, j)] = parameters[example];
+      }
 
   // Two spheres need no remembered normal to start the search for contact from.
   int spheres_here = atoms.all_spheres() ? 1 : 0, all_spheres = 0;
@@ -360,12 +378,13 @@ void PairGranEllipsoid::build_laws()
 
   ellgran_laws_free(laws);
   laws = nullptr;
-  if (ellgran_laws_new(ntypes, parameters.data(), is_set.data(), options, &laws) != ELLGRAN_SUCCESS)
+  if (ellgran_laws_new(ntypes, given.data(), is_set.data(), options, &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
 
   std::string text;
   for (int i = 1; i <= ntypes; i++)
     for (int j = i; j <= ntypes; j++) {
+      if (elsewhere(i, j)) continue;
       char line[512] = "";
       if (ellgran_laws_describe(laws, i, j, line, sizeof line) == ELLGRAN_SUCCESS)
         text += fmt::format("  {} {}{}: {}\n", i, j, setflag[i][j] ? "" : " (mixed)", line);
