@@ -20,3 +20,8 @@ pub mod force;
 pub mod geometry;
 pub mod pairs;
 pub mod real;
+
+/// The Rust snippets of the README are run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
