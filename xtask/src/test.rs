@@ -4,12 +4,12 @@
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use anyhow::{anyhow, Result};
+use anyhow::Result;
 
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{demo, header, lammps, plugin, setup};
+use crate::{demo, header, lammps, liggghts, plugin, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -98,7 +98,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     steps.run("through LAMMPS", || {
         run_open(
             with_engine(engine_tests("lammps"), &newest)?
-                .args(["--"])
+                .arg("--")
                 .args(filter),
         )
     })?;
@@ -106,6 +106,17 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     if both && oldest.2 != newest.2 {
         steps.run("through the oldest supported LAMMPS", || {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
+        })?;
+    }
+    if root().join("tests").join("liggghts").is_dir() {
+        let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
+        steps.run("through LIGGGHTS", || {
+            run_open(
+                with_engine(engine_tests("liggghts"), &newest)?
+                    .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
+                    .arg("--")
+                    .args(filter),
+            )
         })?;
     }
     if filter.is_empty() {
@@ -131,8 +142,5 @@ fn with_engine(mut command: Command, (binary, plugin, _): &Engine) -> Result<Com
         .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
         .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
         .envs(setup::mpirun_environment());
-    if !root().join("tests").join("lammps").is_dir() {
-        return Err(anyhow!("tests/lammps is missing"));
-    }
     Ok(command)
 }
