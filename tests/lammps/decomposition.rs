@@ -61,7 +61,7 @@ fn both_versions_ranks_and_newton_do_not_change_the_motion() {
     let deck = |newton: bool| Deck {
         newton,
         time_step: 1e-5,
-        steps: 500,
+        steps: 300,
         skin: 2e-3,
         ..Deck::new(LAW)
     };
@@ -73,7 +73,7 @@ fn both_versions_ranks_and_newton_do_not_change_the_motion() {
         .filter(|(g, s)| length(sub(s.velocity, g.velocity)) > 1e-2 * length(g.velocity))
         .count();
     println!("{changed} of {} grains have collided", scene.grains.len());
-    assert!(changed > 40);
+    assert!(changed > 25);
     println!(
         "momentum error {:.1e}",
         momentum_error(&scene, reference.first(), reference.last())
@@ -126,7 +126,7 @@ fn both_versions_a_contact_across_a_periodic_boundary() {
     let deck = |newton: bool| Deck {
         newton,
         time_step: 8e-6,
-        steps: 300,
+        steps: 100,
         skin: 2e-3,
         ..Deck::new(LAW)
     };
@@ -199,7 +199,7 @@ fn rebuilt_lists_and_atom_styles_do_not_change_the_motion() {
         atom_style: style.into(),
         skin,
         time_step: 1e-5,
-        steps: 500,
+        steps: 300,
         ..Deck::new(LAW)
     };
     let reference = run(

@@ -97,8 +97,8 @@ fn both_versions_plugin_loads_again_after_clear_and_unload() {
                   create_atoms 1 single 0 0 0\ncreate_atoms 1 single 1 1 1\nset group all shape 4 3 2\nset group all density 1000\n\
                   pair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3 tangential tfd 0.5\nfix move all nve/asphere\nrun 2 post no\n";
     let deck = format!(
-        "plugin load {plugin}\n{use_it}clear\n{use_it}clear\nplugin load {plugin}\n{use_it}clear\n\
-         plugin unload pair gran/ellipsoid\nplugin load {plugin}\n{use_it}print 'came to the end'\n"
+        "plugin load {plugin}\n{use_it}clear\nplugin load {plugin}\n{use_it}clear\n\
+         plugin load {plugin}\nplugin unload pair gran/ellipsoid\nplugin load {plugin}\n{use_it}print 'came to the end'\n"
     );
     let (success, output) = execute(&engine, &directory, &deck, 1);
     assert!(

@@ -4,7 +4,7 @@
 use crate::decomposition::{crowd, LAW};
 use crate::harness::{attempt_in, largest_difference, last_lines, run, Deck, Engine, Outcome};
 
-const HALF: u64 = 250;
+const HALF: u64 = 150;
 
 fn deck(law: &str) -> Deck {
     Deck {
