@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+
+#include "ellgran_contact.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <vector>
+
+#include "atom.h"
+#include "contact_models.h"
+#include "error.h"
+#include "force.h"
+#include "global_properties.h"
+#include "property_registry.h"
+
+using namespace LAMMPS_NS;
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+namespace {
+typedef std::map<ContactModelBase *, EllgranContact *> Table;
+Table &table()
+{
+  static Table all;
+  return all;
+}
+}
+
+const EllgranWallSurface *EllgranContact::acting_wall = NULL;
+
+EllgranContact *EllgranContact::take(LAMMPS *lmp, ContactModelBase *model)
+{
+  EllgranContact *&entry = table()[model];
+  if (!entry) {
+    if (ellgran_abi_version() != ELLGRAN_ABI_VERSION) {
+      char message[160];
+      sprintf(message, "ellgran: built against interface version %d, linked with version %u; rebuild",
+              ELLGRAN_ABI_VERSION, ellgran_abi_version());
+      lmp->error->all(FLERR, message);
+    }
+    entry = new EllgranContact(lmp, model->is_wall());
+  }
+  entry->users++;
+  return entry;
+}
+
+void EllgranContact::release(ContactModelBase *model)
+{
+  Table::iterator entry = table().find(model);
+  if (entry != table().end() && --entry->second->users == 0) {
+    delete entry->second;
+    table().erase(entry);
+  }
+}
+
+EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
+    staged(NULL),
+    laws(NULL),
+    types(0),
+    is_wall(is_wall_),
+    surface_is_ellipsoid(false),
+    needs_equivalent_radius(true),
+    touched(0),
+    lmp(lmp_),
+    users(0),
+    youngs_modulus(NULL),
+    poissons_ratio(NULL)
+{
+  memset(&geometry, 0, sizeof(geometry));
+  memset(normal_before, 0, sizeof(normal_before));
+  check(ellgran_staged_new(&staged));
+}
+
+EllgranContact::~EllgranContact()
+{
+  ellgran_staged_free(staged);
+  ellgran_laws_free(laws);
+}
+
+void EllgranContact::check(int32_t status) const
+{
+  if (status == ELLGRAN_SUCCESS) return;
+  char message[1200];
+  snprintf(message, sizeof(message), "ellgran: %s", ellgran_last_error());
+  lmp->error->one(FLERR, message);
+}
+
+EllgranBody EllgranContact::ellipsoid(int i) const
+{
+  const Atom *atom = lmp->atom;
+  EllgranBody body;
+  memcpy(body.position, atom->x[i], sizeof(body.position));
+  memcpy(body.quaternion, atom->quaternion[i], sizeof(body.quaternion));
+  memcpy(body.semi_axes, atom->shape[i], sizeof(body.semi_axes));
+  memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
+  memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
+  body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+  body.kind = atom->type[i];
+  body.identifier = atom->tag[i];
+  const double *blockiness = atom->blockiness[i];
+  if (!(blockiness[0] == 2.0 && blockiness[1] == 2.0)) {
+    char message[200];
+    snprintf(message, sizeof(message),
+             "ellgran: particle %d: blockiness %g %g: surface ellipsoid needs blockiness 2 2, an ellipsoid",
+             atom->tag[i], blockiness[0], blockiness[1]);
+    lmp->error->one(FLERR, message);
+  }
+  return body;
+}
+
+EllgranBody EllgranContact::sphere(int i, double radius) const
+{
+  const Atom *atom = lmp->atom;
+  EllgranBody body;
+  memcpy(body.position, atom->x[i], sizeof(body.position));
+  body.quaternion[0] = 1.0;
+  body.quaternion[1] = body.quaternion[2] = body.quaternion[3] = 0.0;
+  body.semi_axes[0] = body.semi_axes[1] = body.semi_axes[2] = radius;
+  memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
+  memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
+  body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+  body.kind = atom->type[i];
+  body.identifier = atom->tag[i];
+  return body;
+}
+
+void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
+{
+  const double half = share(sidata.itype, sidata.jtype);
+  const EllgranBody i = sphere(sidata.i, sidata.radi);
+  if (sidata.is_wall) {
+    EllgranWallSurface wall;
+    for (int k = 0; k < 3; k++) {
+      wall.point[k] = i.position[k] - sidata.en[k] * (sidata.radi - sidata.deltan);
+      wall.normal[k] = sidata.en[k];
+      wall.direction[k] = 0.0;
+      wall.velocity[k] = sidata.v_j[k];
+    }
+    wall.curvatures[0] = wall.curvatures[1] = 0.0;
+    wall.turning_radii[0] = wall.turning_radii[1] = HUGE_VAL;
+    check(ellgran_staged_wall(staged, &i, &wall, half, &geometry));
+  } else {
+    const EllgranBody j = sphere(sidata.j, sidata.radj);
+    double none[3] = {0.0, 0.0, 0.0};
+    check(ellgran_staged_pair(staged, &i, &j, half, none, &geometry));
+  }
+}
+
+double EllgranContact::share(int itype, int jtype) const
+{
+  if (!youngs_modulus || !poissons_ratio) return 0.5;
+  const double ci = (1.0 - poissons_ratio[itype] * poissons_ratio[itype]) / youngs_modulus[itype];
+  const double cj = (1.0 - poissons_ratio[jtype] * poissons_ratio[jtype]) / youngs_modulus[jtype];
+  return ci / (ci + cj);
+}
+
+void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *caller)
+{
+  if (lmp->force->nktv2p != 1.0)
+    lmp->error->all(FLERR, "ellgran: this unit style has a pressure that is not force per area; use units si, cgs or lj");
+  registry.registerProperty("youngsModulus", &MODEL_PARAMS::createYoungsModulus);
+  registry.registerProperty("poissonsRatio", &MODEL_PARAMS::createPoissonsRatio);
+  registry.connect("youngsModulus", youngs_modulus, caller);
+  registry.connect("poissonsRatio", poissons_ratio, caller);
+  types = registry.max_type();
+}
+
+void EllgranContact::check_particles() const
+{
+  for (int i = 0; i < lmp->atom->nlocal; i++) {
+    const EllgranBody body = ellipsoid(i);
+    EllgranContactGeometry unused;
+    const EllgranPlane plane = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}};
+    check(ellgran_contact_geometry_plane(&body, &plane, &unused));
+  }
+}
+
+void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
+{
+  std::vector<EllgranLawParameters> parameters(types * types);
+  std::vector<uint8_t> is_set(types * types, 0);
+  for (int k = 0; k < types; k++) {
+    EllgranLawParameters &p = parameters[k * types + k];
+    check(ellgran_law_parameters_default(&p));
+    p.normal = ELLGRAN_NORMAL_NFD;
+    p.tangential = ELLGRAN_TANGENTIAL_TFD;
+    // The coefficient of friction is per pair of types and given with each contact: any value that is not zero serves.
+    p.friction = 1.0;
+    p.unloading = ting ? ELLGRAN_UNLOADING_TING : ELLGRAN_UNLOADING_FIRST_ORDER;
+    p.conservative = conservative;
+    p.limit_force = limit_force;
+    p.youngs_modulus = youngs_modulus[k + 1];
+    p.poissons_ratio = poissons_ratio[k + 1];
+    p.shear_viscosity = shear[k + 1];
+    p.bulk_viscosity = bulk[k + 1];
+    is_set[k * types + k] = 1;
+  }
+  for (int k = 0; k < types * types; k++) parameters[k].struct_version = ELLGRAN_ABI_VERSION;
+  EllgranLaws *built = NULL;
+  check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
+  ellgran_laws_free(laws);
+  laws = built;
+}
+
+}
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * What the surface, normal and tangential model of one contact model share: the contact between its stages, and the laws.
+ * LIGGGHTS' own structure for a contact has no room for the geometry of an ellipse.
+ */
+
+#ifndef ELLGRAN_CONTACT_H
+#define ELLGRAN_CONTACT_H
+
+#include "ellgran.h"
+#include "contact_interface.h"
+#include "lammps.h"
+
+class PropertyRegistry;
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+class ContactModelBase;
+
+struct EllgranContact {
+  // one per contact model; released by every model that took it
+  static EllgranContact *take(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);
+  static void release(ContactModelBase *model);
+
+  EllgranStagedContact *staged;
+  EllgranContactGeometry geometry;
+  EllgranLaws *laws;
+  int types;
+
+  bool is_wall;
+  bool surface_is_ellipsoid;     // else the normal model stages spheres
+  bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own reads sidata.reff
+
+  // of the contact at hand, set by whoever stages it
+  double normal_before[3];
+  int touched;
+
+  // body of a particle of atom style superquadric, checked; of a sphere
+  EllgranBody ellipsoid(int i) const;
+  EllgranBody sphere(int i, double radius) const;
+  // stages two spheres, or a sphere and a plane, of LIGGGHTS' own surface model
+  void stage_spheres(const SurfacesIntersectData &sidata);
+  // the share of i in the penetration, from the moduli
+  double share(int itype, int jtype) const;
+  void connect_moduli(PropertyRegistry &registry, const char *caller);
+  // stops with the library's message unless status is ELLGRAN_SUCCESS
+  void check(int32_t status) const;
+  void check_particles() const;
+  // a law of E, nu, eta1, eta2 per type
+  void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
+
+  // surface of the wall that is acting, set by fix wall/gran/ellipsoid around the call of the contact model
+  static const EllgranWallSurface *acting_wall;
+
+private:
+  EllgranContact(LAMMPS_NS::LAMMPS *lmp, bool is_wall);
+  ~EllgranContact();
+  EllgranContact(const EllgranContact &);
+  EllgranContact &operator=(const EllgranContact &);
+
+  LAMMPS_NS::LAMMPS *lmp;
+  int users;
+  double *youngs_modulus, *poissons_ratio;
+};
+
+}
+}
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * fix wall/gran/ellipsoid: fix wall/gran, with the same words, for surface ellipsoid. Every contact of a particle with the
+ * wall is found by the library and acts once.
+ */
+
+#ifdef FIX_CLASS
+FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid)
+#else
+
+#ifndef LMP_FIX_WALL_GRAN_ELLIPSOID_H
+#define LMP_FIX_WALL_GRAN_ELLIPSOID_H
+
+#include <string>
+#include <vector>
+
+#include "ellgran.h"
+#include "fix_wall_gran.h"
+
+namespace LAMMPS_NS {
+
+class FixWallGranEllipsoid : public FixWallGran {
+ public:
+  FixWallGranEllipsoid(class LAMMPS *, int, char **);
+  virtual ~FixWallGranEllipsoid();
+  virtual void post_create();
+  virtual void pre_delete(bool unfixflag);
+  virtual void init();
+
+ protected:
+  virtual void post_force_primitive(int);
+  virtual void post_force_mesh(int);
+
+ private:
+  // a contact of one particle: its surface, and the triangle that stands for it
+  struct Contact {
+    EllgranWallSurface surface;
+    int mesh, triangle;
+  };
+
+  enum { PLANE, CYLINDER, MESH };
+
+  int kind_;
+  int axis_;
+  double parameters_[3];
+  std::string storage_name_;
+  class FixPropertyAtom *storage_;
+  EllgranWallContacts *found_;
+
+  // remembered contacts of a particle: whether there is one, its point and normal, and the history of the contact model, each
+  int slots() const;
+  int slot_length() const;
+
+  EllgranBody body(int particle) const;
+  void check(int32_t status) const;
+  void act(int particle, std::vector<Contact> &contacts);
+  void forget(int particle);
+  bool in_group(int particle) const;
+};
+
+}
+
+#endif
+#endif

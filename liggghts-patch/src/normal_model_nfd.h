@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * model nfd: viscoelastic normal force from youngsModulus, poissonsRatio, viscosityShear and viscosityBulk per type.
+ * Under surface ellipsoid for the ellipse of the contact, under surface default for spheres.
+ */
+
+#ifdef NORMAL_MODEL
+NORMAL_MODEL(NFD,nfd,41)
+#else
+#ifndef NORMAL_MODEL_NFD_H_
+#define NORMAL_MODEL_NFD_H_
+
+#include <cmath>
+#include "atom.h"
+#include "contact_models.h"
+#include "ellgran_contact.h"
+#include "error.h"
+#include "global_properties.h"
+#include "neighbor.h"
+#include "normal_model_base.h"
+
+namespace MODEL_PARAMS {
+VectorProperty *createViscosityShear(PropertyRegistry &registry, const char *caller, bool sanity_checks);
+VectorProperty *createViscosityBulk(PropertyRegistry &registry, const char *caller, bool sanity_checks);
+}
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+template<>
+class NormalModel<NFD> : public NormalModelBase
+{
+public:
+  NormalModel(LAMMPS *lmp, IContactHistorySetup *hsetup, class ContactModelBase *cmb) :
+      NormalModelBase(lmp, hsetup, cmb),
+      model(cmb),
+      contact(EllgranContact::take(lmp, cmb)),
+      shear(NULL),
+      bulk(NULL),
+      Geff(NULL),
+      conservative(true),
+      ting(true),
+      limit_force(true),
+      elastic_potential(false),
+      dissipated_energy(false)
+  {
+    contact->needs_equivalent_radius = false;
+  }
+
+  ~NormalModel() { EllgranContact::release(model); }
+
+  void registerSettings(Settings &settings)
+  {
+    settings.registerOnOff("conservative", conservative, true);
+    settings.registerOnOff("tingUnloading", ting, true);
+    settings.registerOnOff("limitForce", limit_force, true);
+    settings.registerOnOff("computeElasticPotential", elastic_potential, false);
+    settings.registerOnOff("computeDissipatedEnergy", dissipated_energy, false);
+  }
+
+  inline void postSettings(IContactHistorySetup *, ContactModelBase *)
+  {
+    if (elastic_potential) error->all(FLERR, "model nfd: computeElasticPotential is not available");
+    if (dissipated_energy) error->all(FLERR, "model nfd: computeDissipatedEnergy is not available");
+  }
+
+  void connectToProperties(PropertyRegistry &registry)
+  {
+    contact->connect_moduli(registry, "model nfd");
+    registry.registerProperty("viscosityShear", &MODEL_PARAMS::createViscosityShear);
+    registry.registerProperty("viscosityBulk", &MODEL_PARAMS::createViscosityBulk);
+    registry.registerProperty("Geff", &MODEL_PARAMS::createGeff);
+    registry.connect("viscosityShear", shear, "model nfd");
+    registry.connect("viscosityBulk", bulk, "model nfd");
+    registry.connect("Geff", Geff, "model nfd");
+    contact->build_laws(shear, bulk, conservative, ting, limit_force);
+    neighbor->register_contact_dist_factor(1.01);
+  }
+
+  inline double stressStrainExponent() { return 1.5; }
+
+  inline void surfacesIntersect(SurfacesIntersectData &sidata, ForceData &i_forces, ForceData &j_forces)
+  {
+    if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_NORMAL_MODEL;
+    if (!contact->surface_is_ellipsoid) {
+      if (sidata.is_non_spherical) error->one(FLERR, "model nfd needs surface ellipsoid for these particles");
+      contact->stage_spheres(sidata);
+      if (!contact->geometry.touching) return;
+    }
+    EllgranContactForce f;
+    contact->check(ellgran_staged_normal(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &f));
+
+    // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
+    double radius = 0.0;
+    contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
+    sidata.Fn = f.normal_force;
+    sidata.kn = f.normal_force / sidata.deltan;
+    sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+    sidata.gamman = 0.0;
+    sidata.gammat = 0.0;
+
+    for (int k = 0; k < 3; k++) {
+      i_forces.delta_F[k] -= f.force[k];
+      i_forces.delta_torque[k] += f.torque_i[k];
+    }
+    if (!sidata.is_wall) {
+      for (int k = 0; k < 3; k++) {
+        j_forces.delta_F[k] += f.force[k];
+        j_forces.delta_torque[k] += f.torque_j[k];
+      }
+    }
+  }
+
+  void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
+  {
+    if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_NORMAL_MODEL;
+  }
+
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+
+private:
+  ContactModelBase *model;
+  EllgranContact *contact;
+  double *shear, *bulk;
+  double **Geff;
+  bool conservative, ting, limit_force, elastic_potential, dissipated_energy;
+};
+
+}
+}
+
+#endif
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * surface ellipsoid: the geometry of a contact of ellipsoids, by the library. Atom style superquadric, blockiness 2 2.
+ */
+
+#ifdef SURFACE_MODEL
+SURFACE_MODEL(SURFACE_ELLIPSOID,ellipsoid,41)
+#else
+#ifndef SURFACE_MODEL_ELLIPSOID_H_
+#define SURFACE_MODEL_ELLIPSOID_H_
+
+#include "surface_model_base.h"
+
+#ifdef SUPERQUADRIC_ACTIVE_FLAG
+
+#include <cstring>
+#include "atom.h"
+#include "comm.h"
+#include "contact_models.h"
+#include "ellgran_contact.h"
+#include "error.h"
+#include "fix_wall_gran.h"
+#include "math_extra_liggghts_nonspherical.h"
+#include "neighbor.h"
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+template<>
+class SurfaceModel<SURFACE_ELLIPSOID> : public SurfaceModelBase
+{
+public:
+  SurfaceModel(LAMMPS *lmp, IContactHistorySetup *hsetup, class ContactModelBase *cmb) :
+      SurfaceModelBase(lmp, hsetup, cmb),
+      model(cmb),
+      contact(EllgranContact::take(lmp, cmb))
+  {
+    if (!atom->superquadric_flag)
+      error->all(FLERR, "surface ellipsoid needs atom_style superquadric (with blockiness 2 2)");
+    if (cmb->is_wall()) {
+      // fix wall/gran pushes once per triangle, misses contacts in a cylinder, and passes over particles of a plane
+      const FixWallGran *wall = dynamic_cast<FixWallGran *>(hsetup);
+      if (!wall || strcmp(wall->style, "wall/gran/ellipsoid") != 0)
+        error->all(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid, which takes the same words as fix wall/gran");
+    }
+    contact->surface_is_ellipsoid = true;
+    normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
+    hsetup->add_history_value("ellgran_normal_y", "1");
+    hsetup->add_history_value("ellgran_normal_z", "1");
+    touched_offset = hsetup->add_history_value("ellgran_touched", "0");
+  }
+
+  ~SurfaceModel() { EllgranContact::release(model); }
+
+  inline void registerSettings(Settings &) {}
+  inline void postSettings(IContactHistorySetup *, ContactModelBase *) {}
+
+  inline void connectToProperties(PropertyRegistry &registry)
+  {
+    contact->connect_moduli(registry, "surface ellipsoid");
+    contact->check_particles();
+    // so that surfacesClose follows the end of every contact, also where bounding spheres touch as the bodies do
+    neighbor->register_contact_dist_factor(1.01);
+  }
+
+  inline bool checkSurfaceIntersect(SurfacesIntersectData &sidata)
+  {
+    sidata.is_non_spherical = true;
+    double *const history = sidata.contact_history;
+    double *const normal = &history[normal_offset];
+    vectorCopy3D(normal, contact->normal_before);
+    contact->touched = history[touched_offset] != 0.0;
+    const EllgranBody i = contact->ellipsoid(sidata.i);
+    if (sidata.is_wall) {
+      if (!EllgranContact::acting_wall)
+        error->one(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid");
+      contact->check(ellgran_staged_wall(contact->staged, &i, EllgranContact::acting_wall,
+                                         contact->share(atom->type[sidata.i], sidata.jtype), &contact->geometry));
+      if (contact->geometry.touching) vectorCopy3D(contact->geometry.normal, normal);
+    } else {
+      const EllgranBody j = contact->ellipsoid(sidata.j);
+      contact->check(ellgran_staged_pair(contact->staged, &i, &j,
+                                         contact->share(atom->type[sidata.i], atom->type[sidata.j]), normal,
+                                         &contact->geometry));
+    }
+    if (!contact->geometry.touching) {
+      history[touched_offset] = 0.0;
+      return false;
+    }
+    history[touched_offset] = 1.0;
+    if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_SURFACE_MODEL;
+    return true;
+  }
+
+  inline void surfacesIntersect(SurfacesIntersectData &sidata, ForceData &, ForceData &)
+  {
+    const EllgranContactGeometry &g = contact->geometry;
+    // LIGGGHTS' normal points to i
+    for (int k = 0; k < 3; k++) {
+      sidata.en[k] = -g.normal[k];
+      sidata.contact_point[k] = g.contact_point[k];
+    }
+    sidata.deltan = g.penetration;
+    if (contact->needs_equivalent_radius)
+      contact->check(ellgran_staged_equivalent_radius(contact->staged, &sidata.reff));
+    sidata.P_diss = 0.0;
+    MathExtraLiggghtsNonspherical::surfacesIntersectNonSpherical(sidata, atom->x);
+  }
+
+  inline void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
+  {
+    if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_SURFACE_MODEL;
+    if (scdata.contact_history) scdata.contact_history[touched_offset] = 0.0;
+  }
+
+  inline void endSurfacesIntersect(SurfacesIntersectData &, TriMesh *, double *const) {}
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  inline void tally_pp(double, int, int, int) {}
+  inline void tally_pw(double, int, int, int) {}
+
+private:
+  ContactModelBase *model;
+  EllgranContact *contact;
+  int normal_offset, touched_offset;
+};
+
+}
+}
+
+#else
+
+SURFACE_MODEL_DUMMY(SURFACE_ELLIPSOID, "surface ellipsoid needs a build with superquadrics (SUPERQUADRIC_ACTIVE_FLAG)")
+
+#endif
+
+#endif
+#endif

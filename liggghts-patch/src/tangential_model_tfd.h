@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * tangential tfd: partial slip, with model nfd and coefficientFriction per pair of types.
+ */
+
+#ifdef TANGENTIAL_MODEL
+TANGENTIAL_MODEL(TANGENTIAL_TFD,tfd,41)
+#else
+#ifndef TANGENTIAL_MODEL_TFD_H_
+#define TANGENTIAL_MODEL_TFD_H_
+
+#include "atom.h"
+#include "contact_models.h"
+#include "ellgran_contact.h"
+#include "error.h"
+#include "global_properties.h"
+#include "tangential_model_base.h"
+#include "update.h"
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+template<>
+class TangentialModel<TANGENTIAL_TFD> : public TangentialModelBase
+{
+public:
+  TangentialModel(LAMMPS *lmp, IContactHistorySetup *hsetup, class ContactModelBase *cmb) :
+      TangentialModelBase(lmp, hsetup, cmb),
+      model(cmb),
+      contact(EllgranContact::take(lmp, cmb)),
+      friction(NULL),
+      elastic_potential(false),
+      dissipated_energy(false),
+      own_offset(-1)
+  {
+    memory_offset = hsetup->add_history_value("ellgran_xi_x", "1");
+    hsetup->add_history_value("ellgran_xi_y", "1");
+    hsetup->add_history_value("ellgran_xi_z", "1");
+    if (!contact->surface_is_ellipsoid) {
+      // LIGGGHTS' own surface models remember neither the normal nor whether the contact is new
+      own_offset = hsetup->add_history_value("ellgran_normal_x", "1");
+      hsetup->add_history_value("ellgran_normal_y", "1");
+      hsetup->add_history_value("ellgran_normal_z", "1");
+      hsetup->add_history_value("ellgran_touched", "0");
+    }
+  }
+
+  ~TangentialModel() { EllgranContact::release(model); }
+
+  inline void registerSettings(Settings &settings)
+  {
+    settings.registerOnOff("computeElasticPotential", elastic_potential, false);
+    settings.registerOnOff("computeDissipatedEnergy", dissipated_energy, false);
+  }
+
+  inline void postSettings(IContactHistorySetup *, ContactModelBase *)
+  {
+    if (elastic_potential) error->all(FLERR, "tangential tfd: computeElasticPotential is not available");
+    if (dissipated_energy) error->all(FLERR, "tangential tfd: computeDissipatedEnergy is not available");
+  }
+
+  inline void connectToProperties(PropertyRegistry &registry)
+  {
+    if (!contact->laws) error->all(FLERR, "tangential tfd needs model nfd");
+    registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
+    registry.connect("coeffFrict", friction, "tangential tfd");
+  }
+
+  inline void surfacesIntersect(const SurfacesIntersectData &sidata, ForceData &i_forces, ForceData &j_forces)
+  {
+    if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_TANGENTIAL_MODEL;
+    if (!contact->geometry.touching) return;
+    double *const own = own_offset < 0 ? NULL : &sidata.contact_history[own_offset];
+    if (own) {
+      vectorCopy3D(own, contact->normal_before);
+      contact->touched = own[3] != 0.0;
+    }
+    EllgranStep step;
+    step.time_step = update->dt;
+    step.advance_history = sidata.computeflag && sidata.shearupdate;
+    EllgranContactForce f;
+    contact->check(ellgran_staged_tangential(contact->staged, contact->laws, sidata.itype, sidata.jtype,
+                                             friction[sidata.itype][sidata.jtype], sidata.meff, &step, contact->touched,
+                                             contact->normal_before, &sidata.contact_history[memory_offset], &f));
+    if (own) {
+      vectorCopy3D(contact->geometry.normal, own);
+      own[3] = 1.0;
+    }
+    for (int k = 0; k < 3; k++) {
+      i_forces.delta_F[k] -= f.force[k];
+      i_forces.delta_torque[k] += f.torque_i[k];
+    }
+    if (!sidata.is_wall) {
+      for (int k = 0; k < 3; k++) {
+        j_forces.delta_F[k] += f.force[k];
+        j_forces.delta_torque[k] += f.torque_j[k];
+      }
+    }
+  }
+
+  inline void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
+  {
+    if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
+    if (!scdata.contact_history) return;
+    for (int k = 0; k < 3; k++) scdata.contact_history[memory_offset + k] = 0.0;
+    if (own_offset >= 0)
+      for (int k = 0; k < 4; k++) scdata.contact_history[own_offset + k] = 0.0;
+  }
+
+  inline void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  inline void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+
+private:
+  ContactModelBase *model;
+  EllgranContact *contact;
+  double **friction;
+  bool elastic_potential, dissipated_energy;
+  int memory_offset, own_offset;
+};
+
+}
+}
+
+#endif
+#endif
