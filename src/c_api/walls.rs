@@ -117,8 +117,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         contacts.all.clear();
         let found = touch_plane(&body.body, body.position, &Plane { point, normal });
         if found.penetration > 0.0 {
-            let deepest =
-                body.position + found.support.point - found.normal * found.penetration;
+            let deepest = body.position + found.support.point - found.normal * found.penetration;
             contacts.all.push(EllgranWallContact {
                 surface: surface(deepest, normal),
                 triangle: 0,

@@ -234,12 +234,11 @@ fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector
     let place = basis.components(y);
     let minor_axis = minor;
     let major_axis = super::Vector2::new(-minor.v, minor.u);
-    let local = [
-        place.dot(minor_axis),
-        place.dot(major_axis),
-    ];
+    let local = [place.dot(minor_axis), place.dot(major_axis)];
     let n = nearest_normal([small.sqrt(), large.sqrt()], local)?;
-    let mut n = basis.vector(minor_axis * n[0] + major_axis * n[1]).normalised();
+    let mut n = basis
+        .vector(minor_axis * n[0] + major_axis * n[1])
+        .normalised();
     // The outline's matrix has lost digits of its minor axis; the support function has them.
     for _ in 0..3 {
         let t = along.cross(n);
@@ -329,7 +328,11 @@ mod tests {
         for cells in [1, 4, 48] {
             let sheet = sheet(cells, 1.0);
             for axes in [[0.3, 0.3, 0.3], [0.3, 0.1, 0.01], [0.3, 0.01, 0.01]] {
-                for q in [[1.0, 0.0, 0.0, 0.0], [0.9, 0.3, 0.1, 0.2], [0.7, 0.0, 0.7, 0.0]] {
+                for q in [
+                    [1.0, 0.0, 0.0, 0.0],
+                    [0.9, 0.3, 0.1, 0.2],
+                    [0.7, 0.0, 0.7, 0.0],
+                ] {
                     let body = Ellipsoid::new(axes, q).unwrap();
                     let down = Vector3::new(0.0, 0.0, -1.0);
                     let h = body.support(down).h;
@@ -339,7 +342,11 @@ mod tests {
                         let centre = Vector3::new(x - s.x, y - s.y, 0.98 * h);
                         let mut contacts = vec![];
                         touch_triangles(&body, centre, &sheet, &mut contacts);
-                        assert_eq!(contacts.len(), 1, "{cells} {axes:?} {q:?} {x} {y}: {contacts:?}");
+                        assert_eq!(
+                            contacts.len(),
+                            1,
+                            "{cells} {axes:?} {q:?} {x} {y}: {contacts:?}"
+                        );
                         let c = contacts[0];
                         assert!((c.penetration - 0.02 * h).abs() < 1e-12);
                         assert!((c.normal - Vector3::new(0.0, 0.0, 1.0)).norm() < 1e-7);
