@@ -24,6 +24,10 @@ class FixEllgranHistory : public FixNeighHistory {
   void post_run() override;
   void write_restart(FILE *) override;
 
+  // As in the base class, whose symbol has the width of atom IDs in its name: not to need it lets the
+  // plugin be loaded by a LAMMPS with other integer sizes, and say so.
+  void set_molecule(int, tagint, int, double *, double *, double *) override {}
+
  private:
   bool list_is_current;
 };
