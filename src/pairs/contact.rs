@@ -3,6 +3,7 @@
 
 use crate::force::conservative::{
     additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
+    NormalResponse,
 };
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, Tangential, TangentialForce,
@@ -180,19 +181,21 @@ pub fn contact_forces<
         let energy = normal.elastic_energy;
         if WALL {
             // The wall holds the normal where it is.
-            let lambda = Vector2::new(zero, zero);
-            torque_i = torque_i - world(additional_torque(&body_i, &gradient_i, lambda)) * energy;
+            let held = NormalResponse::exactly(Vector2::new(zero, zero));
+            torque_i = torque_i - world(additional_torque(&body_i, &gradient_i, &held)) * energy;
         } else {
             let body_j = body(x.h_j, x.s_j, x.weingarten_j, x.determinant_j);
             let gradient_j = body_gradient(p, &body_j);
-            let lambda = normal_response(
+            let response = normal_response(
                 body_i.inverse_weingarten + body_j.inverse_weingarten,
                 x.penetration,
                 gradient_i.gamma + gradient_j.gamma,
             );
-            force = force - x.tangent.vector(lambda) * energy;
-            torque_i = torque_i - world(additional_torque(&body_i, &gradient_i, lambda)) * energy;
-            torque_j = torque_j - world(additional_torque(&body_j, &gradient_j, lambda)) * energy;
+            force = force - x.tangent.vector(response.lambda) * energy;
+            torque_i =
+                torque_i - world(additional_torque(&body_i, &gradient_i, &response)) * energy;
+            torque_j =
+                torque_j - world(additional_torque(&body_j, &gradient_j, &response)) * energy;
         }
     }
 
