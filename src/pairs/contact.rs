@@ -238,7 +238,10 @@ pub fn contact_forces<
         let time = T::select(remembered.continued, remembered.time, since);
 
         // The memory turns with the normal and with the pair's spin about it, and keeps its length.
-        let turned = remembered.memory + tilt.cross(remembered.memory);
+        // The least rotation from one normal to the other, exactly: anything less drifts with the step.
+        let before = remembered.normal;
+        let leaning = n.dot(remembered.memory) / (before.dot(n) + 1.0).max(zero.constant(1e-12));
+        let turned = remembered.memory - (before + n) * leaning;
         let turned = turned + n.cross(turned) * spin;
         let memory = x.tangent.components(turned);
         let old = remembered.memory.norm_squared();
