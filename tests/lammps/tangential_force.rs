@@ -253,8 +253,11 @@ fn both_versions_viscous_part_of_the_tangential_force() {
     }
 }
 
-/// A loaded contact that turns as a rigid whole, about the normal and askew to it, keeps its force in its own frame. (What is left
-/// is of second order: `fix rigid` hands out the velocities of the half step at the places of the full one.)
+/// A loaded contact that turns as a rigid whole, about the normal and askew to it, keeps its force in its own frame.
+///
+/// `fix rigid` hands out velocities made with the places of the full step, where free grains have those of the half step, which
+/// the law counts on. A turn about the normal or across it then leaves an error of second order, a turn askew one of first order:
+/// a displacement of half a step's turn times the distance between the centres for every radian.
 #[test]
 fn both_versions_memory_turns_with_the_pair() {
     let engine = Engine::from_environment();
@@ -321,8 +324,13 @@ fn both_versions_memory_turns_with_the_pair() {
         };
         let errors = [error(5000), error(10000), error(20000)];
         println!("turned by a radian {name}: force off by {:.1e} {:.1e} {:.1e} of its tangential part in 5000, 10000, 20000 steps", errors[0], errors[1], errors[2]);
+        let (falls, most) = if name == "askew" {
+            (0.3, 0.5)
+        } else {
+            (0.1, 1e-4)
+        };
         assert!(
-            errors[2] < 1e-4 && (errors[2] < 0.1 * errors[0] || errors[2] < 1e-8),
+            errors[2] < most && (errors[2] < falls * errors[0] || errors[2] < 1e-8),
             "{name}"
         );
     }
