@@ -130,7 +130,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     if filter.is_empty() {
         steps.run("demo", || {
             let output = tempfile::tempdir()?;
-            demo::run(output.path())
+            demo::run(demo::Which::Lammps, output.path())
         })?;
     }
     Ok(())
