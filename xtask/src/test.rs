@@ -132,6 +132,12 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
             let output = tempfile::tempdir()?;
             demo::run(demo::Which::Lammps, output.path())
         })?;
+        if root().join("examples").join("liggghts").is_dir() {
+            steps.run("demo through LIGGGHTS", || {
+                let output = tempfile::tempdir()?;
+                demo::run(demo::Which::Liggghts, output.path())
+            })?;
+        }
     }
     Ok(())
 }

@@ -106,7 +106,7 @@ pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     }
     chart::draw(
         &output.join("liggghts-collision.svg"),
-        "From viscosities the force starts and ends at zero; LIGGGHTS' own damping starts with a jump and ends with a pull",
+        "LIGGGHTS' own damping jumps in and pulls out; ours does not",
         &[Panel {
             title: "Two ellipsoids of aspect ratio 2, oblique, with friction".into(),
             x_label: "time since touch (ms)".into(),
