@@ -71,20 +71,15 @@ impl Scene {
             [0.0, 0.5, 0.5],
         ];
         for index in 0..CELLS.pow(3) {
-            let corner = [
-                index % CELLS,
-                index / CELLS % CELLS,
-                index / CELLS / CELLS,
-            ];
+            let corner = [index % CELLS, index / CELLS % CELLS, index / CELLS / CELLS];
             for place in basis {
                 let (shaken, turned) = (random.vector(), random.vector());
                 let (along, about) = (random.vector(), random.vector());
                 for (number, frame) in frames.iter_mut().enumerate() {
                     let phase = std::f64::consts::TAU * number as f64 / FRAMES as f64;
                     let moved = AMPLITUDE * phase.sin();
-                    let speed = AMPLITUDE * phase.cos() * std::f64::consts::TAU
-                        / FRAMES as f64
-                        / TIME_STEP;
+                    let speed =
+                        AMPLITUDE * phase.cos() * std::f64::consts::TAU / FRAMES as f64 / TIME_STEP;
                     frame.positions.push(core::array::from_fn(|k| {
                         let stretch = if k == 0 { aspect } else { 1.0 };
                         let lattice = (corner[k] as f64 + place[k]) * cell + 0.012 * shaken[k];
