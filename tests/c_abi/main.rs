@@ -9,4 +9,5 @@ mod lists;
 mod null_pointers;
 mod paths;
 mod scene;
+mod stages;
 mod threads;

@@ -1,0 +1,524 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A contact in stages, and where a body touches walls: pointers, ranges, and the same numbers as the whole contact.
+
+use std::ptr::{null, null_mut};
+
+use ellgran::c_api::contact::*;
+use ellgran::c_api::particles::EllgranStep;
+use ellgran::c_api::planes::EllgranPlane;
+use ellgran::c_api::staged::*;
+use ellgran::c_api::status::*;
+use ellgran::c_api::walls::*;
+
+use crate::scene::*;
+
+const FRICTION: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
+
+struct Staged(*mut EllgranStagedContact);
+
+impl Staged {
+    fn new() -> Staged {
+        let mut staged = null_mut();
+        // SAFETY: valid for writes.
+        ok(unsafe { ellgran_staged_new(&mut staged) });
+        Staged(staged)
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        // SAFETY: made by ellgran_staged_new and not used again.
+        unsafe { ellgran_staged_free(self.0) }
+    }
+}
+
+struct Contacts(*mut EllgranWallContacts);
+
+impl Contacts {
+    fn new() -> Contacts {
+        let mut contacts = null_mut();
+        // SAFETY: valid for writes.
+        ok(unsafe { ellgran_wall_contacts_new(&mut contacts) });
+        Contacts(contacts)
+    }
+
+    fn all(&self) -> Vec<EllgranWallContact> {
+        // SAFETY: an index below the count has a contact, valid until the next call.
+        unsafe {
+            let count = ellgran_wall_contacts_count(self.0);
+            assert!(ellgran_wall_contacts_get(self.0, count).is_null());
+            (0..count)
+                .map(|k| *ellgran_wall_contacts_get(self.0, k))
+                .collect()
+        }
+    }
+}
+
+impl Drop for Contacts {
+    fn drop(&mut self) {
+        // SAFETY: made by ellgran_wall_contacts_new and not used again.
+        unsafe { ellgran_wall_contacts_free(self.0) }
+    }
+}
+
+const WALL: EllgranWallSurface = EllgranWallSurface {
+    point: [0.0, 0.0, -0.9],
+    normal: [0.0, 0.0, 2.0],
+    direction: [0.0; 3],
+    curvatures: [0.0; 2],
+    turning_radii: [f64::INFINITY; 2],
+    velocity: [0.1, 0.0, 0.2],
+};
+
+#[track_caller]
+fn is_null(status: i32, name: &str) {
+    let text = format!("{name} must not be NULL");
+    fails(status, ELLGRAN_ERROR_NULL_POINTER, &[&text]);
+}
+
+#[test]
+fn pointers_of_the_stages() {
+    let laws = Laws::new(&[FRICTION]);
+    let staged = Staged::new();
+    let (i, j) = (sphere_at(0.0), sphere_at(1.5));
+    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut normal = Untouched::<[f64; 3]>::new();
+    let mut memory = Untouched::<[f64; 3]>::new();
+    let mut radius = Untouched::<f64>::new();
+    let (s, l, z) = (staged.0, laws.0, null_mut());
+    let (g, f) = (geometry.pointer(), force.pointer());
+    let (n, m) = (normal.pointer().cast(), memory.pointer().cast());
+    // SAFETY: pointers are NULL or valid.
+    unsafe {
+        is_null(ellgran_staged_new(null_mut()), "staged");
+        is_null(ellgran_staged_pair(null_mut(), &i, &j, 0.5, n, g), "staged");
+        is_null(ellgran_staged_pair(s, null(), &j, 0.5, n, g), "i");
+        is_null(ellgran_staged_pair(s, &i, null(), 0.5, n, g), "j");
+        is_null(ellgran_staged_pair(s, &i, &j, 0.5, z, g), "cached_normal");
+        is_null(
+            ellgran_staged_pair(s, &i, &j, 0.5, n, null_mut()),
+            "geometry",
+        );
+        is_null(ellgran_staged_wall(null_mut(), &i, &WALL, 0.5, g), "staged");
+        is_null(ellgran_staged_wall(s, null(), &WALL, 0.5, g), "i");
+        is_null(ellgran_staged_wall(s, &i, null(), 0.5, g), "wall");
+        is_null(
+            ellgran_staged_wall(s, &i, &WALL, 0.5, null_mut()),
+            "geometry",
+        );
+        let mut start = [0.0; 3];
+        let mut found = Untouched::new();
+        ok(ellgran_staged_pair(
+            s,
+            &i,
+            &j,
+            0.5,
+            start.as_mut_ptr(),
+            found.pointer(),
+        ));
+        is_null(
+            ellgran_staged_equivalent_radius(null(), radius.pointer()),
+            "staged",
+        );
+        is_null(ellgran_staged_equivalent_radius(s, null_mut()), "radius");
+        is_null(ellgran_staged_normal(null(), l, 1, 1, 1.0, f), "staged");
+        is_null(ellgran_staged_normal(s, null(), 1, 1, 1.0, f), "laws");
+        is_null(ellgran_staged_normal(s, l, 1, 1, 1.0, null_mut()), "force");
+        let b = start.as_ptr();
+        let call =
+            |s, l, step, b, m, f| ellgran_staged_tangential(s, l, 1, 1, 0.4, 1.0, step, 0, b, m, f);
+        is_null(call(null(), l, &STEP, b, m, f), "staged");
+        is_null(call(s, null(), &STEP, b, m, f), "laws");
+        is_null(call(s, l, null(), b, m, f), "step");
+        is_null(call(s, l, &STEP, null(), m, f), "normal_before");
+        is_null(call(s, l, &STEP, b, z, f), "memory");
+        is_null(call(s, l, &STEP, b, m, null_mut()), "force");
+        ellgran_staged_free(null_mut());
+    }
+    geometry.check();
+    force.check();
+    normal.check();
+    memory.check();
+    radius.check();
+}
+
+#[test]
+fn values_of_the_stages() {
+    let laws = Laws::new(&[FRICTION]);
+    let staged = Staged::new();
+    let (i, j) = (sphere_at(0.0), sphere_at(1.5));
+    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut memory = Untouched::<[f64; 3]>::new();
+    let mut radius = Untouched::<f64>::new();
+    let mut start = [0.0; 3];
+    let (s, l) = (staged.0, laws.0);
+    let (g, f) = (geometry.pointer(), force.pointer());
+    let argument = ELLGRAN_ERROR_ARGUMENT;
+    // SAFETY: all pointers are valid.
+    unsafe {
+        // Nothing was found yet.
+        let status = ellgran_staged_equivalent_radius(s, radius.pointer());
+        fails(status, argument, &["do not touch"]);
+        fails(
+            ellgran_staged_normal(s, l, 1, 1, 1.0, f),
+            argument,
+            &["do not touch"],
+        );
+        for share in [-0.1, 1.1, f64::NAN] {
+            let words = ["share_i", &share.to_string()];
+            let status = ellgran_staged_pair(s, &i, &j, share, start.as_mut_ptr(), g);
+            fails(status, argument, &words);
+            fails(
+                ellgran_staged_wall(s, &i, &WALL, share, g),
+                argument,
+                &words,
+            );
+        }
+        let mut wrong = i;
+        wrong.semi_axes[1] = -1.0;
+        for (a, b) in [(&wrong, &j), (&i, &wrong)] {
+            let status = ellgran_staged_pair(s, a, b, 0.5, start.as_mut_ptr(), g);
+            fails(
+                status,
+                ELLGRAN_ERROR_PARTICLE,
+                &["particle 7", "semi-axis", "-1"],
+            );
+        }
+        let changes: [fn(&mut EllgranWallSurface); 6] = [
+            |w| w.normal = [0.0; 3],
+            |w| w.normal[0] = f64::NAN,
+            |w| w.point[0] = f64::NAN,
+            |w| w.velocity[0] = f64::INFINITY,
+            |w| w.curvatures[1] = f64::NAN,
+            |w| w.turning_radii[0] = f64::NAN,
+        ];
+        for change in changes {
+            let mut wall = WALL;
+            change(&mut wall);
+            fails(
+                ellgran_staged_wall(s, &i, &wall, 0.5, g),
+                argument,
+                &["wall"],
+            );
+        }
+        let mut wall = WALL;
+        wall.curvatures = [-0.1, 0.0];
+        wall.direction = wall.normal;
+        fails(
+            ellgran_staged_wall(s, &i, &wall, 0.5, g),
+            argument,
+            &["direction"],
+        );
+        assert_eq!(start, [0.0; 3]);
+
+        let mut found = Untouched::new();
+        ok(ellgran_staged_pair(
+            s,
+            &i,
+            &j,
+            0.5,
+            start.as_mut_ptr(),
+            found.pointer(),
+        ));
+        for (a, b, name) in [(0, 1, "type_i"), (1, 2, "type_j")] {
+            fails(ellgran_staged_normal(s, l, a, b, 1.0, f), argument, &[name]);
+        }
+        let m: *mut f64 = memory.pointer().cast();
+        let call = |l, a, b, friction, step: &EllgranStep| {
+            ellgran_staged_tangential(s, l, a, b, friction, 1.0, step, 0, start.as_ptr(), m, f)
+        };
+        for (a, b, name) in [(0, 1, "type_i"), (1, 2, "type_j")] {
+            fails(call(l, a, b, 0.4, &STEP), argument, &[name]);
+        }
+        for friction in [-0.1, f64::NAN, f64::INFINITY] {
+            fails(
+                call(l, 1, 1, friction, &STEP),
+                argument,
+                &["friction", &friction.to_string()],
+            );
+        }
+        let backwards = EllgranStep {
+            time_step: -1.0,
+            ..STEP
+        };
+        fails(
+            call(l, 1, 1, 0.4, &backwards),
+            argument,
+            &["time_step", "-1"],
+        );
+        let rescaled = Laws::new(&["hertz 1e4 0.3 tangential mindlin 0.4"]);
+        fails(call(rescaled.0, 1, 1, 0.4, &STEP), argument, &["rescaled"]);
+    }
+    geometry.check();
+    force.check();
+    memory.check();
+    radius.check();
+}
+
+fn size(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[track_caller]
+fn close(a: [f64; 3], b: [f64; 3], scale: f64) {
+    let apart = size([0, 1, 2].map(|k| a[k] - b[k]));
+    assert!(apart <= 1e-12 * scale, "{a:?} and {b:?}");
+}
+
+#[test]
+fn stages_of_a_pair_add_up_to_the_contact() {
+    let laws = Laws::new(&[FRICTION, FRICTION]);
+    let staged = Staged::new();
+    let mut seen = 0;
+    for k in 0..20 {
+        let bodies = random_bodies(40 + k);
+        let (mut i, mut j) = (bodies[k as usize], bodies[k as usize + 1]);
+        let (mut start, mut memory, mut before) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        let (mut touching, mut touched) = (0, 0);
+        let mut history = vec![0.0; laws.length()];
+        for _ in 0..10 {
+            let mut whole = Untouched::<EllgranContactForce>::new();
+            let mut geometry = Untouched::<EllgranContactGeometry>::new();
+            let (mut normal, mut tangential) = (Untouched::new(), Untouched::new());
+            // SAFETY: all pointers are valid; what is read was written on success.
+            unsafe {
+                ok(ellgran_contact(
+                    laws.0,
+                    &i,
+                    &j,
+                    &STEP,
+                    &mut touching,
+                    history.as_mut_ptr(),
+                    null_mut(),
+                    whole.pointer(),
+                ));
+                ok(ellgran_staged_pair(
+                    staged.0,
+                    &i,
+                    &j,
+                    0.5,
+                    start.as_mut_ptr(),
+                    geometry.pointer(),
+                ));
+                assert_eq!((*geometry.pointer()).touching, touching);
+                if touching == 1 {
+                    ok(ellgran_staged_normal(
+                        staged.0,
+                        laws.0,
+                        1,
+                        1,
+                        1.0,
+                        normal.pointer(),
+                    ));
+                    ok(ellgran_staged_tangential(
+                        staged.0,
+                        laws.0,
+                        1,
+                        1,
+                        0.4,
+                        1.0,
+                        &STEP,
+                        touched,
+                        before.as_ptr(),
+                        memory.as_mut_ptr(),
+                        tangential.pointer(),
+                    ));
+                    let (a, b): (EllgranContactForce, EllgranContactForce) =
+                        (*normal.pointer(), *tangential.pointer());
+                    let w = *whole.pointer();
+                    let sum = |x: [f64; 3], y: [f64; 3]| [0, 1, 2].map(|k| x[k] + y[k]);
+                    let scale = size(w.force);
+                    close(sum(a.force, b.force), w.force, scale);
+                    close(sum(a.torque_i, b.torque_i), w.torque_i, scale);
+                    close(sum(a.torque_j, b.torque_j), w.torque_j, scale);
+                    close(b.displacement, w.displacement, 1.0);
+                    seen += 1;
+                }
+                touched = touching;
+                before = (*geometry.pointer()).normal;
+            }
+            let mut both = [i, j];
+            advance(&mut both, STEP.time_step);
+            [i, j] = both;
+        }
+    }
+    assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn a_wall_in_stages_is_a_plane() {
+    let laws = Laws::new(&["nfd 1e4 0.3 40 60"]);
+    let staged = Staged::new();
+    let plane = EllgranPlane {
+        point: WALL.point,
+        normal: WALL.normal,
+        velocity: WALL.velocity,
+    };
+    let mut i = random_bodies(1)[0];
+    (i.position, i.kind) = ([0.0; 3], 1);
+    i.semi_axes = [1.0, 1.2, 1.4];
+    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut whole = Untouched::<EllgranContactForce>::new();
+    let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
+    let mut radius = 0.0;
+    // SAFETY: all pointers are valid; what is read was written on success.
+    unsafe {
+        ok(ellgran_staged_wall(
+            staged.0,
+            &i,
+            &WALL,
+            0.5,
+            geometry.pointer(),
+        ));
+        ok(ellgran_staged_normal(
+            staged.0,
+            laws.0,
+            1,
+            1,
+            1.0,
+            force.pointer(),
+        ));
+        ok(ellgran_staged_equivalent_radius(staged.0, &mut radius));
+        ok(ellgran_contact_plane(
+            laws.0,
+            &i,
+            &plane,
+            1,
+            &STEP,
+            &mut touching,
+            history.as_mut_ptr(),
+            null_mut(),
+            whole.pointer(),
+        ));
+        let (f, w) = (*force.pointer(), *whole.pointer());
+        assert!(touching == 1 && w.normal_force > 0.0);
+        close(f.force, w.force, size(w.force));
+        close(f.torque_i, w.torque_i, size(w.force));
+        assert!(radius > 0.5 && radius < 2.0, "{radius}");
+    }
+}
+
+#[test]
+fn pointers_and_values_of_wall_contacts() {
+    let contacts = Contacts::new();
+    let c = contacts.0;
+    let body = sphere_at(0.0);
+    let (point, normal) = ([-0.9, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let (p, n) = (point.as_ptr(), normal.as_ptr());
+    let triangle = [[-0.9, -5.0, -5.0], [-0.9, 5.0, -5.0], [-0.9, 0.0, 9.0]];
+    let t: *const f64 = triangle.as_ptr().cast();
+    let z = null();
+    // SAFETY: pointers are NULL or valid.
+    unsafe {
+        is_null(ellgran_wall_contacts_new(null_mut()), "contacts");
+        is_null(ellgran_plane_contacts(null_mut(), &body, p, n), "contacts");
+        is_null(ellgran_plane_contacts(c, null(), p, n), "body");
+        is_null(ellgran_plane_contacts(c, &body, z, n), "point");
+        is_null(ellgran_plane_contacts(c, &body, p, z), "normal");
+        is_null(
+            ellgran_cylinder_contacts(null_mut(), &body, p, n, 1.0),
+            "contacts",
+        );
+        is_null(ellgran_cylinder_contacts(c, null(), p, n, 1.0), "body");
+        is_null(ellgran_cylinder_contacts(c, &body, z, n, 1.0), "point");
+        is_null(ellgran_cylinder_contacts(c, &body, p, z, 1.0), "axis");
+        is_null(
+            ellgran_triangle_contacts(null_mut(), &body, 1, t),
+            "contacts",
+        );
+        is_null(ellgran_triangle_contacts(c, null(), 1, t), "body");
+        is_null(ellgran_triangle_contacts(c, &body, 1, z), "corners");
+        assert_eq!(ellgran_wall_contacts_count(null()), 0);
+        assert!(ellgran_wall_contacts_get(null(), 0).is_null());
+        ellgran_wall_contacts_free(null_mut());
+        let argument = ELLGRAN_ERROR_ARGUMENT;
+        let nan = [f64::NAN, 0.0, 0.0];
+        let none = [0.0; 3];
+        fails(
+            ellgran_plane_contacts(c, &body, nan.as_ptr(), n),
+            argument,
+            &["point", "NaN"],
+        );
+        fails(
+            ellgran_plane_contacts(c, &body, p, none.as_ptr()),
+            argument,
+            &["normal"],
+        );
+        fails(
+            ellgran_plane_contacts(c, &body, p, nan.as_ptr()),
+            argument,
+            &["normal", "NaN"],
+        );
+        fails(
+            ellgran_cylinder_contacts(c, &body, p, none.as_ptr(), 1.0),
+            argument,
+            &["axis"],
+        );
+        for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let words = ["radius", &radius.to_string()];
+            fails(
+                ellgran_cylinder_contacts(c, &body, p, n, radius),
+                argument,
+                &words,
+            );
+        }
+        let mut wrong = triangle;
+        wrong[2][1] = f64::NAN;
+        let status = ellgran_triangle_contacts(c, &body, 1, wrong.as_ptr().cast());
+        fails(status, argument, &["corners[0]", "NaN"]);
+        let mut bad = body;
+        bad.quaternion = [0.0; 4];
+        let words = ["particle 7", "quaternion"];
+        fails(
+            ellgran_plane_contacts(c, &bad, p, n),
+            ELLGRAN_ERROR_PARTICLE,
+            &words,
+        );
+        fails(
+            ellgran_triangle_contacts(c, &bad, 1, t),
+            ELLGRAN_ERROR_PARTICLE,
+            &words,
+        );
+    }
+    assert!(contacts.all().is_empty());
+}
+
+#[test]
+fn a_triangle_is_a_piece_of_its_plane() {
+    let (on_plane, on_triangle) = (Contacts::new(), Contacts::new());
+    let body = sphere_at(0.0);
+    let (point, normal) = ([-0.9, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let triangle = [[-0.9, -5.0, -5.0], [-0.9, 5.0, -5.0], [-0.9, 0.0, 9.0]];
+    // SAFETY: all pointers are valid.
+    unsafe {
+        ok(ellgran_plane_contacts(
+            on_plane.0,
+            &body,
+            point.as_ptr(),
+            normal.as_ptr(),
+        ));
+        ok(ellgran_triangle_contacts(
+            on_triangle.0,
+            &body,
+            1,
+            triangle.as_ptr().cast(),
+        ));
+    }
+    let (a, b) = (on_plane.all(), on_triangle.all());
+    assert_eq!((a.len(), b.len()), (1, 1));
+    close(a[0].surface.point, b[0].surface.point, 1.0);
+    close(a[0].surface.normal, b[0].surface.normal, 1.0);
+    let of_corners = [0, 1, 2].map(|k| {
+        (0..3)
+            .map(|m| b[0].weights[m] * triangle[m][k])
+            .sum::<f64>()
+    });
+    close(of_corners, b[0].surface.point, 1.0);
+    // And nothing is left of it when there is no contact.
+    // SAFETY: no corner is read.
+    ok(unsafe { ellgran_triangle_contacts(on_triangle.0, &body, 0, null()) });
+    assert!(on_triangle.all().is_empty());
+}
