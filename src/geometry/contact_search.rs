@@ -123,7 +123,9 @@ impl Pair<'_> {
             let (smaller, larger, direction) = eigen_of_any_sign(hessian);
             let settled = g.dot(g) <= tolerance * tolerance || last_step < 1e-11;
             let definite = smaller > 1e-12 * larger.abs();
-            if settled && (definite || escapes > 3) {
+            // Flat along one direction as far as rounding can tell: a ring of equal minima.
+            let valley = !definite && larger > 0.0 && smaller.abs() <= 1e-12 * larger;
+            if settled && (definite || valley || escapes > 3) {
                 return Descent::Minimum(Minimum {
                     at,
                     tangent,
@@ -142,13 +144,19 @@ impl Pair<'_> {
                     |e: Vector2, value: f64| e * (-g.dot(e) / value.abs().max(1e-3 * scale));
                 let other = Vector2::new(-direction.v, direction.u);
                 y = along(direction, smaller) + along(other, larger);
-                if g.dot(direction).abs() < 0.05 * smaller.abs() || settled {
+                last_step = f64::INFINITY;
+                if valley {
+                    // Nothing to gain along the valley: what is left is the way across.
+                    let gain = g.dot(direction) * g.dot(direction) / (1e-3 * scale);
+                    if gain <= f64::EPSILON * self.size {
+                        last_step = g.dot(other).abs() / larger;
+                    }
+                } else if g.dot(direction).abs() < 0.05 * smaller.abs() || settled {
                     // A maximum or a saddle: leave it along the direction of negative curvature.
                     let sign = if g.dot(direction) > 0.0 { -1.0 } else { 1.0 };
                     y = y + direction * (0.2 * sign);
                     escapes += 1;
                 }
-                last_step = f64::INFINITY;
             }
             let length = y.dot(y).sqrt();
             if !(length > 0.0) {
