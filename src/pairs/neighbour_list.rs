@@ -135,6 +135,9 @@ pub(super) fn cached_normal(layout: &HistoryLayout, history: &[f64]) -> Option<V
     ((n.norm_squared() - 1.0).abs() < 1e-6).then_some(n)
 }
 
+/// A square of a length below which it has lost its digits: the vector has no direction.
+const LEAST_SQUARE: f64 = 1e-290;
+
 /// Two spheres: the closed form.
 pub(super) fn touch_spheres(
     ri: f64,
@@ -145,7 +148,7 @@ pub(super) fn touch_spheres(
 ) -> ContactSearch {
     let distance = d.norm();
     // Coincident centres have no direction of their own: any one serves, and momentum is kept.
-    let normal = if distance > 0.0 {
+    let normal = if d.norm_squared() > LEAST_SQUARE {
         d * (1.0 / distance)
     } else {
         Vector3::new(1.0, 0.0, 0.0)
@@ -245,7 +248,7 @@ pub(super) fn normal_before(
         Some(n) => n,
         None if i.sphere && j.sphere && step.advance_history => {
             let before = d - (j.velocity - i.velocity) * step.time_step;
-            if before.norm_squared() > 0.0 {
+            if before.norm_squared() > LEAST_SQUARE {
                 before.normalised()
             } else {
                 now
