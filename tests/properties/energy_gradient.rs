@@ -3,8 +3,7 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{
-    advance_plane, body, laws, position, quaternion, rotation, touch, wall, Memory, Rotation,
-    Vector,
+    advance_plane, laws, position, quaternion, rotation, touch, wall, Memory, Rotation, Vector,
 };
 use crate::support::strategies::TouchingPair;
 use ellgran::pairs::{Body, Laws};

@@ -47,9 +47,9 @@ fn hold(i: &Body, j: &Body, deck: &str) -> Result<(), TestCaseError> {
             prop_assert!(finite(&f), "{f:?}");
             let d = position(j) - position(i);
             let sum = d.cross(&f.force) + f.torque_i + f.torque_j;
-            prop_assert!(sum.norm().is_finite());
-            // Where the normal is not unique the balance holds as far as the search converged.
-            prop_assert!(sum.norm() <= 1e-3 * force_scale(&f) * size(i, j) + 1e-300);
+            // The radii of curvature of a needle differ by the square of its aspect ratio, 1e6, and cancel in the balance.
+            let allowed = 1e-7 * force_scale(&f) * size(i, j);
+            prop_assert!(sum.norm() <= allowed, "{:e} of {allowed:e}", sum.norm());
         }
     }
     // A hundred times what the slowest search takes.

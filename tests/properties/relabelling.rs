@@ -2,7 +2,8 @@
 //! Does it matter how the axes of a body are called, or how its rotation is written?
 
 use crate::support::scene::{
-    advance, difference, laws, quaternion, rotation, rounding, size, Felt, Memory, Rotation, Vector,
+    advance, difference, laws, quaternion, rotation, rounding, rounding_of, size, Felt, Memory,
+    Rotation, Vector,
 };
 use crate::support::strategies::{deck, touching_pair, TouchingPair};
 use ellgran::pairs::Body;
@@ -56,7 +57,10 @@ fn hold(
     let allowed = if exactly {
         0.0
     } else {
-        rounding(size, a.geometry.penetration, size / pair.radius)
+        rounding_of(
+            deck,
+            rounding(size, a.geometry.penetration, size / pair.radius),
+        )
     };
     let error = difference(&a, b.force, b.torque_i, b.torque_j, size);
     prop_assert!(error <= allowed, "{error:e}, allowed {allowed:e}");

@@ -222,3 +222,14 @@ pub fn difference(f: &Felt, force: Vector, torque_i: Vector, torque_j: Vector, a
 pub fn rounding(size: f64, penetration: f64, sharpness: f64) -> f64 {
     f64::EPSILON * (32.0 * size / penetration + 256.0 * sharpness + 256.0)
 }
+
+/// The same for the law of a deck: the viscous part of `tfd` goes with the square root of what is left until it slides, and
+/// so do the errors.
+pub fn rounding_of(deck: &str, rounding: f64) -> f64 {
+    let viscous = deck.contains("nfd") || deck.contains("relaxation");
+    if viscous && deck.contains("tfd") {
+        rounding.sqrt()
+    } else {
+        rounding
+    }
+}

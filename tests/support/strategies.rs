@@ -115,6 +115,8 @@ pub fn deck() -> impl Strategy<Value = &'static str> {
     prop::sample::select(vec![
         "hertz 1e5 0.3",
         "hertz 1e5 0.3 conservative no",
+        "hertz 1e5 0.3 tangential tfd 0.3",
+        "hertz 1e5 0.1 damping restitution 0.8 tangential tfd 0.5 displacement rescaled",
         "hertz 1e5 0.3 damping restitution 0.6 tangential mindlin 0.4",
         "hertz 1e5 0.2 damping relaxation 1e-3 tangential tfd 0.5",
         "nfd 1e5 0.3 30 50 tangential tfd 0.3",
