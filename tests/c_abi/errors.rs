@@ -172,7 +172,8 @@ fn laws_that_cannot_be() {
             &["options", &options.to_string()],
         );
     }
-    let set: [(&str, fn(&mut EllgranLawParameters, i32)); 9] = [
+    type Set = fn(&mut EllgranLawParameters, i32);
+    let set: [(&str, Set); 9] = [
         ("normal", |p, v| p.normal = v),
         ("damping", |p, v| p.damping = v),
         ("tangential", |p, v| p.tangential = v),

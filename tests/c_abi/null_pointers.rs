@@ -282,7 +282,8 @@ fn a_neighbour_list() {
         momenta.contact_masses = p.masses;
         momenta.masses = null();
         is_null(ellgran_compute_pairs(l, w, &momenta, &view, s, t), "masses");
-        let losses: [(&str, fn(&mut EllgranNeighbourList)); 5] = [
+        type Lose = fn(&mut EllgranNeighbourList);
+        let losses: [(&str, Lose); 5] = [
             ("central", |list| list.central = null()),
             ("neighbour_counts", |list| list.neighbour_counts = null()),
             ("neighbours", |list| list.neighbours = null()),
