@@ -995,7 +995,8 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
 
 /*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
- the types is left out. `effective_mass` is read by damping with a coefficient of restitution.
+ the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
+ ellipse are not computed here.
 
  # Safety
  The pointers are NULL or valid.

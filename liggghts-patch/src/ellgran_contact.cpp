@@ -63,6 +63,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     is_wall(is_wall_),
     surface_is_ellipsoid(false),
     needs_equivalent_radius(true),
+    tangential_is_tfd(false),
     touched(0),
     lmp(lmp_),
     users(0),

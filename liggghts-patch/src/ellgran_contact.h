@@ -31,6 +31,7 @@ struct EllgranContact {
   bool is_wall;
   bool surface_is_ellipsoid;     // else the normal model stages spheres
   bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own reads sidata.reff
+  bool tangential_is_tfd;        // else a tangential model of LIGGGHTS' own may read sidata.kt
 
   // of the contact at hand, set by whoever stages it
   double normal_before[3];

@@ -90,12 +90,15 @@ public:
     EllgranContactForce f;
     contact->check(ellgran_staged_normal(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &f));
 
-    // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
-    double radius = 0.0;
-    contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
     sidata.Fn = f.normal_force;
     sidata.kn = f.normal_force / sidata.deltan;
-    sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+    sidata.kt = 0.0;
+    if (!contact->tangential_is_tfd) {
+      // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
+      double radius = 0.0;
+      contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
+      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+    }
     sidata.gamman = 0.0;
     sidata.gammat = 0.0;
 

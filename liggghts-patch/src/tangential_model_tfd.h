@@ -33,6 +33,7 @@ public:
       dissipated_energy(false),
       own_offset(-1)
   {
+    contact->tangential_is_tfd = true;
     memory_offset = hsetup->add_history_value("ellgran_xi_x", "1");
     hsetup->add_history_value("ellgran_xi_y", "1");
     hsetup->add_history_value("ellgran_xi_z", "1");

@@ -81,12 +81,12 @@ impl EllgranWallSurface {
 
 /// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
 pub struct EllgranStagedContact {
-    contact: Option<StagedContact>,
+    contact: Option<(StagedContact, OneContact)>,
     identifiers: (i64, Option<i64>),
 }
 
 impl EllgranStagedContact {
-    fn known(&self) -> Result<&StagedContact, Failure> {
+    fn known(&self) -> Result<&(StagedContact, OneContact), Failure> {
         self.contact.as_ref().ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
@@ -132,11 +132,11 @@ fn write_geometry(
     share_i: f64,
     out: &mut EllgranContactGeometry,
 ) {
-    *out = match &found {
-        Some(c) => EllgranContactGeometry::from(&c.geometry(i.position, share_i)),
+    staged.contact = found.map(|c| (c, c.geometry(i.position, share_i)));
+    *out = match &staged.contact {
+        Some((_, geometry)) => EllgranContactGeometry::from(geometry),
         None => apart(i.position),
     };
-    staged.contact = found;
 }
 
 /// Memory for the stages of a contact.
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
 ) -> i32 {
     at_border("ellgran_staged_equivalent_radius", || {
         // SAFETY: promised by the caller, for all of this function.
-        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let (contact, _) = unsafe { required(staged, "staged") }?.known()?;
         let out = unsafe { required_mut(radius, "radius") }?;
         *out = contact.equivalent_radius();
         Ok(())
@@ -256,7 +256,8 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
 }
 
 /// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
-/// the types is left out. `effective_mass` is read by damping with a coefficient of restitution.
+/// the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
+/// ellipse are not computed here.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -278,12 +279,11 @@ pub unsafe extern "C" fn ellgran_staged_normal(
             check_type(laws, type_i, "type_i")?,
             check_type(laws, type_j, "type_j")?,
         );
-        let contact = staged.known()?;
+        let (contact, geometry) = staged.known()?;
         let f = contact
             .normal(law, effective_mass)
             .map_err(|ratio| staged.hale(ratio))?;
-        let g: OneContact = contact.geometry(Vector3::ZERO, law.constants.share_i);
-        *out = force_of(&g, &f, law.kinds.linear);
+        *out = force_of(geometry, &f, true);
         Ok(())
     })
 }
@@ -336,7 +336,7 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
                 "displacement rescaled is not available in stages",
             ));
         }
-        let contact = staged.known()?;
+        let (contact, geometry) = staged.known()?;
         let mut remembered = Vector3::from_array(*memory);
         let f = contact
             .tangential(
@@ -350,8 +350,7 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
             )
             .map_err(|ratio| staged.hale(ratio))?;
         *memory = remembered.to_array();
-        let g: OneContact = contact.geometry(Vector3::ZERO, law.constants.share_i);
-        *out = force_of(&g, &f, law.kinds.linear);
+        *out = force_of(geometry, &f, true);
         Ok(())
     })
 }

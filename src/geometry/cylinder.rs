@@ -7,7 +7,7 @@
 //! bodies.
 
 use super::ellipsoid::Ellipsoid;
-use super::vector::Vector3;
+use super::vector::{Tangent, Vector3};
 
 /// A cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,9 @@ pub struct CylinderContact {
     pub within: bool,
 }
 
-const DIRECTIONS: usize = 64;
+/// Directions that are tried over the whole circle, and over the smallest arc.
+const MOST_DIRECTIONS: usize = 64;
+const LEAST_DIRECTIONS: usize = 16;
 
 /// The contacts of a body with centre `centre`; at most two.
 pub fn touch_cylinder(
@@ -51,43 +53,105 @@ pub fn touch_cylinder(
     {
         return;
     }
-    let basis = super::Tangent::new(axis);
-    let direction = |angle: f64| basis.u * angle.cos() + basis.v * angle.sin();
-    // From without, n = -u: h(-u) - u.x is to be smallest, u.x - h largest.
-    let side = if within { 1.0 } else { -1.0 };
-    let value = |angle: f64| {
-        let u = direction(angle);
-        u.dot(x) + side * body.support(u).h
+    // The first axis of the cross-section points to the body, where there is such a direction.
+    let first_axis = if distance > 0.0 {
+        x * (1.0 / distance)
+    } else {
+        Tangent::new(axis).u
     };
-    let slopes = |angle: f64| {
-        let u = direction(angle);
-        let t = axis.cross(u);
-        let support = body.support(u);
-        let first = t.dot(x) + side * t.dot(support.point);
-        // Along the circle h'' = t.H t - h, and t.H t from the support of t: t.S t/h - (t.s)^2/h.
-        let local = body.semi_axes.componentwise(body.to_body(t));
-        let bend = (local.norm_squared() - t.dot(support.point).powi(2)) / support.h;
-        (first, side * (bend - support.h) - u.dot(x))
+    let search = Search {
+        body,
+        x,
+        axis,
+        basis: [first_axis, axis.cross(first_axis)],
+        side: if within { 1.0 } else { -1.0 },
     };
-    let step = core::f64::consts::TAU / DIRECTIONS as f64;
-    let mut values = [0.0; DIRECTIONS];
-    for (k, v) in values.iter_mut().enumerate() {
-        *v = value(k as f64 * step);
+    // Beyond the wall u.x + reach > R: an arc about the body's own direction. From without, the direction of the greatest
+    // separation is within a quarter turn of it.
+    let half = if within {
+        ((cylinder.radius - reach) / distance)
+            .clamp(-1.0, 1.0)
+            .acos()
+    } else {
+        core::f64::consts::FRAC_PI_2
+    };
+    let share = half / core::f64::consts::PI;
+    let count = LEAST_DIRECTIONS + (share * (MOST_DIRECTIONS - LEAST_DIRECTIONS) as f64) as usize;
+    let step = 2.0 * half / count as f64;
+    let mut values = [0.0; MOST_DIRECTIONS + 2];
+    // One more at either end, so that each place has two neighbours.
+    for (k, v) in values[..count + 2].iter_mut().enumerate() {
+        *v = search.value(-half + (k as f64 - 0.5) * step);
     }
-    for k in 0..DIRECTIONS {
-        let (before, after) = (
-            values[(k + DIRECTIONS - 1) % DIRECTIONS],
-            values[(k + 1) % DIRECTIONS],
-        );
-        // Ties: the later of two equals.
-        if !(values[k] >= before && values[k] > after) {
+    let mut best: Option<(f64, f64)> = None;
+    for k in 1..=count {
+        // Of two equals the later.
+        if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
             continue;
         }
-        // The slope changes its sign between the neighbours.
-        let (mut low, mut high) = ((k as f64 - 1.0) * step, (k as f64 + 1.0) * step);
-        let mut angle = k as f64 * step;
+        let angle = search.maximum(-half + (k as f64 - 0.5) * step, step);
+        let value = search.value(angle);
+        if within {
+            if value > cylinder.radius {
+                found(search.contact(angle, offset, cylinder));
+            }
+        } else if best.is_none_or(|(_, v)| value > v) {
+            best = Some((angle, value));
+        }
+    }
+    if let Some((angle, value)) = best {
+        if value < cylinder.radius {
+            found(search.contact(angle, offset, cylinder));
+        }
+    }
+}
+
+/// The function of the angle that is to be greatest.
+struct Search<'a> {
+    body: &'a Ellipsoid,
+    /// The centre from the axis.
+    x: Vector3,
+    axis: Vector3,
+    /// Axes of the cross-section.
+    basis: [Vector3; 2],
+    /// 1 from within, -1 from without.
+    side: f64,
+}
+
+impl Search<'_> {
+    fn direction(&self, angle: f64) -> Vector3 {
+        let (sin, cos) = angle.sin_cos();
+        self.basis[0] * cos + self.basis[1] * sin
+    }
+
+    /// From within `u.x + h(u)`, from without `u.x - h(u)`.
+    fn value(&self, angle: f64) -> f64 {
+        let u = self.direction(angle);
+        let scaled = self.body.semi_axes.componentwise(self.body.to_body(u));
+        u.dot(self.x) + self.side * scaled.norm()
+    }
+
+    /// First and second derivative.
+    fn slopes(&self, angle: f64) -> (f64, f64) {
+        let u = self.direction(angle);
+        let t = self.axis.cross(u);
+        let support = self.body.support(u);
+        let along = t.dot(support.point);
+        // Along the circle h'' = t.H t - h, and t.H t = |D R^T t|^2/h - (t.s)^2/h.
+        let scaled = self.body.semi_axes.componentwise(self.body.to_body(t));
+        let bend = (scaled.norm_squared() - along * along) / support.h;
+        (
+            t.dot(self.x) + self.side * along,
+            self.side * (bend - support.h) - u.dot(self.x),
+        )
+    }
+
+    /// The maximum within a step of an angle: Newton's method, and bisection where it leaves the bracket.
+    fn maximum(&self, start: f64, step: f64) -> f64 {
+        let (mut low, mut high) = (start - step, start + step);
+        let mut angle = start;
         for _ in 0..60 {
-            let (first, second) = slopes(angle);
+            let (first, second) = self.slopes(angle);
             if first > 0.0 {
                 low = angle;
             } else {
@@ -101,30 +165,20 @@ pub fn touch_cylinder(
             };
             let change = (next - angle).abs();
             angle = next;
-            if change < 1e-15 {
+            if change < 1e-14 {
                 break;
             }
         }
-        let u = direction(angle);
-        let depth = if within {
-            value(angle) - cylinder.radius
-        } else {
-            cylinder.radius - value(angle)
-        };
-        if depth > 0.0 {
-            let deepest = offset + body.support(u * side).point;
-            found(CylinderContact {
-                point: cylinder.point + axis * axis.dot(deepest) + u * cylinder.radius,
-                normal: u * -side,
-                within,
-            });
-        }
-        if !within {
-            // One contact: the others are no maxima of a separation between convex bodies.
-            let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if values[k] == best {
-                return;
-            }
+        angle
+    }
+
+    fn contact(&self, angle: f64, offset: Vector3, cylinder: &Cylinder) -> CylinderContact {
+        let u = self.direction(angle);
+        let deepest = offset + self.body.support(u * self.side).point;
+        CylinderContact {
+            point: cylinder.point + self.axis * self.axis.dot(deepest) + u * cylinder.radius,
+            normal: u * -self.side,
+            within: self.side > 0.0,
         }
     }
 }
@@ -165,6 +219,15 @@ mod tests {
         for c in &both {
             assert!((c.point.x.abs() - 1.0).abs() < 1e-12 && c.point.y.abs() < 1e-9);
         }
+        // In a wide cylinder, on its long side: both ends, or the middle if the side is rounder than the wall.
+        let flat = Ellipsoid::new([0.05, 0.001, 0.001], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let lying = contacts(&flat, Vector3::new(0.0, 0.9988, 0.0), 1.0);
+        assert_eq!(lying.len(), 2, "{lying:?}");
+        let round = Ellipsoid::new([0.02, 0.001, 0.001], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        assert_eq!(
+            contacts(&round, Vector3::new(0.0, 0.9991, 0.0), 1.0).len(),
+            1
+        );
         // Off the axis: each tip beyond the wall counts, though the wall beside the centre is far.
         let off = contacts(&needle, Vector3::new(0.0, 0.3, 0.0), 1.0);
         assert_eq!(off.len(), 2);

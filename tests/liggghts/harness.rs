@@ -109,6 +109,9 @@ impl Deck {
                 }
             }
             for (k, g) in scene.grains.iter().enumerate() {
+                if g.angular_momentum == [0.0; 3] {
+                    continue;
+                }
                 let [a, b, c] = angular_velocity(g);
                 lines.push(format!(
                     "set atom {} omegax {a:e} omegay {b:e} omegaz {c:e}",

@@ -11,7 +11,6 @@ mod lammps;
 #[allow(dead_code)]
 #[path = "../lammps/shapes.rs"]
 mod shapes;
-#[allow(dead_code)]
 #[path = "../support/mod.rs"]
 mod support;
 
