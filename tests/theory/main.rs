@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The numbers of the theory, each by name, held against the core.
 
+// The numbers stand as the theory prints them.
+#![allow(clippy::excessive_precision)]
+
 #[path = "../support/mod.rs"]
 mod support;
 

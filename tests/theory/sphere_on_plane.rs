@@ -94,7 +94,7 @@ fn rest_depth_is_m_g_over_k_to_the_2_thirds() {
     let mut start = sphere([0.0; 3]);
     start.position[2] -= 0.8 * wanted;
     // Period of small oscillations about rest.
-    let period = 6.28 * (MASS / (1.5 * stiffness(1e7) * wanted.sqrt())).sqrt();
+    let period = std::f64::consts::TAU * (MASS / (1.5 * stiffness(1e7) * wanted.sqrt())).sqrt();
     let mut motion = Motion::new(
         &damped,
         start,
@@ -120,7 +120,7 @@ fn sliding_becomes_rolling_at_5_sevenths_after_2_v_over_7_mu_g() {
         let depth = (MASS * g / k).powf(2.0 / 3.0);
         let mut start = sphere([v, 0.0, 0.0]);
         start.position[2] -= depth;
-        let period = 6.28 * (MASS / (1.5 * k * depth.sqrt())).sqrt();
+        let period = std::f64::consts::TAU * (MASS / (1.5 * k * depth.sqrt())).sqrt();
         let dt = period / 60.0;
         let mut motion = Motion::new(&laws, start, Partner::Wall(wall(Vector::z())), dt);
         motion.gravity = Vector::new(0.0, 0.0, -g);
