@@ -3,6 +3,7 @@
 #include "ellgran_history.h"
 
 #include "comm.h"
+#include "error.h"
 #include "modify.h"
 
 using namespace LAMMPS_NS;
@@ -36,6 +37,11 @@ void FixEllgranHistory::write_restart(FILE *fp)
     const int size = 0;
     fwrite(&size, sizeof(int), 1, fp);
   }
+}
+
+void FixEllgranHistory::set_molecule(int, tagint, int, double *, double *, double *)
+{
+  error->all(FLERR, "Molecule update not implemented for fix {}", style);
 }
 
 namespace {

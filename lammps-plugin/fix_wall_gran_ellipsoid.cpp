@@ -407,3 +407,8 @@ void FixWallGranEllipsoid::restart(char *buffer)
   accumulated_work = (comm->me == 0) ? values[0] : 0.0;
   time_origin = static_cast<bigint>(values[1]);
 }
+
+void FixWallGranEllipsoid::set_molecule(int, tagint, int, double *, double *, double *)
+{
+  error->all(FLERR, "Molecule update not implemented for fix {}", style);
+}

@@ -200,19 +200,19 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
             triangles,
             found,
         } = contacts;
-        all.clear();
-        triangles.clear();
-        found.clear();
-        triangles.extend(corners.iter().map(|t| t.map(Vector3::from_array)));
-        if let Some(index) = triangles
+        if let Some(index) = corners
             .iter()
-            .position(|t| t.iter().any(|p| !p.is_finite()))
+            .position(|t| t.iter().flatten().any(|x| !x.is_finite()))
         {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
                 format!("corners[{index}] = {:?} is not finite", corners[index]),
             ));
         }
+        all.clear();
+        triangles.clear();
+        found.clear();
+        triangles.extend(corners.iter().map(|t| t.map(Vector3::from_array)));
         touch_triangles(&body.body, body.position, triangles, found);
         all.extend(found.iter().map(|c| {
             let flat = surface(c.point, c.normal);
@@ -273,12 +273,12 @@ unsafe fn direction(pointer: *const f64, name: &str) -> Result<Vector3, Failure>
     // SAFETY: promised by the caller.
     let vector = unsafe { vector(pointer, name) }?;
     let length = vector.norm();
-    if length > 0.0 {
+    if length > 0.0 && length.is_finite() {
         Ok(vector * (1.0 / length))
     } else {
         Err(Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
-            format!("{name} has length 0"),
+            format!("{name} = {:?} has no direction", vector.to_array()),
         ))
     }
 }

@@ -70,7 +70,28 @@ pub fn body_gradient<T: Real>(p: Symmetric2<T>, body: &BodyAtContact<T>) -> Body
     }
 }
 
-/// `lambda`: how the common normal answers, `(W_i + W_j - delta I)^-1 gamma`.
+/// How the common normal answers.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalResponse<T = f64> {
+    /// `lambda = (W_i + W_j - delta I)^-1 (gamma_i + gamma_j)`.
+    pub lambda: Vector2<T>,
+    /// Half of the part of `delta` that was left out of the matrix; 0 but for the deepest contacts. Each body's torque takes
+    /// it times `n x lambda`, or the torques would not balance.
+    pub half_excess: T,
+}
+
+impl<T: Real> NormalResponse<T> {
+    /// With nothing left out.
+    #[inline(always)]
+    pub fn exactly(lambda: Vector2<T>) -> Self {
+        NormalResponse {
+            lambda,
+            half_excess: lambda.u.constant(0.0),
+        }
+    }
+}
+
+/// `lambda` from the radii `W_i + W_j` and the sum of both `gamma`.
 ///
 /// Where the contact is so deep that the matrix is nearly singular, or not positive, the normal itself is not unique
 /// and Hertz' law has ended: the smallest eigenvalue is then kept above a twentieth of that of `W_i + W_j`.
@@ -79,7 +100,7 @@ pub fn normal_response<T: Real>(
     radii: Symmetric2<T>,
     penetration: T,
     gamma: Vector2<T>,
-) -> Vector2<T> {
+) -> NormalResponse<T> {
     let one = penetration.constant(1.0);
     let mean = radii.trace() * 0.5;
     let half_difference = (radii.uu - radii.vv) * 0.5;
@@ -87,7 +108,10 @@ pub fn normal_response<T: Real>(
     let smallest = radii.determinant() / (mean + radius);
     let shift = penetration.min(smallest * 0.95);
     let m = radii.shifted(-shift);
-    m.adjugate().apply(gamma) * (one / m.determinant())
+    NormalResponse {
+        lambda: m.adjugate().apply(gamma) * (one / m.determinant()),
+        half_excess: (penetration - shift) * 0.5,
+    }
 }
 
 /// The additional torque of one body in the basis `(u, v, n)`, divided by `U'`: to be subtracted times `U'`.
@@ -97,10 +121,11 @@ pub fn normal_response<T: Real>(
 pub fn additional_torque<T: Real>(
     body: &BodyAtContact<T>,
     own: &BodyGradient<T>,
-    lambda: Vector2<T>,
+    response: &NormalResponse<T>,
 ) -> (Vector2<T>, T) {
     let s = body.witness;
-    let q = body.inverse_weingarten.apply(lambda) - own.gamma;
+    let lambda = response.lambda;
+    let q = body.inverse_weingarten.apply(lambda) + lambda * response.half_excess - own.gamma;
     // s x lambda = (s_t + h n) x lambda: n x (u, v) = (-v, u); s_t x lambda = (s_u l_v - s_v l_u) n.
     let tangent = Vector2::new(body.h * lambda.v - q.v, -(body.h * lambda.u) + q.u);
     let normal = own.twist - (s.u * lambda.v - s.v * lambda.u);

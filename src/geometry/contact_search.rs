@@ -9,7 +9,8 @@
 //! rejected by one evaluation with the normal remembered from the last step. A touching pair costs about two Newton
 //! steps in the tangent plane from that normal. What plain Newton gets wrong (it runs into maxima and saddles for
 //! elongated bodies) is caught by a shifted Hessian, a limited step and backtracking; a contact deeper than half the
-//! smallest radius of curvature, where `f` has several minima, is searched from many starts every time.
+//! smallest radius of curvature or a quarter of the bodies' thickness, where `f` has several minima, is searched from many
+//! starts every time.
 
 use super::ellipsoid::{Ellipsoid, Support};
 use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
@@ -213,11 +214,12 @@ impl Pair<'_> {
     fn many_starts(&self, stop_when_separated: bool) -> Descent {
         let mut best = [(f64::INFINITY, Vector3::ZERO); BEST_STARTS];
         let mut offer = |n: Vector3| {
-            let length = n.norm();
-            if !(length > 1e-12) {
+            // In units of its largest component: it may be a length, in any unit.
+            let largest = n.x.abs().max(n.y.abs()).max(n.z.abs());
+            if !(largest > 0.0 && largest < f64::INFINITY) {
                 return;
             }
-            let n = n * (1.0 / length);
+            let n = (n * (1.0 / largest)).normalised();
             let n = if n.dot(self.d) < 0.0 { -n } else { n };
             let f = self.evaluate(n).f;
             if f < best[BEST_STARTS - 1].0 {
@@ -238,7 +240,11 @@ impl Pair<'_> {
         }
         for a in self.i.axes {
             for b in self.j.axes {
-                offer(a.cross(b));
+                let n = a.cross(b);
+                // Parallel axes have none.
+                if n.norm_squared() > 1e-24 {
+                    offer(n);
+                }
             }
         }
         for k in 0..LATTICE {
@@ -315,9 +321,14 @@ impl Pair<'_> {
 
     fn finish(&self, mut m: Minimum) -> Outcome {
         let mut many = false;
-        // Beyond half the smallest radius of curvature f has several minima, and the one that a contact followed
-        // through the steps need not be the least any more.
-        if m.at.f > 0.5 * m.smallest_radius || m.at.n.dot(self.d) < 0.0 || !m.converged {
+        // Beyond half the smallest radius of curvature, or a quarter of the way through the bodies, f has several minima,
+        // and the one that a contact followed through the steps need not be the least any more.
+        let through = self.i.chord(&m.at.support_i) + self.j.chord(&m.at.support_j);
+        if m.at.f > 0.5 * m.smallest_radius
+            || m.at.f > 0.25 * through
+            || m.at.n.dot(self.d) < 0.0
+            || !m.converged
+        {
             many = true;
             match self.many_starts(true) {
                 Descent::Separated(n) => return Outcome::Separated(n),

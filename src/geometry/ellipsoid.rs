@@ -149,6 +149,13 @@ impl<T: Real> Ellipsoid<T> {
         Symmetric2::new(u.norm_squared(), u.dot(v), v.norm_squared()) * support.h
     }
 
+    /// Length of the chord from the witness along the inward normal, `2/(h n.S^-1 n)`: how thick the body is there.
+    #[inline(always)]
+    pub fn chord(&self, support: &Support<T>) -> T {
+        let inverse = support.local_normal.componentwise(self.inverse_semi_axes);
+        support.h.constant(2.0) / (support.h * inverse.norm_squared())
+    }
+
     /// `(a1 a2 a3)^2`.
     #[inline(always)]
     pub fn shape_determinant(&self) -> T {

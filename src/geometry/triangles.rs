@@ -79,17 +79,27 @@ pub fn touch_triangles(
         }
     }
     contacts[start..].sort_by(|a, b| b.penetration.total_cmp(&a.penetration));
+    let size = reach.iter().copied().fold(0.0, f64::max);
     let mut kept = start;
     for k in start..contacts.len() {
         let c = contacts[k];
-        let known = contacts[start..kept].iter().any(|d| {
+        let known = contacts[start..kept].iter_mut().find(|d| {
             d.normal.dot(c.normal) > SMOOTH
-                && ((d.point - c.point).norm() <= 1e-6 * reach.iter().copied().fold(0.0, f64::max)
+                && ((d.point - c.point).norm() <= 1e-6 * size
                     || adjacent(&triangles[d.triangle], &triangles[c.triangle]))
         });
-        if !known {
-            contacts[kept] = c;
-            kept += 1;
+        match known {
+            // Where the deepest point lies over an edge or a corner, to rounding, the face has it.
+            Some(d) if c.feature == Feature::Face && d.feature != Feature::Face => {
+                if c.penetration >= d.penetration - TOLERANCE * size {
+                    *d = c;
+                }
+            }
+            Some(_) => {}
+            None => {
+                contacts[kept] = c;
+                kept += 1;
+            }
         }
     }
     contacts.truncate(kept);
@@ -350,6 +360,7 @@ mod tests {
                         let c = contacts[0];
                         assert!((c.penetration - 0.02 * h).abs() < 1e-12);
                         assert!((c.normal - Vector3::new(0.0, 0.0, 1.0)).norm() < 1e-7);
+                        assert_eq!(c.feature, Feature::Face);
                     }
                 }
             }

@@ -226,11 +226,13 @@ pub(super) fn run<
     let half_difference = (radii.uu - radii.vv) * 0.5;
     let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
     let smallest = radii.determinant() / (mean + radius);
-    let deep = Lanes::select((smallest * 0.5).less(penetration), one, zero).max(Lanes::select(
-        n.dot(d).less(zero),
+    let through = body_i.chord(&support_i) + body_j.chord(&support_j);
+    let deep = Lanes::select(
+        (smallest * 0.5).min(through * 0.25).less(penetration),
         one,
         zero,
-    ));
+    )
+    .max(Lanes::select(n.dot(d).less(zero), one, zero));
     hard = hard.max(deep).min(one - separated);
 
     let curvature = relative_curvature_matrix(weingarten_i, weingarten_j);

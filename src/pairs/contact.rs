@@ -3,6 +3,7 @@
 
 use crate::force::conservative::{
     additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
+    NormalResponse,
 };
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, Tangential, TangentialForce,
@@ -170,34 +171,22 @@ pub fn contact_forces<
         let energy = normal.elastic_energy;
         if WALL {
             // The wall holds the normal where it is.
-            let lambda = Vector2::new(zero, zero);
-            torque_i = torque_i
-                - world_vector(
-                    &x.tangent,
-                    n,
-                    additional_torque(&body_i, &gradient_i, lambda),
-                ) * energy;
+            let held = NormalResponse::exactly(Vector2::new(zero, zero));
+            let own = additional_torque(&body_i, &gradient_i, &held);
+            torque_i = torque_i - world_vector(&x.tangent, n, own) * energy;
         } else {
             let body_j = body_at_contact(&x.tangent, x.h_j, x.s_j, x.weingarten_j, x.determinant_j);
             let gradient_j = body_gradient(p, &body_j);
-            let lambda = normal_response(
+            let response = normal_response(
                 body_i.inverse_weingarten + body_j.inverse_weingarten,
                 x.penetration,
                 gradient_i.gamma + gradient_j.gamma,
             );
-            force = force - x.tangent.vector(lambda) * energy;
-            torque_i = torque_i
-                - world_vector(
-                    &x.tangent,
-                    n,
-                    additional_torque(&body_i, &gradient_i, lambda),
-                ) * energy;
-            torque_j = torque_j
-                - world_vector(
-                    &x.tangent,
-                    n,
-                    additional_torque(&body_j, &gradient_j, lambda),
-                ) * energy;
+            force = force - x.tangent.vector(response.lambda) * energy;
+            let own_i = additional_torque(&body_i, &gradient_i, &response);
+            let own_j = additional_torque(&body_j, &gradient_j, &response);
+            torque_i = torque_i - world_vector(&x.tangent, n, own_i) * energy;
+            torque_j = torque_j - world_vector(&x.tangent, n, own_j) * energy;
         }
     }
 
@@ -240,7 +229,10 @@ pub fn contact_forces<
         let time = T::select(remembered.continued, remembered.time, since);
 
         // The memory turns with the normal and with the pair's spin about it, and keeps its length.
-        let turned = remembered.memory + tilt.cross(remembered.memory);
+        // The least rotation from one normal to the other, exactly: anything less drifts with the step.
+        let before = remembered.normal;
+        let leaning = n.dot(remembered.memory) / (before.dot(n) + 1.0).max(zero.constant(1e-12));
+        let turned = remembered.memory - (before + n) * leaning;
         let turned = turned + n.cross(turned) * spin;
         let memory = x.tangent.components(turned);
         let old = remembered.memory.norm_squared();

@@ -116,6 +116,8 @@ impl From<&Particle> for Record {
 pub struct Workspace {
     particles: Vec<Particle>,
     records: Vec<Record>,
+    /// The walls of the last call.
+    pub walls: Vec<super::MovingPlane>,
     /// What the pairs are computed on.
     pub instruction_set: InstructionSet,
     /// Contacts so far that took the slow search from many starts.
@@ -128,6 +130,7 @@ impl Workspace {
         Workspace {
             particles: Vec::new(),
             records: Vec::new(),
+            walls: Vec::new(),
             instruction_set,
             many_starts: 0,
         }

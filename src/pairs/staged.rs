@@ -11,7 +11,7 @@ use super::particles::{effective_mass, Particle};
 use super::Step;
 use crate::force::conservative::{
     additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
-    BodyGradient,
+    BodyGradient, NormalResponse,
 };
 use crate::force::hertz_factors;
 use crate::force::{PairLaw, Tangential};
@@ -273,7 +273,7 @@ impl StagedContact {
             twist: 0.0,
         };
         let energy = f.elastic_energy;
-        let (t, m) = additional_torque(&body, &none, lambda);
+        let (t, m) = additional_torque(&body, &none, &NormalResponse::exactly(lambda));
         f.force = f.force - x.tangent.vector(lambda) * energy;
         f.torque_i = f.torque_i - (x.tangent.vector(t) + x.normal * m) * energy;
     }
@@ -324,7 +324,7 @@ fn response(
                 (a - b) * u * v,
                 a * v * v + b * u * u,
             );
-            normal_response(inverse_weingarten + wall, penetration, gamma)
+            normal_response(inverse_weingarten + wall, penetration, gamma).lambda
         }
         (true, false) => one(along, radii[0]),
         (false, true) => one(across, radii[1]),

@@ -19,4 +19,5 @@ mod plane_motion;
 mod plugin_file;
 mod restart;
 mod spheres;
+mod tangential_force;
 mod tangential_motion;

@@ -242,26 +242,21 @@ fn both_versions_shapes_and_positions() {
         ..set(&[nan, "set atom 1 vx v_bad"])
     };
     refused("NaN velocity, then position", &scene, &position, &["1"]);
-    let grown = Deck {
-        before_data: vec![],
-        runs: vec![
-            "run 0".into(),
-            "set atom 2 shape 6.0 2.0 2.0".into(),
-            "run 1 pre no".into(),
-        ],
-        ..set(&[])
+    let place = Deck {
+        integrate: false,
+        ..set(&[nan, "set atom 2 x v_bad"])
     };
-    let outcome = attempt(
-        &Engine::from_environment(),
-        "misuse_grown",
-        &scene,
-        &grown,
-        1,
-    );
-    println!(
-        "a grain that grows between runs without `pre`: success {}",
-        outcome.success
-    );
+    refused("NaN position", &scene, &place, &["Non-numeric"]);
+    for (axis, words) in [(0.0, "shape"), (-1.0, "shape"), (f64::NAN, "NaN")] {
+        let mut bad = pair_of_grains();
+        bad.grains[1].semi_axes[1] = axis;
+        refused(
+            &format!("axis {axis} in the data file"),
+            &bad,
+            &Deck::new(LAW),
+            &[words],
+        );
+    }
 }
 
 #[test]

@@ -452,3 +452,41 @@ fn both_versions_restitution_against_a_frozen_grain() {
         outcome.last().states[1].velocity[0] / speed
     });
 }
+
+/// The mass of a rigid body counts, not that of the grain that touches: a pair glued together meets a single sphere.
+#[test]
+fn both_versions_restitution_of_a_rigid_body() {
+    let engine = Engine::from_environment();
+    let (e, speed) = (0.6, 0.1);
+    let grain = |x: f64| Grain {
+        density: DENSITY,
+        ..Grain::sphere(RADIUS, [x * RADIUS, 0.0, 0.0])
+    };
+    let mut single = grain(1.0).moving([-speed, 0.0, 0.0]);
+    single.kind = 2;
+    let scene = Scene::open(0.1, vec![grain(-1.0), grain(-3.0), single]);
+    // effective mass 2m m/(2m + m) in place of m/2
+    let time = hertz_time(speed) * (4.0f64 / 3.0).powf(0.4);
+    approach(4000.0, "restitution of a rigid body", e, 2e-5, |s| {
+        let deck = Deck {
+            integrate: false,
+            fixes: vec![
+                "group body type 1".into(),
+                "group free type 2".into(),
+                "neigh_modify exclude group body body".into(),
+                "fix move free nve/asphere".into(),
+                "fix glue body rigid single".into(),
+            ],
+            time_step: time / s,
+            steps: (2.0 * s) as u64,
+            skin: 1e-3,
+            ..Deck::new(&format!(
+                "hertz {MODULUS} {POISSON} damping restitution {e} limit_force no"
+            ))
+        };
+        let outcome = run(&engine, "rigid", &scene, &deck, 1);
+        let v = |k: usize| outcome.last().states[k].velocity[0];
+        assert!((v(0) - v(1)).abs() < 1e-12 * speed, "the body is not rigid");
+        (v(2) - v(0)) / speed
+    });
+}

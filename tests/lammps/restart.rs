@@ -2,7 +2,9 @@
 //! Does a restart in the middle of contacts go on as if nothing had happened, with coefficients and history from the file?
 
 use crate::decomposition::{crowd, LAW};
-use crate::harness::{attempt_in, largest_difference, last_lines, run, Deck, Engine, Outcome};
+use crate::harness::{
+    attempt_in, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome, Scene,
+};
 
 const HALF: u64 = 150;
 
@@ -132,4 +134,56 @@ fn both_versions_restart_with_viscous_forces_and_other_ranks() {
         &two,
     );
     assert!(difference < 1e-3);
+}
+
+/// A ball that slides and then sticks on a wall, with the restart while its tangential spring is loaded.
+#[test]
+fn both_versions_restart_on_a_wall() {
+    let engine = Engine::from_environment();
+    let ball = Grain {
+        density: 2500.0,
+        ..Grain::new([0.012, 0.01, 0.011], [0.0, 0.0, 0.00999]).moving([0.02, 0.01, -0.05])
+    };
+    let scene = Scene::open(0.1, vec![ball]);
+    for tangential in ["mindlin 0.5", "tfd 0.5"] {
+        let law = format!("hertz 1e7 0.3 tangential {tangential}");
+        let wall = |runs: &[&str]| Deck {
+            fixes: vec![format!(
+                "fix floor all wall/gran/ellipsoid {law} zplane 0.0 NULL"
+            )],
+            time_step: 4e-6,
+            steps: 300,
+            skin: 1e-3,
+            runs: runs.iter().map(|s| s.to_string()).collect(),
+            ..Deck::new("hertz 1e7 0.3")
+        };
+        let whole = run(&engine, "wall_whole", &scene, &wall(&["run 600"]), 1);
+        let first = run(
+            &engine,
+            "wall_restart",
+            &scene,
+            &wall(&["run 300", "write_restart middle.restart"]),
+            1,
+        );
+        let force = first.last().states[0].force;
+        assert!(
+            force[2] > 0.0 && force[0] != 0.0,
+            "no contact in the middle: {force:?}"
+        );
+        let second = Deck {
+            pair: vec![],
+            source: vec!["read_restart middle.restart".into()],
+            ..wall(&[])
+        };
+        let restarted = attempt_in(&engine, first.directory, &scene, &second, 1);
+        assert!(restarted.success, "{}", last_lines(&restarted.output));
+        println!("force in the middle {force:?}");
+        assert!(
+            report(
+                &format!("wall, {tangential}, restart beside one run"),
+                &restarted,
+                &whole
+            ) < 1e-9
+        );
+    }
 }

@@ -146,7 +146,7 @@ pub fn force_factor(ratio: f64) -> f64 {
 }
 
 /// K and E with complementary modulus k.
-fn elliptic(k: f64) -> (f64, f64) {
+pub fn elliptic(k: f64) -> (f64, f64) {
     let (mut a, mut g, mut c2) = (1.0, k, 1.0 - k * k);
     let (mut sum, mut power) = (0.5 * c2, 0.5);
     for _ in 0..60 {

@@ -201,3 +201,24 @@ fn step(time_step: f64) -> Step {
         advance_history: time_step > 0.0,
     }
 }
+
+/// The scale of a contact's force: its own size, or that of the elastic part where they nearly cancel.
+pub fn force_scale(f: &Felt) -> f64 {
+    let elastic = 2.5 * f.forces.elastic_energy / f.geometry.penetration;
+    f.force.norm().max(elastic)
+}
+
+/// Largest difference of force and torques, relative to the force and to the force times `arm`.
+pub fn difference(f: &Felt, force: Vector, torque_i: Vector, torque_j: Vector, arm: f64) -> f64 {
+    let scale = force_scale(f);
+    let torque = (f.torque_i - torque_i)
+        .norm()
+        .max((f.torque_j - torque_j).norm());
+    ((f.force - force).norm() / scale).max(torque / (scale * arm))
+}
+
+/// What rounding of coordinates of this size does to a force at this penetration, relative; `sharpness` is size over the
+/// smallest radius of curvature.
+pub fn rounding(size: f64, penetration: f64, sharpness: f64) -> f64 {
+    f64::EPSILON * (32.0 * size / penetration + 256.0 * sharpness + 256.0)
+}

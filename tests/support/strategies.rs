@@ -40,13 +40,13 @@ pub struct TouchingPair {
     pub normal: Vector,
     /// The penetration by construction.
     pub penetration: f64,
-    /// The smallest combined radius of curvature there.
+    /// The smallest combined radius of curvature there, or half the combined thickness along the normal where that is
+    /// less: up to about this depth no other normal is nearer.
     pub radius: f64,
 }
 
 impl TouchingPair {
-    /// Body `j` is put where the two have `normal` in common and overlap by `depth` times the smallest combined
-    /// radius of curvature.
+    /// Body `j` is put where the two have `normal` in common and overlap by `depth` times `radius`.
     pub fn new(
         shapes: [[f64; 3]; 2],
         turns: [Rotation; 2],
@@ -60,9 +60,11 @@ impl TouchingPair {
             let h = z.norm();
             let s = r * a.component_mul(&z) / h;
             let matrix = r * Matrix3::from_diagonal(&a.component_mul(&a)) * r.transpose();
-            (s, (matrix - s * s.transpose()) / h)
+            // Of the chord from the witness along the inward normal.
+            let half = 1.0 / (h * r.tr_mul(&normal).component_div(&a).norm_squared());
+            (s, (matrix - s * s.transpose()) / h, half)
         };
-        let ((si, hi), (sj, hj)) = (witness(0), witness(1));
+        let ((si, hi, half_i), (sj, hj, half_j)) = (witness(0), witness(1));
         let u = if normal.x.abs() < 0.6 {
             Vector::x()
         } else {
@@ -71,7 +73,7 @@ impl TouchingPair {
         let u = (u - normal * normal.dot(&u)).normalize();
         let t = Matrix3x2::from_columns(&[u, normal.cross(&u)]);
         let radii = t.transpose() * (hi + hj) * t;
-        let radius = radii.symmetric_eigenvalues().min();
+        let radius = radii.symmetric_eigenvalues().min().min(half_i + half_j);
         let penetration = depth * radius;
         TouchingPair {
             i: body(shapes[0], Vector::zeros(), turns[0]),
@@ -83,8 +85,7 @@ impl TouchingPair {
     }
 }
 
-/// Touching pairs of aspect ratio up to `aspect`, `depth` (a range, log-uniform) times the smallest combined radius of
-/// curvature deep, with random velocities up to 1 and spins up to 1.
+/// Touching pairs of aspect ratio up to `aspect`, `depth` (a range, log-uniform) times their `radius` deep, with random velocities up to 1 and spins up to 1.
 pub fn touching_pair(
     aspect: f64,
     depth: std::ops::Range<f64>,

@@ -5,6 +5,7 @@ mod apt_source;
 mod cache;
 mod demo;
 mod header;
+mod install;
 mod lammps;
 mod library;
 mod liggghts;
@@ -50,6 +51,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Put the library, its header, and its pkg-config and CMake files into a prefix
+    Install(install::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Run every check and test
@@ -87,6 +90,7 @@ fn run(task: Task) -> Result<()> {
         Task::Path { what } => println!("{}", path(what)?.display()),
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
+        Task::Install(options) => install::install(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Test(options) => test::test(&options)?,
     }

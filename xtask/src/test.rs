@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{demo, header, lammps, liggghts, plugin, setup};
+use crate::{demo, header, install, lammps, liggghts, plugin, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -75,9 +75,17 @@ pub fn test(options: &Options) -> Result<()> {
         })?;
         steps.run("C header", || header::header(true))?;
     }
-    steps.run("core, C and CMake consumers", || {
-        run_open(cargo().args(["test", "--workspace"]).args(&filter))
-    })?;
+    let prefix = tempfile::tempdir()?;
+    let mut core = cargo();
+    core.args(["test", "--workspace"])
+        .args(&filter)
+        // setup() has installed them: their lack is a failure.
+        .env("ELLGRAN_REQUIRE_TOOLS", "1");
+    if options.filter.is_none() {
+        steps.run("install", || install::into(prefix.path()))?;
+        core.env("ELLGRAN_TEST_PREFIX", prefix.path());
+    }
+    steps.run("core, C and CMake consumers", || run_open(&mut core))?;
     if !options.quick {
         engines(steps, &filter)?;
     }

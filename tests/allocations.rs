@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! No memory is allocated in a step, once a workspace has seen as many particles.
+
+#![allow(unsafe_code)]
+
+#[allow(dead_code)]
+#[path = "c_abi/scene.rs"]
+mod scene;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ptr::null_mut;
+
+use ellgran::c_api::contact::*;
+use ellgran::c_api::neighbour_list::*;
+use ellgran::c_api::particles::*;
+
+use scene::*;
+
+struct Counting;
+
+thread_local! {
+    static BYTES: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: all is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        BYTES.with(|bytes| bytes.set(bytes.get() + layout.size()));
+        // SAFETY: promised by the caller.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: promised by the caller.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Bytes that this thread allocates in a call.
+fn allocated(call: impl FnOnce()) -> usize {
+    let before = BYTES.with(Cell::get);
+    call();
+    BYTES.with(Cell::get) - before
+}
+
+const DECKS: [[&str; 2]; 3] = [
+    ["hertz 1e4 0.3", "hertz 3e4 0.2"],
+    [
+        "nfd 1e4 0.3 40 60 tangential tfd 0.4",
+        "nfd 3e4 0.2 90 30 tangential tfd 0.2",
+    ],
+    [
+        "hertz 1e4 0.3 damping restitution 0.5 tangential mindlin 0.4 factors hale",
+        "hertz 3e4 0.2 damping restitution 0.9 tangential mindlin 0.2 factors hale",
+    ],
+];
+const OWNED: usize = 44;
+
+#[test]
+fn an_allocation_is_counted() {
+    assert_eq!(allocated(|| ()), 0);
+    assert!(allocated(|| drop(std::hint::black_box(vec![0u8; 1000]))) >= 1000);
+}
+
+#[test]
+fn a_neighbour_list_allocates_in_the_first_step_alone() {
+    for decks in DECKS {
+        let laws = Laws::new(&decks);
+        let workspace = WorkspaceHandle::new();
+        let mut bodies = random_bodies(9);
+        let mut list = List::near(&bodies, OWNED, laws.length());
+        let mut tallies = no_tallies();
+        let mut contacts = 0;
+        for n in 0..40 {
+            advance(&mut bodies, STEP.time_step);
+            let mut arrays = Arrays::new(&bodies, OWNED);
+            let (particles, view) = (arrays.particles(), list.view(n % 2 == 0));
+            let bytes = allocated(|| {
+                // SAFETY: all arrays are valid.
+                ok(unsafe {
+                    ellgran_compute_pairs(
+                        laws.0,
+                        workspace.0,
+                        &particles,
+                        &view,
+                        &STEP,
+                        &mut tallies,
+                    )
+                });
+            });
+            contacts += tallies.touching_count as usize;
+            assert!(
+                n == 0 || bytes == 0,
+                "{bytes} bytes in step {n} of {decks:?}"
+            );
+            assert!(n > 0 || bytes > 0, "the workspace holds nothing");
+        }
+        assert!(contacts > 500, "{contacts}");
+        // SAFETY: valid.
+        assert!(unsafe { ellgran_workspace_bytes(workspace.0) } > 0);
+    }
+}
+
+#[test]
+fn one_contact_allocates_nothing() {
+    for decks in DECKS {
+        let laws = Laws::new(&decks);
+        let (i, j) = (sphere_at(0.0), sphere_at(1.5));
+        let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
+        let mut force = Untouched::<EllgranContactForce>::new();
+        let bytes = allocated(|| {
+            // SAFETY: all pointers are valid.
+            ok(unsafe {
+                ellgran_contact(
+                    laws.0,
+                    &i,
+                    &j,
+                    &STEP,
+                    &mut touching,
+                    history.as_mut_ptr(),
+                    null_mut(),
+                    force.pointer(),
+                )
+            });
+        });
+        assert_eq!((bytes, touching), (0, 1));
+    }
+}

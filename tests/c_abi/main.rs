@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The C interface, called as C calls it.
+
+#![allow(unsafe_code)]
+
+mod errors;
+mod instruction_sets;
+mod lists;
+mod null_pointers;
+mod paths;
+mod scene;
+mod threads;

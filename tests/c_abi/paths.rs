@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A whole neighbour list and one contact at a time give the same numbers, with every combination of laws.
+
+use ellgran::c_api::contact::*;
+use ellgran::c_api::law::ELLGRAN_OPTION_NO_WARM_START;
+use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
+use ellgran::c_api::particles::EllgranStep;
+
+use crate::scene::*;
+
+const OWNED: usize = 44;
+/// Of the terms of a sum; the search for the normal ends at about this.
+const TOLERANCE: f64 = 2e-13;
+/// The same for viscous `tfd`, whose viscous part goes with the square root of what is left until it slides.
+const SLIDING_TOLERANCE: f64 = 1e-10;
+/// Of the cached normal and of the tangential memory, which feel the normal's error in first order.
+const HISTORY_TOLERANCE: f64 = 5e-13;
+/// Rounding of the coordinates, a few units in the last place.
+const ROUNDING: f64 = 2e-15;
+
+/// Normal laws of two materials, with what goes with them.
+fn normal_laws() -> Vec<[String; 2]> {
+    let both = |law: &str, one: &str, other: &str, words: &str| {
+        [one, other].map(|constants| format!("{law} {constants} {words}"))
+    };
+    let hertz = |words: &str| both("hertz", "1e4 0.3", "3e4 0.2", words);
+    let mut laws = vec![hertz("")];
+    laws.push(["0.5", "0.9"].map(|e| format!("{} damping restitution {e}", hertz("")[0])));
+    for unloading in ["ting", "first_order"] {
+        laws.push(["5e-3", "2e-2"].map(|a| {
+            format!(
+                "{} damping relaxation {a} unloading {unloading}",
+                hertz("")[1]
+            )
+        }));
+        for closure in ["energy", "surface", "brilliantov"] {
+            let words = format!("closure {closure} unloading {unloading}");
+            laws.push(both("nfd", "1e4 0.3 40 60", "3e4 0.2 90 30", &words));
+        }
+    }
+    laws.push(both("lsd", "2e3 3", "5e3 2", ""));
+    laws
+}
+
+/// Tangential laws of the same two materials.
+fn tangential_laws() -> Vec<[String; 2]> {
+    let mut laws = vec![["tangential none", "tangential none"].map(str::to_owned)];
+    for (name, one, other) in [
+        ("tfd", "0.4", "0.2"),
+        ("mindlin", "0.4", "0.2"),
+        ("linear", "500 1 0.4", "900 2 0.2"),
+    ] {
+        for displacement in ["total", "incremental", "rescaled"] {
+            laws.push(
+                [one, other].map(|c| format!("tangential {name} {c} displacement {displacement}")),
+            );
+        }
+    }
+    laws
+}
+
+fn combinations() -> Vec<[String; 2]> {
+    let mut all = Vec::new();
+    for normal in normal_laws() {
+        for tangential in tangential_laws() {
+            let elastic = ["tfd", "mindlin"].iter().any(|t| tangential[0].contains(t));
+            if normal[0].starts_with("lsd") && elastic {
+                continue;
+            }
+            for form in [
+                "factors exact conservative yes",
+                "factors exact conservative no",
+                "factors hale conservative no",
+            ] {
+                for limit in ["yes", "no"] {
+                    all.push([0, 1].map(|k| {
+                        format!("{} {} {form} limit_force {limit}", normal[k], tangential[k])
+                    }));
+                }
+            }
+        }
+    }
+    all
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    contacts: usize,
+    begun: usize,
+    ended: usize,
+    tangential: usize,
+}
+
+impl Seen {
+    /// That the scene was worth comparing.
+    #[track_caller]
+    fn check(&self, contacts: usize) {
+        assert!(self.contacts > contacts, "{self:?}");
+        assert!(self.tangential > contacts / 2, "{self:?}");
+        assert!(
+            self.begun > contacts / 1000 && self.ended > contacts / 1000,
+            "{self:?}"
+        );
+    }
+}
+
+fn add(sum: &mut [f64], term: &[f64], sign: f64) {
+    for (s, t) in sum.iter_mut().zip(term) {
+        *s += sign * t;
+    }
+}
+
+fn size(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[track_caller]
+fn close(a: &[f64], b: &[f64], scale: f64, what: &str) {
+    let apart = a
+        .iter()
+        .zip(b)
+        .map(|(x, y)| (x - y).abs())
+        .fold(0.0, f64::max);
+    assert!(
+        apart <= TOLERANCE * scale,
+        "{what}: {a:?} and {b:?} differ by {:e}",
+        apart / scale
+    );
+    assert!(
+        a.iter().chain(b).all(|x| x.is_finite()),
+        "{what}: {a:?} {b:?}"
+    );
+}
+
+/// Sums over contacts one by one, as the list is to give them.
+struct Sums {
+    forces: Vec<[f64; 3]>,
+    torques: Vec<[f64; 3]>,
+    /// Sums of magnitudes, what rounding is measured against.
+    force_scale: Vec<f64>,
+    torque_scale: Vec<f64>,
+    energies: Vec<f64>,
+    virials: Vec<[f64; 6]>,
+    normal_energy: f64,
+    tangential_energy: f64,
+    virial: [f64; 6],
+    virial_scale: f64,
+    touching: f64,
+}
+
+fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: &mut Seen) {
+    let what = format!("{decks:?} newton {newton} options {options}");
+    let laws = Laws::with_options(&[&decks[0], &decks[1]], options);
+    let length = laws.length();
+    let workspace = WorkspaceHandle::new();
+    let mut bodies = random_bodies(5);
+    let count = bodies.len();
+    let mut list = List::near(&bodies, OWNED, length);
+    let mut alone = List::near(&bodies, OWNED, length);
+    let mut tallies = no_tallies();
+    let mut work = 0.0;
+    let mut work_scale = 0.0;
+    for n in 0..steps {
+        // The first is the set-up of a run: nothing advances.
+        let step = EllgranStep {
+            advance_history: (n > 0) as i32,
+            ..STEP
+        };
+        if n > 0 {
+            advance(&mut bodies, step.time_step);
+        }
+        let mut arrays = Arrays::new(&bodies, OWNED);
+        let mut energies = vec![0.0; count];
+        let mut virials = vec![[0.0; 6]; count];
+        tallies.particle_energies = energies.as_mut_ptr();
+        tallies.particle_virials = virials.as_mut_ptr().cast();
+        let (particles, view) = (arrays.particles(), list.view(newton));
+        // SAFETY: all arrays live to the end of the step.
+        ok(unsafe {
+            ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &step, &mut tallies)
+        });
+
+        let mut sums = Sums {
+            forces: vec![[0.0; 3]; count],
+            torques: vec![[0.0; 3]; count],
+            force_scale: vec![0.0; count],
+            torque_scale: vec![0.0; count],
+            energies: vec![0.0; count],
+            virials: vec![[0.0; 6]; count],
+            normal_energy: 0.0,
+            tangential_energy: 0.0,
+            virial: [0.0; 6],
+            virial_scale: 0.0,
+            touching: 0.0,
+        };
+        let mut memory_scale = vec![0.0f64; length];
+        for i in 0..OWNED {
+            for (m, j) in alone.rows[i].iter().map(|j| *j as usize).enumerate() {
+                let mut force = Untouched::<EllgranContactForce>::new();
+                let mut geometry = Untouched::<EllgranContactGeometry>::new();
+                let flag = &mut alone.touching[i][m];
+                let before = *flag;
+                let history = &mut alone.history[i][m * length..(m + 1) * length];
+                // SAFETY: all arguments are valid.
+                let (f, penetration) = unsafe {
+                    ok(ellgran_contact(
+                        laws.0,
+                        &bodies[i],
+                        &bodies[j],
+                        &step,
+                        flag,
+                        history.as_mut_ptr(),
+                        geometry.pointer(),
+                        force.pointer(),
+                    ));
+                    (*force.pointer(), (*geometry.pointer()).penetration)
+                };
+                for (scale, h) in memory_scale.iter_mut().zip(history.iter()) {
+                    *scale = scale.max(h.abs());
+                }
+                seen.contacts += *flag as usize;
+                seen.begun += (*flag > before && n > 0) as usize;
+                seen.ended += (*flag < before) as usize;
+                seen.tangential += (size(&f.tangential_force) > 0.0) as usize;
+                let reacts = newton || j < OWNED;
+                let weight = if reacts { 1.0 } else { 0.5 };
+                let d: [f64; 3] =
+                    std::array::from_fn(|k| bodies[j].position[k] - bodies[i].position[k]);
+                let virial = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+                    .map(|(a, b)| d[a] * f.force[b]);
+                // Of a small overlap of large bodies, rounding is the larger part.
+                let amplified = 1.0 + ROUNDING / TOLERANCE * size(&d) / penetration.abs();
+                let energy = 0.5 * (f.elastic_energy + f.tangential_energy);
+                for (k, sign, torque) in [(i, -1.0, f.torque_i), (j, 1.0, f.torque_j)] {
+                    if k == j && !reacts {
+                        continue;
+                    }
+                    add(&mut sums.forces[k], &f.force, sign);
+                    add(&mut sums.torques[k], &torque, 1.0);
+                    sums.force_scale[k] += amplified * size(&f.force);
+                    sums.torque_scale[k] += amplified * (size(&torque) + size(&f.force));
+                    sums.energies[k] += energy;
+                    add(&mut sums.virials[k], &virial, 0.5);
+                }
+                sums.normal_energy += weight * f.elastic_energy;
+                sums.tangential_energy += weight * f.tangential_energy;
+                add(&mut sums.virial, &virial, weight);
+                sums.virial_scale += size(&virial);
+                sums.touching += weight * f64::from(*flag);
+                if n > 0 {
+                    let power = f.viscous_power + f.tangential_power;
+                    work += weight * step.time_step * power;
+                    work_scale +=
+                        step.time_step * (f.viscous_power.abs() + f.tangential_power.abs());
+                }
+            }
+        }
+
+        let at = format!("{what} step {n}");
+        let widened = if decks[0].contains("tfd") {
+            SLIDING_TOLERANCE / TOLERANCE
+        } else {
+            1.0
+        };
+        if length > 0 {
+            assert_eq!(list.touching, alone.touching, "{at}");
+        }
+        for (a, b) in list.history.iter().zip(&alone.history) {
+            for (k, (x, y)) in a.iter().zip(b).enumerate() {
+                close(
+                    &[*x],
+                    &[*y],
+                    HISTORY_TOLERANCE / TOLERANCE * memory_scale[k % length],
+                    &format!("{at}: history {}", k % length),
+                );
+            }
+        }
+        let energy = sums.normal_energy + sums.tangential_energy;
+        for k in 0..count {
+            let at = format!("{at}: particle {k}");
+            close(
+                &arrays.forces[k],
+                &sums.forces[k],
+                widened * sums.force_scale[k],
+                &at,
+            );
+            close(
+                &arrays.torques[k],
+                &sums.torques[k],
+                widened * sums.torque_scale[k],
+                &at,
+            );
+            close(&[energies[k]], &[sums.energies[k]], energy, &at);
+            close(
+                &virials[k],
+                &sums.virials[k],
+                widened * sums.virial_scale,
+                &at,
+            );
+        }
+        close(
+            &[tallies.normal_elastic_energy],
+            &[sums.normal_energy],
+            energy,
+            &at,
+        );
+        close(
+            &[tallies.tangential_elastic_energy],
+            &[sums.tangential_energy],
+            energy,
+            &at,
+        );
+        close(
+            &tallies.virial,
+            &sums.virial,
+            widened * sums.virial_scale,
+            &at,
+        );
+        close(
+            &[tallies.accumulated_work],
+            &[work],
+            widened * work_scale,
+            &at,
+        );
+        let dissipated = tallies.accumulated_work - tallies.tangential_elastic_energy;
+        assert_eq!(tallies.dissipated_energy, dissipated, "{at}");
+        assert_eq!(tallies.touching_count, sums.touching, "{at}");
+        let pairs: usize = list.rows.iter().map(Vec::len).sum();
+        assert_eq!(tallies.pair_count, pairs as i64, "{at}");
+    }
+}
+
+#[test]
+fn every_combination_of_laws_with_newton_on() {
+    let mut seen = Seen::default();
+    let all = combinations();
+    assert_eq!(all.len(), 624);
+    for decks in &all {
+        compare(decks, 0, true, 10, &mut seen);
+    }
+    seen.check(100_000);
+}
+
+#[test]
+fn every_combination_of_laws_with_newton_off_and_ghosts() {
+    let mut seen = Seen::default();
+    for decks in &combinations() {
+        compare(decks, 0, false, 10, &mut seen);
+    }
+    seen.check(100_000);
+}
+
+#[test]
+fn a_longer_history() {
+    let mut seen = Seen::default();
+    let nfd = ["nfd 1e4 0.3 40 60", "nfd 3e4 0.2 90 30"];
+    for tangential in tangential_laws() {
+        let decks = [0, 1].map(|k| format!("{} {}", nfd[k], tangential[k]));
+        for newton in [true, false] {
+            compare(&decks, 0, newton, 40, &mut seen);
+        }
+    }
+    seen.check(10_000);
+}
+
+#[test]
+fn without_the_cached_normal() {
+    let mut seen = Seen::default();
+    for tangential in tangential_laws() {
+        let decks = [0, 1].map(|k| {
+            format!(
+                "{} {}",
+                ["hertz 1e4 0.3", "hertz 3e4 0.2"][k],
+                tangential[k]
+            )
+        });
+        for newton in [true, false] {
+            compare(&decks, ELLGRAN_OPTION_NO_WARM_START, newton, 20, &mut seen);
+        }
+    }
+    seen.check(10_000);
+}

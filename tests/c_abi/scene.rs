@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Laws, bodies, and the arrays of an engine.
+
+use std::ffi::{CStr, CString};
+use std::mem::MaybeUninit;
+use std::ptr;
+
+use ellgran::c_api::contact::EllgranBody;
+use ellgran::c_api::law::*;
+use ellgran::c_api::neighbour_list::EllgranNeighbourList;
+use ellgran::c_api::particles::*;
+use ellgran::c_api::status::*;
+use ellgran::c_api::tallies::EllgranTallies;
+
+/// Succeeds, or shows the library's own message.
+#[track_caller]
+pub fn ok(status: i32) {
+    assert_eq!(status, ELLGRAN_SUCCESS, "{}", message());
+}
+
+/// Fails with this status and a message that holds these words.
+#[track_caller]
+pub fn fails(status: i32, expected: i32, words: &[&str]) {
+    let message = message();
+    assert_eq!(status, expected, "{message}");
+    for word in words {
+        assert!(message.contains(word), "'{word}' is not in: {message}");
+    }
+}
+
+pub fn message() -> String {
+    // SAFETY: never NULL and ends with NUL.
+    let text = unsafe { CStr::from_ptr(ellgran_last_error()) };
+    text.to_str().expect("UTF-8").to_owned()
+}
+
+/// Calls the parser with the words of a line.
+pub fn parse_status(deck: &str, consumed: *mut usize, out: *mut EllgranLawParameters) -> i32 {
+    let words: Vec<CString> = deck
+        .split_whitespace()
+        .map(|word| CString::new(word).unwrap())
+        .collect();
+    let pointers: Vec<_> = words.iter().map(|word| word.as_ptr()).collect();
+    // SAFETY: the strings live to the end of the call; the outputs are the caller's.
+    unsafe { ellgran_law_parameters_parse(pointers.len(), pointers.as_ptr(), consumed, out) }
+}
+
+pub fn parse(deck: &str) -> EllgranLawParameters {
+    let mut out = MaybeUninit::uninit();
+    ok(parse_status(deck, ptr::null_mut(), out.as_mut_ptr()));
+    // SAFETY: written on success.
+    unsafe { out.assume_init() }
+}
+
+/// Laws of as many types as there are lines; pairs of types are mixed.
+pub struct Laws(pub *mut EllgranLaws);
+
+impl Laws {
+    pub fn new(decks: &[&str]) -> Laws {
+        Laws::with_options(decks, 0)
+    }
+
+    pub fn with_options(decks: &[&str], options: u32) -> Laws {
+        let types = decks.len();
+        let mut parameters = vec![parse(decks[0]); types * types];
+        let mut set = vec![0; types * types];
+        for (k, deck) in decks.iter().enumerate() {
+            parameters[k * (types + 1)] = parse(deck);
+            set[k * (types + 1)] = 1;
+        }
+        let mut laws = ptr::null_mut();
+        // SAFETY: the arrays have types * types entries.
+        ok(unsafe {
+            ellgran_laws_new(
+                types as i32,
+                parameters.as_ptr(),
+                set.as_ptr(),
+                options,
+                &mut laws,
+            )
+        });
+        Laws(laws)
+    }
+
+    pub fn length(&self) -> usize {
+        // SAFETY: valid since it was made.
+        unsafe { ellgran_laws_history_length(self.0) as usize }
+    }
+}
+
+impl Drop for Laws {
+    fn drop(&mut self) {
+        // SAFETY: made by ellgran_laws_new and not used again.
+        unsafe { ellgran_laws_free(self.0) }
+    }
+}
+
+pub struct WorkspaceHandle(pub *mut EllgranWorkspace);
+
+impl WorkspaceHandle {
+    pub fn new() -> WorkspaceHandle {
+        let mut workspace = ptr::null_mut();
+        // SAFETY: valid for writes.
+        ok(unsafe { ellgran_workspace_new(&mut workspace) });
+        WorkspaceHandle(workspace)
+    }
+}
+
+impl Drop for WorkspaceHandle {
+    fn drop(&mut self) {
+        // SAFETY: made by ellgran_workspace_new and not used again.
+        unsafe { ellgran_workspace_free(self.0) }
+    }
+}
+
+/// Output filled with a pattern, to see that a failing call leaves it alone.
+pub struct Untouched<T>(Box<MaybeUninit<T>>);
+
+const PATTERN: u8 = 0xA5;
+
+impl<T> Untouched<T> {
+    pub fn new() -> Untouched<T> {
+        let mut out = Box::new(MaybeUninit::uninit());
+        // SAFETY: any bytes may be there.
+        unsafe { ptr::write_bytes(out.as_mut_ptr(), PATTERN, 1) };
+        Untouched(out)
+    }
+
+    pub fn pointer(&mut self) -> *mut T {
+        self.0.as_mut_ptr()
+    }
+
+    #[track_caller]
+    pub fn check(&self) {
+        // SAFETY: all bytes were written, padding included, and a failing call writes none.
+        let bytes =
+            unsafe { std::slice::from_raw_parts(self.0.as_ptr().cast::<u8>(), size_of::<T>()) };
+        assert!(bytes.iter().all(|b| *b == PATTERN), "output was written");
+    }
+}
+
+pub const STEP: EllgranStep = EllgranStep {
+    time_step: 1e-2,
+    advance_history: 1,
+};
+
+/// Numbers that only look random (splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
+    }
+
+    pub fn vector<const N: usize>(&mut self, low: f64, high: f64) -> [f64; N] {
+        std::array::from_fn(|_| self.between(low, high))
+    }
+}
+
+/// A unit sphere of type 1 with a centre on the x axis.
+pub fn sphere_at(x: f64) -> EllgranBody {
+    EllgranBody {
+        position: [x, 0.0, 0.0],
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        semi_axes: [1.0; 3],
+        velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+        mass: 1.0,
+        kind: 1,
+        identifier: 7,
+    }
+}
+
+/// Sixty-four triaxial ellipsoids of two types about the points of a lattice, many of them touching.
+pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
+    let mut random = Random(seed);
+    let mut bodies: Vec<EllgranBody> = (0..64)
+        .map(|k| {
+            let lattice = [k % 4, k / 4 % 4, k / 16].map(|c| 2.0 * c as f64);
+            EllgranBody {
+                position: lattice.map(|c| c + random.between(-0.1, 0.1)),
+                quaternion: random.vector(-1.0, 1.0),
+                semi_axes: random.vector(0.7, 1.35),
+                velocity: random.vector(-0.5, 0.5),
+                angular_velocity: random.vector(-0.5, 0.5),
+                mass: random.between(0.5, 2.0),
+                kind: 1 + (k % 2),
+                identifier: 1000 + i64::from(k),
+            }
+        })
+        .collect();
+    // A frozen one, and two spheres that are neighbours.
+    bodies[20].mass = f64::INFINITY;
+    bodies[21].semi_axes = [1.05; 3];
+    bodies[22].semi_axes = [1.1; 3];
+    bodies
+}
+
+/// Moves bodies by their velocities.
+pub fn advance(bodies: &mut [EllgranBody], time: f64) {
+    for body in bodies {
+        for (x, v) in body.position.iter_mut().zip(body.velocity) {
+            *x += time * v;
+        }
+        let ([w, x, y, z], [a, b, c]) = (body.quaternion, body.angular_velocity);
+        let rate = [
+            -a * x - b * y - c * z,
+            a * w + b * z - c * y,
+            b * w + c * x - a * z,
+            c * w + a * y - b * x,
+        ];
+        for (q, r) in body.quaternion.iter_mut().zip(rate) {
+            *q += 0.5 * time * r;
+        }
+    }
+}
+
+/// An engine's arrays.
+pub struct Arrays {
+    pub owned: usize,
+    pub positions: Vec<[f64; 3]>,
+    pub velocities: Vec<[f64; 3]>,
+    pub angular_velocities: Vec<[f64; 3]>,
+    pub masses: Vec<f64>,
+    pub types: Vec<i32>,
+    pub semi_axes: Vec<[f64; 3]>,
+    pub quaternions: Vec<[f64; 4]>,
+    pub identifiers: Vec<i64>,
+    pub forces: Vec<[f64; 3]>,
+    pub torques: Vec<[f64; 3]>,
+}
+
+impl Arrays {
+    pub fn new(bodies: &[EllgranBody], owned: usize) -> Arrays {
+        fn all<T>(bodies: &[EllgranBody], of: impl Fn(&EllgranBody) -> T) -> Vec<T> {
+            bodies.iter().map(of).collect()
+        }
+        Arrays {
+            owned,
+            positions: all(bodies, |b| b.position),
+            velocities: all(bodies, |b| b.velocity),
+            angular_velocities: all(bodies, |b| b.angular_velocity),
+            masses: all(bodies, |b| b.mass),
+            types: all(bodies, |b| b.kind),
+            semi_axes: all(bodies, |b| b.semi_axes),
+            quaternions: all(bodies, |b| b.quaternion),
+            identifiers: all(bodies, |b| b.identifier),
+            forces: vec![[0.0; 3]; bodies.len()],
+            torques: vec![[0.0; 3]; bodies.len()],
+        }
+    }
+
+    pub fn particles(&mut self) -> EllgranParticles {
+        EllgranParticles {
+            owned_count: self.owned,
+            count: self.positions.len(),
+            positions: self.positions.as_ptr().cast(),
+            velocities: self.velocities.as_ptr().cast(),
+            angular_velocities: self.angular_velocities.as_ptr().cast(),
+            angular_momenta: ptr::null(),
+            masses: self.masses.as_ptr(),
+            contact_masses: ptr::null(),
+            types: self.types.as_ptr(),
+            shape_indices: ptr::null(),
+            semi_axes: self.semi_axes.as_ptr().cast(),
+            semi_axes_stride: size_of::<[f64; 3]>(),
+            quaternions: self.quaternions.as_ptr().cast(),
+            quaternions_stride: size_of::<[f64; 4]>(),
+            identifiers: self.identifiers.as_ptr().cast(),
+            identifier_bytes: 8,
+            forces: self.forces.as_mut_ptr().cast(),
+            torques: self.torques.as_mut_ptr().cast(),
+        }
+    }
+}
+
+/// A neighbour list with its history.
+pub struct List {
+    pub central: Vec<i32>,
+    counts: Vec<i32>,
+    pub rows: Vec<Vec<i32>>,
+    pub touching: Vec<Vec<i32>>,
+    pub history: Vec<Vec<f64>>,
+    row_pointers: Vec<*const i32>,
+    touching_pointers: Vec<*mut i32>,
+    history_pointers: Vec<*mut f64>,
+}
+
+impl List {
+    /// Pairs of an owned particle with any other within reach, each once.
+    pub fn near(bodies: &[EllgranBody], owned: usize, length: usize) -> List {
+        let near = |a: &EllgranBody, b: &EllgranBody| {
+            let radius = |x: &EllgranBody| x.semi_axes.iter().fold(0.0f64, |m, s| m.max(*s));
+            let squared: f64 = (0..3)
+                .map(|k| (a.position[k] - b.position[k]).powi(2))
+                .sum();
+            squared.sqrt() < radius(a) + radius(b) + 0.2
+        };
+        let rows = (0..owned)
+            .map(|i| {
+                (i + 1..bodies.len())
+                    .filter(|j| near(&bodies[i], &bodies[*j]))
+                    .map(|j| j as i32)
+                    .collect()
+            })
+            .collect();
+        List::new(rows, length)
+    }
+
+    pub fn new(rows: Vec<Vec<i32>>, length: usize) -> List {
+        List {
+            central: (0..rows.len() as i32).collect(),
+            counts: rows.iter().map(|row| row.len() as i32).collect(),
+            touching: rows.iter().map(|row| vec![0; row.len()]).collect(),
+            history: rows
+                .iter()
+                .map(|row| vec![0.0; row.len() * length])
+                .collect(),
+            rows,
+            row_pointers: Vec::new(),
+            touching_pointers: Vec::new(),
+            history_pointers: Vec::new(),
+        }
+    }
+
+    pub fn view(&mut self, newton: bool) -> EllgranNeighbourList {
+        self.row_pointers = self.rows.iter().map(|row| row.as_ptr()).collect();
+        self.touching_pointers = self
+            .touching
+            .iter_mut()
+            .map(|row| row.as_mut_ptr())
+            .collect();
+        self.history_pointers = self
+            .history
+            .iter_mut()
+            .map(|row| row.as_mut_ptr())
+            .collect();
+        EllgranNeighbourList {
+            count: self.central.len(),
+            central: self.central.as_ptr(),
+            neighbour_counts: self.counts.as_ptr(),
+            neighbours: self.row_pointers.as_ptr(),
+            index_mask: -1,
+            special_shift: 0,
+            special_factors: ptr::null(),
+            touching: self.touching_pointers.as_ptr(),
+            history: self.history_pointers.as_ptr(),
+            newton: newton as i32,
+        }
+    }
+}
+
+pub fn no_tallies() -> EllgranTallies {
+    EllgranTallies {
+        particle_energies: ptr::null_mut(),
+        particle_virials: ptr::null_mut(),
+        accumulated_work: 0.0,
+        dissipated_energy: 0.0,
+        normal_elastic_energy: 0.0,
+        tangential_elastic_energy: 0.0,
+        virial: [0.0; 6],
+        touching_count: 0.0,
+        pair_count: 0,
+    }
+}

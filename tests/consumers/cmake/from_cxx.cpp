@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// The same overlap from C++.
+#include <ellgran.h>
+
+#include <iostream>
+
+int main()
+{
+  EllgranBody i = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
+  EllgranBody j = i;
+  j.position[0] = 1.5;
+  EllgranContactGeometry geometry;
+  if (ellgran_contact_geometry(nullptr, &i, &j, nullptr, &geometry) != ELLGRAN_SUCCESS) {
+    std::cerr << ellgran_last_error() << '\n';
+    return 1;
+  }
+  std::cout << "ellgran " << ellgran_version() << ": " << geometry.touching << " " << geometry.penetration << '\n';
+}

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The programs of examples/: they compile without a warning and print what they say that they print.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::harness::{build, root, scratch, succeed, Language};
+use crate::two_grains;
+
+fn source(name: &str) -> PathBuf {
+    root().join("examples").join("c").join(name)
+}
+
+/// What the comment at the top of a source shows as its output.
+fn promised(name: &str) -> String {
+    let text = fs::read_to_string(source(name)).expect("an example");
+    let lines: Vec<&str> = text
+        .lines()
+        .skip_while(|line| !line.contains("Prints"))
+        .skip_while(|line| !line.trim_start_matches(['*', '/', ' ']).is_empty())
+        .take_while(|line| !line.contains("*/") && !line.starts_with("#include"))
+        .map(|line| line.trim_start_matches([' ', '/', '*']))
+        .filter(|line| !line.is_empty())
+        .collect();
+    assert!(lines.len() > 3, "{name} shows no output");
+    lines.join("\n")
+}
+
+/// The same words, and numbers that differ by no more than another compiler's rounding.
+fn assert_same(printed: &str, expected: &str, what: &str) {
+    let words = |text: &str| -> Vec<String> {
+        text.split(|c: char| c.is_whitespace() || "(),".contains(c))
+            .filter(|word| !word.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let (left, right) = (words(printed), words(expected));
+    let same = left.len() == right.len()
+        && left.iter().zip(&right).all(|(a, b)| {
+            match (a.parse::<f64>(), b.parse::<f64>()) {
+                // Half a unit in the last printed place of the smallest column, or a part in a thousand.
+                (Ok(a), Ok(b)) => (a - b).abs() <= 0.002 + 0.001 * b.abs(),
+                _ => a == b,
+            }
+        });
+    assert!(same, "{what}\nprints:\n{printed}\nand not:\n{expected}");
+}
+
+fn printed(name: &str, language: Language) -> String {
+    let program = scratch(name).join("program");
+    succeed(&mut build(language, &source(name), &program, &[]));
+    succeed(&mut Command::new(program))
+}
+
+#[test]
+fn two_grains_in_c_and_in_rust() {
+    let c = printed("two_grains.c", Language::C99);
+    assert_same(&c, &promised("two_grains.c"), "two_grains.c");
+    let rust = two_grains::collide().expect("the collision");
+    assert_same(&rust, &c, "two_grains.rs");
+}
+
+#[test]
+fn neighbour_list_in_cxx() {
+    let cxx = printed("neighbour_list.cpp", Language::Cxx11);
+    assert_same(&cxx, &promised("neighbour_list.cpp"), "neighbour_list.cpp");
+}
+
+/// The first fenced block of the README in this language.
+fn readme_block(language: &str) -> String {
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let (_, rest) = readme
+        .split_once(&format!("\n```{language}\n"))
+        .expect("a block");
+    rest.split_once("```")
+        .expect("an end of the block")
+        .0
+        .to_owned()
+}
+
+#[test]
+fn the_c_program_of_the_readme() {
+    let directory = scratch("readme");
+    let source = directory.join("readme.c");
+    fs::write(&source, readme_block("c")).expect("a source");
+    let program = directory.join("program");
+    succeed(&mut build(Language::C99, &source, &program, &[]));
+    let text = succeed(&mut Command::new(program));
+    let force = text
+        .strip_prefix("normal force ")
+        .and_then(|rest| rest.split(' ').next())
+        .and_then(|number| number.parse::<f64>().ok());
+    assert!(force.is_some_and(|f| f > 0.0 && f.is_finite()), "{text}");
+}

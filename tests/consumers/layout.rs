@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sizes, offsets and constants are those of the Rust side for a C and a C++ compiler, and every declared function is in
+//! the library.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use ellgran::c_api::contact::{EllgranBody, EllgranContactForce, EllgranContactGeometry};
+use ellgran::c_api::law::*;
+use ellgran::c_api::neighbour_list::EllgranNeighbourList;
+use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
+use ellgran::c_api::planes::EllgranPlane;
+use ellgran::c_api::staged::EllgranWallSurface;
+use ellgran::c_api::status::*;
+use ellgran::c_api::tallies::EllgranTallies;
+use ellgran::c_api::version::ELLGRAN_ABI_VERSION;
+use ellgran::c_api::walls::EllgranWallContact;
+
+use crate::harness::{build, compiler, fail, header, installed, scratch, succeed, Language};
+
+/// What must hold, as C expressions.
+#[derive(Default)]
+struct Claims {
+    names: BTreeSet<&'static str>,
+    expressions: Vec<String>,
+}
+
+/// Size of the field that an accessor borrows.
+fn field_size<S, F>(_: fn(&S) -> &F) -> usize {
+    size_of::<F>()
+}
+
+macro_rules! structures {
+    ($claims:ident: $($name:ident { $($field:ident),* $(,)? })*) => {$(
+        // Fails to compile where a field is missing here.
+        let _ = |x: $name| { let $name { $($field: _),* } = x; };
+        $claims.names.insert(stringify!($name));
+        $claims.expressions.push(format!("sizeof({}) == {}", stringify!($name), size_of::<$name>()));
+        $(
+            let (name, field) = (stringify!($name), stringify!($field));
+            let bytes = field_size(|x: &$name| &x.$field);
+            $claims.expressions.push(format!(
+                "offsetof({name}, {field}) == {}", core::mem::offset_of!($name, $field)));
+            $claims.expressions.push(format!("sizeof((({name} *) 0)->{field}) == {bytes}"));
+        )*
+    )*};
+}
+
+macro_rules! constants {
+    ($claims:ident: $($name:ident)*) => {$(
+        $claims.names.insert(stringify!($name));
+        $claims.expressions.push(format!("{} == {}", stringify!($name), $name));
+    )*};
+}
+
+fn claims() -> Claims {
+    let mut claims = Claims::default();
+    structures! { claims:
+        EllgranBody { position, quaternion, semi_axes, velocity, angular_velocity, mass, kind, identifier }
+        EllgranContactGeometry {
+            touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
+            major_direction,
+        }
+        EllgranContactForce {
+            force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
+            tangential_energy, viscous_power, tangential_power, contact_semi_axes,
+        }
+        EllgranLawParameters {
+            struct_version, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
+            limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
+            normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
+        }
+        EllgranNeighbourList {
+            count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, touching, history,
+            newton,
+        }
+        EllgranParticles {
+            owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
+            types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
+            identifier_bytes, forces, torques,
+        }
+        EllgranWallSurface { point, normal, direction, curvatures, turning_radii, velocity }
+        EllgranWallContact { surface, triangle, weights }
+        EllgranStep { time_step, advance_history }
+        EllgranPlane { point, normal, velocity }
+        EllgranTallies {
+            particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
+            tangential_elastic_energy, virial, touching_count, pair_count,
+        }
+    }
+    constants! { claims:
+        ELLGRAN_ABI_VERSION
+        ELLGRAN_NORMAL_HERTZ ELLGRAN_NORMAL_NFD ELLGRAN_NORMAL_LSD
+        ELLGRAN_DAMPING_NONE ELLGRAN_DAMPING_RESTITUTION ELLGRAN_DAMPING_RELAXATION
+        ELLGRAN_TANGENTIAL_NONE ELLGRAN_TANGENTIAL_TFD ELLGRAN_TANGENTIAL_MINDLIN ELLGRAN_TANGENTIAL_LINEAR
+        ELLGRAN_CLOSURE_ENERGY ELLGRAN_CLOSURE_SURFACE ELLGRAN_CLOSURE_BRILLIANTOV
+        ELLGRAN_UNLOADING_TING ELLGRAN_UNLOADING_FIRST_ORDER
+        ELLGRAN_FACTORS_EXACT ELLGRAN_FACTORS_HALE
+        ELLGRAN_DISPLACEMENT_TOTAL ELLGRAN_DISPLACEMENT_INCREMENTAL ELLGRAN_DISPLACEMENT_RESCALED
+        ELLGRAN_OPTION_NO_WARM_START
+        ELLGRAN_SUCCESS ELLGRAN_ERROR_NULL_POINTER ELLGRAN_ERROR_ARGUMENT ELLGRAN_ERROR_TEXT ELLGRAN_ERROR_LAW
+        ELLGRAN_ERROR_HALE ELLGRAN_ERROR_PARTICLE ELLGRAN_ERROR_PANIC
+    }
+    claims
+}
+
+/// The header without its comments.
+fn declarations() -> String {
+    let header = header();
+    let mut text = String::new();
+    let mut rest = header.as_str();
+    while let Some((before, after)) = rest.split_once("/*") {
+        text.push_str(before);
+        rest = after.split_once("*/").map_or("", |(_, rest)| rest);
+    }
+    text + rest
+}
+
+#[test]
+fn every_structure_and_constant_of_the_header_is_compared() {
+    let text = declarations();
+    let named: BTreeSet<&str> = text
+        .lines()
+        .filter_map(|line| {
+            let constant = line
+                .strip_prefix("#define ")
+                .and_then(|l| l.split_whitespace().next().filter(|n| *n != "ELLGRAN_H"));
+            let structure = line
+                .strip_prefix("typedef struct ")
+                .and_then(|l| l.strip_suffix(" {"));
+            constant.or(structure)
+        })
+        .collect();
+    assert_eq!(named, claims().names);
+}
+
+/// C99 has no static assertion: an array of negative size stands for one.
+fn assertions(expressions: &[String]) -> String {
+    let mut text = String::from("#include <ellgran.h>\n");
+    for (k, expression) in expressions.iter().enumerate() {
+        let _ = writeln!(text, "typedef char claim_{k}[({expression}) ? 1 : -1];");
+    }
+    text + "int main(void) { return 0; }\n"
+}
+
+fn compile(language: Language, directory: &Path, text: &str) -> Command {
+    let name = match language {
+        Language::C99 => "layout.c",
+        Language::Cxx11 => "layout.cpp",
+    };
+    let source = directory.join(name);
+    fs::write(&source, text).expect("a source");
+    let mut command = compiler(language);
+    command
+        .arg("-I")
+        .arg(installed().prefix.join("include"))
+        .arg("-c")
+        .arg(source)
+        .arg("-o")
+        .arg(directory.join("layout.o"));
+    command
+}
+
+#[test]
+fn sizes_offsets_and_constants_are_the_same() {
+    let directory = scratch("layout");
+    let mut expressions = claims().expressions;
+    assert!(expressions.len() > 150);
+    for language in [Language::C99, Language::Cxx11] {
+        succeed(&mut compile(
+            language,
+            &directory,
+            &assertions(&expressions),
+        ));
+    }
+    // One false claim among them must not pass.
+    expressions.push("offsetof(EllgranBody, quaternion) == 32".into());
+    fail(&mut compile(
+        Language::C99,
+        &directory,
+        &assertions(&expressions),
+    ));
+}
+
+#[test]
+fn every_declared_function_is_in_the_library() {
+    let text = declarations();
+    let names: BTreeSet<&str> = text
+        .split('(')
+        .filter_map(|before| before.rsplit([' ', '*', '\n']).next())
+        .filter(|name| name.starts_with("ellgran_"))
+        .collect();
+    assert!(names.len() > 15, "{names:?}");
+    let mut program = String::from(
+        "#include <ellgran.h>\ntypedef void (*Function)(void);\nstatic const Function all[] = {\n",
+    );
+    for name in &names {
+        let _ = writeln!(program, "  (Function) {name},");
+    }
+    program +=
+        "};\nint main(void) { return all[ellgran_abi_version() - ELLGRAN_ABI_VERSION] == NULL; }\n";
+    let directory = scratch("functions");
+    let source = directory.join("functions.c");
+    fs::write(&source, program).expect("a source");
+    let linked = directory.join("functions");
+    succeed(&mut build(Language::C99, &source, &linked, &[]));
+    succeed(&mut Command::new(linked));
+}

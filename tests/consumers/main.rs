@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What C, C++, CMake and pkg-config projects see of an installed library: they are built and run.
+
+mod examples;
+mod harness;
+mod layout;
+mod packages;
+#[path = "../../xtask/src/install/prefix.rs"]
+mod prefix;
+mod sanitizer;
+#[path = "../../examples/rust/two_grains.rs"]
+mod two_grains;

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Do force and torques of random pairs agree with the high-precision reference of `validation/reference`?
+
+use std::fmt::Write as _;
+use std::fs;
+
+use crate::harness::{data, execute, fresh_directory, Deck, Engine};
+use crate::lammps::{last_lines, parse_frames, Frame, Grain, Scene};
+use crate::shapes::{length, sub, Vector};
+use crate::support::golden::{pairs, GoldenPair, Wrench};
+
+const TOLERANCE: f64 = 1e-9;
+
+fn array(v: crate::support::scene::Vector) -> Vector {
+    [v[0], v[1], v[2]]
+}
+
+/// All pairs in one process, `clear` between them.
+fn frames(pairs: &[GoldenPair], name: &str, conservative: &str) -> Vec<Frame> {
+    let engine = Engine::from_environment();
+    let directory = fresh_directory(name);
+    let mut text = String::new();
+    for (k, pair) in pairs.iter().enumerate() {
+        let grains = [&pair.i, &pair.j]
+            .map(|b| Grain {
+                kind: b.kind as usize,
+                density: 1.0,
+                ..Grain::new(b.semi_axes, b.position).turned(b.quaternion)
+            })
+            .to_vec();
+        let scene = Scene::open(8.0, grains);
+        fs::write(
+            directory.join(format!("{k}.data")),
+            data(&scene, "superquadric"),
+        )
+        .unwrap();
+        let deck = Deck {
+            settings: format!("conservative {conservative}"),
+            materials: pair.materials.map(|[e, nu]| [e, nu, 0.0, 0.0]).to_vec(),
+            skin: 0.1,
+            time_step: 1e-12,
+            ..Deck::new([0.0; 4], 0.5)
+        };
+        writeln!(
+            text,
+            "clear\n{}",
+            deck.text(&scene, &format!("{k}.data"), &format!("{k}.frame"))
+        )
+        .unwrap();
+    }
+    let (success, output) = execute(&engine, &directory, &text, 1);
+    assert!(
+        success,
+        "LIGGGHTS failed in {}:\n{}",
+        directory.display(),
+        last_lines(&output)
+    );
+    (0..pairs.len())
+        .map(|k| {
+            let text = fs::read_to_string(directory.join(format!("{k}.frame"))).unwrap();
+            parse_frames(&text).pop().expect("no frame was written")
+        })
+        .collect()
+}
+
+fn hold(aspect: usize) {
+    let pairs = pairs(aspect);
+    for (conservative, of) in [
+        ("off", (|p| p.hertz) as fn(&GoldenPair) -> Wrench),
+        ("on", |p| p.conservative),
+    ] {
+        let frames = frames(&pairs, &format!("{aspect}_{conservative}"), conservative);
+        let (mut worst, mut largest, mut failures) = (0.0f64, 0.0f64, vec![]);
+        for (pair, frame) in pairs.iter().zip(&frames) {
+            let wrench = of(pair);
+            let [i, j] = [&frame.states[0], &frame.states[1]];
+            let (f, ti, tj) = (
+                array(wrench.force),
+                array(wrench.torque_i),
+                array(wrench.torque_j),
+            );
+            let size = length(f);
+            let arm = [pair.i.semi_axes, pair.j.semi_axes]
+                .concat()
+                .into_iter()
+                .fold(0.0, f64::max);
+            let extent = [pair.i.position, pair.j.position]
+                .concat()
+                .into_iter()
+                .fold(arm, |m, x| m.max(x.abs()));
+            let allowed = TOLERANCE.max(8.0 * f64::EPSILON * extent / pair.penetration);
+            let torque = |got: Vector, wanted: Vector| {
+                length(sub(got, wanted)) / length(wanted).max(1e-3 * size * arm)
+            };
+            let error = (length(sub(j.force, f)) / size)
+                .max(torque(i.torque, ti))
+                .max(torque(j.torque, tj));
+            worst = worst.max(error / allowed);
+            if allowed == TOLERANCE {
+                largest = largest.max(error);
+            }
+            if !(error <= allowed) {
+                failures.push(format!(
+                    "case {}: {error:.2e}, allowed {allowed:.2e}",
+                    pair.case
+                ));
+            }
+        }
+        println!(
+            "{} pairs of aspect ratio up to {aspect}, conservative {conservative}: largest error {largest:.1e} where rounding permits {TOLERANCE:.0e}; largest share of the allowance {worst:.2}",
+            pairs.len()
+        );
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    }
+}
+
+#[test]
+fn golden_pairs_aspect_10() {
+    hold(10);
+}
+
+#[test]
+fn golden_pairs_aspect_100() {
+    hold(100);
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What must hold through a real LIGGGHTS. One question per file.
+//!
+//! ELLGRAN_TEST_LIGGGHTS names the patched binary (`cargo xtask path liggghts`), ELLGRAN_TEST_MPIRUN the launcher. One test also
+//! runs LAMMPS, see `tests/lammps`.
+
+mod harness;
+#[allow(dead_code)]
+#[path = "../lammps/harness.rs"]
+mod lammps;
+#[allow(dead_code)]
+#[path = "../lammps/shapes.rs"]
+mod shapes;
+#[allow(dead_code)]
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bounce;
+mod cylinder;
+mod decomposition;
+mod golden_pairs;
+mod installer;
+mod meshes;
+mod misuse;
+mod restart;
+mod same_motion;
+mod spheres;

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Properties that every contact law is held to, on random contacts; cases that once failed are kept in
+//! `tests/proptest-regressions` and run first.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod attraction;
+mod coulomb_limit;
+mod deepest_normal;
+mod elastic_collision;
+mod energy_gradient;
+mod exchange_of_bodies;
+mod extremes;
+mod first_touch;
+mod gap;
+mod momentum;
+mod passivity;
+mod relabelling;
+mod rigid_motion;
+mod slender;
+mod spheres;
+mod touching_or_not;
+mod transported_history;
+mod units;
+mod warm_start;

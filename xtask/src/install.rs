@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The release library, its header, and its pkg-config and CMake files, put where C and C++ projects look for them.
+
+mod prefix;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::progress::say;
+use crate::workspace::{cargo, root, target_directory};
+use crate::{library, process};
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Where lib/ and include/ are to be
+    #[arg(long)]
+    prefix: PathBuf,
+}
+
+pub fn install(options: &Options) -> Result<()> {
+    into(&options.prefix)?;
+    let prefix = std::path::absolute(&options.prefix)?;
+    say(format!(
+        "installed into {0}\n  pkg-config: PKG_CONFIG_PATH={0}/lib/pkgconfig\n  CMake:      -DCMAKE_PREFIX_PATH={0}",
+        prefix.display()
+    ));
+    Ok(())
+}
+
+pub fn into(prefix: &Path) -> Result<()> {
+    let system_libraries =
+        prefix::system_libraries(&root(), &target_directory()?.join(prefix::TEST_PROFILE))?;
+    let metadata: serde_json::Value = serde_json::from_str(&process::output_of(cargo().args([
+        "metadata",
+        "--format-version=1",
+        "--no-deps",
+        "--offline",
+    ]))?)?;
+    let package = metadata["packages"]
+        .as_array()
+        .and_then(|packages| packages.iter().find(|p| p["name"] == "ellgran"))
+        .context("cargo metadata names no package ellgran")?;
+    let text = |key: &str| {
+        package[key]
+            .as_str()
+            .with_context(|| format!("Cargo.toml has no {key}"))
+    };
+    prefix::fill(
+        prefix,
+        &root(),
+        &library::library()?,
+        &prefix::Package {
+            version: text("version")?,
+            description: text("description")?,
+            system_libraries: &system_libraries,
+        },
+    )?;
+    Ok(())
+}
