@@ -143,10 +143,13 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
     refresh_body_masses();
   }
   refresh_contact_masses();
-  if (update->ntimestep == output->next_restart) gather_work();
   std::fill_n(pvector, nextra, 0.0);
-  if (atom->nlocal + atom->nghost == 0) return;
+  if (atom->nlocal + atom->nghost > 0) add_forces();
+  if (work_wanted && update->ntimestep == output->next_restart) gather_work();
+}
 
+void PairGranEllipsoid::add_forces()
+{
   EllgranParticles particles = atoms.view();
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
 

@@ -79,6 +79,7 @@ class PairGranEllipsoid : public Pair {
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
   void allocate();
+  void add_forces();
   void find_largest_semi_axes();
   void build_laws();
   void place_history_fix();

@@ -8,6 +8,7 @@ mod cases;
 mod clock;
 mod scene;
 
+use std::cell::LazyCell;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Duration;
@@ -147,15 +148,19 @@ fn timed(steps: u64, mut step: impl FnMut() -> Duration) -> Duration {
 /// The whole list, by law and instruction set.
 fn laws(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     for case in CASES {
-        let scene = Scene::new(case.aspect, DENSE, case.types());
+        let scene = LazyCell::new(|| Scene::new(case.aspect, DENSE, case.types()));
         let laws = case.laws();
         let mut group = criterion.benchmark_group(format!("pairs, {}", case.name));
         for set in instruction_sets() {
-            let mut run = Run::new(&scene, &laws, case.energies, set);
-            facts.push(run.fact(format!("pairs, {}/{}", case.name, set.name())));
+            // Made when it is timed: a filter on the command line leaves the others alone.
+            let mut run = None;
             group.bench_function(BenchmarkId::from_parameter(set.name()), |b| {
+                let run = run.get_or_insert_with(|| Run::new(&scene, &laws, case.energies, set));
                 b.iter_custom(|steps| timed(steps, || run.advance()));
             });
+            facts.extend(
+                run.map(|mut run| run.fact(format!("pairs, {}/{}", case.name, set.name()))),
+            );
         }
     }
 }
@@ -169,12 +174,12 @@ fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
         ("rejected, cold start", APART, true),
         ("dense, cold start", DENSE, true),
     ] {
-        let scene = Scene::new(full.aspect, spacing, 1);
+        let scene = LazyCell::new(|| Scene::new(full.aspect, spacing, 1));
         let mut group = criterion.benchmark_group(name);
         for set in instruction_sets() {
-            let mut run = Run::new(&scene, &laws, false, set);
-            facts.push(run.fact(format!("{name}/{}", set.name())));
+            let mut run = None;
             group.bench_function(BenchmarkId::from_parameter(set.name()), |b| {
+                let run = run.get_or_insert_with(|| Run::new(&scene, &laws, false, set));
                 b.iter_custom(|steps| {
                     timed(steps, || {
                         if cold {
@@ -184,6 +189,7 @@ fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
                     })
                 });
             });
+            facts.extend(run.map(|mut run| run.fact(format!("{name}/{}", set.name()))));
         }
     }
 }

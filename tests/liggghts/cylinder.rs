@@ -148,7 +148,7 @@ fn needles_inside_a_cylinder_feel_every_tip() {
             length(sub(state.force, force)) / measure,
             length(sub(state.torque, torque)) / (measure * axes[0]),
         );
-        println!("{name}: forces {sizes:.3e?} N; difference {f:.1e}, torque {t:.1e}");
+        println!("{name}: forces {sizes:?} N; difference {f:.1e}, torque {t:.1e}");
         assert!(f < 1e-5 && t < 1e-5, "{name}");
     }
 }

@@ -2,6 +2,7 @@
 //! `cargo xtask`: the one door for set-up, demo and tests. Results on standard output, progress on standard error.
 
 mod apt_source;
+mod bench;
 mod cache;
 mod demo;
 mod header;
@@ -55,6 +56,8 @@ enum Task {
     Install(install::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
+    /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
+    Bench(bench::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -92,6 +95,7 @@ fn run(task: Task) -> Result<()> {
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
+        Task::Bench(options) => bench::bench(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())

@@ -130,8 +130,14 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     if filter.is_empty() {
         steps.run("demo", || {
             let output = tempfile::tempdir()?;
-            demo::run(output.path())
+            demo::run(demo::Which::Lammps, output.path())
         })?;
+        if root().join("examples").join("liggghts").is_dir() {
+            steps.run("demo through LIGGGHTS", || {
+                let output = tempfile::tempdir()?;
+                demo::run(demo::Which::Liggghts, output.path())
+            })?;
+        }
     }
     Ok(())
 }

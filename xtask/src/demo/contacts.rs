@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use super::chart::{
     self, Curve, Panel, GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT,
 };
+use super::deck;
 use super::engine::Engine;
 use super::material::Material;
 use super::table::Table;
@@ -44,7 +45,7 @@ struct Trial<'a> {
 impl Trial<'_> {
     fn run<const N: usize>(&self, engine: &Engine, deck: &str) -> Result<Vec<[f64; N]>> {
         let output = engine.path(&format!("{}.txt", self.name));
-        let output = output.to_str().context("the output path is not UTF-8")?;
+        let output = deck::text(&output)?;
         let mut variables = vec![
             ("atoms", self.atoms),
             ("style", self.style),
@@ -385,7 +386,7 @@ fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
 /// Two ellipsoids of aspect ratio 2 in an oblique collision with friction.
 pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     let example = engine.path("collision.dat");
-    let example = example.to_str().context("the output path is not UTF-8")?;
+    let example = deck::text(&example)?;
     engine.run("collision.lmp", "collision", &[("out", example)])?;
     let rows: Vec<[f64; 8]> = engine.columns("collision.dat")?;
     let touching: Vec<&[f64; 8]> = rows.iter().filter(|row| row[2] > 0.0).collect();

@@ -25,9 +25,12 @@ impl Grain {
     }
 }
 
-/// What our decks call the diameters and the quaternion, which spheres need not have.
+/// What our LAMMPS decks call the diameters and the quaternion, which spheres need not have.
 const DIAMETERS: [&str; 3] = ["c_shape[1]", "c_shape[2]", "c_shape[3]"];
 const ATTITUDE: [&str; 4] = ["c_quat[1]", "c_quat[2]", "c_quat[3]", "c_quat[4]"];
+/// What LIGGGHTS calls the semi-axes and the quaternion.
+const SEMI_AXES: [&str; 3] = ["shapex", "shapey", "shapez"];
+const LIGGGHTS_ATTITUDE: [&str; 4] = ["quat1", "quat2", "quat3", "quat4"];
 
 /// The grains of the last frame of a text dump.
 pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
@@ -44,11 +47,13 @@ fn parse_dump(text: &str) -> Result<Vec<Grain>> {
     let needed = |name: &str| place(name).with_context(|| format!("no column {name}"));
     let kind = needed("type")?;
     let centre = [needed("x")?, needed("y")?, needed("z")?];
-    let mut diameters = [0; 3];
-    for (place, name) in diameters.iter_mut().zip(DIAMETERS) {
-        *place = needed(name)?;
-    }
-    let attitude = ATTITUDE.map(place);
+    let (sizes, names_of_attitude, factor) = if place(SEMI_AXES[0]).is_some() {
+        (SEMI_AXES, LIGGGHTS_ATTITUDE, 1.0)
+    } else {
+        (DIAMETERS, ATTITUDE, 0.5)
+    };
+    let sizes = [needed(sizes[0])?, needed(sizes[1])?, needed(sizes[2])?];
+    let attitude = names_of_attitude.map(place);
     let mut grains = Vec::new();
     for line in lines {
         let values: Vec<f64> = line
@@ -66,7 +71,7 @@ fn parse_dump(text: &str) -> Result<Vec<Grain>> {
         grains.push(Grain {
             kind: values[kind] as i32,
             centre: centre.map(|k| values[k]),
-            semi_axes: diameters.map(|k| 0.5 * values[k]),
+            semi_axes: sizes.map(|k| factor * values[k]),
             attitude: quaternion,
         });
     }
@@ -344,5 +349,12 @@ ITEM: ATOMS id type x y z c_shape[1] c_shape[2] c_shape[3] c_quat[1] c_quat[2] c
         assert_eq!(grains[1].attitude, [0.0, 1.0, 0.0, 0.0]);
         assert_eq!(grains[1].kind, 2);
         assert!(parse_dump(&text.replace("c_shape[1]", "other")).is_err());
+        let liggghts = "\
+ITEM: ATOMS id type x y z shapex shapey shapez quat1 quat2 quat3 quat4\x20
+7 1 0.1 0.2 0.3 2 1 1 0 0 1 0\x20
+";
+        let grains = parse_dump(liggghts).unwrap();
+        assert_eq!(grains[0].semi_axes, [2.0, 1.0, 1.0]);
+        assert_eq!(grains[0].attitude, [0.0, 0.0, 1.0, 0.0]);
     }
 }

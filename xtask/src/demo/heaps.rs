@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
+use super::deck;
 use super::engine::Engine;
 use super::heap::{self, Grain, Picture};
 use super::material::Material;
@@ -39,16 +40,7 @@ fn settle_in_box(engine: &Engine, output: &Path) -> Result<Table> {
     engine.run(
         "settling.lmp",
         "settling",
-        &[
-            (
-                "dump",
-                dump.to_str().context("the output path is not UTF-8")?,
-            ),
-            (
-                "out",
-                data.to_str().context("the output path is not UTF-8")?,
-            ),
-        ],
+        &[("dump", deck::text(&dump)?), ("out", deck::text(&data)?)],
     )?;
     // time kinetic rotation elastic gravity dissipated sum contacts floor_force
     let rows: Vec<[f64; 9]> = engine.columns("settling.dat")?;
@@ -145,10 +137,7 @@ fn settle_on_floor(engine: &Engine, output: &Path) -> Result<Table> {
                 ("atoms", atoms),
                 ("style", style),
                 ("law", law),
-                (
-                    "output",
-                    stem.to_str().context("the output path is not UTF-8")?,
-                ),
+                ("output", deck::text(&stem)?),
             ],
         )?;
         let seconds = started.elapsed().as_secs_f64();

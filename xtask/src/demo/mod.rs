@@ -1,53 +1,88 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a fresh machine to real decks run, with a table and pictures of what they show.
 
-mod chart;
+pub mod chart;
 mod contacts;
+mod deck;
 mod engine;
 mod heap;
 mod heaps;
-mod material;
-mod table;
+mod liggghts;
+pub mod material;
+pub mod table;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 
+use self::table::Table;
 use crate::progress::{human_time, say};
 use crate::{setup, workspace};
 
 #[derive(clap::Args)]
 pub struct Options {
+    /// Which engine runs the decks
+    #[arg(long, value_enum, default_value_t = Which::Lammps)]
+    engine: Which,
     /// Where the table and the pictures go [default: demo-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
 }
 
-/// What the demo must leave behind.
-const PICTURES: [&str; 5] = [
-    "normal-force.svg",
-    "tangential-force.svg",
-    "collision.svg",
-    "heap.svg",
-    "heap-compared.svg",
-];
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum Which {
+    Lammps,
+    Liggghts,
+}
+
+/// What an engine's scenes gave.
+struct Outcome {
+    heading: String,
+    tables: Vec<Table>,
+    pictures: &'static [&'static str],
+}
 
 pub fn demo(options: &Options) -> Result<()> {
     let output = match &options.output {
         Some(output) => output.clone(),
         None => workspace::root().join("demo-output"),
     };
-    run(&output)
+    run(options.engine, &output)
 }
 
-/// Runs every scene; the table goes to standard output and, with the pictures, to `output`.
-pub fn run(output: &Path) -> Result<()> {
-    let started = std::time::Instant::now();
+/// Runs every scene; the tables go to standard output and, with the pictures, to `output`.
+pub fn run(which: Which, output: &Path) -> Result<()> {
+    let started = Instant::now();
     setup::setup()?;
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
+    let (outcome, file) = match which {
+        Which::Lammps => (lammps_scenes(output)?, "table.md"),
+        Which::Liggghts => (liggghts_scenes(output)?, "liggghts-table.md"),
+    };
+    let mut text = format!("## {}\n", outcome.heading);
+    for table in &outcome.tables {
+        text += "\n";
+        text += &table.markdown();
+    }
+    text += "\nPictures:\n\n";
+    for picture in outcome.pictures {
+        anyhow::ensure!(output.join(picture).is_file(), "no {picture} was drawn");
+        text += &format!("![{picture}]({picture})\n");
+    }
+    fs::write(output.join(file), &text)?;
+    println!("{text}");
+    say(format!(
+        "table and pictures are in {}, after {}",
+        output.display(),
+        human_time(started.elapsed())
+    ));
+    Ok(())
+}
+
+fn lammps_scenes(output: &Path) -> Result<Outcome> {
     let engine = engine::Engine::prepare(&output.join("data"))?;
-    let ready = started.elapsed();
     if !engine.superellipsoid {
         say(format!(
             "LAMMPS {} has no granular/superellipsoid: it is left out",
@@ -60,23 +95,27 @@ pub fn run(output: &Path) -> Result<()> {
         contacts::collision(&engine, output)?,
     ];
     tables.extend(heaps::heaps(&engine, output)?);
-    let mut text = format!(
-        "## ellgran in LAMMPS {}\n\nReady after {}, everything run after {}.\n",
-        engine.release,
-        human_time(ready),
-        human_time(started.elapsed())
-    );
-    for table in &tables {
-        text += "\n";
-        text += &table.markdown();
-    }
-    text += "\nPictures:\n\n";
-    for picture in PICTURES {
-        anyhow::ensure!(output.join(picture).is_file(), "no {picture} was drawn");
-        text += &format!("![{picture}]({picture})\n");
-    }
-    fs::write(output.join("table.md"), &text)?;
-    println!("{text}");
-    say(format!("table and pictures are in {}", output.display()));
-    Ok(())
+    Ok(Outcome {
+        heading: format!("ellgran in LAMMPS {}", engine.release),
+        tables,
+        pictures: &[
+            "normal-force.svg",
+            "tangential-force.svg",
+            "collision.svg",
+            "heap.svg",
+            "heap-compared.svg",
+        ],
+    })
+}
+
+fn liggghts_scenes(output: &Path) -> Result<Outcome> {
+    let engine = liggghts::Engine::prepare(&output.join("data"))?;
+    Ok(Outcome {
+        heading: "ellgran in LIGGGHTS-PUBLIC 3.8.0".to_string(),
+        tables: vec![
+            liggghts::collision(&engine, output)?,
+            liggghts::settling(&engine, output)?,
+        ],
+        pictures: &["liggghts-collision.svg", "liggghts-heap.svg"],
+    })
 }

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One run of a benchmark deck in LAMMPS, and what its timing breakdown says.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{bail, Context, Result};
+
+use crate::process::{find_program, output_of};
+use crate::progress::say;
+use crate::{lammps, plugin, setup, workspace};
+
+pub struct Lammps {
+    binary: PathBuf,
+    plugin: PathBuf,
+    /// The release, as LAMMPS spells it.
+    pub release: String,
+    /// Has it `pair_style granular/superellipsoid`, which came in 2026?
+    pub superellipsoid: bool,
+    taskset: Option<PathBuf>,
+}
+
+/// What a run printed about its last `run` of more than no steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    pub atoms: f64,
+    pub steps: f64,
+    /// Processor time of the pair style, s.
+    pub pair: f64,
+    /// Processor time of the whole step, s.
+    pub step: f64,
+    /// Wall-clock time of the pair style (mean over ranks), s.
+    pub pair_wall: f64,
+    /// Wall-clock time of the whole loop, s.
+    pub wall: f64,
+    /// Pairs in the neighbour list.
+    pub pairs: f64,
+    /// How often the list was built.
+    pub builds: f64,
+}
+
+impl Timing {
+    /// Nanoseconds per grain and step.
+    pub fn per_grain(&self, seconds: f64) -> f64 {
+        1e9 * seconds / (self.atoms * self.steps)
+    }
+}
+
+impl Lammps {
+    /// Fetches and builds what is missing.
+    pub fn prepare() -> Result<Self> {
+        let source = lammps::source()?;
+        let binary = source.binary()?;
+        let plugin = plugin::plugin(&source)?;
+        let help = output_of(Command::new(&binary).arg("-help"))?;
+        let taskset = find_program("taskset");
+        if taskset.is_none() {
+            say("no taskset: runs are not pinned to a core");
+        }
+        Ok(Lammps {
+            superellipsoid: help
+                .split_whitespace()
+                .any(|word| word == "granular/superellipsoid"),
+            release: source.spelled()?,
+            binary,
+            plugin,
+            taskset,
+        })
+    }
+
+    /// Runs a deck below examples/lammps/bench on `ranks` ranks (one is pinned to a core); what it printed.
+    pub fn run(
+        &self,
+        deck: &str,
+        ranks: usize,
+        instruction_set: Option<&str>,
+        variables: &[(&str, String)],
+    ) -> Result<String> {
+        let deck = workspace::root().join("examples/lammps/bench").join(deck);
+        let directory = tempfile::tempdir()?;
+        let mut command = match (&self.taskset, ranks) {
+            (Some(taskset), 1) => {
+                let mut command = Command::new(taskset);
+                // Not the first core, which serves most interrupts.
+                let core = usize::from(crate::process::jobs() > 1);
+                command.args(["-c", &core.to_string()]).arg(&self.binary);
+                command
+            }
+            (None, 1) => Command::new(&self.binary),
+            _ => {
+                let mut command = Command::new(setup::mpirun()?);
+                command
+                    .args(["-np", &ranks.to_string()])
+                    .arg(&self.binary)
+                    .envs(setup::mpirun_environment());
+                command
+            }
+        };
+        command
+            .current_dir(directory.path())
+            .env("OMP_NUM_THREADS", "1")
+            .args(["-nocite", "-log", "none", "-in"])
+            .arg(&deck)
+            .args(["-var", "plugin"])
+            .arg(&self.plugin);
+        match instruction_set {
+            Some(set) => command.env("ELLGRAN_INSTRUCTION_SET", set),
+            None => command.env_remove("ELLGRAN_INSTRUCTION_SET"),
+        };
+        for (name, value) in variables {
+            command.args(["-var", name, value]);
+        }
+        output_of(&mut command).with_context(|| format!("LAMMPS stopped in {}", deck.display()))
+    }
+}
+
+/// The words of variables that name a file.
+pub fn path_word(path: &Path) -> Result<String> {
+    Ok(path
+        .to_str()
+        .with_context(|| format!("{} is not UTF-8", path.display()))?
+        .to_string())
+}
+
+/// The last breakdown of a run of more than no steps.
+pub fn timing(output: &str) -> Result<Timing> {
+    let lines: Vec<&str> = output.lines().collect();
+    for (at, line) in lines.iter().enumerate().rev() {
+        // Loop time of 0.478 on 1 procs for 50 steps with 512 atoms
+        let words: Vec<&str> = line.split_whitespace().collect();
+        if !line.starts_with("Loop time of") || words.len() < 12 {
+            continue;
+        }
+        let number = |k: usize| -> Result<f64> { Ok(words[k].parse::<f64>()?) };
+        let (wall, steps, atoms) = (number(3)?, number(8)?, number(11)?);
+        if steps == 0.0 {
+            continue;
+        }
+        let rest = &lines[at..];
+        let share = rest
+            .iter()
+            .find_map(|line| line.split_once("% CPU use").map(|(share, _)| share.trim()))
+            .context("LAMMPS printed no '% CPU use'")?
+            .parse::<f64>()?;
+        let pair: Vec<f64> = rest
+            .iter()
+            .find(|line| line.starts_with("Pair "))
+            .context("LAMMPS printed no 'Pair' line")?
+            .split('|')
+            .skip(1)
+            .filter_map(|cell| cell.trim().parse().ok())
+            .collect();
+        // min, avg, max, variation, % CPU, % total: with `timer full` only.
+        if pair.len() != 6 {
+            bail!(
+                "the 'Pair' line of LAMMPS has {} numbers, not 6",
+                pair.len()
+            );
+        }
+        let after = |title: &str| {
+            rest.iter()
+                .find_map(|line| line.strip_prefix(title))
+                .with_context(|| format!("LAMMPS printed no '{title}'"))?
+                .trim()
+                .parse::<f64>()
+                .with_context(|| format!("'{title}' is followed by no number"))
+        };
+        return Ok(Timing {
+            atoms,
+            steps,
+            pair: pair[1] * pair[4] / 100.0,
+            step: wall * share / 100.0,
+            pair_wall: pair[1],
+            wall,
+            pairs: after("Total # of neighbors =")?,
+            builds: after("Neighbor list builds =")?,
+        });
+    }
+    bail!("LAMMPS printed no 'Loop time'")
+}
+
+/// The number after `touching pairs`.
+pub fn touching(output: &str) -> Result<f64> {
+    output
+        .lines()
+        .rev()
+        .find_map(|line| line.strip_prefix("touching pairs "))
+        .context("the deck printed no 'touching pairs'")?
+        .trim()
+        .parse()
+        .context("'touching pairs' is followed by no number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OUTPUT: &str = "\
+Loop time of 2 on 1 procs for 400 steps with 500 atoms
+
+50.0% CPU use with 1 MPI tasks x 1 OpenMP threads
+
+MPI task timing breakdown:
+Section |  min time  |  avg time  |  max time  |%varavg|  %CPU | %total
+---------------------------------------------------------------
+Pair    | 1.0        | 1.0        | 1.0        |   0.0 |  40.0 | 50.00
+Neigh   | 0          | 0          | 0          |   0.0 | 100.0 |  0.00
+Total # of neighbors = 7675
+Ave neighs/atom = 14.990234
+Neighbor list builds = 3
+Loop time of 5.69e-07 on 1 procs for 0 steps with 500 atoms
+touching pairs 2039.0
+";
+
+    #[test]
+    fn the_breakdown_is_that_of_the_last_run_with_steps() {
+        let found = timing(OUTPUT).unwrap();
+        assert_eq!(found.atoms, 500.0);
+        assert_eq!(found.pair, 0.4);
+        assert_eq!(found.step, 1.0);
+        assert_eq!(found.pairs, 7675.0);
+        assert_eq!(found.builds, 3.0);
+        assert!((found.per_grain(found.pair) - 2000.0).abs() < 1e-9);
+        assert_eq!(touching(OUTPUT).unwrap(), 2039.0);
+        assert!(timing("nothing").is_err());
+    }
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The packings that every pair style reads: made by a deck, kept in the cache until the deck or its words change.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use super::lammps_run::{path_word, Lammps};
+use crate::demo::material::Material;
+use crate::progress::Progress;
+use crate::{cache, workspace};
+
+/// Grains as soft as a time step of 4e-6 s allows; SI units.
+pub const MATERIAL: Material = Material {
+    youngs_modulus: 1e7,
+    poissons_ratio: 0.3,
+    viscosity: 50.0,
+    density: 2500.0,
+    friction: 0.5,
+};
+/// Of the grains of type 1.
+pub const VOLUME: f64 = 4.0 / 3.0 * std::f64::consts::PI * 1e-9;
+/// Overlap of some 2 % between spheres of 1 mm, at which spring constants are fitted.
+pub const CONTACT_RADIUS: f64 = 1e-4;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    Dense,
+    Needles,
+    Mixture,
+    Gas,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Packing {
+    pub kind: Kind,
+    /// Lattice points of type 1 along each side, before large grains take the place of some.
+    pub side: usize,
+    pub spheres: bool,
+}
+
+impl Kind {
+    pub fn title(self) -> &'static str {
+        match self {
+            Kind::Dense => "dense, AR 2",
+            Kind::Needles => "needles, AR 10",
+            Kind::Mixture => "sizes 1:5, AR 2",
+            Kind::Gas => "dilute gas, AR 2",
+        }
+    }
+
+    pub fn fraction(self) -> f64 {
+        match self {
+            Kind::Dense => 0.66,
+            Kind::Needles => 0.36,
+            Kind::Mixture => 0.75,
+            Kind::Gas => 0.05,
+        }
+    }
+
+    /// Aspect ratio of the ellipsoids.
+    fn aspect(self) -> f64 {
+        match self {
+            Kind::Needles => 10.0,
+            _ => 2.0,
+        }
+    }
+}
+
+impl Packing {
+    fn variables(&self) -> Vec<(&'static str, String)> {
+        let b = 1e-3 / self.kind.aspect().cbrt();
+        let mut words = vec![
+            ("nx", self.side.to_string()),
+            ("ny", self.side.to_string()),
+            ("nz", self.side.to_string()),
+            ("a", format!("{:.6e}", self.kind.aspect() * b)),
+            ("b", format!("{b:.6e}")),
+            ("c", format!("{b:.6e}")),
+            ("fraction", self.kind.fraction().to_string()),
+        ];
+        match self.kind {
+            Kind::Dense => {}
+            Kind::Needles => words.extend([
+                ("spacing", "9.5e-3".to_string()),
+                ("shrink", "12000".to_string()),
+            ]),
+            Kind::Mixture => words.push(("large", (self.side / 6).to_string())),
+            Kind::Gas => words.extend([
+                ("spacing", "4.376e-3".to_string()),
+                ("shrink", "0".to_string()),
+                ("rest", "0".to_string()),
+                ("gentle", "0.3".to_string()),
+            ]),
+        }
+        if self.spheres {
+            // Without friction: spheres with it would be packed tighter than they can stand.
+            let made_with = Material {
+                viscosity: 300.0,
+                ..MATERIAL
+            };
+            words.extend([
+                ("atoms", "sphere".to_string()),
+                ("style", "granular".to_string()),
+                ("law", made_with.granular(Some(MATERIAL.mass(VOLUME)), 0.0)),
+            ]);
+        }
+        words
+    }
+
+    /// The data file, made when missing.
+    pub fn file(&self, lammps: &Lammps) -> Result<PathBuf> {
+        let deck = workspace::root().join("examples/lammps/bench/make.lmp");
+        let text =
+            fs::read_to_string(&deck).with_context(|| format!("cannot read {}", deck.display()))?;
+        let mut words = self.variables();
+        let mut parts = vec![text.as_str(), lammps.release.as_str()];
+        parts.extend(
+            words
+                .iter()
+                .flat_map(|(name, value)| [*name, value.as_str()]),
+        );
+        let key = cache::key(&parts);
+        let home = cache::directory()?.join("packings");
+        fs::create_dir_all(&home)?;
+        let _lock = cache::lock("packings")?;
+        let file = home.join(format!("{key}.data"));
+        if file.is_file() {
+            return Ok(file);
+        }
+        let what = if self.spheres { "spheres, " } else { "" };
+        let progress = Progress::start(format!(
+            "Packing {what}{} ({}^3 lattice points)",
+            self.kind.title(),
+            self.side
+        ));
+        // Under another name until it is whole.
+        let fresh = home.join(format!("{key}.new"));
+        words.push(("data", path_word(&fresh)?));
+        let made = lammps.run("make.lmp", 1, None, &words);
+        match &made {
+            Ok(_) => progress.finish(),
+            Err(_) => progress.clear(),
+        }
+        made?;
+        fs::rename(&fresh, &file)?;
+        Ok(file)
+    }
+}
