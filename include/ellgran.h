@@ -191,21 +191,6 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- What became of a lane.
- */
-typedef struct Fate Fate;
-
-/*
- An instruction set for the lanes.
- */
-typedef struct InstructionSet InstructionSet;
-
-/*
- What a lane gives back.
- */
-typedef struct LaneResult LaneResult;
-
-/*
  A body of one contact, world frame.
  */
 typedef struct EllgranBody {
@@ -681,8 +666,6 @@ typedef struct EllgranWallContact {
    */
   double weights[3];
 } EllgranWallContact;
-
-
 
 
 

@@ -93,7 +93,7 @@ impl<'a> Run<'a> {
         let started = Clock::now();
         let result = compute_pairs(
             self.laws,
-            self.workspace.particles(),
+            &self.workspace,
             &mut self.rows,
             &STEP,
             &mut Accumulators {
@@ -103,7 +103,6 @@ impl<'a> Run<'a> {
                 owned: count,
             },
             tallies.as_mut(),
-            self.workspace.instruction_set,
         );
         let time = since(&started);
         black_box(result).expect("no law of the table can break");
@@ -115,7 +114,7 @@ impl<'a> Run<'a> {
         let count = self.scene.count();
         compute_pairs(
             self.laws,
-            self.workspace.particles(),
+            &self.workspace,
             &mut self.rows,
             &STEP,
             &mut Accumulators {
@@ -125,7 +124,6 @@ impl<'a> Run<'a> {
                 owned: count,
             },
             Some(&mut tallies),
-            self.workspace.instruction_set,
         )
         .expect("no law of the table can break");
         tallies.touching as usize

@@ -2,6 +2,7 @@
 //! A dense packing made without an engine, in gentle motion: a face-centred cubic packing of spheres, shaken a little,
 //! stretched into ellipsoids and slightly turned.
 
+use ellgran::pairs::neighbour_list::Entries;
 use ellgran::pairs::particles::Rotation;
 use ellgran::pairs::{Laws, NeighbourRow, NeighbourRows, ParticleArrays, Workspace};
 
@@ -204,7 +205,7 @@ impl NeighbourRows for Rows<'_> {
     }
 
     #[inline(always)]
-    fn index(&self, entry: i32) -> Option<usize> {
-        Some(entry as usize)
+    fn entries(&self) -> Entries {
+        Entries::PLAIN
     }
 }

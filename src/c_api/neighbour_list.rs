@@ -7,7 +7,7 @@ use super::particles::{
 };
 use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER};
 use super::tallies::{borrow, write_back, EllgranTallies};
-use crate::pairs::neighbour_list::Accumulators;
+use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
 use libc::size_t;
 
@@ -45,9 +45,7 @@ struct Rows<'a> {
     touching: *const *mut i32,
     history: *const *mut f64,
     length: usize,
-    mask: i32,
-    shift: u32,
-    excluded: [bool; 4],
+    entries: Entries,
 }
 
 impl NeighbourRows for Rows<'_> {
@@ -89,12 +87,8 @@ impl NeighbourRows for Rows<'_> {
     }
 
     #[inline(always)]
-    fn index(&self, entry: i32) -> Option<usize> {
-        let special = (entry as u32 >> self.shift) & 3;
-        if self.excluded[special as usize] {
-            return None;
-        }
-        Some((entry & self.mask) as usize)
+    fn entries(&self) -> Entries {
+        self.entries
     }
 }
 
@@ -136,6 +130,25 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 }
             }
         }
+        for &c in central {
+            // SAFETY: promised by the caller; the outer pointers are not NULL here.
+            let (count, missing) = unsafe {
+                let c = usize::try_from(c).unwrap_or_default();
+                let missing = (*list.neighbours.add(c)).is_null()
+                    || (length > 0
+                        && ((*list.touching.add(c)).is_null() || (*list.history.add(c)).is_null()));
+                (*list.neighbour_counts.add(c), missing)
+            };
+            if c < 0 || count < 0 || (count > 0 && missing) {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_NULL_POINTER,
+                    format!(
+                        "neighbours, touching and history of central particle {c} must not be NULL (it has {count} \
+                         neighbours)"
+                    ),
+                ));
+            }
+        }
         let mut excluded = [false; 4];
         let mut shift = 0;
         if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
@@ -158,9 +171,11 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             touching: list.touching,
             history: list.history,
             length,
-            mask: list.index_mask,
-            shift,
-            excluded,
+            entries: Entries {
+                mask: list.index_mask,
+                shift,
+                excluded,
+            },
         };
         let mut accumulators = Accumulators {
             forces,
@@ -174,12 +189,11 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         };
         let many_starts = compute_pairs(
             laws,
-            workspace.particles(),
+            workspace,
             &mut rows,
             &step,
             &mut accumulators,
             sums.as_mut(),
-            workspace.instruction_set,
         )
         .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
         workspace.many_starts += many_starts;

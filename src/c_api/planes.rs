@@ -85,10 +85,10 @@ pub unsafe extern "C" fn ellgran_compute_planes(
         let p = unsafe { required(particles, "particles") }?;
         let step = unsafe { required(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        let walls = unsafe { slice(planes, wall_count, "planes") }?
-            .iter()
-            .map(|w| w.to_core())
-            .collect::<Result<Vec<_>, _>>()?;
+        workspace.walls.clear();
+        for plane in unsafe { slice(planes, wall_count, "planes") }? {
+            workspace.walls.push(plane.to_core()?);
+        }
         let owned = p.owned_count;
         let length = laws.layout().length;
         let slots = if length == 0 { 0 } else { owned * wall_count };
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             laws,
             workspace.particles(),
             wall_type,
-            &walls,
+            &workspace.walls,
             &mut arrays,
             &step,
             sums.as_mut(),

@@ -102,7 +102,8 @@ pub fn tangential_force<T: Real>(
     let clip = T::select(most.less(size), most / size.max(tiny), one);
     let zeta = zeta * clip;
     let (elastic, root, energy_factor) = if tfd {
-        let s = (size * clip / most.max(tiny)).min(one);
+        // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
+        let s = T::select(most.less(size), one, (size / most.max(tiny)).min(one));
         let r = (one - s).sqrt();
         // [1 - (1-s)^(3/2)]/s and the work, without cancellation at s -> 0 (r -> 1).
         let next = r + 1.0;

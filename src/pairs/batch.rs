@@ -4,27 +4,36 @@
 //! A lane that misbehaves - a Hessian that is not safely positive, a long step, no descent, a deep contact, a curvature
 //! ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
 
-use super::contact::{
-    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
-};
-use super::lanes::{Lanes, MOST_LANES};
-use super::particles::Particle;
+use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembered};
+use super::lanes::{Lanes, Registers, MOST_LANES};
+use super::particles::Record;
 use crate::force::hertz_factors::{fit_variable, fitted, FIT_END};
 use crate::force::{Factors, LawConstants, PairLaw};
 use crate::geometry::{Ellipsoid, Symmetric2, Tangent, Vector3};
 use crate::real::Real;
-use pulp::Simd;
 
-/// One pair on its way into a lane.
-#[derive(Clone, Copy)]
-pub(super) struct Candidate<'a> {
-    pub i: &'a Particle,
-    pub j: &'a Particle,
-    pub d: Vector3,
-    /// Where the search starts; a unit vector.
-    pub start: Vector3,
-    pub law: &'a PairLaw,
-    pub remembered: Remembered,
+/// One number for each lane.
+pub(super) type Row = [f64; MOST_LANES];
+/// A vector for each lane.
+pub(super) type Rows3 = [Row; 3];
+
+/// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
+pub(super) struct Batch<'a> {
+    pub i: [&'a Record; MOST_LANES],
+    pub j: [&'a Record; MOST_LANES],
+    pub laws: [&'a PairLaw; MOST_LANES],
+    /// Where the search starts: a unit vector.
+    pub start: Rows3,
+    /// 1 where the pair touched at the last step.
+    pub continued: Row,
+    /// The normal at the last step, where the pair touched then.
+    pub before: Rows3,
+    /// Tangential memory.
+    pub memory: Rows3,
+    /// Remembered stiffness.
+    pub stiffness: Row,
+    /// Time over which the memory advances.
+    pub time: f64,
 }
 
 /// What became of a lane.
@@ -36,120 +45,122 @@ pub(super) enum Fate {
     Hard,
 }
 
-/// What a lane gives back.
-#[derive(Clone, Copy)]
-pub(super) struct LaneResult {
-    pub fate: Fate,
-    pub normal: Vector3,
-    pub forces: ContactForces,
+/// What the lanes give back.
+pub(super) struct BatchResult {
+    pub fate: [Fate; MOST_LANES],
+    pub d: Rows3,
+    pub normal: Rows3,
+    pub force: Rows3,
+    pub torque_i: Rows3,
+    pub torque_j: Rows3,
+    pub memory: Rows3,
+    pub stiffness: Row,
+    pub elastic_energy: Row,
+    pub tangential_energy: Row,
+    /// Viscous and tangential power.
+    pub power: Row,
 }
 
-impl LaneResult {
+impl BatchResult {
     /// Nothing yet.
-    pub const EMPTY: LaneResult = LaneResult {
-        fate: Fate::Hard,
-        normal: Vector3::ZERO,
-        forces: ContactForces {
-            force: Vector3::ZERO,
-            torque_i: Vector3::ZERO,
-            torque_j: Vector3::ZERO,
-            normal_force: 0.0,
-            tangential_force: Vector3::ZERO,
-            contact_point: Vector3::ZERO,
-            memory: Vector3::ZERO,
-            displacement: Vector3::ZERO,
-            stiffness: 0.0,
-            rate: 0.0,
-            elastic_energy: 0.0,
-            tangential_energy: 0.0,
-            viscous_power: 0.0,
-            tangential_power: 0.0,
-        },
+    pub const EMPTY: BatchResult = BatchResult {
+        fate: [Fate::Hard; MOST_LANES],
+        d: [[0.0; MOST_LANES]; 3],
+        normal: [[0.0; MOST_LANES]; 3],
+        force: [[0.0; MOST_LANES]; 3],
+        torque_i: [[0.0; MOST_LANES]; 3],
+        torque_j: [[0.0; MOST_LANES]; 3],
+        memory: [[0.0; MOST_LANES]; 3],
+        stiffness: [0.0; MOST_LANES],
+        elastic_energy: [0.0; MOST_LANES],
+        tangential_energy: [0.0; MOST_LANES],
+        power: [0.0; MOST_LANES],
     };
 }
-
-type Row = [f64; MOST_LANES];
 
 const NEWTON_STEPS: usize = 8;
 
-macro_rules! load_vector {
-    ($simd:expr, $lanes:expr, $of:expr) => {{
-        let (mut x, mut y, mut z): (Row, Row, Row) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-        for (k, c) in $lanes.iter().enumerate() {
-            let v: Vector3 = $of(c);
-            x[k] = v.x;
-            y[k] = v.y;
-            z[k] = v.z;
-        }
-        Vector3::new(
-            Lanes::load($simd, &x),
-            Lanes::load($simd, &y),
-            Lanes::load($simd, &z),
-        )
-    }};
+#[inline(always)]
+fn load<S: Registers>(simd: S, rows: &Rows3) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::load(simd, &rows[0]),
+        Lanes::load(simd, &rows[1]),
+        Lanes::load(simd, &rows[2]),
+    )
 }
 
-macro_rules! load_scalar {
-    ($simd:expr, $lanes:expr, $of:expr) => {{
-        let mut x: Row = [0.0; 8];
-        for (k, c) in $lanes.iter().enumerate() {
-            x[k] = $of(c);
-        }
-        Lanes::load($simd, &x)
-    }};
+#[inline(always)]
+fn store<S: Registers>(v: Vector3<Lanes<S>>, rows: &mut Rows3) {
+    v.x.store(&mut rows[0]);
+    v.y.store(&mut rows[1]);
+    v.z.store(&mut rows[2]);
 }
 
-macro_rules! load_body {
-    ($simd:expr, $lanes:expr, $body:ident) => {
-        Ellipsoid {
-            axes: [
-                load_vector!($simd, $lanes, |c: &Candidate| c.$body.body.axes[0]),
-                load_vector!($simd, $lanes, |c: &Candidate| c.$body.body.axes[1]),
-                load_vector!($simd, $lanes, |c: &Candidate| c.$body.body.axes[2]),
-            ],
-            semi_axes: load_vector!($simd, $lanes, |c: &Candidate| c.$body.body.semi_axes),
-            inverse_semi_axes: load_vector!($simd, $lanes, |c: &Candidate| c
-                .$body
-                .body
-                .inverse_semi_axes),
-        }
+/// Centre, bounding radius and shape of one side of the pairs.
+#[inline(always)]
+fn load_body<S: Registers>(
+    simd: S,
+    records: &[&Record; MOST_LANES],
+) -> (Vector3<Lanes<S>>, Lanes<S>, Ellipsoid<Lanes<S>>) {
+    let a = Lanes::all(simd, simd.columns(records, 0));
+    let b = Lanes::all(simd, simd.columns(records, 8));
+    let semi_axes = Vector3::new(b[5], b[6], b[7]);
+    let product = semi_axes.y * semi_axes.z;
+    let inverse = semi_axes.x.constant(1.0) / (semi_axes.x * product);
+    let body = Ellipsoid {
+        axes: [
+            Vector3::new(a[4], a[5], a[6]),
+            Vector3::new(a[7], b[0], b[1]),
+            Vector3::new(b[2], b[3], b[4]),
+        ],
+        semi_axes,
+        inverse_semi_axes: Vector3::new(
+            product * inverse,
+            semi_axes.x * semi_axes.z * inverse,
+            semi_axes.x * semi_axes.y * inverse,
+        ),
     };
+    (Vector3::new(a[0], a[1], a[2]), a[3], body)
 }
 
 macro_rules! load_constants {
-    ($simd:expr, $lanes:expr, $uniform:expr, $($field:ident),*) => {
+    ($simd:expr, $laws:expr, $uniform:expr, $($field:ident),*) => {
         if $uniform {
-            let c = &$lanes[0].law.constants;
+            let c = &$laws[0].constants;
             LawConstants { $($field: Lanes::splat($simd, c.$field)),* }
         } else {
-            LawConstants { $($field: load_scalar!($simd, $lanes, |c: &Candidate| c.law.constants.$field)),* }
+            LawConstants { $($field: Lanes::load($simd, &$laws.map(|l| l.constants.$field))),* }
         }
     };
 }
 
-/// Takes `lanes` - exactly as many as the instruction set has, the last repeated to fill - through search and law.
-///
-/// All lanes have laws of the same kinds; `uniform` says that they have the same constants too.
+/// Takes a batch through search and law. All its laws are of the same kinds; `uniform` says that they have the same
+/// constants too.
 #[inline(always)]
-pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+pub(super) fn run<
+    S: Registers,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+>(
     simd: S,
-    lanes: &[Candidate<'_>],
+    batch: &Batch<'_>,
     uniform: bool,
-    results: &mut [LaneResult; MOST_LANES],
+    result: &mut BatchResult,
 ) {
-    let kinds = lanes[0].law.kinds;
+    let kinds = batch.laws[0].kinds;
     let zero = Lanes::splat(simd, 0.0);
     let one = Lanes::splat(simd, 1.0);
-    let body_i = load_body!(simd, lanes, i);
-    let body_j = load_body!(simd, lanes, j);
-    let d = load_vector!(simd, lanes, |c: &Candidate| c.d);
-    let size = load_scalar!(simd, lanes, |c: &Candidate| c.i.radius + c.j.radius);
+    let (centre_i, radius_i, body_i) = load_body(simd, &batch.i);
+    let (centre_j, radius_j, body_j) = load_body(simd, &batch.j);
+    let d = centre_j - centre_i;
+    let size = radius_i + radius_j;
     let determinant_i = body_i.shape_determinant();
     let determinant_j = body_j.shape_determinant();
     let tolerance = size * 1e-13;
     let noise = size * 1e-14;
 
-    let mut n = load_vector!(simd, lanes, |c: &Candidate| c.start);
+    let mut n = load(simd, &batch.start);
     // 1 where the lane is still on its way; 1 where it is hard.
     let mut active = one;
     let mut hard = zero;
@@ -238,7 +249,7 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
     };
     let constants = load_constants!(
         simd,
-        lanes,
+        batch.laws,
         uniform,
         normal_stiffness,
         normal_damping,
@@ -253,22 +264,20 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
         share_i
     );
     let null = Vector3::new(zero, zero, zero);
-    let (velocity_i, velocity_j, omega_i, omega_j) = if RATE {
+    let (velocity_i, velocity_j, omega_i, omega_j, effective_mass) = if RATE {
+        let a = Lanes::all(simd, simd.columns(&batch.i, 16));
+        let b = Lanes::all(simd, simd.columns(&batch.j, 16));
+        let sum = a[3] + b[3];
         (
-            load_vector!(simd, lanes, |c: &Candidate| c.i.velocity),
-            load_vector!(simd, lanes, |c: &Candidate| c.j.velocity),
-            load_vector!(simd, lanes, |c: &Candidate| c.i.omega),
-            load_vector!(simd, lanes, |c: &Candidate| c.j.omega),
+            Vector3::new(a[0], a[1], a[2]),
+            Vector3::new(b[0], b[1], b[2]),
+            Vector3::new(a[4], a[5], a[6]),
+            Vector3::new(b[4], b[5], b[6]),
+            // Two frozen bodies need no damping.
+            Lanes::select(zero.less(sum), one / sum, zero),
         )
     } else {
-        (null, null, null, null)
-    };
-    let effective_mass = if kinds.restitution {
-        load_scalar!(simd, lanes, |c: &Candidate| {
-            super::particles::effective_mass(c.i.inverse_mass, c.j.inverse_mass)
-        })
-    } else {
-        zero
+        (null, null, null, null, zero)
     };
     let x = Contact {
         normal: n,
@@ -291,10 +300,8 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
         effective_mass,
     };
     let remembered = if FRICTION {
-        let continued = load_scalar!(simd, lanes, |c: &Candidate| c.remembered.continued as u8
-            as f64);
-        let was = load_vector!(simd, lanes, |c: &Candidate| c.remembered.normal);
-        let continues = zero.less(continued);
+        let continues = zero.less(Lanes::load(simd, &batch.continued));
+        let was = load(simd, &batch.before);
         Remembered {
             continued: continues,
             normal: Vector3::new(
@@ -302,9 +309,9 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
                 Lanes::select(continues, was.y, n.y),
                 Lanes::select(continues, was.z, n.z),
             ),
-            memory: load_vector!(simd, lanes, |c: &Candidate| c.remembered.memory),
-            stiffness: load_scalar!(simd, lanes, |c: &Candidate| c.remembered.stiffness),
-            time: Lanes::splat(simd, lanes[0].remembered.time),
+            memory: load(simd, &batch.memory),
+            stiffness: Lanes::load(simd, &batch.stiffness),
+            time: Lanes::splat(simd, batch.time),
         }
     } else {
         Remembered {
@@ -327,8 +334,8 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
     let mut rows = [[0.0; MOST_LANES]; 2];
     hard.store(&mut rows[0]);
     separated.store(&mut rows[1]);
-    for k in 0..lanes.len() {
-        results[k].fate = if rows[1][k] > 0.0 {
+    for k in 0..S::F64_LANES.min(MOST_LANES) {
+        result.fate[k] = if rows[1][k] > 0.0 {
             Fate::Separated
         } else if rows[0][k] > 0.0 {
             Fate::Hard
@@ -336,40 +343,19 @@ pub(super) fn run<S: Simd, const FRICTION: bool, const RATE: bool, const CONSERV
             Fate::Touching
         };
     }
-    macro_rules! store_vector {
-        ($value:expr, $($target:tt)+) => {{
-            let v = $value;
-            let mut rows = [[0.0; MOST_LANES]; 3];
-            v.x.store(&mut rows[0]);
-            v.y.store(&mut rows[1]);
-            v.z.store(&mut rows[2]);
-            for k in 0..lanes.len() {
-                results[k].$($target)+ = Vector3::new(rows[0][k], rows[1][k], rows[2][k]);
-            }
-        }};
-    }
-    macro_rules! store_scalar {
-        ($value:expr, $($target:tt)+) => {{
-            let mut row = [0.0; MOST_LANES];
-            $value.store(&mut row);
-            for k in 0..lanes.len() {
-                results[k].$($target)+ = row[k];
-            }
-        }};
-    }
-    store_vector!(n, normal);
-    store_vector!(f.force, forces.force);
-    store_vector!(f.torque_i, forces.torque_i);
-    store_vector!(f.torque_j, forces.torque_j);
+    store(d, &mut result.d);
+    store(n, &mut result.normal);
+    store(f.force, &mut result.force);
+    store(f.torque_i, &mut result.torque_i);
+    store(f.torque_j, &mut result.torque_j);
     if FRICTION {
-        store_vector!(f.memory, forces.memory);
-        store_scalar!(f.stiffness, forces.stiffness);
+        store(f.memory, &mut result.memory);
+        f.stiffness.store(&mut result.stiffness);
     }
     if RATE {
-        store_scalar!(f.elastic_energy, forces.elastic_energy);
-        store_scalar!(f.tangential_energy, forces.tangential_energy);
-        store_scalar!(f.viscous_power, forces.viscous_power);
-        store_scalar!(f.tangential_power, forces.tangential_power);
+        f.elastic_energy.store(&mut result.elastic_energy);
+        f.tangential_energy.store(&mut result.tangential_energy);
+        (f.viscous_power + f.tangential_power).store(&mut result.power);
     }
 }
 

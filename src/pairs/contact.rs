@@ -166,25 +166,16 @@ pub fn contact_forces<
 
     if CONSERVATIVE && kinds.conservative {
         let p = curvature_gradient(curvature, factors);
-        let body = |h: T, s: Vector3<T>, v: Symmetric2<T>, determinant: T| {
-            let h2 = h * h;
-            BodyAtContact {
-                h,
-                witness: x.tangent.components(s),
-                weingarten: v,
-                inverse_weingarten: v.adjugate() * (determinant / (h2 * h2)),
-            }
-        };
-        let world = |(t, m): (Vector2<T>, T)| x.tangent.vector(t) + n * m;
-        let body_i = body(x.h_i, x.s_i, x.weingarten_i, x.determinant_i);
+        let body_i = body_at_contact(&x.tangent, x.h_i, x.s_i, x.weingarten_i, x.determinant_i);
         let gradient_i = body_gradient(p, &body_i);
         let energy = normal.elastic_energy;
         if WALL {
             // The wall holds the normal where it is.
             let held = NormalResponse::exactly(Vector2::new(zero, zero));
-            torque_i = torque_i - world(additional_torque(&body_i, &gradient_i, &held)) * energy;
+            let own = additional_torque(&body_i, &gradient_i, &held);
+            torque_i = torque_i - world_vector(&x.tangent, n, own) * energy;
         } else {
-            let body_j = body(x.h_j, x.s_j, x.weingarten_j, x.determinant_j);
+            let body_j = body_at_contact(&x.tangent, x.h_j, x.s_j, x.weingarten_j, x.determinant_j);
             let gradient_j = body_gradient(p, &body_j);
             let response = normal_response(
                 body_i.inverse_weingarten + body_j.inverse_weingarten,
@@ -192,10 +183,10 @@ pub fn contact_forces<
                 gradient_i.gamma + gradient_j.gamma,
             );
             force = force - x.tangent.vector(response.lambda) * energy;
-            torque_i =
-                torque_i - world(additional_torque(&body_i, &gradient_i, &response)) * energy;
-            torque_j =
-                torque_j - world(additional_torque(&body_j, &gradient_j, &response)) * energy;
+            let own_i = additional_torque(&body_i, &gradient_i, &response);
+            let own_j = additional_torque(&body_j, &gradient_j, &response);
+            torque_i = torque_i - world_vector(&x.tangent, n, own_i) * energy;
+            torque_j = torque_j - world_vector(&x.tangent, n, own_j) * energy;
         }
     }
 
@@ -276,4 +267,33 @@ pub fn contact_forces<
         result.tangential_power = -(t.force.dot(velocity));
     }
     result
+}
+
+/// What the conservative law needs of a body, in the tangent basis. A function, not a closure: a closure is not always
+/// inlined into the code of the chosen instruction set, and then costs a call per operation.
+#[inline(always)]
+fn body_at_contact<T: Real>(
+    tangent: &Tangent<T>,
+    h: T,
+    s: Vector3<T>,
+    weingarten: Symmetric2<T>,
+    determinant: T,
+) -> BodyAtContact<T> {
+    let h2 = h * h;
+    BodyAtContact {
+        h,
+        witness: tangent.components(s),
+        weingarten,
+        inverse_weingarten: weingarten.adjugate() * (determinant / (h2 * h2)),
+    }
+}
+
+/// The world vector with these components along the tangent basis and the normal.
+#[inline(always)]
+fn world_vector<T: Real>(
+    tangent: &Tangent<T>,
+    n: Vector3<T>,
+    (t, along): (Vector2<T>, T),
+) -> Vector3<T> {
+    tangent.vector(t) + n * along
 }

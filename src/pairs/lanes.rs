@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A register of numbers: the contact law's [`Real`] in the lanes of whatever instruction set was chosen.
 
+use super::particles::Record;
 use crate::real::Real;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::Simd;
@@ -15,7 +16,101 @@ pub struct Lanes<S: Simd> {
     value: S::f64s,
 }
 
+/// An instruction set that can turn records of particles into registers.
+pub trait Registers: Simd {
+    /// Entries `start..start + 8` of the first records, one register per entry.
+    fn columns(self, records: &[&Record; MOST_LANES], start: usize) -> [Self::f64s; 8];
+}
+
+// Macros, not closures: a closure is not always inlined into the code of the chosen instruction set, and then costs a
+// call and a trip through memory.
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V4 {
+    #[inline(always)]
+    fn columns(self, records: &[&Record; MOST_LANES], start: usize) -> [Self::f64s; 8] {
+        let avx = self.avx512f;
+        macro_rules! row {
+            ($k:literal) => {
+                pulp::cast(Self::as_simd_f64s(&records[$k].0[start..start + 8]).0[0])
+            };
+        }
+        // Pairs of rows interleaved, then quarters of registers exchanged twice.
+        macro_rules! quarters {
+            ($a:expr, $b:expr, $c:expr, $d:expr) => {{
+                let u0 = avx._mm512_shuffle_f64x2::<0x88>($a, $b);
+                let u1 = avx._mm512_shuffle_f64x2::<0xdd>($a, $b);
+                let u2 = avx._mm512_shuffle_f64x2::<0x88>($c, $d);
+                let u3 = avx._mm512_shuffle_f64x2::<0xdd>($c, $d);
+                (
+                    pulp::cast(avx._mm512_shuffle_f64x2::<0x88>(u0, u2)),
+                    pulp::cast(avx._mm512_shuffle_f64x2::<0x88>(u1, u3)),
+                    pulp::cast(avx._mm512_shuffle_f64x2::<0xdd>(u0, u2)),
+                    pulp::cast(avx._mm512_shuffle_f64x2::<0xdd>(u1, u3)),
+                )
+            }};
+        }
+        let (r0, r1, r2, r3) = (row!(0), row!(1), row!(2), row!(3));
+        let (r4, r5, r6, r7) = (row!(4), row!(5), row!(6), row!(7));
+        let (c0, c2, c4, c6) = quarters!(
+            avx._mm512_unpacklo_pd(r0, r1),
+            avx._mm512_unpacklo_pd(r2, r3),
+            avx._mm512_unpacklo_pd(r4, r5),
+            avx._mm512_unpacklo_pd(r6, r7)
+        );
+        let (c1, c3, c5, c7) = quarters!(
+            avx._mm512_unpackhi_pd(r0, r1),
+            avx._mm512_unpackhi_pd(r2, r3),
+            avx._mm512_unpackhi_pd(r4, r5),
+            avx._mm512_unpackhi_pd(r6, r7)
+        );
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V3 {
+    #[inline(always)]
+    fn columns(self, records: &[&Record; MOST_LANES], start: usize) -> [Self::f64s; 8] {
+        let avx = self.avx;
+        macro_rules! four {
+            ($start:expr) => {{
+                macro_rules! row {
+                    ($k:literal) => {
+                        pulp::cast(Self::as_simd_f64s(&records[$k].0[$start..$start + 4]).0[0])
+                    };
+                }
+                let (a, b, c, d) = (row!(0), row!(1), row!(2), row!(3));
+                let (t0, t1) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+                let (t2, t3) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
+                (
+                    pulp::cast(avx._mm256_permute2f128_pd::<0x20>(t0, t2)),
+                    pulp::cast(avx._mm256_permute2f128_pd::<0x20>(t1, t3)),
+                    pulp::cast(avx._mm256_permute2f128_pd::<0x31>(t0, t2)),
+                    pulp::cast(avx._mm256_permute2f128_pd::<0x31>(t1, t3)),
+                )
+            }};
+        }
+        let (c0, c1, c2, c3) = four!(start);
+        let (c4, c5, c6, c7) = four!(start + 4);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+}
+
 impl<S: Simd> Lanes<S> {
+    /// Registers as numbers.
+    #[inline(always)]
+    pub fn all(simd: S, v: [S::f64s; 8]) -> [Self; 8] {
+        [
+            Lanes { simd, value: v[0] },
+            Lanes { simd, value: v[1] },
+            Lanes { simd, value: v[2] },
+            Lanes { simd, value: v[3] },
+            Lanes { simd, value: v[4] },
+            Lanes { simd, value: v[5] },
+            Lanes { simd, value: v[6] },
+            Lanes { simd, value: v[7] },
+        ]
+    }
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {

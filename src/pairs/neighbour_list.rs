@@ -4,15 +4,15 @@
 //! A pair is rejected by its bounding spheres, else by one evaluation with the cached normal; what is left goes through
 //! the contact search, the law and the scatter. Nothing is allocated.
 
-use super::batch::{run as run_batch, Candidate, Fate, LaneResult};
+use super::batch::{run as run_batch, Batch, BatchResult, Fate, Rows3};
 use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
 use super::history::HistoryLayout;
 use super::instruction_set::InstructionSet;
-use super::lanes::MOST_LANES;
+use super::lanes::{Registers, MOST_LANES};
 use super::laws::{Features, Laws};
-use super::particles::{effective_mass, Particle};
+use super::particles::{effective_mass, Particle, Record, Workspace};
 use super::tallies::{Contribution, Tallies};
 use super::Step;
 use crate::force::{hertz_factors, Factors, PairLaw, Tangential};
@@ -36,8 +36,38 @@ pub trait NeighbourRows {
     fn count(&self) -> usize;
     /// The row of the `k`-th central particle.
     fn row(&mut self, k: usize) -> NeighbourRow<'_>;
+    /// How to read an entry.
+    fn entries(&self) -> Entries;
+}
+
+/// How an engine writes a neighbour: the particle's index, and bits above it that may exclude the pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Entries {
+    /// Bits that are the index.
+    pub mask: i32,
+    /// The two bits above this one choose one of `excluded`.
+    pub shift: u32,
+    /// Whether the engine excludes such a pair.
+    pub excluded: [bool; 4],
+}
+
+impl Entries {
+    /// Entries that are indices and nothing else.
+    pub const PLAIN: Entries = Entries {
+        mask: -1,
+        shift: 0,
+        excluded: [false; 4],
+    };
+
     /// Index of the particle that an entry names, or `None` for a pair that the engine excludes.
-    fn index(&self, entry: i32) -> Option<usize>;
+    #[inline(always)]
+    pub fn index(&self, entry: i32) -> Option<usize> {
+        let special = (entry as u32 >> self.shift) & 3;
+        if self.excluded[special as usize] {
+            return None;
+        }
+        Some((entry & self.mask) as usize)
+    }
 }
 
 /// Where forces go.
@@ -258,20 +288,21 @@ pub(super) fn normal_before(
     }
 }
 
-/// All pairs of the list. `particles` are prepared ([`super::Workspace::prepare`]). Returns how many contacts took the
-/// slow search from many starts.
+/// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare`]). Returns how many contacts took
+/// the slow search from many starts.
 ///
 /// # Errors
 /// Only with `factors hale`, and before any force is written.
 pub fn compute_pairs<R: NeighbourRows>(
     laws: &Laws,
-    particles: &[Particle],
+    workspace: &Workspace,
     rows: &mut R,
     step: &Step,
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
-    instruction_set: InstructionSet,
 ) -> Result<u64, HaleBroke> {
+    let particles = workspace.particles();
+    let instruction_set = workspace.instruction_set;
     let features = laws.features();
     if features.hale {
         check_hale(laws, particles, rows)?;
@@ -284,6 +315,7 @@ pub fn compute_pairs<R: NeighbourRows>(
         laws,
         layout: laws.layout(),
         particles,
+        records: workspace.records(),
         rows,
         step,
         accumulators,
@@ -305,6 +337,7 @@ struct Pass<'a, 'b, 'c, R: NeighbourRows> {
     laws: &'a Laws,
     layout: HistoryLayout,
     particles: &'a [Particle],
+    records: &'a [Record],
     rows: &'a mut R,
     step: &'a Step,
     accumulators: &'a mut Accumulators<'b>,
@@ -321,18 +354,19 @@ struct Place {
     j: usize,
 }
 
-/// A pass and what to do with it in lanes: what `pulp` calls with the instruction set.
-struct InLanes<'a, 'b, 'c, R: NeighbourRows, const F: bool, const V: bool, const C: bool>(
-    Pass<'a, 'b, 'c, R>,
-);
+/// A pass and the instruction set that it runs on: what `pulp` calls with that set's instructions turned on.
+struct InLanes<'a, 'b, 'c, S, R: NeighbourRows, const F: bool, const V: bool, const C: bool> {
+    simd: S,
+    pass: Pass<'a, 'b, 'c, R>,
+}
 
-impl<R: NeighbourRows, const F: bool, const V: bool, const C: bool> pulp::WithSimd
-    for InLanes<'_, '_, '_, R, F, V, C>
+impl<S: Registers, R: NeighbourRows, const F: bool, const V: bool, const C: bool>
+    pulp::NullaryFnOnce for InLanes<'_, '_, '_, S, R, F, V, C>
 {
     type Output = u64;
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) -> u64 {
-        self.0.all_in_lanes::<S, F, V, C>(simd)
+    fn call(self) -> u64 {
+        self.pass.all_in_lanes::<S, F, V, C>(self.simd)
     }
 }
 
@@ -345,19 +379,19 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx512 => {
                 if let Some(simd) = pulp::x86::V4::try_new() {
-                    return pulp::Simd::vectorize(
+                    return simd.vectorize(InLanes::<_, R, FRICTION, RATE, CONSERVATIVE> {
                         simd,
-                        InLanes::<R, FRICTION, RATE, CONSERVATIVE>(self),
-                    );
+                        pass: self,
+                    });
                 }
             }
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => {
                 if let Some(simd) = pulp::x86::V3::try_new() {
-                    return pulp::Simd::vectorize(
+                    return simd.vectorize(InLanes::<_, R, FRICTION, RATE, CONSERVATIVE> {
                         simd,
-                        InLanes::<R, FRICTION, RATE, CONSERVATIVE>(self),
-                    );
+                        pass: self,
+                    });
                 }
             }
             _ => {}
@@ -398,7 +432,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
         central: usize,
     ) -> Option<(Place, Vector3)> {
         let named = self.rows.row(row).neighbours[entry];
-        let other = self.rows.index(named)?;
+        let other = self.rows.entries().index(named)?;
         let place = Place {
             row,
             entry,
@@ -515,7 +549,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
     /// The whole list in lanes: rejected pairs one by one with the cached normal, contacts collected and taken together.
     #[inline(always)]
     fn all_in_lanes<
-        S: pulp::Simd,
+        S: Registers,
         const FRICTION: bool,
         const RATE: bool,
         const CONSERVATIVE: bool,
@@ -524,111 +558,226 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
         simd: S,
     ) -> u64 {
         // Hale's form breaks where the exact one does not, and is not in the lanes.
-        if self.laws.features().hale {
+        if self.laws.features().hale || self.records.is_empty() {
             return self.all_scalar::<FRICTION, RATE, CONSERVATIVE>();
         }
         let lanes = S::F64_LANES.min(MOST_LANES);
         let uniform = self.laws.types() == 1;
-        let mut waiting: [Option<(Place, Candidate<'a>)>; MOST_LANES] = [None; MOST_LANES];
+        let layout = self.layout;
+        let length = layout.length;
+        let step = *self.step;
+        let nothing: Rows3 = [[0.0; MOST_LANES]; 3];
+        let mut batch = Batch {
+            i: [&self.records[0]; MOST_LANES],
+            j: [&self.records[0]; MOST_LANES],
+            laws: [self.laws.get(1, 1); MOST_LANES],
+            start: nothing,
+            continued: [0.0; MOST_LANES],
+            before: nothing,
+            memory: nothing,
+            stiffness: [0.0; MOST_LANES],
+            time: if step.advance_history {
+                step.time_step
+            } else {
+                0.0
+            },
+        };
+        let mut result = BatchResult::EMPTY;
+        let mut places = [Place {
+            row: 0,
+            entry: 0,
+            i: 0,
+            j: 0,
+        }; MOST_LANES];
         let mut count = 0;
         for row in 0..self.rows.count() {
             let (central, neighbours) = self.start_row(row);
-            for entry in 0..neighbours {
-                let Some((place, d)) = self.within_reach(row, entry, central) else {
-                    continue;
-                };
-                let layout = self.layout;
-                let step = *self.step;
-                let (i, j): (&'a Particle, &'a Particle) =
-                    (&self.particles[place.i], &self.particles[place.j]);
-                let (touching, history) = self.memory(place);
-                let touched = touching.is_some_and(|t| *t != 0);
-                let cached = cached_normal(&layout, history);
-                let both_spheres = i.sphere && j.sphere;
-                let start = if both_spheres {
-                    let distance = d.norm();
-                    (distance > 0.0).then(|| d * (1.0 / distance))
-                } else {
-                    cached
-                };
-                let Some(start) = start else {
-                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
-                    continue;
-                };
-                if !touched && !both_spheres && separates(i, j, d, start) {
-                    continue;
-                }
-                let law = self.laws.get(i.kind as usize, j.kind as usize);
-                let before = normal_before(cached, i, j, d, start, &step);
-                let (_, history) = self.memory(place);
-                let remembered = recall(&layout, history, touched, &step, start, before);
-                if let Some((_, first)) = &waiting[0] {
-                    if count > 0 && first.law.kinds != law.kinds {
-                        self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+            let i = &self.particles[central];
+            let mut entry = 0;
+            while entry < neighbours {
+                // Up to the next pair that needs the lanes, or the scalar search, with the row borrowed once.
+                let mut wanted = None;
+                let entries = self.rows.entries();
+                let NeighbourRow {
+                    neighbours: named,
+                    touching,
+                    history,
+                    ..
+                } = self.rows.row(row);
+                while entry < neighbours {
+                    let at = entry;
+                    entry += 1;
+                    let Some(other) = entries.index(named[at]) else {
+                        continue;
+                    };
+                    let j = &self.particles[other];
+                    let d = j.position - i.position;
+                    let reach = i.radius + j.radius;
+                    let history = &mut history[at * length..(at + 1) * length];
+                    let touched = touching.get(at).is_some_and(|t| *t != 0);
+                    let both_spheres = i.sphere && j.sphere;
+                    let cached = cached_normal(&layout, history);
+                    let apart = d.norm_squared() >= reach * reach
+                        || (!touched
+                            && !both_spheres
+                            && cached.is_some_and(|n| separates(i, j, d, n)));
+                    if apart {
+                        if touched {
+                            touching[at] = 0;
+                            forget(&layout, history);
+                        }
                         continue;
                     }
+                    let place = Place {
+                        row,
+                        entry: at,
+                        i: central,
+                        j: other,
+                    };
+                    let start = if both_spheres {
+                        let distance = d.norm();
+                        (distance > 0.0).then(|| d * (1.0 / distance))
+                    } else {
+                        cached
+                    };
+                    let law = self.laws.get(i.kind as usize, j.kind as usize);
+                    let of_one_kind = count == 0 || batch.laws[0].kinds == law.kinds;
+                    let Some(start) = start.filter(|_| of_one_kind) else {
+                        wanted = Some((place, d));
+                        break;
+                    };
+                    batch.i[count] = &self.records[central];
+                    batch.j[count] = &self.records[other];
+                    batch.laws[count] = law;
+                    set(&mut batch.start, count, start);
+                    if FRICTION {
+                        let before = normal_before(cached, i, j, d, start, &step);
+                        let remembered = recall(&layout, history, touched, &step, start, before);
+                        batch.continued[count] = touched as u8 as f64;
+                        set(&mut batch.before, count, remembered.normal);
+                        set(&mut batch.memory, count, remembered.memory);
+                        batch.stiffness[count] = remembered.stiffness;
+                    }
+                    places[count] = place;
+                    count += 1;
+                    if count == lanes {
+                        break;
+                    }
                 }
-                waiting[count] = Some((
-                    place,
-                    Candidate {
-                        i,
-                        j,
-                        d,
-                        start,
-                        law,
-                        remembered,
-                    },
-                ));
-                count += 1;
+                if let Some((place, d)) = wanted {
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+                }
                 if count == lanes {
-                    self.batch::<S, FRICTION, RATE, CONSERVATIVE>(
-                        simd, &waiting, lanes, count, uniform,
+                    run_batch::<S, FRICTION, RATE, CONSERVATIVE>(
+                        simd,
+                        &batch,
+                        uniform,
+                        &mut result,
+                    );
+                    self.finish::<FRICTION, RATE, CONSERVATIVE>(
+                        &places[..count],
+                        &result,
+                        batch.time,
                     );
                     count = 0;
                 }
             }
         }
         if count > 0 {
-            self.batch::<S, FRICTION, RATE, CONSERVATIVE>(simd, &waiting, lanes, count, uniform);
+            // The last pair fills the lanes that are left over; its copies are not used.
+            for k in count..lanes {
+                batch.i[k] = batch.i[count - 1];
+                batch.j[k] = batch.j[count - 1];
+                batch.laws[k] = batch.laws[count - 1];
+                for rows in [&mut batch.start, &mut batch.before, &mut batch.memory] {
+                    for row in rows {
+                        row[k] = row[count - 1];
+                    }
+                }
+            }
+            run_batch::<S, FRICTION, RATE, CONSERVATIVE>(simd, &batch, uniform, &mut result);
+            self.finish::<FRICTION, RATE, CONSERVATIVE>(&places[..count], &result, batch.time);
         }
         self.many_starts
     }
 
+    /// Scatter of a batch.
     #[inline(always)]
-    fn batch<S: pulp::Simd, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    fn finish<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         &mut self,
-        simd: S,
-        waiting: &[Option<(Place, Candidate<'a>)>; MOST_LANES],
-        lanes: usize,
-        count: usize,
-        uniform: bool,
+        places: &[Place],
+        result: &BatchResult,
+        time: f64,
     ) {
-        let Some((_, filler)) = waiting[count - 1] else {
-            return;
-        };
-        // The last pair fills the lanes that are left over; its copies are not used.
-        let candidates: [Candidate<'a>; MOST_LANES] = core::array::from_fn(|k| match waiting[k] {
-            Some((_, c)) if k < count => c,
-            _ => filler,
-        });
-        let mut results = [LaneResult::EMPTY; MOST_LANES];
-        run_batch::<S, FRICTION, RATE, CONSERVATIVE>(
-            simd,
-            &candidates[..lanes],
-            uniform,
-            &mut results,
-        );
-        for k in 0..count {
-            let (Some((place, c)), r) = (&waiting[k], &results[k]) else {
-                continue;
-            };
-            match r.fate {
-                Fate::Touching => self.apply(*place, c.d, r.normal, &r.forces, c.remembered.time),
-                Fate::Separated => self.separated(*place, Some(r.normal)),
-                Fate::Hard => self.one_pair::<FRICTION, RATE, CONSERVATIVE>(*place, c.d),
+        let layout = self.layout;
+        for (k, &place) in places.iter().enumerate() {
+            match result.fate[k] {
+                Fate::Touching => {}
+                Fate::Separated => {
+                    self.separated(place, Some(get(&result.normal, k)));
+                    continue;
+                }
+                Fate::Hard => {
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, get(&result.d, k));
+                    continue;
+                }
+            }
+            let (touching, history) = self.memory(place);
+            if let Some(t) = touching {
+                *t = 1;
+            }
+            if let Some(at) = layout.normal {
+                history[at..at + 3].copy_from_slice(&get(&result.normal, k).to_array());
+            }
+            if FRICTION {
+                if let Some(at) = layout.memory {
+                    history[at..at + 3].copy_from_slice(&get(&result.memory, k).to_array());
+                }
+                if let Some(at) = layout.stiffness {
+                    history[at] = result.stiffness[k];
+                }
+            }
+            let force = get(&result.force, k);
+            let a = &mut *self.accumulators;
+            add(&mut a.forces[place.i], -force);
+            add(&mut a.torques[place.i], get(&result.torque_i, k));
+            let reaction = place.j < a.reaction_below;
+            if reaction {
+                add(&mut a.forces[place.j], force);
+                add(&mut a.torques[place.j], get(&result.torque_j, k));
+            }
+            if RATE {
+                if let Some(t) = self.tallies.as_deref_mut() {
+                    t.add(
+                        place.i,
+                        Some(place.j),
+                        reaction,
+                        &Contribution {
+                            normal_energy: result.elastic_energy[k],
+                            tangential_energy: result.tangential_energy[k],
+                            work: time * result.power[k],
+                            d: get(&result.d, k),
+                            force,
+                        },
+                    );
+                }
             }
         }
     }
+}
+
+/// Writes a vector into a lane.
+#[inline(always)]
+fn set(rows: &mut Rows3, k: usize, v: Vector3) {
+    rows[0][k] = v.x;
+    rows[1][k] = v.y;
+    rows[2][k] = v.z;
+}
+
+/// The vector of a lane.
+#[inline(always)]
+fn get(rows: &Rows3, k: usize) -> Vector3 {
+    Vector3::new(rows[0][k], rows[1][k], rows[2][k])
 }
 
 /// Geometry of all pairs, to refuse a contact at which Hale's form breaks before anything is written.
@@ -643,7 +792,7 @@ fn check_hale<R: NeighbourRows>(
         let i = &particles[central];
         for m in 0..rows.row(k).neighbours.len() {
             let entry = rows.row(k).neighbours[m];
-            let Some(other) = rows.index(entry) else {
+            let Some(other) = rows.entries().index(entry) else {
                 continue;
             };
             let j = &particles[other];

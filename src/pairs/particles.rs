@@ -70,10 +70,54 @@ pub struct Particle {
     pub sphere: bool,
 }
 
+/// A prepared particle as the lanes load it: three cache lines, transposed into registers eight doubles at a time.
+///
+/// `[position, radius, axes, semi-axes | velocity, inverse mass, angular velocity, 0]`
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Record(pub [f64; 24]);
+
+impl From<&Particle> for Record {
+    #[inline(always)]
+    fn from(p: &Particle) -> Self {
+        let (x, a, v, w) = (p.position, p.body.semi_axes, p.velocity, p.omega);
+        let [e, f, g] = p.body.axes;
+        Record([
+            x.x,
+            x.y,
+            x.z,
+            p.radius,
+            e.x,
+            e.y,
+            e.z,
+            f.x,
+            f.y,
+            f.z,
+            g.x,
+            g.y,
+            g.z,
+            a.x,
+            a.y,
+            a.z,
+            v.x,
+            v.y,
+            v.z,
+            p.inverse_mass,
+            w.x,
+            w.y,
+            w.z,
+            0.0,
+        ])
+    }
+}
+
 /// Memory that one thread of calls keeps from step to step; grows only when the number of particles does.
 #[derive(Debug)]
 pub struct Workspace {
     particles: Vec<Particle>,
+    records: Vec<Record>,
+    /// The walls of the last call.
+    pub walls: Vec<super::MovingPlane>,
     /// What the pairs are computed on.
     pub instruction_set: InstructionSet,
     /// Contacts so far that took the slow search from many starts.
@@ -85,6 +129,8 @@ impl Workspace {
     pub fn new(instruction_set: InstructionSet) -> Self {
         Workspace {
             particles: Vec::new(),
+            records: Vec::new(),
+            walls: Vec::new(),
             instruction_set,
             many_starts: 0,
         }
@@ -102,11 +148,19 @@ impl Workspace {
     ) -> Result<(), ParticleError> {
         self.particles.clear();
         self.particles.reserve(arrays.positions.len());
+        self.records.clear();
+        let in_lanes = self.instruction_set != InstructionSet::Scalar;
+        if in_lanes {
+            self.records.reserve(arrays.positions.len());
+        }
         for k in 0..arrays.positions.len() {
             let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
                 identifier: (arrays.identifier)(k),
                 what,
             })?;
+            if in_lanes {
+                self.records.push(Record::from(&particle));
+            }
             self.particles.push(particle);
         }
         Ok(())
@@ -115,16 +169,23 @@ impl Workspace {
     /// Forgets the particles; keeps the memory.
     pub fn clear(&mut self) {
         self.particles.clear();
+        self.records.clear();
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.particles.capacity() * core::mem::size_of::<Particle>()
+            + self.records.capacity() * core::mem::size_of::<Record>()
     }
 
     /// The prepared particles.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
+    }
+
+    /// The prepared particles for the lanes; none on the scalar path.
+    pub fn records(&self) -> &[Record] {
+        &self.records
     }
 }
 
