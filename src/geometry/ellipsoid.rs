@@ -49,8 +49,8 @@ impl Ellipsoid<f64> {
     #[inline]
     pub fn new(semi_axes: [f64; 3], quaternion: [f64; 4]) -> Result<Self, ShapeError> {
         for a in semi_axes {
-            // The squares must be normal numbers too, or h would be 0 or infinite.
-            if !(a > 1e-150 && a < 1e150) {
+            // The product of three squares must be a normal number too.
+            if !(a > 1e-45 && a < 1e45) {
                 return Err(ShapeError::SemiAxis(a));
             }
         }

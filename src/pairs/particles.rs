@@ -251,7 +251,7 @@ fn finite(v: [f64; 3], what: &str) -> Result<Vector3, String> {
 pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) -> String {
     match error {
         ShapeError::SemiAxis(a) => format!(
-            "semi-axis = {a} must be a finite number greater than 0 (semi-axes {} {} {})",
+            "semi-axis = {a} must be a finite number greater than 0, from 1e-45 to 1e45 (semi-axes {} {} {})",
             semi_axes[0], semi_axes[1], semi_axes[2]
         ),
         ShapeError::Quaternion(_) => format!(
