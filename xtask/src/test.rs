@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{demo, header, install, lammps, liggghts, plugin, setup};
+use crate::{bench, demo, header, install, lammps, liggghts, plugin, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -86,6 +86,12 @@ pub fn test(options: &Options) -> Result<()> {
         core.env("ELLGRAN_TEST_PREFIX", prefix.path());
     }
     steps.run("core, C and CMake consumers", || run_open(&mut core))?;
+    if options.filter.is_none() {
+        steps.run("bench, quick", || {
+            let output = tempfile::tempdir()?;
+            bench::quick_kernels(output.path())
+        })?;
+    }
     if !options.quick {
         engines(steps, &filter)?;
     }

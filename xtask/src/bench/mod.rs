@@ -59,7 +59,14 @@ pub fn bench(options: &Options) -> Result<()> {
 
 /// The kernels alone, shortly: for the tests.
 pub fn quick_kernels(output: &Path) -> Result<()> {
-    run(output, true, &[KERNELS.to_string()])
+    run(output, true, &[KERNELS.to_string()])?;
+    let table = fs::read_to_string(output.join("table.md"))?;
+    for word in ["full law", "elastic, no friction", "one contact at a time"] {
+        if !table.contains(word) {
+            bail!("the table has no '{word}'");
+        }
+    }
+    Ok(())
 }
 
 fn run(output: &Path, quick: bool, only: &[String]) -> Result<()> {

@@ -2,7 +2,7 @@
 //! The packings that every pair style reads: made by a deck, kept in the cache until the deck or its words change.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
@@ -146,5 +146,48 @@ impl Packing {
         made?;
         fs::rename(&fresh, &file)?;
         Ok(file)
+    }
+}
+
+/// The same data file for `atom_style ellipsoid superellipsoid`, which wants the block exponents too.
+pub fn for_superellipsoids(file: &Path) -> Result<PathBuf> {
+    let target = file.with_extension("superellipsoids.data");
+    if !target.is_file() {
+        let text = fs::read_to_string(file)
+            .with_context(|| format!("cannot read {}", file.display()))?;
+        fs::write(&target, with_exponents(&text))
+            .with_context(|| format!("cannot write {}", target.display()))?;
+    }
+    Ok(target)
+}
+
+fn with_exponents(data: &str) -> String {
+    let mut text = String::with_capacity(data.len() + 8);
+    let mut inside = false;
+    for line in data.lines() {
+        let numbers = line.split_whitespace().count();
+        // Sections begin with a word on a line of its own.
+        if line.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            inside = line.trim() == "Ellipsoids";
+        }
+        text += line;
+        if inside && numbers == 8 {
+            text += " 2 2";
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_exponents;
+
+    #[test]
+    fn only_ellipsoids_get_exponents() {
+        let data = "2 atoms\n\nAtoms # ellipsoid\n\n1 1 1 2500 0 0 0 0\n\nEllipsoids\n\n1 2 1 1 1 0 0 0\n\nVelocities\n\n1 0 0 0 0 0 0\n";
+        let text = with_exponents(data);
+        assert!(text.contains("\n1 2 1 1 1 0 0 0 2 2\n"), "{text}");
+        assert_eq!(text.matches(" 2 2\n").count(), 1);
     }
 }

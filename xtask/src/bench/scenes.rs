@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 
 use super::contender::Contender;
 use super::lammps_run::{path_word, timing, touching, Lammps, Timing};
-use super::packing::{Kind, Packing};
+use super::packing::{for_superellipsoids, Kind, Packing};
 use super::statistics::{short, Measured};
 use super::Effort;
 use crate::demo::table::Table;
@@ -73,7 +73,8 @@ impl Row {
     }
 
     fn per_touching(&self) -> Option<Measured> {
-        let touching = self.touching.filter(|share| *share > 0.0)?;
+        // Where hardly any pair touches the time is not theirs.
+        let touching = self.touching.filter(|share| *share > 0.02)?;
         Some(self.per_pair().scaled(1.0 / touching))
     }
 }
@@ -154,12 +155,15 @@ fn one(lammps: &Lammps, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
     } else {
         ellipsoids.clone()
     };
-    let of = |contender: Contender| {
-        if contender.spheres() {
-            &spheres
-        } else {
-            &ellipsoids
-        }
+    let exponents = if lammps.superellipsoid {
+        for_superellipsoids(&ellipsoids)?
+    } else {
+        ellipsoids.clone()
+    };
+    let of = |contender: Contender| match contender {
+        Contender::Ours(_) => &ellipsoids,
+        Contender::Superellipsoid => &exponents,
+        Contender::Spheres => &spheres,
     };
     let list = contenders(lammps, scene);
     let mut progress = Progress::start(format!("Scene {}", scene.name));
