@@ -16,7 +16,7 @@ fn array(v: crate::support::scene::Vector) -> Vector {
 }
 
 /// All pairs in one process, `clear` between them.
-fn frames(pairs: &[GoldenPair], name: &str, conservative: &str) -> Vec<Frame> {
+fn frames(pairs: &[GoldenPair], name: &str, model: &str, settings: &str) -> Vec<Frame> {
     let engine = Engine::from_environment();
     let directory = fresh_directory(name);
     let mut text = String::new();
@@ -35,7 +35,8 @@ fn frames(pairs: &[GoldenPair], name: &str, conservative: &str) -> Vec<Frame> {
         )
         .unwrap();
         let deck = Deck {
-            settings: format!("conservative {conservative}"),
+            model: model.into(),
+            settings: settings.into(),
             materials: pair.materials.map(|[e, nu]| [e, nu, 0.0, 0.0]).to_vec(),
             skin: 0.1,
             time_step: 1e-12,
@@ -65,11 +66,15 @@ fn frames(pairs: &[GoldenPair], name: &str, conservative: &str) -> Vec<Frame> {
 
 fn hold(aspect: usize) {
     let pairs = pairs(aspect);
-    for (conservative, of) in [
-        ("off", (|p| p.hertz) as fn(&GoldenPair) -> Wrench),
-        ("on", |p| p.conservative),
+    let along: fn(&GoldenPair) -> Wrench = |p| p.hertz;
+    let ours = "nfd tangential tfd surface ellipsoid";
+    for (model, settings, of) in [
+        (ours, "conservative off", along),
+        (ours, "conservative on", |p| p.conservative),
+        ("hertz tangential history surface ellipsoid", "", along),
     ] {
-        let frames = frames(&pairs, &format!("{aspect}_{conservative}"), conservative);
+        let name = format!("{aspect} {model} {settings}").replace(' ', "_");
+        let frames = frames(&pairs, &name, model, settings);
         let (mut worst, mut largest, mut failures) = (0.0f64, 0.0f64, vec![]);
         for (pair, frame) in pairs.iter().zip(&frames) {
             let wrench = of(pair);
@@ -107,7 +112,7 @@ fn hold(aspect: usize) {
             }
         }
         println!(
-            "{} pairs of aspect ratio up to {aspect}, conservative {conservative}: largest error {largest:.1e} where rounding permits {TOLERANCE:.0e}; largest share of the allowance {worst:.2}",
+            "{} pairs of aspect ratio up to {aspect}, {model} {settings}: largest error {largest:.1e} where rounding permits {TOLERANCE:.0e}; largest share of the allowance {worst:.2}",
             pairs.len()
         );
         assert!(failures.is_empty(), "{}", failures.join("\n"));
