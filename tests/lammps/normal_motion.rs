@@ -349,7 +349,10 @@ fn both_versions_closures_give_the_relaxation_time_of_theory() {
             );
             let difference = (a - b).abs();
             println!("closure {closure}, nu {poisson}, eta2/eta1 {bulk}: restitution {:.9}, of A_n = {time} eta1/E {:.9}", a, b);
-            assert!(a < 0.99995 && difference < 1e-7, "{closure}: {difference:e}");
+            assert!(
+                a < 0.99995 && difference < 1e-7,
+                "{closure}: {difference:e}"
+            );
         }
     }
 }
