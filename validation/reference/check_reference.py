@@ -64,7 +64,7 @@ def hertz_table():
 
 
 def committed_pairs():
-    for name in ("pairs_aspect_10.csv", "pairs_aspect_100.csv"):
+    for name in ("pairs_aspect_10.csv", "pairs_aspect_100.csv", "pairs_aspect_1000.csv"):
         with open(HERE / name) as file:
             rows = list(csv.DictReader(file))
         worst, nearest = mpf(0), None
