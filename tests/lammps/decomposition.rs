@@ -98,7 +98,7 @@ fn both_versions_ranks_and_newton_do_not_change_the_motion() {
 }
 
 /// Two ellipsoids that meet obliquely under friction about a point of the box.
-fn meeting_at(centre: Vector) -> Scene {
+pub fn meeting_at(centre: Vector) -> Scene {
     let mut random = Random(5);
     let axes = [0.016, 0.01, 0.008];
     let grain = |s: f64, random: &mut Random| {
