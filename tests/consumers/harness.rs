@@ -99,10 +99,10 @@ pub fn lacking(what: &str) {
         "{what}, and must be there under CI=true or ELLGRAN_REQUIRE_TOOLS=1"
     );
     let test = std::thread::current().name().unwrap_or("test").to_owned();
-    let _ = writeln!(
-        std::io::stderr(),
-        "\nNOT TESTED: {test}: {what} (`cargo xtask test` installs what is needed)"
-    );
+    // In one piece: other tests write too.
+    let line =
+        format!("\nNOT TESTED: {test}: {what} (`cargo xtask test` installs what is needed)\n");
+    let _ = std::io::stderr().write_all(line.as_bytes());
 }
 
 #[derive(Clone, Copy, PartialEq)]

@@ -137,6 +137,19 @@ fn every_structure_and_constant_of_the_header_is_compared() {
     assert_eq!(named, claims().names);
 }
 
+#[test]
+fn every_name_of_the_header_is_ours() {
+    let text = declarations();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["#define", name, ..] => assert!(name.starts_with("ELLGRAN_"), "{line}"),
+            ["typedef", "struct", name, ..] => assert!(name.starts_with("Ellgran"), "{line}"),
+            _ => {}
+        }
+    }
+}
+
 /// C99 has no static assertion: an array of negative size stands for one.
 fn assertions(expressions: &[String]) -> String {
     let mut text = String::from("#include <ellgran.h>\n");
