@@ -81,7 +81,7 @@ fn run(output: &Path, quick: bool, only: &[String]) -> Result<()> {
         Effort {
             quick,
             rounds: 5,
-            seconds: 1.5,
+            seconds: 1.0,
         }
     };
     let all: &[Scene] = if quick { &QUICK_SCENES } else { &SCENES };

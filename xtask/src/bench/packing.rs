@@ -153,8 +153,8 @@ impl Packing {
 pub fn for_superellipsoids(file: &Path) -> Result<PathBuf> {
     let target = file.with_extension("superellipsoids.data");
     if !target.is_file() {
-        let text = fs::read_to_string(file)
-            .with_context(|| format!("cannot read {}", file.display()))?;
+        let text =
+            fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
         fs::write(&target, with_exponents(&text))
             .with_context(|| format!("cannot write {}", target.display()))?;
     }

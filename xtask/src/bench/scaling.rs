@@ -115,7 +115,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
                 &format!("{count} grains, {} ranks", point.ranks),
             );
             let steps = steps_for(contender, count, 2.0 * effort.seconds);
-            let mut words = run_variables(&files[k], contender, point.copies, 20, steps)?;
+            let mut words = run_variables(&files[k], contender, point.copies, 5, steps)?;
             words.push(("newton", "on".to_string()));
             let output = lammps.run("run.lmp", point.ranks, contender.instruction_set(), &words)?;
             let time = timing(&output)?;

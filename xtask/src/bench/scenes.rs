@@ -11,6 +11,9 @@ use super::Effort;
 use crate::demo::table::Table;
 use crate::progress::{say, Progress};
 
+/// Grains from which a run is long enough for fewer of everything.
+const LARGE: usize = 50_000;
+
 #[derive(Clone, Copy)]
 pub struct Scene {
     /// What `--scene` names it by.
@@ -182,16 +185,17 @@ fn one(lammps: &Lammps, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
     };
     let grains = scene.side.pow(3) * scene.copies.iter().product::<usize>();
     let mut taken: Vec<Vec<Timing>> = list.iter().map(|_| Vec::new()).collect();
-    for round in 0..effort.rounds {
+    let rounds = if grains > LARGE {
+        effort.rounds.min(3)
+    } else {
+        effort.rounds
+    };
+    for round in 0..rounds {
         for (k, (contender, newton)) in list.iter().enumerate() {
-            let done = (round * list.len() + k) as f64 / (effort.rounds * list.len()) as f64;
+            let done = (round * list.len() + k) as f64 / (rounds * list.len()) as f64;
             progress.update(Some(done), &contender.label());
             let steps = steps_for(*contender, grains, effort.seconds);
-            let warm = if *contender == Contender::Superellipsoid && grains > 50_000 {
-                3
-            } else {
-                20
-            };
+            let warm = if grains > LARGE { 4 } else { 20 };
             let mut words = run_variables(of(*contender), *contender, scene.copies, warm, steps)?;
             words.push(("newton", if *newton { "on" } else { "off" }.to_string()));
             let output = lammps.run("run.lmp", 1, contender.instruction_set(), &words)?;
