@@ -5,7 +5,10 @@ use super::law::EllgranLaws;
 use super::particles::{
     hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
 };
-use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER};
+use super::status::{
+    at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_NULL_POINTER,
+};
 use super::tallies::{borrow, write_back, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
@@ -60,7 +63,7 @@ impl NeighbourRows for Rows<'_> {
         // SAFETY: by the contract of `EllgranNeighbourList`, the arrays have an entry for every central particle, the rows
         // have as many entries as the count says, and no row is borrowed twice at a time (`&mut self`).
         unsafe {
-            let count = *self.counts.add(central) as usize;
+            let count = (*self.counts.add(central)).max(0) as usize;
             let neighbours = if count == 0 {
                 &[][..]
             } else {
@@ -131,22 +134,36 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             }
         }
         for &c in central {
-            // SAFETY: promised by the caller; the outer pointers are not NULL here.
-            let (count, missing) = unsafe {
-                let c = usize::try_from(c).unwrap_or_default();
-                let missing = (*list.neighbours.add(c)).is_null()
-                    || (length > 0
-                        && ((*list.touching.add(c)).is_null() || (*list.history.add(c)).is_null()));
-                (*list.neighbour_counts.add(c), missing)
+            let k = usize::try_from(c)
+                .ok()
+                .filter(|k| *k < p.count)
+                .ok_or_else(|| {
+                    Failure::new(
+                        ELLGRAN_ERROR_ARGUMENT,
+                        format!(
+                            "central names particle {c}, which is not one of {}",
+                            p.count
+                        ),
+                    )
+                })?;
+            // SAFETY: promised by the caller; the outer pointers are not NULL here. Rows are read where they have entries.
+            let rows = unsafe {
+                if *list.neighbour_counts.add(k) <= 0 {
+                    continue;
+                }
+                [
+                    ("neighbours", (*list.neighbours.add(k)).is_null()),
+                    ("touching", length > 0 && (*list.touching.add(k)).is_null()),
+                    ("history", length > 0 && (*list.history.add(k)).is_null()),
+                ]
             };
-            if c < 0 || count < 0 || (count > 0 && missing) {
-                return Err(Failure::new(
-                    ELLGRAN_ERROR_NULL_POINTER,
-                    format!(
-                        "neighbours, touching and history of central particle {c} must not be NULL (it has {count} \
-                         neighbours)"
-                    ),
-                ));
+            for (name, is_null) in rows {
+                if is_null {
+                    return Err(Failure::new(
+                        ELLGRAN_ERROR_NULL_POINTER,
+                        format!("{name}[{k}] must not be NULL"),
+                    ));
+                }
             }
         }
         let mut excluded = [false; 4];

@@ -295,6 +295,20 @@ fn a_neighbour_list() {
             lose(&mut view);
             is_null(ellgran_compute_pairs(l, w, &p, &view, s, t), name);
         }
+        // The pointers to rows are read where a row has entries.
+        let (row, flags, history) = ([null()], [null_mut()], [null_mut()]);
+        let mut empty = view;
+        empty.neighbours = row.as_ptr();
+        is_null(
+            ellgran_compute_pairs(l, w, &p, &empty, s, t),
+            "neighbours[0]",
+        );
+        let mut empty = view;
+        empty.touching = flags.as_ptr();
+        is_null(ellgran_compute_pairs(l, w, &p, &empty, s, t), "touching[0]");
+        let mut empty = view;
+        empty.history = history.as_ptr();
+        is_null(ellgran_compute_pairs(l, w, &p, &empty, s, t), "history[0]");
         x.check();
         // And with all of them it works.
         ok(ellgran_compute_pairs(l, w, &p, &view, s, t));
