@@ -8,6 +8,7 @@ mod engine;
 mod heap;
 mod heaps;
 mod liggghts;
+mod linear_spring;
 pub mod material;
 pub mod table;
 
@@ -93,6 +94,7 @@ fn lammps_scenes(output: &Path) -> Result<Outcome> {
         contacts::normal_force(&engine, output)?,
         contacts::tangential_force(&engine, output)?,
         contacts::collision(&engine, output)?,
+        linear_spring::linear_spring(&engine, output)?,
     ];
     tables.extend(heaps::heaps(&engine, output)?);
     Ok(Outcome {
@@ -102,6 +104,7 @@ fn lammps_scenes(output: &Path) -> Result<Outcome> {
             "normal-force.svg",
             "tangential-force.svg",
             "collision.svg",
+            "linear-spring.svg",
             "heap.svg",
             "heap-compared.svg",
         ],
