@@ -331,13 +331,17 @@ pub(super) fn run<
         &remembered,
     );
 
-    let mut rows = [[0.0; MOST_LANES]; 2];
-    hard.store(&mut rows[0]);
-    separated.store(&mut rows[1]);
-    for k in 0..S::F64_LANES.min(MOST_LANES) {
-        result.fate[k] = if rows[1][k] > 0.0 {
+    let (mut is_hard, mut is_separated): (Row, Row) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+    hard.store(&mut is_hard);
+    separated.store(&mut is_separated);
+    for (fate, (hard, separated)) in result
+        .fate
+        .iter_mut()
+        .zip(is_hard.iter().zip(&is_separated))
+    {
+        *fate = if *separated > 0.0 {
             Fate::Separated
-        } else if rows[0][k] > 0.0 {
+        } else if *hard > 0.0 {
             Fate::Hard
         } else {
             Fate::Touching
