@@ -11,6 +11,8 @@
 //! - no allocation, lock or I/O inside a step, but for a workspace that grows with the number of particles.
 
 #![allow(unsafe_code)]
+// The comments become the C header's, where [count] is an array's length and not a link.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod contact;
 pub mod law;

@@ -27,7 +27,7 @@ pub struct BodyAtContact<T = f64> {
     pub inverse_weingarten: Symmetric2<T>,
 }
 
-/// The additional terms of one body: subtract `scale` times them, see [`Gradient`].
+/// The additional terms of one body: subtract `scale` times them, see [`additional_torque`].
 #[derive(Clone, Copy, Debug)]
 pub struct BodyGradient<T = f64> {
     /// `gamma`: change of `g` with the normal.

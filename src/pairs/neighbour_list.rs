@@ -22,7 +22,7 @@ use crate::geometry::{search, ContactSearch, Ellipsoid, Outcome, Support, Tangen
 pub struct NeighbourRow<'a> {
     /// Index of the central particle.
     pub central: usize,
-    /// Entries of the engine's list; [`NeighbourRows::index`] makes an index of one.
+    /// Entries of the engine's list; [`Entries::index`] makes an index of one.
     pub neighbours: &'a [i32],
     /// One flag per neighbour, written: 1 for a contact. Empty without history.
     pub touching: &'a mut [i32],
