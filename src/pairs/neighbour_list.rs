@@ -11,7 +11,7 @@ use super::contact::{
 use super::history::HistoryLayout;
 use super::instruction_set::InstructionSet;
 use super::lanes::{Registers, MOST_LANES};
-use super::laws::{Features, Laws};
+use super::laws::Laws;
 use super::particles::{effective_mass, Particle, Record, Workspace};
 use super::tallies::{Contribution, Tallies};
 use super::Step;
@@ -832,19 +832,4 @@ pub(super) fn hale_holds(curvature: crate::geometry::Symmetric2) -> Result<(), f
             Err(b / a)
         }
     }
-}
-
-/// The terms of the scene's laws, for a report.
-pub fn describe_kernel(features: &Features) -> String {
-    let mut terms = vec!["elastic"];
-    if features.viscous {
-        terms.push("viscous");
-    }
-    if features.friction {
-        terms.push("frictional");
-    }
-    if features.conservative {
-        terms.push("conservative");
-    }
-    terms.join(", ")
 }
