@@ -25,7 +25,15 @@ pub trait Real:
     fn constant(self, value: f64) -> Self;
     /// `self * a + b`; fused where the instruction set has it.
     fn multiply_add(self, a: Self, b: Self) -> Self;
-    /// Square root.
+    /// `self * a - b`; fused where the instruction set has it.
+    fn multiply_subtract(self, a: Self, b: Self) -> Self;
+    /// `b - self * a`; fused where the instruction set has it.
+    fn negative_multiply_add(self, a: Self, b: Self) -> Self;
+    /// `1/self` of a normal number whose inverse is one too.
+    fn reciprocal(self) -> Self;
+    /// `1/sqrt(self)` of a positive normal number.
+    fn reciprocal_sqrt(self) -> Self;
+    /// Square root of zero or a positive normal number.
     fn sqrt(self) -> Self;
     /// The larger of two; where `self` is NaN, `other`.
     fn max(self, other: Self) -> Self;
@@ -55,6 +63,22 @@ impl Real for f64 {
     #[inline(always)]
     fn multiply_add(self, a: f64, b: f64) -> f64 {
         self * a + b
+    }
+    #[inline(always)]
+    fn multiply_subtract(self, a: f64, b: f64) -> f64 {
+        self * a - b
+    }
+    #[inline(always)]
+    fn negative_multiply_add(self, a: f64, b: f64) -> f64 {
+        b - self * a
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> f64 {
+        1.0 / self
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self) -> f64 {
+        1.0 / f64::sqrt(self)
     }
     #[inline(always)]
     fn sqrt(self) -> f64 {

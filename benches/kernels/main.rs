@@ -82,7 +82,8 @@ impl<'a> Run<'a> {
 
     /// One step; the time of the pairs alone.
     fn advance(&mut self) -> Duration {
-        self.scene.prepare(&mut self.workspace, self.step);
+        self.scene
+            .prepare(self.laws, &mut self.workspace, self.step);
         self.step += 1;
         let mut tallies = self.energies.as_mut().map(|(energies, virials)| Tallies {
             particle_energies: Some(energies),
@@ -93,7 +94,7 @@ impl<'a> Run<'a> {
         let started = Clock::now();
         let result = compute_pairs(
             self.laws,
-            &self.workspace,
+            &mut self.workspace,
             &mut self.rows,
             &STEP,
             &mut Accumulators {
@@ -114,7 +115,7 @@ impl<'a> Run<'a> {
         let count = self.scene.count();
         compute_pairs(
             self.laws,
-            &self.workspace,
+            &mut self.workspace,
             &mut self.rows,
             &STEP,
             &mut Accumulators {
@@ -208,8 +209,8 @@ fn preparation(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
             let started = Clock::now();
             for _ in 0..steps {
                 step += 1;
-                scene.prepare(&mut workspace, step);
-                black_box(workspace.particles().len());
+                scene.prepare(&laws, &mut workspace, step);
+                black_box(workspace.bytes());
             }
             since(&started)
         });
@@ -245,7 +246,7 @@ fn one_by_one(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
         b.iter_custom(|steps| {
             timed(steps, || {
                 step += 1;
-                scene.prepare(&mut run.workspace, step);
+                scene.prepare(&laws, &mut run.workspace, step);
                 let particles = run.workspace.particles();
                 let started = Clock::now();
                 for (i, j, history) in &mut contacts {

@@ -115,7 +115,7 @@ impl Scene {
     }
 
     /// Moves on to the frame of a step and prepares its particles.
-    pub fn prepare(&self, workspace: &mut Workspace, step: usize) {
+    pub fn prepare(&self, laws: &Laws, workspace: &mut Workspace, step: usize) {
         let frame = &self.frames[step % FRAMES];
         let arrays = ParticleArrays {
             owned: self.count(),
@@ -128,7 +128,7 @@ impl Scene {
             identifier: |k| k as i64,
         };
         workspace
-            .prepare(&arrays, self.type_count)
+            .prepare_for_pairs(&arrays, laws, step > 0)
             .expect("the scene is made of ellipsoids");
     }
 

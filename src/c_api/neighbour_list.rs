@@ -4,6 +4,7 @@
 use super::law::EllgranLaws;
 use super::particles::{
     hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
+    Purpose,
 };
 use super::status::{
     at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
@@ -39,6 +40,10 @@ pub struct EllgranNeighbourList {
     /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
     /// with a ghost appears on both ranks.
     pub newton: i32,
+    /// 1: since the last call with this workspace that succeeded, the laws, particles, their number and order, their types, semi-axes
+    /// and the list's entries have not changed (positions, rotations and the history may have): most pairs that do not
+    /// touch are then left out without looking at them. 0: they may have. When in doubt, 0.
+    pub unchanged: i32,
 }
 
 struct Rows<'a> {
@@ -180,7 +185,10 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             Some(t) => Some(unsafe { borrow(t, p.count) }?),
             None => None,
         };
-        unsafe { prepare(p, p.count, laws, workspace) }?;
+        let purpose = Purpose::Pairs {
+            unchanged: list.unchanged != 0,
+        };
+        unsafe { prepare(p, p.count, laws, workspace, purpose) }?;
         let mut rows = Rows {
             central,
             counts: list.neighbour_counts,

@@ -110,6 +110,7 @@ pub unsafe extern "C" fn ellgran_workspace_instruction_set(
     // SAFETY: promised by the caller.
     let text = unsafe { workspace.as_ref() }.map(|w| match w.workspace.instruction_set {
         InstructionSet::Scalar => c"scalar",
+        InstructionSet::Baseline => c"baseline",
         InstructionSet::Avx2 => c"avx2",
         InstructionSet::Avx512 => c"avx512",
     });
@@ -172,6 +173,15 @@ pub(super) fn identifier(p: &EllgranParticles, k: usize) -> i64 {
     }
 }
 
+/// What particles are prepared for.
+#[derive(Clone, Copy)]
+pub(super) enum Purpose {
+    /// One contact at a time.
+    SingleContacts,
+    /// The pairs of a list, and whether list and particles are those of the last call.
+    Pairs { unchanged: bool },
+}
+
 /// Checks the arrays' pointers and prepares the first `count` particles in the workspace.
 ///
 /// # Safety
@@ -181,6 +191,7 @@ pub(super) unsafe fn prepare(
     count: usize,
     laws: &Laws,
     workspace: &mut Workspace,
+    purpose: Purpose,
 ) -> Result<(), Failure> {
     if count == 0 {
         workspace.clear();
@@ -262,9 +273,11 @@ pub(super) unsafe fn prepare(
         },
         identifier: |k: usize| identifier(p, k),
     };
-    workspace
-        .prepare(&arrays, laws.types())
-        .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+    match purpose {
+        Purpose::SingleContacts => workspace.prepare(&arrays, laws.types()),
+        Purpose::Pairs { unchanged } => workspace.prepare_for_pairs(&arrays, laws, unchanged),
+    }
+    .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
 }
 
 /// The failure for a contact at which Hale's form breaks.

@@ -4,6 +4,7 @@
 use super::law::{check_type, EllgranLaws};
 use super::particles::{
     hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
+    Purpose,
 };
 use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 use super::tallies::{borrow, write_back, EllgranTallies};
@@ -114,7 +115,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             Some(t) => Some(unsafe { borrow(t, owned) }?),
             None => None,
         };
-        unsafe { prepare(p, owned, laws, workspace) }?;
+        unsafe { prepare(p, owned, laws, workspace, Purpose::SingleContacts) }?;
         compute_planes(
             laws,
             workspace.particles(),

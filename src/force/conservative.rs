@@ -19,6 +19,8 @@ use crate::real::Real;
 pub struct BodyAtContact<T = f64> {
     /// Support function `h`, length.
     pub h: T,
+    /// `1/h`.
+    pub inverse_h: T,
     /// Tangent components of the witness point from the centre, `s`.
     pub witness: Vector2<T>,
     /// Weingarten map `V`, 1/length.
@@ -42,11 +44,10 @@ pub fn curvature_gradient<T: Real>(
     curvature: Symmetric2<T>,
     factors: &Factors<T>,
 ) -> Symmetric2<T> {
-    let one = factors.phi.constant(1.0);
     // d ln g = -(1/4) M^-1 + (ln phi)'(w) (2/T I - M^-1),  (ln phi)'(w) = sigma/2
     let slope = factors.sigma * 0.5;
-    let inverse = curvature.adjugate() * (one / curvature.determinant());
-    (inverse * -(slope + 0.25)).shifted(factors.sigma / curvature.trace())
+    let inverse = curvature.adjugate() * curvature.determinant().reciprocal();
+    (inverse * -(slope + 0.25)).shifted(factors.sigma * curvature.trace().reciprocal())
 }
 
 /// `gamma_k` and `tau_k` of one body, divided by `g`.
@@ -59,7 +60,7 @@ pub fn body_gradient<T: Real>(p: Symmetric2<T>, body: &BodyAtContact<T>) -> Body
     let vu = p.uv * v.uu + p.vv * v.uv;
     let vv = p.uv * v.uv + p.vv * v.vv;
     let s = body.witness;
-    let half = s.u.constant(0.5) / body.h;
+    let half = body.inverse_h * 0.5;
     let trace = uu + vv;
     BodyGradient {
         gamma: Vector2::new(
@@ -101,7 +102,6 @@ pub fn normal_response<T: Real>(
     penetration: T,
     gamma: Vector2<T>,
 ) -> NormalResponse<T> {
-    let one = penetration.constant(1.0);
     let mean = radii.trace() * 0.5;
     let half_difference = (radii.uu - radii.vv) * 0.5;
     let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
@@ -109,7 +109,7 @@ pub fn normal_response<T: Real>(
     let shift = penetration.min(smallest * 0.95);
     let m = radii.shifted(-shift);
     NormalResponse {
-        lambda: m.adjugate().apply(gamma) * (one / m.determinant()),
+        lambda: m.adjugate().apply(gamma) * m.determinant().reciprocal(),
         half_excess: (penetration - shift) * 0.5,
     }
 }

@@ -145,6 +145,6 @@ pub fn tangential_force<T: Real>(
 fn compliance_matrix<T: Real>(x0: T, x1: T, sigma: T, curvature: Symmetric2<T>) -> Symmetric2<T> {
     let anisotropy = x1 * sigma;
     let isotropic = x0 - x1 * 0.5 + anisotropy;
-    let scaled = curvature * (anisotropy * -2.0 / curvature.trace());
+    let scaled = curvature * (anisotropy * -2.0 * curvature.trace().reciprocal());
     scaled.shifted(isotropic)
 }

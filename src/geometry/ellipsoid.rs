@@ -33,6 +33,8 @@ pub enum ShapeError {
 pub struct Support<T = f64> {
     /// `h(n) = max n.(p - x)` over the surface, length.
     pub h: T,
+    /// `1/h`.
+    pub inverse_h: T,
     /// The surface point with outward normal `n`, from the centre, world frame.
     pub point: Vector3<T>,
     /// `R^T n`: the direction in body axes.
@@ -59,26 +61,8 @@ impl Ellipsoid<f64> {
         if !(length > 1e-280 && length < 1e280) {
             return Err(ShapeError::Quaternion(length));
         }
-        let s = 2.0 / length;
-        let axes = [
-            Vector3::new(
-                1.0 - s * (y * y + z * z),
-                s * (x * y + w * z),
-                s * (x * z - w * y),
-            ),
-            Vector3::new(
-                s * (x * y - w * z),
-                1.0 - s * (x * x + z * z),
-                s * (y * z + w * x),
-            ),
-            Vector3::new(
-                s * (x * z + w * y),
-                s * (y * z - w * x),
-                1.0 - s * (x * x + y * y),
-            ),
-        ];
         Ok(Ellipsoid {
-            axes,
+            axes: rotation_columns(quaternion, 2.0 / length),
             semi_axes: Vector3::from_array(semi_axes),
             inverse_semi_axes: Vector3::from_array(semi_axes.map(|a| 1.0 / a)),
         })
@@ -103,6 +87,32 @@ impl Ellipsoid<f64> {
     }
 }
 
+/// The columns of the rotation of a quaternion `(w, x, y, z)`; `scale` is 2 over its squared length.
+#[inline(always)]
+pub(crate) fn rotation_columns<T: Real>([w, x, y, z]: [T; 4], scale: T) -> [Vector3<T>; 3] {
+    let one = w.constant(1.0);
+    let (x2, y2, z2) = (x * scale, y * scale, z * scale);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    let (yy, zz) = (y * y2, z * z2);
+    [
+        Vector3::new(
+            one - yy - zz,
+            x.multiply_add(y2, wz),
+            x.multiply_subtract(z2, wy),
+        ),
+        Vector3::new(
+            x.multiply_subtract(y2, wz),
+            x.negative_multiply_add(x2, one - zz),
+            y.multiply_add(z2, wx),
+        ),
+        Vector3::new(
+            x.multiply_add(z2, wy),
+            y.multiply_subtract(z2, wx),
+            x.negative_multiply_add(x2, one - yy),
+        ),
+    ]
+}
+
 impl<T: Real> Ellipsoid<T> {
     /// A world vector in body axes.
     #[inline(always)]
@@ -125,10 +135,13 @@ impl<T: Real> Ellipsoid<T> {
     pub fn support(&self, n: Vector3<T>) -> Support<T> {
         let local_normal = self.to_body(n);
         let z = self.semi_axes.componentwise(local_normal);
-        let h = z.norm();
-        let point = self.to_world(self.semi_axes.componentwise(z) * (h.constant(1.0) / h));
+        let square = z.norm_squared();
+        let inverse_h = square.reciprocal_sqrt();
+        let h = square * inverse_h;
+        let point = self.to_world(self.semi_axes.componentwise(z) * inverse_h);
         Support {
             h,
+            inverse_h,
             point,
             local_normal,
         }

@@ -7,6 +7,7 @@ pub mod cylinder;
 pub mod ellipsoid;
 pub mod interior_point;
 pub mod plane;
+pub mod tangent_model;
 pub mod triangles;
 pub mod vector;
 

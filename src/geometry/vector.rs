@@ -36,9 +36,9 @@ impl<T: Real> Vector3<T> {
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {
         Vector3 {
-            x: self.y * b.z - self.z * b.y,
-            y: self.z * b.x - self.x * b.z,
-            z: self.x * b.y - self.y * b.x,
+            x: self.y.multiply_subtract(b.z, self.z * b.y),
+            y: self.z.multiply_subtract(b.x, self.x * b.z),
+            z: self.x.multiply_subtract(b.y, self.y * b.x),
         }
     }
     /// Component by component.
@@ -72,7 +72,7 @@ impl<T: Real> Vector3<T> {
     /// The same direction with length one; undefined for the null vector.
     #[inline(always)]
     pub fn normalised(self) -> Self {
-        self * (self.x.constant(1.0) / self.norm())
+        self * self.norm_squared().reciprocal_sqrt()
     }
 }
 
@@ -211,7 +211,7 @@ impl<T: Real> Symmetric2<T> {
     /// Determinant.
     #[inline(always)]
     pub fn determinant(self) -> T {
-        self.uu * self.vv - self.uv * self.uv
+        self.uu.multiply_subtract(self.vv, self.uv * self.uv)
     }
     /// Adjugate: the inverse times the determinant.
     #[inline(always)]

@@ -5,252 +5,429 @@
 //! ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
 
 use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembered};
-use super::lanes::{Lanes, Registers, MOST_LANES};
+use super::history::HistoryLayout;
+use super::lanes::Lanes;
 use super::particles::Record;
+use super::registers::{Line, Registers, MOST_LANES};
 use crate::force::hertz_factors::{fit_variable, fitted, FIT_END};
 use crate::force::{Factors, LawConstants, PairLaw};
-use crate::geometry::{Ellipsoid, Symmetric2, Tangent, Vector3};
+use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::tangent_model::TangentModel;
+use crate::geometry::{Ellipsoid, Support, Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
-
-/// One number for each lane.
-pub(super) type Row = [f64; MOST_LANES];
-/// A vector for each lane.
-pub(super) type Rows3 = [Row; 3];
 
 /// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
 pub(super) struct Batch<'a> {
     pub i: [&'a Record; MOST_LANES],
     pub j: [&'a Record; MOST_LANES],
     pub laws: [&'a PairLaw; MOST_LANES],
-    /// Where the search starts: a unit vector.
-    pub start: Rows3,
+    /// What is remembered of each pair, as the layout has it.
+    pub history: [Line; MOST_LANES],
     /// 1 where the pair touched at the last step.
-    pub continued: Row,
-    /// The normal at the last step, where the pair touched then.
-    pub before: Rows3,
-    /// Tangential memory.
-    pub memory: Rows3,
-    /// Remembered stiffness.
-    pub stiffness: Row,
-    /// Time over which the memory advances.
+    pub continued: Line,
+    /// Inverse of the effective mass, where a law reads masses.
+    pub inverse_effective_mass: Line,
+}
+
+/// What the whole pass has in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub layout: HistoryLayout,
+    /// Time over which the history advances.
     pub time: f64,
+    /// The law, where there is only one.
+    pub only_law: Option<&'a PairLaw>,
+    /// Whether energies are asked for.
+    pub tally: bool,
 }
 
-/// What became of a lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fate {
-    Touching,
-    Separated,
-    /// To be taken by the scalar path.
-    Hard,
-}
-
-/// What the lanes give back.
+/// What the lanes give back, a line per pair.
 pub(super) struct BatchResult {
-    pub fate: [Fate; MOST_LANES],
-    pub d: Rows3,
-    pub normal: Rows3,
-    pub force: Rows3,
-    pub torque_i: Rows3,
-    pub torque_j: Rows3,
-    pub memory: Rows3,
-    pub stiffness: Row,
-    pub elastic_energy: Row,
-    pub tangential_energy: Row,
-    /// Viscous and tangential power.
-    pub power: Row,
+    /// Bits of lanes whose bodies are apart; their line in `history` begins with the separating normal.
+    pub separated: u32,
+    /// Bits of lanes for the scalar path.
+    pub hard: u32,
+    /// Force on `i`, torque on `i`, two zeros.
+    pub on_i: [Line; MOST_LANES],
+    /// Force on `j`, torque on `j`, two zeros.
+    pub on_j: [Line; MOST_LANES],
+    /// What is to be remembered, as the layout has it.
+    pub history: [Line; MOST_LANES],
+    /// Normal and tangential elastic energy, viscous and tangential power, vector between the centres.
+    pub energies: [Line; MOST_LANES],
 }
 
 impl BatchResult {
     /// Nothing yet.
     pub const EMPTY: BatchResult = BatchResult {
-        fate: [Fate::Hard; MOST_LANES],
-        d: [[0.0; MOST_LANES]; 3],
-        normal: [[0.0; MOST_LANES]; 3],
-        force: [[0.0; MOST_LANES]; 3],
-        torque_i: [[0.0; MOST_LANES]; 3],
-        torque_j: [[0.0; MOST_LANES]; 3],
-        memory: [[0.0; MOST_LANES]; 3],
-        stiffness: [0.0; MOST_LANES],
-        elastic_energy: [0.0; MOST_LANES],
-        tangential_energy: [0.0; MOST_LANES],
-        power: [0.0; MOST_LANES],
+        separated: 0,
+        hard: 0,
+        on_i: [Line::ZERO; MOST_LANES],
+        on_j: [Line::ZERO; MOST_LANES],
+        history: [Line::ZERO; MOST_LANES],
+        energies: [Line::ZERO; MOST_LANES],
     };
 }
 
-const NEWTON_STEPS: usize = 8;
+/// Newton steps before a lane is hard.
+const NEWTON_STEPS: usize = 6;
+/// Square of the last Newton step: what is left after it is of the order of its square, and one correction follows.
+const SETTLED: f64 = 1e-12;
+/// Square of that correction: the curvature is off by this share.
+const LARGEST_CORRECTION: f64 = 1e-20;
 
+/// One side of the pairs: centre, bounding radius, shape, and motion.
+struct Side<S: Registers> {
+    centre: Vector3<Lanes<S>>,
+    body: Ellipsoid<Lanes<S>>,
+    velocity: Vector3<Lanes<S>>,
+    omega: Vector3<Lanes<S>>,
+}
+
+macro_rules! lines {
+    ($records:expr, $field:ident) => {{
+        let r = $records;
+        [
+            &r[0].$field,
+            &r[1].$field,
+            &r[2].$field,
+            &r[3].$field,
+            &r[4].$field,
+            &r[5].$field,
+            &r[6].$field,
+            &r[7].$field,
+        ]
+    }};
+}
+
+impl<S: Registers> Side<S> {
+    #[inline(always)]
+    fn load(registers: S, records: &[&Record; MOST_LANES]) -> Self {
+        let a = Lanes::all(registers, registers.columns(lines!(records, pose)));
+        let b = Lanes::all(registers, registers.columns(lines!(records, motion)));
+        let semi_axes = Vector3::new(a[7], b[0], b[1]);
+        let product = semi_axes.y * semi_axes.z;
+        let inverse = (semi_axes.x * product).reciprocal();
+        Side {
+            centre: Vector3::new(a[0], a[1], a[2]),
+            body: Ellipsoid {
+                axes: rotation_columns([a[3], a[4], a[5], a[6]], a[0].constant(2.0)),
+                semi_axes,
+                inverse_semi_axes: Vector3::new(
+                    product * inverse,
+                    semi_axes.x * semi_axes.z * inverse,
+                    semi_axes.x * semi_axes.y * inverse,
+                ),
+            },
+            velocity: Vector3::new(b[2], b[3], b[4]),
+            omega: Vector3::new(b[5], b[6], b[7]),
+        }
+    }
+}
+
+/// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`.
 #[inline(always)]
-fn load<S: Registers>(simd: S, rows: &Rows3) -> Vector3<Lanes<S>> {
+fn starts<S: Registers>(
+    registers: S,
+    lines: [&Line; MOST_LANES],
+    d: Vector3<Lanes<S>>,
+) -> Vector3<Lanes<S>> {
+    let c = Lanes::all(registers, registers.columns(lines));
+    let n = Vector3::new(c[0], c[1], c[2]);
+    let tiny = d.x.constant(1e-290);
+    let towards = d * d.norm_squared().max(tiny).reciprocal_sqrt();
+    let is_unit = (n.norm_squared() - 1.0).abs().less(d.x.constant(1e-6));
     Vector3::new(
-        Lanes::load(simd, &rows[0]),
-        Lanes::load(simd, &rows[1]),
-        Lanes::load(simd, &rows[2]),
+        Lanes::select(is_unit, n.x, towards.x),
+        Lanes::select(is_unit, n.y, towards.y),
+        Lanes::select(is_unit, n.z, towards.z),
     )
 }
 
+/// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal, or one of those that
+/// `improvements` steps lead to, each along the line between the last witnesses.
+///
+/// `starts` are lines that begin with a normal; one that is no unit vector stands for the direction between the centres.
 #[inline(always)]
-fn store<S: Registers>(v: Vector3<Lanes<S>>, rows: &mut Rows3) {
-    v.x.store(&mut rows[0]);
-    v.y.store(&mut rows[1]);
-    v.z.store(&mut rows[2]);
-}
-
-/// Centre, bounding radius and shape of one side of the pairs.
-#[inline(always)]
-fn load_body<S: Registers>(
-    simd: S,
-    records: &[&Record; MOST_LANES],
-) -> (Vector3<Lanes<S>>, Lanes<S>, Ellipsoid<Lanes<S>>) {
-    let a = Lanes::all(simd, simd.columns(records, 0));
-    let b = Lanes::all(simd, simd.columns(records, 8));
-    let semi_axes = Vector3::new(b[5], b[6], b[7]);
-    let product = semi_axes.y * semi_axes.z;
-    let inverse = semi_axes.x.constant(1.0) / (semi_axes.x * product);
-    let body = Ellipsoid {
-        axes: [
-            Vector3::new(a[4], a[5], a[6]),
-            Vector3::new(a[7], b[0], b[1]),
-            Vector3::new(b[2], b[3], b[4]),
-        ],
-        semi_axes,
-        inverse_semi_axes: Vector3::new(
-            product * inverse,
-            semi_axes.x * semi_axes.z * inverse,
-            semi_axes.x * semi_axes.y * inverse,
-        ),
-    };
-    (Vector3::new(a[0], a[1], a[2]), a[3], body)
+pub(super) fn separated_by<S: Registers>(
+    registers: S,
+    i: &[&Record; MOST_LANES],
+    j: &[&Record; MOST_LANES],
+    start: [&Line; MOST_LANES],
+    margin: f64,
+    improvements: usize,
+) -> u32 {
+    let (i, j) = (Side::load(registers, i), Side::load(registers, j));
+    let d = j.centre - i.centre;
+    let mut n = starts(registers, start, d);
+    let margin = Lanes::splat(registers, margin);
+    let all = (1u32 << S::LANES) - 1;
+    let mut apart = 0;
+    for left in (0..=improvements).rev() {
+        if left == 0 {
+            // Without the witnesses.
+            let h_i = i.body.semi_axes.componentwise(i.body.to_body(n)).norm();
+            let h_j = j.body.semi_axes.componentwise(j.body.to_body(n)).norm();
+            return apart | registers.bits(margin.less(n.dot(d) - h_i - h_j));
+        }
+        let (support_i, support_j) = (i.body.support(n), j.body.support(n));
+        let gap = n.dot(d) - support_i.h - support_j.h;
+        apart |= registers.bits(margin.less(gap));
+        if apart == all {
+            break;
+        }
+        let between = d - support_i.point - support_j.point;
+        let square = between.norm_squared();
+        let longer = d.norm_squared() * 1e-20;
+        let usable = longer.less(square);
+        let next = between * square.max(longer).reciprocal_sqrt();
+        n = Vector3::new(
+            Lanes::select(usable, next.x, n.x),
+            Lanes::select(usable, next.y, n.y),
+            Lanes::select(usable, next.z, n.z),
+        );
+    }
+    apart
 }
 
 macro_rules! load_constants {
-    ($simd:expr, $laws:expr, $uniform:expr, $($field:ident),*) => {
-        if $uniform {
-            let c = &$laws[0].constants;
-            LawConstants { $($field: Lanes::splat($simd, c.$field)),* }
+    ($registers:expr, $laws:expr, $only:expr, $($field:ident),*) => {
+        if let Some(law) = $only {
+            let c = &law.constants;
+            LawConstants { $($field: Lanes::splat($registers, c.$field)),* }
         } else {
-            LawConstants { $($field: Lanes::load($simd, &$laws.map(|l| l.constants.$field))),* }
+            LawConstants {
+                $($field: {
+                    let mut line = Line::ZERO;
+                    for k in 0..S::LANES {
+                        line.0[k] = $laws[k].constants.$field;
+                    }
+                    Lanes::load($registers, &line)
+                }),*
+            }
         }
     };
 }
 
-/// Takes a batch through search and law. All its laws are of the same kinds; `uniform` says that they have the same
-/// constants too.
+/// What the search leaves for the law.
+struct Found<S: Registers> {
+    normal: Vector3<Lanes<S>>,
+    tangent: Tangent<Lanes<S>>,
+    penetration: Lanes<S>,
+    support_i: Support<Lanes<S>>,
+    support_j: Support<Lanes<S>>,
+    weingarten_i: Symmetric2<Lanes<S>>,
+    weingarten_j: Symmetric2<Lanes<S>>,
+    separated: S::Mask,
+    hard: S::Mask,
+}
+
+/// Newton's method from the start normals in the tangent plane, and one evaluation at its end.
+#[inline(always)]
+fn search<S: Registers>(
+    registers: S,
+    i: &Ellipsoid<Lanes<S>>,
+    j: &Ellipsoid<Lanes<S>>,
+    d: Vector3<Lanes<S>>,
+    start: Vector3<Lanes<S>>,
+) -> Found<S> {
+    let zero = Lanes::splat(registers, 0.0);
+    let one = Lanes::splat(registers, 1.0);
+    let base = Tangent::new(start);
+    let model = TangentModel::new(i, j, d, start, &base);
+    let mut y = Vector2::new(zero, zero);
+    let mut at = model.at(y);
+    let first = at.value;
+    let apart = first.less(zero);
+    let mut hard = zero.less(zero);
+    let mut active = registers.and_not(zero.less(one), apart);
+    let mut step = 0;
+    loop {
+        let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
+        let change = at.hessian.adjugate().apply(at.gradient) * (-one / determinant);
+        let square = change.dot(change);
+        let definite = (trace * trace * 1e-11).less(determinant);
+        let good = registers.and(
+            registers.and(definite, zero.less(trace)),
+            square.less(one * 0.25),
+        );
+        hard = registers.or(hard, registers.and_not(active, good));
+        active = registers.and(active, good);
+        y = Vector2::new(
+            Lanes::select(active, y.u + change.u, y.u),
+            Lanes::select(active, y.v + change.v, y.v),
+        );
+        active = registers.and(active, Lanes::splat(registers, SETTLED).less(square));
+        step += 1;
+        if registers.bits(active) == 0 || step == NEWTON_STEPS {
+            break;
+        }
+        at = model.at(y);
+    }
+    // Whatever is still active did not converge.
+    hard = registers.or(hard, active);
+    let n = (start + base.vector(y)) * (y.dot(y) + 1.0).reciprocal_sqrt();
+
+    let mut support_i = i.support(n);
+    let mut support_j = j.support(n);
+    let tangent = Tangent::new(n);
+    let f = support_i.h + support_j.h - n.dot(d);
+    let g = tangent.components(support_i.point + support_j.point - d);
+    let weingarten_i = i.weingarten(&support_i, &tangent);
+    let weingarten_j = j.weingarten(&support_j, &tangent);
+    let radii_i = inverse(weingarten_i, support_i.inverse_h, i.shape_determinant());
+    let radii_j = inverse(weingarten_j, support_j.inverse_h, j.shape_determinant());
+    let radii = radii_i + radii_j;
+    // What is left of the gradient moves the normal and the witnesses by no more than this; the curvature stays.
+    let hessian = radii.shifted(-f);
+    let change = hessian.adjugate().apply(g) * (-one / hessian.determinant());
+    let penetration = f + change.dot(g) * 0.5;
+    let normal = n + tangent.vector(change);
+    support_i.point = support_i.point + tangent.vector(radii_i.apply(change));
+    support_j.point = support_j.point + tangent.vector(radii_j.apply(change));
+    let converged = change
+        .dot(change)
+        .less(Lanes::splat(registers, LARGEST_CORRECTION));
+    let size = support_i.h + support_j.h;
+    let falling = penetration.less(first + size * 1e-13);
+
+    // Deep contacts have several minima, and a normal against d is not the least of them.
+    let mean = radii.trace() * 0.5;
+    let half_difference = (radii.uu - radii.vv) * 0.5;
+    let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
+    let smallest = radii.determinant() / (mean + radius);
+    let through = i.chord(&support_i) + j.chord(&support_j);
+    let shallow = registers.and(
+        penetration.less((smallest * 0.5).min(through * 0.25)),
+        zero.less(n.dot(d)),
+    );
+    let sound = registers.and(registers.and(converged, falling), shallow);
+    hard = registers.or(hard, registers.and_not(zero.less(one), sound));
+    let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));
+    Found {
+        normal: select3(apart, start, normal),
+        tangent,
+        penetration,
+        support_i,
+        support_j,
+        weingarten_i,
+        weingarten_j,
+        separated,
+        hard: registers.and_not(hard, separated),
+    }
+}
+
+/// Two spheres: the closed form.
+#[inline(always)]
+fn search_spheres<S: Registers>(
+    registers: S,
+    i: &Ellipsoid<Lanes<S>>,
+    j: &Ellipsoid<Lanes<S>>,
+    d: Vector3<Lanes<S>>,
+) -> Found<S> {
+    let zero = Lanes::splat(registers, 0.0);
+    let square = d.norm_squared();
+    let least = Lanes::splat(registers, 1e-290);
+    let normal = d * square.max(least).reciprocal_sqrt();
+    let penetration = i.semi_axes.x + j.semi_axes.x - square.sqrt();
+    let separated = penetration.less(zero);
+    Found {
+        normal,
+        tangent: Tangent::new(normal),
+        penetration,
+        support_i: sphere_support(i, normal),
+        support_j: sphere_support(j, normal),
+        weingarten_i: Symmetric2::new(i.inverse_semi_axes.x, zero, i.inverse_semi_axes.x),
+        weingarten_j: Symmetric2::new(j.inverse_semi_axes.x, zero, j.inverse_semi_axes.x),
+        separated,
+        // Coincident centres have no direction.
+        hard: square.less(least),
+    }
+}
+
+#[inline(always)]
+fn sphere_support<S: Registers>(
+    body: &Ellipsoid<Lanes<S>>,
+    n: Vector3<Lanes<S>>,
+) -> Support<Lanes<S>> {
+    Support {
+        h: body.semi_axes.x,
+        inverse_h: body.inverse_semi_axes.x,
+        point: n * body.semi_axes.x,
+        local_normal: n,
+    }
+}
+
+#[inline(always)]
+fn select3<S: Registers>(
+    mask: S::Mask,
+    a: Vector3<Lanes<S>>,
+    b: Vector3<Lanes<S>>,
+) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::select(mask, a.x, b.x),
+        Lanes::select(mask, a.y, b.y),
+        Lanes::select(mask, a.z, b.z),
+    )
+}
+
+/// Takes a batch through search and law. All its laws are of the same kinds.
 #[inline(always)]
 pub(super) fn run<
     S: Registers,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
+    const SPHERES: bool,
 >(
-    simd: S,
+    registers: S,
     batch: &Batch<'_>,
-    uniform: bool,
+    common: &Common<'_>,
     result: &mut BatchResult,
 ) {
-    let kinds = batch.laws[0].kinds;
-    let zero = Lanes::splat(simd, 0.0);
-    let one = Lanes::splat(simd, 1.0);
-    let (centre_i, radius_i, body_i) = load_body(simd, &batch.i);
-    let (centre_j, radius_j, body_j) = load_body(simd, &batch.j);
-    let d = centre_j - centre_i;
-    let size = radius_i + radius_j;
-    let determinant_i = body_i.shape_determinant();
-    let determinant_j = body_j.shape_determinant();
-    let tolerance = size * 1e-13;
-    let noise = size * 1e-14;
-
-    let mut n = load(simd, &batch.start);
-    // 1 where the lane is still on its way; 1 where it is hard.
-    let mut active = one;
-    let mut hard = zero;
-    let mut separated = zero;
-    let mut last = Lanes::splat(simd, f64::INFINITY);
-    let mut step = 0;
-    let (support_i, support_j, tangent, weingarten_i, weingarten_j, penetration, radii) = loop {
-        let support_i = body_i.support(n);
-        let support_j = body_j.support(n);
-        let f = support_i.h + support_j.h - n.dot(d);
-        let tangent = Tangent::new(n);
-        let w = support_i.point + support_j.point - d;
-        let g = tangent.components(w);
-        let weingarten_i = body_i.weingarten(&support_i, &tangent);
-        let weingarten_j = body_j.weingarten(&support_j, &tangent);
-        let radii = inverse(weingarten_i, support_i.h, determinant_i)
-            + inverse(weingarten_j, support_j.h, determinant_j);
-
-        // No descent: not where Newton should be trusted.
-        let rising = Lanes::select((last + noise).less(f), active, zero);
-        hard = hard.max(rising);
-        let apart = Lanes::select(f.less(zero), active, zero);
-        separated = separated.max(apart);
-        let moving = Lanes::select((tolerance * tolerance).less(g.dot(g)), active, zero);
-        active = moving.min(one - hard).min(one - separated);
-        last = f;
-        if active.largest() == 0.0 || step == NEWTON_STEPS {
-            break (
-                support_i,
-                support_j,
-                tangent,
-                weingarten_i,
-                weingarten_j,
-                f,
-                radii,
-            );
-        }
-        step += 1;
-
-        let hessian = radii.shifted(-f);
-        let trace = hessian.trace();
-        let determinant = hessian.determinant();
-        let definite = (trace * trace * 1e-11).less(determinant);
-        let y = hessian.adjugate().apply(g) * (-one / determinant);
-        let length = y.dot(y);
-        let good = Lanes::select(definite, one, zero)
-            .min(Lanes::select(zero.less(trace), one, zero))
-            .min(Lanes::select(length.less(one * 0.25), one, zero));
-        hard = hard.max(active.min(one - good));
-        active = active.min(good);
-        let next = (n + tangent.vector(y)).normalised();
-        let moves = zero.less(active);
-        n = Vector3::new(
-            Lanes::select(moves, next.x, n.x),
-            Lanes::select(moves, next.y, n.y),
-            Lanes::select(moves, next.z, n.z),
-        );
+    let kinds = match common.only_law {
+        Some(law) => &law.kinds,
+        None => &batch.laws[0].kinds,
     };
-    // Whatever is still active did not converge.
-    hard = hard.max(active);
-    // Deep contacts have several minima, and a normal against d is not the least of them.
-    let mean = radii.trace() * 0.5;
-    let half_difference = (radii.uu - radii.vv) * 0.5;
-    let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
-    let smallest = radii.determinant() / (mean + radius);
-    let through = body_i.chord(&support_i) + body_j.chord(&support_j);
-    let deep = Lanes::select(
-        (smallest * 0.5).min(through * 0.25).less(penetration),
-        one,
-        zero,
-    )
-    .max(Lanes::select(n.dot(d).less(zero), one, zero));
-    hard = hard.max(deep).min(one - separated);
+    let zero = Lanes::splat(registers, 0.0);
+    let one = Lanes::splat(registers, 1.0);
+    let i = Side::load(registers, &batch.i);
+    let j = Side::load(registers, &batch.j);
+    let d = j.centre - i.centre;
+    let h = &batch.history;
+    let history_lines = [&h[0], &h[1], &h[2], &h[3], &h[4], &h[5], &h[6], &h[7]];
+    let history = Lanes::all(registers, registers.columns(history_lines));
+    let found = if SPHERES {
+        search_spheres(registers, &i.body, &j.body, d)
+    } else {
+        // Only pairs with a cached normal come here.
+        let start = Vector3::new(history[0], history[1], history[2]);
+        search(registers, &i.body, &j.body, d, start)
+    };
+    let n = found.normal;
+    let mut hard = found.hard;
 
-    let curvature = relative_curvature_matrix(weingarten_i, weingarten_j);
-    let factors = if kinds.linear {
+    let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
+    let factors = if SPHERES {
+        Factors {
+            phi: one,
+            sigma: one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 }),
+        }
+    } else if kinds.linear {
         Factors {
             phi: one,
             sigma: zero,
         }
     } else {
         let w = fit_variable(curvature.trace(), curvature.determinant());
-        let beyond = Lanes::select(Lanes::splat(simd, FIT_END).less(w), one, zero);
-        hard = hard.max(beyond).min(one - separated);
+        let beyond = Lanes::splat(registers, FIT_END).less(w);
+        hard = registers.or(hard, registers.and_not(beyond, found.separated));
         fitted(w, FRICTION || CONSERVATIVE)
     };
     let constants = load_constants!(
-        simd,
+        registers,
         batch.laws,
-        uniform,
+        common.only_law,
         normal_stiffness,
         normal_damping,
         restitution,
@@ -263,55 +440,66 @@ pub(super) fn run<
         tangential_damping,
         share_i
     );
-    let null = Vector3::new(zero, zero, zero);
-    let (velocity_i, velocity_j, omega_i, omega_j, effective_mass) = if RATE {
-        let a = Lanes::all(simd, simd.columns(&batch.i, 16));
-        let b = Lanes::all(simd, simd.columns(&batch.j, 16));
-        let sum = a[3] + b[3];
-        (
-            Vector3::new(a[0], a[1], a[2]),
-            Vector3::new(b[0], b[1], b[2]),
-            Vector3::new(a[4], a[5], a[6]),
-            Vector3::new(b[4], b[5], b[6]),
-            // Two frozen bodies need no damping.
-            Lanes::select(zero.less(sum), one / sum, zero),
+    let effective_mass = if RATE && kinds.restitution {
+        let inverse = Lanes::load(registers, &batch.inverse_effective_mass);
+        // Two frozen bodies need no damping.
+        Lanes::select(
+            zero.less(inverse),
+            inverse.max(one * 1e-300).reciprocal(),
+            zero,
         )
     } else {
-        (null, null, null, null, zero)
+        zero
     };
+    let null = Vector3::new(zero, zero, zero);
     let x = Contact {
         normal: n,
-        tangent,
+        tangent: found.tangent,
         // A separated or hard lane computes nothing that is used, but must not make a trap of it.
-        penetration: penetration.max(zero.constant(1e-300)),
+        penetration: found.penetration.max(zero.constant(1e-300)),
         d,
-        h_i: support_i.h,
-        s_i: support_i.point,
-        weingarten_i,
-        determinant_i,
-        h_j: support_j.h,
-        s_j: support_j.point,
-        weingarten_j,
-        determinant_j,
-        velocity_i,
-        velocity_j,
-        omega_i,
-        omega_j,
+        h_i: found.support_i.h,
+        inverse_h_i: found.support_i.inverse_h,
+        s_i: found.support_i.point,
+        weingarten_i: found.weingarten_i,
+        determinant_i: i.body.shape_determinant(),
+        h_j: found.support_j.h,
+        inverse_h_j: found.support_j.inverse_h,
+        s_j: found.support_j.point,
+        weingarten_j: found.weingarten_j,
+        determinant_j: j.body.shape_determinant(),
+        velocity_i: i.velocity,
+        velocity_j: j.velocity,
+        omega_i: i.omega,
+        omega_j: j.omega,
         effective_mass,
     };
+    let layout = common.layout;
+    let time = Lanes::splat(registers, common.time);
     let remembered = if FRICTION {
-        let continues = zero.less(Lanes::load(simd, &batch.continued));
-        let was = load(simd, &batch.before);
+        let continues = zero.less(Lanes::load(registers, &batch.continued));
+        let (was, memory, stiffness) = if layout.normal.is_some() {
+            (
+                Vector3::new(history[0], history[1], history[2]),
+                Vector3::new(history[3], history[4], history[5]),
+                history[6],
+            )
+        } else {
+            // For two spheres the last normal follows from the motion.
+            let before = d - (j.velocity - i.velocity) * time;
+            let square = before.norm_squared().max(zero.constant(1e-290));
+            (
+                before * square.reciprocal_sqrt(),
+                Vector3::new(history[0], history[1], history[2]),
+                history[3],
+            )
+        };
         Remembered {
             continued: continues,
-            normal: Vector3::new(
-                Lanes::select(continues, was.x, n.x),
-                Lanes::select(continues, was.y, n.y),
-                Lanes::select(continues, was.z, n.z),
-            ),
-            memory: load(simd, &batch.memory),
-            stiffness: Lanes::load(simd, &batch.stiffness),
-            time: Lanes::splat(simd, batch.time),
+            normal: select3(continues, was, n),
+            memory: select3(continues, memory, null),
+            stiffness: Lanes::select(continues, stiffness, zero),
+            time,
         }
     } else {
         Remembered {
@@ -323,7 +511,7 @@ pub(super) fn run<
         }
     };
     let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
-        &kinds,
+        kinds,
         &constants,
         &factors,
         curvature,
@@ -331,41 +519,100 @@ pub(super) fn run<
         &remembered,
     );
 
-    let (mut is_hard, mut is_separated): (Row, Row) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-    hard.store(&mut is_hard);
-    separated.store(&mut is_separated);
-    for (fate, (hard, separated)) in result
-        .fate
-        .iter_mut()
-        .zip(is_hard.iter().zip(&is_separated))
-    {
-        *fate = if *separated > 0.0 {
-            Fate::Separated
-        } else if *hard > 0.0 {
-            Fate::Hard
-        } else {
-            Fate::Touching
-        };
+    result.separated = registers.bits(found.separated);
+    result.hard = registers.bits(hard);
+    put(
+        registers,
+        [
+            zero - f.force.x,
+            zero - f.force.y,
+            zero - f.force.z,
+            f.torque_i.x,
+            f.torque_i.y,
+            f.torque_i.z,
+            zero,
+            zero,
+        ],
+        &mut result.on_i,
+    );
+    put(
+        registers,
+        [
+            f.force.x,
+            f.force.y,
+            f.force.z,
+            f.torque_j.x,
+            f.torque_j.y,
+            f.torque_j.z,
+            zero,
+            zero,
+        ],
+        &mut result.on_j,
+    );
+    let memory = f.memory;
+    if layout.normal.is_some() {
+        put(
+            registers,
+            [
+                n.x,
+                n.y,
+                n.z,
+                memory.x,
+                memory.y,
+                memory.z,
+                f.stiffness,
+                zero,
+            ],
+            &mut result.history,
+        );
+    } else if FRICTION {
+        put(
+            registers,
+            [
+                memory.x,
+                memory.y,
+                memory.z,
+                f.stiffness,
+                zero,
+                zero,
+                zero,
+                zero,
+            ],
+            &mut result.history,
+        );
     }
-    store(d, &mut result.d);
-    store(n, &mut result.normal);
-    store(f.force, &mut result.force);
-    store(f.torque_i, &mut result.torque_i);
-    store(f.torque_j, &mut result.torque_j);
-    if FRICTION {
-        store(f.memory, &mut result.memory);
-        f.stiffness.store(&mut result.stiffness);
+    if RATE && common.tally {
+        put(
+            registers,
+            [
+                f.elastic_energy,
+                f.tangential_energy,
+                f.viscous_power + f.tangential_power,
+                d.x,
+                d.y,
+                d.z,
+                zero,
+                zero,
+            ],
+            &mut result.energies,
+        );
     }
-    if RATE {
-        f.elastic_energy.store(&mut result.elastic_energy);
-        f.tangential_energy.store(&mut result.tangential_energy);
-        (f.viscous_power + f.tangential_power).store(&mut result.power);
-    }
+}
+
+#[inline(always)]
+fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
+    registers.lines(
+        [
+            v[0].value, v[1].value, v[2].value, v[3].value, v[4].value, v[5].value, v[6].value,
+            v[7].value,
+        ],
+        lines,
+    );
 }
 
 /// `V^-1 = adj V (a1 a2 a3)^2/h^4`.
 #[inline(always)]
-fn inverse<T: Real>(v: Symmetric2<T>, h: T, determinant: T) -> Symmetric2<T> {
-    let h2 = h * h;
-    v.adjugate() * (determinant / (h2 * h2))
+fn inverse<T: Real>(v: Symmetric2<T>, inverse_h: T, determinant: T) -> Symmetric2<T> {
+    let square = inverse_h * inverse_h;
+    v.adjugate() * (determinant * (square * square))
 }

@@ -24,6 +24,8 @@ pub struct Contact<T: Real = f64> {
     pub d: Vector3<T>,
     /// Support function and witness of `i` (from its centre), and its Weingarten map.
     pub h_i: T,
+    /// `1/h_i`.
+    pub inverse_h_i: T,
     /// Witness of `i` from its centre.
     pub s_i: Vector3<T>,
     /// Weingarten map of `i` in the tangent basis.
@@ -32,6 +34,8 @@ pub struct Contact<T: Real = f64> {
     pub determinant_i: T,
     /// The same of `j`, for the same `n`: its witness from its centre is `-s_j`. Unused for a wall.
     pub h_j: T,
+    /// `1/h_j`.
+    pub inverse_h_j: T,
     /// Minus the witness of `j` from its centre.
     pub s_j: Vector3<T>,
     /// Weingarten map of `j` in the tangent basis; zero for a wall.
@@ -166,7 +170,14 @@ pub fn contact_forces<
 
     if CONSERVATIVE && kinds.conservative {
         let p = curvature_gradient(curvature, factors);
-        let body_i = body_at_contact(&x.tangent, x.h_i, x.s_i, x.weingarten_i, x.determinant_i);
+        let body_i = body_at_contact(
+            &x.tangent,
+            x.h_i,
+            x.inverse_h_i,
+            x.s_i,
+            x.weingarten_i,
+            x.determinant_i,
+        );
         let gradient_i = body_gradient(p, &body_i);
         let energy = normal.elastic_energy;
         if WALL {
@@ -175,7 +186,14 @@ pub fn contact_forces<
             let own = additional_torque(&body_i, &gradient_i, &held);
             torque_i = torque_i - world_vector(&x.tangent, n, own) * energy;
         } else {
-            let body_j = body_at_contact(&x.tangent, x.h_j, x.s_j, x.weingarten_j, x.determinant_j);
+            let body_j = body_at_contact(
+                &x.tangent,
+                x.h_j,
+                x.inverse_h_j,
+                x.s_j,
+                x.weingarten_j,
+                x.determinant_j,
+            );
             let gradient_j = body_gradient(p, &body_j);
             let response = normal_response(
                 body_i.inverse_weingarten + body_j.inverse_weingarten,
@@ -275,16 +293,18 @@ pub fn contact_forces<
 fn body_at_contact<T: Real>(
     tangent: &Tangent<T>,
     h: T,
+    inverse_h: T,
     s: Vector3<T>,
     weingarten: Symmetric2<T>,
     determinant: T,
 ) -> BodyAtContact<T> {
-    let h2 = h * h;
+    let square = inverse_h * inverse_h;
     BodyAtContact {
         h,
+        inverse_h,
         witness: tangent.components(s),
         weingarten,
-        inverse_weingarten: weingarten.adjugate() * (determinant / (h2 * h2)),
+        inverse_weingarten: weingarten.adjugate() * (determinant * (square * square)),
     }
 }
 

@@ -6,19 +6,22 @@
 pub enum InstructionSet {
     /// One number at a time; any machine.
     Scalar,
+    /// Two lanes, which every machine has (SSE2 on x86-64).
+    Baseline,
     /// Four lanes with fused multiply-add (x86-64-v3).
     Avx2,
     /// Eight lanes (x86-64-v4).
     Avx512,
 }
 
-/// The environment variable that forces a choice: `scalar`, `avx2` or `avx512`.
+/// The environment variable that forces a choice: `scalar`, `baseline`, `avx2` or `avx512`.
 pub const ENVIRONMENT_VARIABLE: &str = "ELLGRAN_INSTRUCTION_SET";
 
 impl InstructionSet {
     /// All of them, widest last.
-    pub const ALL: [InstructionSet; 3] = [
+    pub const ALL: [InstructionSet; 4] = [
         InstructionSet::Scalar,
+        InstructionSet::Baseline,
         InstructionSet::Avx2,
         InstructionSet::Avx512,
     ];
@@ -27,6 +30,7 @@ impl InstructionSet {
     pub fn name(self) -> &'static str {
         match self {
             InstructionSet::Scalar => "scalar",
+            InstructionSet::Baseline => "baseline",
             InstructionSet::Avx2 => "avx2",
             InstructionSet::Avx512 => "avx512",
         }
@@ -35,7 +39,7 @@ impl InstructionSet {
     /// Whether this machine has it.
     pub fn is_available(self) -> bool {
         match self {
-            InstructionSet::Scalar => true,
+            InstructionSet::Scalar | InstructionSet::Baseline => true,
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => pulp::x86::V3::try_new().is_some(),
             #[cfg(target_arch = "x86_64")]
@@ -50,7 +54,7 @@ impl InstructionSet {
         *Self::ALL
             .iter()
             .rfind(|s| s.is_available())
-            .unwrap_or(&InstructionSet::Scalar)
+            .unwrap_or(&InstructionSet::Baseline)
     }
 
     /// The choice of the environment variable, or the widest.
@@ -65,7 +69,9 @@ impl InstructionSet {
             .into_iter()
             .find(|s| value == s.name())
             .ok_or_else(|| {
-                format!("{ENVIRONMENT_VARIABLE} = {value:?} must be scalar, avx2 or avx512")
+                format!(
+                    "{ENVIRONMENT_VARIABLE} = {value:?} must be scalar, baseline, avx2 or avx512"
+                )
             })?;
         if wanted.is_available() {
             Ok(wanted)

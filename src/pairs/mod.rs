@@ -2,15 +2,18 @@
 //! Geometry and force brought together: one contact, a whole neighbour list, plane walls; the history of a contact.
 
 mod batch;
+mod candidates;
 pub mod contact;
 pub mod history;
 pub mod instruction_set;
+mod lane_pass;
 pub mod lanes;
 pub mod laws;
 pub mod neighbour_list;
 pub mod one_contact;
 pub mod particles;
 pub mod planes;
+pub mod registers;
 pub mod staged;
 pub mod tallies;
 

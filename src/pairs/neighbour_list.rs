@@ -4,15 +4,12 @@
 //! A pair is rejected by its bounding spheres, else by one evaluation with the cached normal; what is left goes through
 //! the contact search, the law and the scatter. Nothing is allocated.
 
-use super::batch::{run as run_batch, Batch, BatchResult, Fate, Rows3};
 use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
 use super::history::HistoryLayout;
-use super::instruction_set::InstructionSet;
-use super::lanes::{Registers, MOST_LANES};
 use super::laws::Laws;
-use super::particles::{effective_mass, Particle, Record, Workspace};
+use super::particles::{effective_mass, Particle, Workspace};
 use super::tallies::{Contribution, Tallies};
 use super::Step;
 use crate::force::{hertz_factors, Factors, PairLaw, Tangential};
@@ -185,6 +182,7 @@ pub(super) fn touch_spheres(
     };
     let support = |body: &Ellipsoid, r: f64| Support {
         h: r,
+        inverse_h: 1.0 / r,
         point: normal * r,
         local_normal: body.to_body(normal),
     };
@@ -228,10 +226,12 @@ pub(super) fn contact_of(found: &ContactSearch, d: Vector3, i: &Particle, j: &Pa
         penetration: found.penetration,
         d,
         h_i: found.support_i.h,
+        inverse_h_i: found.support_i.inverse_h,
         s_i: found.support_i.point,
         weingarten_i: i.body.weingarten(&found.support_i, &found.tangent),
         determinant_i: i.body.shape_determinant(),
         h_j: found.support_j.h,
+        inverse_h_j: found.support_j.inverse_h,
         s_j: found.support_j.point,
         weingarten_j: j.body.weingarten(&found.support_j, &found.tangent),
         determinant_j: j.body.shape_determinant(),
@@ -288,24 +288,22 @@ pub(super) fn normal_before(
     }
 }
 
-/// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare`]). Returns how many contacts took
-/// the slow search from many starts.
+/// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare_for_pairs`]). Returns how many
+/// contacts took the slow search from many starts.
 ///
 /// # Errors
 /// Only with `factors hale`, and before any force is written.
 pub fn compute_pairs<R: NeighbourRows>(
     laws: &Laws,
-    workspace: &Workspace,
+    workspace: &mut Workspace,
     rows: &mut R,
     step: &Step,
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<u64, HaleBroke> {
-    let particles = workspace.particles();
-    let instruction_set = workspace.instruction_set;
     let features = laws.features();
     if features.hale {
-        check_hale(laws, particles, rows)?;
+        check_hale(laws, workspace.particles(), rows)?;
     }
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
@@ -314,8 +312,6 @@ pub fn compute_pairs<R: NeighbourRows>(
     let pass = Pass {
         laws,
         layout: laws.layout(),
-        particles,
-        records: workspace.records(),
         rows,
         step,
         accumulators,
@@ -323,90 +319,57 @@ pub fn compute_pairs<R: NeighbourRows>(
         many_starts: 0,
     };
     Ok(match (features.friction, rate, features.conservative) {
-        (true, _, true) => pass.run::<true, true, true>(instruction_set),
-        (true, _, false) => pass.run::<true, true, false>(instruction_set),
-        (false, true, true) => pass.run::<false, true, true>(instruction_set),
-        (false, true, false) => pass.run::<false, true, false>(instruction_set),
-        (false, false, true) => pass.run::<false, false, true>(instruction_set),
-        (false, false, false) => pass.run::<false, false, false>(instruction_set),
+        (true, _, true) => pass.run::<true, true, true>(workspace),
+        (true, _, false) => pass.run::<true, true, false>(workspace),
+        (false, true, true) => pass.run::<false, true, true>(workspace),
+        (false, true, false) => pass.run::<false, true, false>(workspace),
+        (false, false, true) => pass.run::<false, false, true>(workspace),
+        (false, false, false) => pass.run::<false, false, false>(workspace),
     })
 }
 
 /// One pass over the list.
-struct Pass<'a, 'b, 'c, R: NeighbourRows> {
-    laws: &'a Laws,
-    layout: HistoryLayout,
-    particles: &'a [Particle],
-    records: &'a [Record],
-    rows: &'a mut R,
-    step: &'a Step,
-    accumulators: &'a mut Accumulators<'b>,
-    tallies: Option<&'a mut Tallies<'c>>,
-    many_starts: u64,
+pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
+    pub laws: &'a Laws,
+    pub layout: HistoryLayout,
+    pub rows: &'a mut R,
+    pub step: &'a Step,
+    pub accumulators: &'a mut Accumulators<'b>,
+    pub tallies: Option<&'a mut Tallies<'c>>,
+    pub many_starts: u64,
 }
 
 /// Where a pair stands: its row, its place in the row, its particles.
 #[derive(Clone, Copy)]
-struct Place {
-    row: usize,
-    entry: usize,
-    i: usize,
-    j: usize,
+pub(super) struct Place {
+    pub row: usize,
+    pub entry: usize,
+    pub i: usize,
+    pub j: usize,
 }
 
-/// A pass and the instruction set that it runs on: what `pulp` calls with that set's instructions turned on.
-struct InLanes<'a, 'b, 'c, S, R: NeighbourRows, const F: bool, const V: bool, const C: bool> {
-    simd: S,
-    pass: Pass<'a, 'b, 'c, R>,
-}
-
-impl<S: Registers, R: NeighbourRows, const F: bool, const V: bool, const C: bool>
-    pulp::NullaryFnOnce for InLanes<'_, '_, '_, S, R, F, V, C>
-{
-    type Output = u64;
-    #[inline(always)]
-    fn call(self) -> u64 {
-        self.pass.all_in_lanes::<S, F, V, C>(self.simd)
-    }
-}
-
-impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
+impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         self,
-        instruction_set: InstructionSet,
+        workspace: &mut Workspace,
     ) -> u64 {
-        match instruction_set {
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => {
-                if let Some(simd) = pulp::x86::V4::try_new() {
-                    return simd.vectorize(InLanes::<_, R, FRICTION, RATE, CONSERVATIVE> {
-                        simd,
-                        pass: self,
-                    });
-                }
-            }
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    return simd.vectorize(InLanes::<_, R, FRICTION, RATE, CONSERVATIVE> {
-                        simd,
-                        pass: self,
-                    });
-                }
-            }
-            _ => {}
+        if workspace.works_in_lanes(self.laws) {
+            self.in_lanes::<FRICTION, RATE, CONSERVATIVE>(workspace)
+        } else {
+            self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles())
         }
-        self.all_scalar::<FRICTION, RATE, CONSERVATIVE>()
     }
 
     fn all_scalar<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         mut self,
+        particles: &[Particle],
     ) -> u64 {
         for row in 0..self.rows.count() {
             let (central, count) = self.start_row(row);
             for entry in 0..count {
-                if let Some((place, d)) = self.within_reach(row, entry, central) {
-                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
+                if let Some((place, d)) = self.within_reach(particles, row, entry, central) {
+                    let (i, j) = (&particles[place.i], &particles[place.j]);
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, i, j, d);
                 }
             }
         }
@@ -427,6 +390,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
     #[inline(always)]
     fn within_reach(
         &mut self,
+        particles: &[Particle],
         row: usize,
         entry: usize,
         central: usize,
@@ -439,7 +403,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
             i: central,
             j: other,
         };
-        let (i, j) = (&self.particles[central], &self.particles[other]);
+        let (i, j) = (&particles[central], &particles[other]);
         let d = j.position - i.position;
         let reach = i.radius + j.radius;
         if d.norm_squared() < reach * reach {
@@ -452,7 +416,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
 
     /// What is remembered of a pair: whether it touched, and the doubles.
     #[inline(always)]
-    fn memory(&mut self, place: Place) -> (Option<&mut i32>, &mut [f64]) {
+    pub(super) fn memory(&mut self, place: Place) -> (Option<&mut i32>, &mut [f64]) {
         let length = self.layout.length;
         let row = self.rows.row(place.row);
         (
@@ -463,7 +427,7 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
 
     /// A pair that does not touch: forgets the tangential part, keeps the separating normal.
     #[inline(always)]
-    fn separated(&mut self, place: Place, normal: Option<Vector3>) {
+    pub(super) fn separated(&mut self, place: Place, normal: Option<Vector3>) {
         let layout = self.layout;
         let (touching, history) = self.memory(place);
         if let (Some(n), Some(at)) = (normal, layout.normal) {
@@ -478,14 +442,15 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
     }
 
     /// Search, law and scatter of one pair, with every safeguard.
-    fn one_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    pub(super) fn one_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         &mut self,
         place: Place,
+        i: &Particle,
+        j: &Particle,
         d: Vector3,
     ) {
         let layout = self.layout;
         let step = *self.step;
-        let (i, j) = (&self.particles[place.i], &self.particles[place.j]);
         let (touching, history) = self.memory(place);
         let touched = touching.is_some_and(|t| *t != 0);
         let cached = cached_normal(&layout, history);
@@ -545,239 +510,6 @@ impl<'a, 'b, 'c, R: NeighbourRows> Pass<'a, 'b, 'c, R> {
             );
         }
     }
-
-    /// The whole list in lanes: rejected pairs one by one with the cached normal, contacts collected and taken together.
-    #[inline(always)]
-    fn all_in_lanes<
-        S: Registers,
-        const FRICTION: bool,
-        const RATE: bool,
-        const CONSERVATIVE: bool,
-    >(
-        mut self,
-        simd: S,
-    ) -> u64 {
-        // Hale's form breaks where the exact one does not, and is not in the lanes.
-        if self.laws.features().hale || self.records.is_empty() {
-            return self.all_scalar::<FRICTION, RATE, CONSERVATIVE>();
-        }
-        let lanes = S::F64_LANES.min(MOST_LANES);
-        let uniform = self.laws.types() == 1;
-        let layout = self.layout;
-        let length = layout.length;
-        let step = *self.step;
-        let nothing: Rows3 = [[0.0; MOST_LANES]; 3];
-        let mut batch = Batch {
-            i: [&self.records[0]; MOST_LANES],
-            j: [&self.records[0]; MOST_LANES],
-            laws: [self.laws.get(1, 1); MOST_LANES],
-            start: nothing,
-            continued: [0.0; MOST_LANES],
-            before: nothing,
-            memory: nothing,
-            stiffness: [0.0; MOST_LANES],
-            time: if step.advance_history {
-                step.time_step
-            } else {
-                0.0
-            },
-        };
-        let mut result = BatchResult::EMPTY;
-        let mut places = [Place {
-            row: 0,
-            entry: 0,
-            i: 0,
-            j: 0,
-        }; MOST_LANES];
-        let mut count = 0;
-        for row in 0..self.rows.count() {
-            let (central, neighbours) = self.start_row(row);
-            let i = &self.particles[central];
-            let mut entry = 0;
-            while entry < neighbours {
-                // Up to the next pair that needs the lanes, or the scalar search, with the row borrowed once.
-                let mut wanted = None;
-                let entries = self.rows.entries();
-                let NeighbourRow {
-                    neighbours: named,
-                    touching,
-                    history,
-                    ..
-                } = self.rows.row(row);
-                while entry < neighbours {
-                    let at = entry;
-                    entry += 1;
-                    let Some(other) = entries.index(named[at]) else {
-                        continue;
-                    };
-                    let j = &self.particles[other];
-                    let d = j.position - i.position;
-                    let reach = i.radius + j.radius;
-                    let history = &mut history[at * length..(at + 1) * length];
-                    let touched = touching.get(at).is_some_and(|t| *t != 0);
-                    let both_spheres = i.sphere && j.sphere;
-                    let cached = cached_normal(&layout, history);
-                    let apart = d.norm_squared() >= reach * reach
-                        || (!touched
-                            && !both_spheres
-                            && cached.is_some_and(|n| separates(i, j, d, n)));
-                    if apart {
-                        if touched {
-                            touching[at] = 0;
-                            forget(&layout, history);
-                        }
-                        continue;
-                    }
-                    let place = Place {
-                        row,
-                        entry: at,
-                        i: central,
-                        j: other,
-                    };
-                    let start = if both_spheres {
-                        let distance = d.norm();
-                        (distance > 0.0).then(|| d * (1.0 / distance))
-                    } else {
-                        cached
-                    };
-                    let law = self.laws.get(i.kind as usize, j.kind as usize);
-                    let of_one_kind = count == 0 || batch.laws[0].kinds == law.kinds;
-                    let Some(start) = start.filter(|_| of_one_kind) else {
-                        wanted = Some((place, d));
-                        break;
-                    };
-                    batch.i[count] = &self.records[central];
-                    batch.j[count] = &self.records[other];
-                    batch.laws[count] = law;
-                    set(&mut batch.start, count, start);
-                    if FRICTION {
-                        let before = normal_before(cached, i, j, d, start, &step);
-                        let remembered = recall(&layout, history, touched, &step, start, before);
-                        batch.continued[count] = touched as u8 as f64;
-                        set(&mut batch.before, count, remembered.normal);
-                        set(&mut batch.memory, count, remembered.memory);
-                        batch.stiffness[count] = remembered.stiffness;
-                    }
-                    places[count] = place;
-                    count += 1;
-                    if count == lanes {
-                        break;
-                    }
-                }
-                if let Some((place, d)) = wanted {
-                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, d);
-                }
-                if count == lanes {
-                    run_batch::<S, FRICTION, RATE, CONSERVATIVE>(
-                        simd,
-                        &batch,
-                        uniform,
-                        &mut result,
-                    );
-                    self.finish::<FRICTION, RATE, CONSERVATIVE>(
-                        &places[..count],
-                        &result,
-                        batch.time,
-                    );
-                    count = 0;
-                }
-            }
-        }
-        if count > 0 {
-            // The last pair fills the lanes that are left over; its copies are not used.
-            for k in count..lanes {
-                batch.i[k] = batch.i[count - 1];
-                batch.j[k] = batch.j[count - 1];
-                batch.laws[k] = batch.laws[count - 1];
-                for rows in [&mut batch.start, &mut batch.before, &mut batch.memory] {
-                    for row in rows {
-                        row[k] = row[count - 1];
-                    }
-                }
-            }
-            run_batch::<S, FRICTION, RATE, CONSERVATIVE>(simd, &batch, uniform, &mut result);
-            self.finish::<FRICTION, RATE, CONSERVATIVE>(&places[..count], &result, batch.time);
-        }
-        self.many_starts
-    }
-
-    /// Scatter of a batch.
-    #[inline(always)]
-    fn finish<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
-        &mut self,
-        places: &[Place],
-        result: &BatchResult,
-        time: f64,
-    ) {
-        let layout = self.layout;
-        for (k, &place) in places.iter().enumerate() {
-            match result.fate[k] {
-                Fate::Touching => {}
-                Fate::Separated => {
-                    self.separated(place, Some(get(&result.normal, k)));
-                    continue;
-                }
-                Fate::Hard => {
-                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, get(&result.d, k));
-                    continue;
-                }
-            }
-            let (touching, history) = self.memory(place);
-            if let Some(t) = touching {
-                *t = 1;
-            }
-            if let Some(at) = layout.normal {
-                history[at..at + 3].copy_from_slice(&get(&result.normal, k).to_array());
-            }
-            if FRICTION {
-                if let Some(at) = layout.memory {
-                    history[at..at + 3].copy_from_slice(&get(&result.memory, k).to_array());
-                }
-                if let Some(at) = layout.stiffness {
-                    history[at] = result.stiffness[k];
-                }
-            }
-            let force = get(&result.force, k);
-            let a = &mut *self.accumulators;
-            add(&mut a.forces[place.i], -force);
-            add(&mut a.torques[place.i], get(&result.torque_i, k));
-            let reaction = place.j < a.reaction_below;
-            if reaction {
-                add(&mut a.forces[place.j], force);
-                add(&mut a.torques[place.j], get(&result.torque_j, k));
-            }
-            if RATE {
-                if let Some(t) = self.tallies.as_deref_mut() {
-                    t.add(
-                        place.i,
-                        Some(place.j),
-                        reaction,
-                        &Contribution {
-                            normal_energy: result.elastic_energy[k],
-                            tangential_energy: result.tangential_energy[k],
-                            work: time * result.power[k],
-                            d: get(&result.d, k),
-                            force,
-                        },
-                    );
-                }
-            }
-        }
-    }
-}
-
-/// Writes a vector into a lane.
-#[inline(always)]
-fn set(rows: &mut Rows3, k: usize, v: Vector3) {
-    rows[0][k] = v.x;
-    rows[1][k] = v.y;
-    rows[2][k] = v.z;
-}
-
-/// The vector of a lane.
-#[inline(always)]
-fn get(rows: &Rows3, k: usize) -> Vector3 {
-    Vector3::new(rows[0][k], rows[1][k], rows[2][k])
 }
 
 /// Geometry of all pairs, to refuse a contact at which Hale's form breaks before anything is written.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An engine's particle arrays, and what is made of them once a step.
 
+use super::candidates::Candidates;
+use super::registers::Line;
 use super::InstructionSet;
+use crate::geometry::ellipsoid::rotation_columns;
 use crate::geometry::{Ellipsoid, ShapeError, Vector3};
 
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
@@ -70,52 +73,70 @@ pub struct Particle {
     pub sphere: bool,
 }
 
-/// A prepared particle as the lanes load it: three cache lines, transposed into registers eight doubles at a time.
-///
-/// `[position, radius, axes, semi-axes | velocity, inverse mass, angular velocity, 0]`
+/// A prepared particle as the lanes load it: two cache lines, transposed into registers.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub struct Record(pub [f64; 24]);
+#[repr(C)]
+pub struct Record {
+    /// `[position x y z, unit quaternion w x y z, first semi-axis]`
+    pub pose: Line,
+    /// `[second and third semi-axis, velocity x y z, angular velocity x y z]`
+    pub motion: Line,
+}
 
-impl From<&Particle> for Record {
+impl Record {
+    /// Semi-axes.
     #[inline(always)]
-    fn from(p: &Particle) -> Self {
-        let (x, a, v, w) = (p.position, p.body.semi_axes, p.velocity, p.omega);
-        let [e, f, g] = p.body.axes;
-        Record([
-            x.x,
-            x.y,
-            x.z,
-            p.radius,
-            e.x,
-            e.y,
-            e.z,
-            f.x,
-            f.y,
-            f.z,
-            g.x,
-            g.y,
-            g.z,
-            a.x,
-            a.y,
-            a.z,
-            v.x,
-            v.y,
-            v.z,
-            p.inverse_mass,
-            w.x,
-            w.y,
-            w.z,
-            0.0,
-        ])
+    pub fn semi_axes(&self) -> [f64; 3] {
+        [self.pose.0[7], self.motion.0[0], self.motion.0[1]]
+    }
+    /// Centre.
+    #[inline(always)]
+    pub fn position(&self) -> Vector3 {
+        let p = &self.pose.0;
+        Vector3::new(p[0], p[1], p[2])
+    }
+    /// Radius of the bounding sphere.
+    #[inline(always)]
+    pub fn radius(&self) -> f64 {
+        let [a, b, c] = self.semi_axes();
+        a.max(b).max(c)
+    }
+    /// Whether the semi-axes are the same number.
+    #[inline(always)]
+    pub fn is_sphere(&self) -> bool {
+        let [a, b, c] = self.semi_axes();
+        a == b && b == c
+    }
+
+    /// The same particle for the scalar path.
+    pub(super) fn particle(&self, kind: u32, inverse_mass: f64) -> Particle {
+        let (p, m) = (&self.pose.0, &self.motion.0);
+        let semi_axes = self.semi_axes();
+        Particle {
+            position: self.position(),
+            radius: self.radius(),
+            body: Ellipsoid {
+                axes: rotation_columns([p[3], p[4], p[5], p[6]], 2.0),
+                semi_axes: Vector3::from_array(semi_axes),
+                inverse_semi_axes: Vector3::from_array(semi_axes.map(|a| 1.0 / a)),
+            },
+            velocity: Vector3::new(m[2], m[3], m[4]),
+            omega: Vector3::new(m[5], m[6], m[7]),
+            inverse_mass,
+            kind,
+            sphere: self.is_sphere(),
+        }
     }
 }
 
-/// Memory that one thread of calls keeps from step to step; grows only when the number of particles does.
+/// Memory that one thread of calls keeps from step to step; grows only when the number of particles or of pairs does.
 #[derive(Debug)]
 pub struct Workspace {
     particles: Vec<Particle>,
-    records: Vec<Record>,
+    /// For the lanes.
+    pub(super) records: Records,
+    /// Pairs that may touch.
+    pub(super) candidates: Candidates,
     /// The walls of the last call.
     pub walls: Vec<super::MovingPlane>,
     /// What the pairs are computed on.
@@ -124,19 +145,40 @@ pub struct Workspace {
     pub many_starts: u64,
 }
 
+/// Particles prepared for the lanes.
+#[derive(Debug, Default)]
+pub(super) struct Records {
+    pub records: Vec<Record>,
+    pub types: Vec<u32>,
+    /// Empty where no law reads masses.
+    pub inverse_masses: Vec<f64>,
+    /// Force and torque of this step, zero between steps.
+    pub sums: Vec<Line>,
+}
+
+impl Records {
+    fn bytes(&self) -> usize {
+        self.records.capacity() * core::mem::size_of::<Record>()
+            + self.types.capacity() * core::mem::size_of::<u32>()
+            + self.inverse_masses.capacity() * core::mem::size_of::<f64>()
+            + self.sums.capacity() * core::mem::size_of::<Line>()
+    }
+}
+
 impl Workspace {
     /// An empty workspace for an instruction set.
     pub fn new(instruction_set: InstructionSet) -> Self {
         Workspace {
             particles: Vec::new(),
-            records: Vec::new(),
+            records: Records::default(),
+            candidates: Candidates::default(),
             walls: Vec::new(),
             instruction_set,
             many_starts: 0,
         }
     }
 
-    /// Checks and prepares all particles.
+    /// Checks and prepares all particles, for one contact at a time.
     ///
     /// # Errors
     /// The first particle with a position, velocity or angular velocity that is not finite, a shape or pose that is
@@ -148,44 +190,208 @@ impl Workspace {
     ) -> Result<(), ParticleError> {
         self.particles.clear();
         self.particles.reserve(arrays.positions.len());
-        self.records.clear();
-        let in_lanes = self.instruction_set != InstructionSet::Scalar;
-        if in_lanes {
-            self.records.reserve(arrays.positions.len());
-        }
         for k in 0..arrays.positions.len() {
             let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
                 identifier: (arrays.identifier)(k),
                 what,
             })?;
-            if in_lanes {
-                self.records.push(Record::from(&particle));
-            }
             self.particles.push(particle);
         }
         Ok(())
     }
 
+    /// Prepares the particles for the pairs of a neighbour list: all of them, or, where the list is `unchanged` since the
+    /// last call and no particle has moved far since then, those that have a neighbour near enough to touch.
+    ///
+    /// `unchanged` says that particles, their order, their semi-axes and the list are those of the last call.
+    ///
+    /// # Errors
+    /// As [`Workspace::prepare`]. A particle that cannot touch any other is checked for a finite pose in every call, for
+    /// the rest when the list changes.
+    pub fn prepare_for_pairs<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        laws: &super::Laws,
+        unchanged: bool,
+    ) -> Result<(), ParticleError> {
+        let types = laws.types();
+        if !self.works_in_lanes(laws) {
+            return self.prepare(arrays, types);
+        }
+        let count = arrays.positions.len();
+        let named = |k: usize| {
+            move |what: String| ParticleError {
+                identifier: (arrays.identifier)(k),
+                what,
+            }
+        };
+        let r = &mut self.records;
+        let same_masses = arrays.contact_masses.is_empty() == r.inverse_masses.is_empty();
+        if unchanged && same_masses && self.candidates.hold_for(arrays) {
+            for &k in self.candidates.participants() {
+                let k = k as usize;
+                let p = prepare_record(arrays, k, types).map_err(named(k))?;
+                r.records[k] = p.record;
+                r.types[k] = p.kind;
+                if let Some(inverse) = r.inverse_masses.get_mut(k) {
+                    *inverse = p.inverse_mass;
+                }
+            }
+            return Ok(());
+        }
+        self.candidates.forget();
+        r.records.clear();
+        r.types.clear();
+        r.inverse_masses.clear();
+        r.records.reserve(count);
+        r.types.reserve(count);
+        let with_masses = !arrays.contact_masses.is_empty();
+        for k in 0..count {
+            let p = prepare_record(arrays, k, types).map_err(named(k))?;
+            r.records.push(p.record);
+            r.types.push(p.kind);
+            if with_masses {
+                r.inverse_masses.push(p.inverse_mass);
+            }
+        }
+        r.sums.clear();
+        r.sums.resize(count, Line::ZERO);
+        self.candidates.begin(arrays);
+        Ok(())
+    }
+
+    /// Whether the pairs under these laws are taken in lanes. Hale's form breaks where the exact one does not, and is not
+    /// in the lanes.
+    pub(super) fn works_in_lanes(&self, laws: &super::Laws) -> bool {
+        self.instruction_set != InstructionSet::Scalar && !laws.features().hale
+    }
+
     /// Forgets the particles; keeps the memory.
     pub fn clear(&mut self) {
         self.particles.clear();
-        self.records.clear();
+        self.records.records.clear();
+        self.candidates.forget();
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.particles.capacity() * core::mem::size_of::<Particle>()
-            + self.records.capacity() * core::mem::size_of::<Record>()
+            + self.records.bytes()
+            + self.candidates.bytes()
     }
 
-    /// The prepared particles.
+    /// The particles prepared one at a time.
     pub fn particles(&self) -> &[Particle] {
         &self.particles
     }
+}
 
-    /// The prepared particles for the lanes; none on the scalar path.
-    pub fn records(&self) -> &[Record] {
-        &self.records
+/// What one particle's preparation gives for the lanes.
+struct PreparedRecord {
+    record: Record,
+    kind: u32,
+    inverse_mass: f64,
+}
+
+#[inline(always)]
+fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    arrays: &ParticleArrays<'_, S, I>,
+    k: usize,
+    types: usize,
+) -> Result<PreparedRecord, String> {
+    let (x, v) = (arrays.positions[k], arrays.velocities[k]);
+    let kind = arrays.types[k];
+    let Some((a, q)) = (arrays.shape)(k) else {
+        return Err(no_shape());
+    };
+    let (spin, mass) = match arrays.rotation {
+        Rotation::Velocity(w) => (w[k], None),
+        Rotation::Momentum(l, masses) => (l[k], Some(masses[k])),
+    };
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    // One comparison for all sums: Inf * 0 and NaN * 0 are NaN.
+    let finite =
+        (x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + spin[0] + spin[1] + spin[2]) * 0.0 == 0.0;
+    let in_range = |a: f64| a > 1e-45 && a < 1e45;
+    let sound = finite
+        && in_range(a[0])
+        && in_range(a[1])
+        && in_range(a[2])
+        && square > 1e-280
+        && square < 1e280
+        && kind >= 1
+        && kind as usize <= types
+        && mass.is_none_or(|m| m > 0.0 && m < f64::INFINITY);
+    if !sound {
+        // The one path that finds out what is wrong; a sum of finite numbers may overflow too.
+        let p = prepare_one(arrays, k, types)?;
+        return Ok(PreparedRecord {
+            record: Record::new(x, q, square, a, v, p.omega.to_array()),
+            kind: p.kind,
+            inverse_mass: p.inverse_mass,
+        });
+    }
+    let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
+    let omega = match mass {
+        None => spin,
+        Some(mass) => {
+            let axes = rotation_columns(q, 2.0 / square);
+            let (xx, yy, zz) = (a[0] * a[0], a[1] * a[1], a[2] * a[2]);
+            let (yz, xz, xy) = (yy + zz, xx + zz, xx + yy);
+            let scale = 5.0 / (mass * yz * xz * xy);
+            let l = Vector3::from_array(spin);
+            (axes[0] * (axes[0].dot(l) * (xz * xy * scale))
+                + axes[1] * (axes[1].dot(l) * (yz * xy * scale))
+                + axes[2] * (axes[2].dot(l) * (yz * xz * scale)))
+                .to_array()
+        }
+    };
+    Ok(PreparedRecord {
+        record: Record::new(x, q, square, a, v, omega),
+        kind: kind as u32,
+        inverse_mass,
+    })
+}
+
+impl Record {
+    #[inline(always)]
+    fn new(
+        x: [f64; 3],
+        q: [f64; 4],
+        square: f64,
+        a: [f64; 3],
+        v: [f64; 3],
+        omega: [f64; 3],
+    ) -> Self {
+        let s = 1.0 / square.sqrt();
+        Record {
+            pose: Line([
+                x[0],
+                x[1],
+                x[2],
+                q[0] * s,
+                q[1] * s,
+                q[2] * s,
+                q[3] * s,
+                a[0],
+            ]),
+            motion: Line([a[1], a[2], v[0], v[1], v[2], omega[0], omega[1], omega[2]]),
+        }
+    }
+}
+
+#[cold]
+fn no_shape() -> String {
+    "it has no shape: every particle must be an ellipsoid".into()
+}
+
+#[inline(always)]
+fn inverse_contact_mass(mass: Option<&f64>) -> Result<f64, String> {
+    match mass {
+        None => Ok(0.0),
+        // An infinite mass is a frozen body.
+        Some(&m) if m > 0.0 => Ok(1.0 / m),
+        Some(m) => Err(format!("contact mass = {m} must be greater than 0")),
     }
 }
 
@@ -200,8 +406,7 @@ fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64
     if kind < 1 || kind as usize > types {
         return Err(format!("type {kind} is not between 1 and {types}"));
     }
-    let (semi_axes, quaternion) =
-        (arrays.shape)(k).ok_or("it has no shape: every particle must be an ellipsoid")?;
+    let (semi_axes, quaternion) = (arrays.shape)(k).ok_or_else(no_shape)?;
     let body =
         Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;
     let omega = match arrays.rotation {
@@ -217,12 +422,7 @@ fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64
             angular_velocity(&body, mass, l)
         }
     };
-    let inverse_mass = match arrays.contact_masses.get(k) {
-        None => 0.0,
-        // An infinite mass is a frozen body.
-        Some(&m) if m > 0.0 => 1.0 / m,
-        Some(m) => return Err(format!("contact mass = {m} must be greater than 0")),
-    };
+    let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
     Ok(Particle {
         position,
         radius: body.bounding_radius(),

@@ -101,10 +101,12 @@ impl StagedContact {
                 penetration,
                 d: Vector3::ZERO,
                 h_i: support.h,
+                inverse_h_i: support.inverse_h,
                 s_i: support.point,
                 weingarten_i,
                 determinant_i: i.body.shape_determinant(),
                 h_j: 1.0,
+                inverse_h_j: 1.0,
                 s_j: Vector3::ZERO,
                 weingarten_j,
                 determinant_j: 1.0,
@@ -259,12 +261,13 @@ impl StagedContact {
         }
         let x = &self.x;
         let factors = factors_for(law, self.curvature.trace(), self.curvature.determinant());
-        let h2 = x.h_i * x.h_i;
+        let square = x.inverse_h_i * x.inverse_h_i;
         let body = BodyAtContact {
             h: x.h_i,
+            inverse_h: x.inverse_h_i,
             witness: x.tangent.components(x.s_i),
             weingarten: x.weingarten_i,
-            inverse_weingarten: x.weingarten_i.adjugate() * (x.determinant_i / (h2 * h2)),
+            inverse_weingarten: x.weingarten_i.adjugate() * (x.determinant_i * (square * square)),
         };
         let gamma = body_gradient(curvature_gradient(self.curvature, &factors), &body).gamma;
         let lambda = response(body.inverse_weingarten, x.penetration, radii, along, gamma);

@@ -258,8 +258,12 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
         if length > 0 {
             assert_eq!(list.touching, alone.touching, "{at}");
         }
-        for (a, b) in list.history.iter().zip(&alone.history) {
+        // What is remembered of a pair that does not touch is a start for the search, not a result.
+        for ((a, b), flags) in list.history.iter().zip(&alone.history).zip(&list.touching) {
             for (k, (x, y)) in a.iter().zip(b).enumerate() {
+                if flags[k / length] == 0 {
+                    continue;
+                }
                 close(
                     &[*x],
                     &[*y],

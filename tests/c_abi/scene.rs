@@ -351,6 +351,7 @@ impl List {
             touching: self.touching_pointers.as_ptr(),
             history: self.history_pointers.as_ptr(),
             newton: newton as i32,
+            unchanged: 0,
         }
     }
 }

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The function of the contact search over the tangent plane of one normal, exactly and without vectors of three
+//! components.
+//!
+//! Write a direction as `m = n + T y`, with `T` a tangent basis of the unit vector `n`. The support function is of first
+//! degree, so that `f(m/|m|) = F(y)/rho`, `rho^2 = 1 + y.y`, with
+//!
+//! ```text
+//! F(y) = sqrt(q_i) + sqrt(q_j) - n.d - (T^T d).y ,   q(y) = |D R^T (n + T y)|^2 = c + 2 b.y + y.A y
+//! ```
+//!
+//! A body enters through six numbers. Newton's method for `f` then costs a third of what it costs on the sphere.
+
+use super::ellipsoid::Ellipsoid;
+use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::real::Real;
+
+/// `q(y) = c + 2 b.y + y.A y` of one body.
+#[derive(Clone, Copy, Debug)]
+pub struct SquaredSupport<T> {
+    constant: T,
+    linear: Vector2<T>,
+    quadratic: Symmetric2<T>,
+}
+
+impl<T: Real> SquaredSupport<T> {
+    /// Of a body around the unit vector `n`.
+    #[inline(always)]
+    pub fn new(body: &Ellipsoid<T>, n: Vector3<T>, tangent: &Tangent<T>) -> Self {
+        let a = body.semi_axes;
+        let local_n = body.to_body(n);
+        let local_u = body.to_body(tangent.u);
+        // v = n x u, in body axes as well.
+        let z_v = a.componentwise(local_n.cross(local_u));
+        let z_u = a.componentwise(local_u);
+        let z = a.componentwise(local_n);
+        SquaredSupport {
+            constant: z.norm_squared(),
+            linear: Vector2::new(z.dot(z_u), z.dot(z_v)),
+            quadratic: Symmetric2::new(z_u.norm_squared(), z_u.dot(z_v), z_v.norm_squared()),
+        }
+    }
+}
+
+/// `F`, its gradient and the Hessian of `f` at one `y`.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentPoint<T> {
+    /// `F(y)`; `f` times `sqrt(1 + y.y)`.
+    pub value: T,
+    /// `sqrt(1 + y.y)` times the gradient of `f`: zero where `f` is stationary.
+    pub gradient: Vector2<T>,
+    /// Its derivative, up to terms that vanish with the gradient and with `y^2`.
+    pub hessian: Symmetric2<T>,
+}
+
+/// Two bodies around one normal.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentModel<T> {
+    i: SquaredSupport<T>,
+    j: SquaredSupport<T>,
+    /// `n.d`.
+    along: T,
+    /// `T^T d`.
+    across: Vector2<T>,
+}
+
+impl<T: Real> TangentModel<T> {
+    /// Of bodies `i` and `j`, with `d` from the centre of `i` to that of `j`, around the unit vector `n`.
+    #[inline(always)]
+    pub fn new(
+        i: &Ellipsoid<T>,
+        j: &Ellipsoid<T>,
+        d: Vector3<T>,
+        n: Vector3<T>,
+        tangent: &Tangent<T>,
+    ) -> Self {
+        TangentModel {
+            i: SquaredSupport::new(i, n, tangent),
+            j: SquaredSupport::new(j, n, tangent),
+            along: n.dot(d),
+            across: tangent.components(d),
+        }
+    }
+
+    /// At `y`.
+    #[inline(always)]
+    pub fn at(&self, y: Vector2<T>) -> TangentPoint<T> {
+        let one = y.u.constant(1.0);
+        let (h_i, gradient_i, hessian_i) = body_at(&self.i, y);
+        let (h_j, gradient_j, hessian_j) = body_at(&self.j, y);
+        let value = h_i + h_j - self.along - self.across.dot(y);
+        let scale = value / (y.dot(y) + one);
+        TangentPoint {
+            value,
+            gradient: gradient_i + gradient_j - self.across - y * scale,
+            hessian: (hessian_i + hessian_j).shifted(-scale),
+        }
+    }
+}
+
+/// `h`, and gradient and Hessian of `sqrt(q)`.
+#[inline(always)]
+fn body_at<T: Real>(body: &SquaredSupport<T>, y: Vector2<T>) -> (T, Vector2<T>, Symmetric2<T>) {
+    let half_slope = body.linear + body.quadratic.apply(y);
+    let square = (body.linear + half_slope).dot(y) + body.constant;
+    let inverse = square.reciprocal_sqrt();
+    let gradient = half_slope * inverse;
+    let a = body.quadratic;
+    let hessian = Symmetric2::new(
+        gradient.u.negative_multiply_add(gradient.u, a.uu),
+        gradient.u.negative_multiply_add(gradient.v, a.uv),
+        gradient.v.negative_multiply_add(gradient.v, a.vv),
+    );
+    (square * inverse, gradient, hessian * inverse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the support function itself, for directions far from the base.
+    #[test]
+    fn the_model_is_exact() {
+        let i = Ellipsoid::new([3.0, 0.7, 1.1], [0.9, 0.3, -0.2, 0.1]).unwrap();
+        let j = Ellipsoid::new([0.4, 2.0, 0.9], [0.2, -0.5, 0.7, 0.4]).unwrap();
+        let d = Vector3::new(1.3, -0.4, 0.8);
+        let n = Vector3::new(0.3, -0.5, 0.81).normalised();
+        let tangent = Tangent::new(n);
+        let model = TangentModel::new(&i, &j, d, n, &tangent);
+        let f = |y: Vector2| {
+            let m = (n + tangent.vector(y)).normalised();
+            i.support(m).h + j.support(m).h - m.dot(d)
+        };
+        for y in [
+            Vector2::new(0.0, 0.0),
+            Vector2::new(0.4, -0.2),
+            Vector2::new(-1.5, 2.5),
+        ] {
+            let at = model.at(y);
+            let rho = (1.0 + y.dot(y)).sqrt();
+            assert!((at.value / rho - f(y)).abs() < 1e-14 * 5.0, "{y:?}");
+            let step = 1e-5;
+            for (along, gradient) in [
+                (Vector2::new(step, 0.0), at.gradient.u),
+                (Vector2::new(0.0, step), at.gradient.v),
+            ] {
+                let difference = (f(y + along) - f(y - along)) / (2.0 * step);
+                assert!((gradient / rho - difference).abs() < 1e-9, "{y:?}");
+            }
+        }
+        // The Hessian of f at the base, where y = 0: that of the sphere, the gradient's part apart.
+        let at = model.at(Vector2::new(0.0, 0.0));
+        let step = 1e-4;
+        let (u, v) = (Vector2::new(step, 0.0), Vector2::new(0.0, step));
+        let second =
+            |a: Vector2| (f(a) - 2.0 * f(Vector2::new(0.0, 0.0)) + f(a * -1.0)) / (step * step);
+        let mixed = (f(u + v) - f(u - v) - f(v - u) + f((u + v) * -1.0)) / (4.0 * step * step);
+        assert!((at.hessian.uu - second(u)).abs() < 1e-6);
+        assert!((at.hessian.vv - second(v)).abs() < 1e-6);
+        assert!((at.hessian.uv - mixed).abs() < 1e-6);
+    }
+}

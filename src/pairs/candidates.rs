@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The pairs of an engine's list that may touch before the particles have moved by a given length.
+//!
+//! An engine's list holds every pair whose bounding spheres come near; of elongated grains few of these ever touch. A
+//! pair whose bodies a plane separates by more than the margin is left out until one of the particles has moved by half
+//! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
+
+use super::particles::ParticleArrays;
+use super::registers::Line;
+
+/// A pair of the list.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// Number of the central particle's row.
+    pub row: u32,
+    /// Place in the row.
+    pub entry: u32,
+    /// Central particle.
+    pub i: u32,
+    /// Its neighbour.
+    pub j: u32,
+}
+
+/// The margin in units of the mean smallest semi-axis: a few dozen steps of a moderate flow.
+const RELATIVE_MARGIN: f64 = 0.1;
+
+/// Candidates, and the poses for which they were found.
+#[derive(Debug, Default)]
+pub(super) struct Candidates {
+    pub pairs: Vec<Candidate>,
+    /// Places in `pairs` of what is left after the rejection of one step.
+    pub near: Vec<u32>,
+    /// Pairs of the list.
+    pub listed: u64,
+    /// Particles that have a candidate, in rising order.
+    participants: Vec<u32>,
+    takes_part: Vec<bool>,
+    /// Position, quaternion as the engine has it, square of the change of the quaternion that is allowed.
+    poses: Vec<Line>,
+    /// Length, the same for all pairs.
+    pub margin: f64,
+    /// Whether all of the list's particles are spheres.
+    pub spheres: bool,
+    valid: bool,
+}
+
+impl Candidates {
+    /// None: the next step looks at the whole list.
+    pub fn forget(&mut self) {
+        self.valid = false;
+    }
+
+    /// Whether there are candidates.
+    pub fn are_valid(&self) -> bool {
+        self.valid
+    }
+
+    /// Particles that have a candidate.
+    pub fn participants(&self) -> &[u32] {
+        &self.participants
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.pairs.capacity() * core::mem::size_of::<Candidate>()
+            + (self.near.capacity() + self.participants.capacity()) * core::mem::size_of::<u32>()
+            + self.takes_part.capacity()
+            + self.poses.capacity() * core::mem::size_of::<Line>()
+    }
+
+    /// Whether no particle has moved by more than half of the margin since the candidates were found.
+    pub fn hold_for<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &self,
+        arrays: &ParticleArrays<'_, S, I>,
+    ) -> bool {
+        if !self.valid || self.poses.len() != arrays.positions.len() {
+            return false;
+        }
+        let farthest = self.margin * self.margin * (1.0 / 16.0);
+        for (k, (x, pose)) in arrays.positions.iter().zip(&self.poses).enumerate() {
+            let Some((_, q)) = (arrays.shape)(k) else {
+                return false;
+            };
+            let p = &pose.0;
+            let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
+            let moved = dx * dx + dy * dy + dz * dz;
+            let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
+            let turned = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3;
+            // Not a number holds for nothing.
+            if !(moved <= farthest && turned <= p[7]) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Begins anew for these particles: the margin, and the poses.
+    pub fn begin<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+    ) {
+        self.valid = false;
+        self.pairs.clear();
+        self.listed = 0;
+        self.poses.clear();
+        self.poses.reserve(arrays.positions.len());
+        let mut sum = 0.0;
+        for (k, x) in arrays.positions.iter().enumerate() {
+            // They were checked before.
+            let (a, q) = (arrays.shape)(k).unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
+            let least = a[0].min(a[1]).min(a[2]);
+            sum += least;
+            // The support function of a body that turns by an angle changes by at most the angle times this.
+            let spread = a[0].max(a[1]).max(a[2]) - least;
+            // A rotation by an angle t changes a quaternion of length L by 2 L sin(t/4): t <= 2.1 |change|/L up to t = 1.
+            let length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+            self.poses.push(Line([
+                x[0],
+                x[1],
+                x[2],
+                q[0],
+                q[1],
+                q[2],
+                q[3],
+                length / (4.0 * 2.1 * spread).powi(2),
+            ]));
+        }
+        self.margin = RELATIVE_MARGIN * sum / arrays.positions.len().max(1) as f64;
+        let square = self.margin * self.margin;
+        for pose in &mut self.poses {
+            // At most a rotation by one radian; a sphere may turn as it likes.
+            let limit = pose.0[7];
+            pose.0[7] = if limit.is_finite() {
+                let length: f64 = pose.0[3..7].iter().map(|q| q * q).sum();
+                (limit * square).min(length * 0.2)
+            } else {
+                f64::INFINITY
+            };
+        }
+    }
+
+    /// Ends what [`Candidates::begin`] began, once all pairs are there.
+    pub fn end(&mut self) {
+        self.near.clear();
+        self.near.reserve(self.pairs.len());
+        self.participants.clear();
+        self.takes_part.clear();
+        self.takes_part.resize(self.poses.len(), false);
+        for pair in &self.pairs {
+            self.takes_part[pair.i as usize] = true;
+            self.takes_part[pair.j as usize] = true;
+        }
+        self.participants.reserve(self.poses.len());
+        self.participants.extend(
+            self.takes_part
+                .iter()
+                .enumerate()
+                .filter(|(_, takes_part)| **takes_part)
+                .map(|(k, _)| k as u32),
+        );
+        self.valid = true;
+    }
+}

@@ -1,0 +1,709 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The registers of each instruction set: the few operations that the contact law and the search are made of.
+//!
+//! Intrinsics are called directly where they are safe to call: on a proof of the instruction set that `pulp` hands out,
+//! or where the target always has them. Macros, not closures: a closure is not always inlined into the code of the
+//! chosen instruction set, and then costs a call and a trip through memory.
+
+/// Rows of eight doubles, and the most lanes of any instruction set here (AVX-512).
+pub const MOST_LANES: usize = 8;
+
+/// Eight doubles, one cache line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Line(pub [f64; 8]);
+
+impl Line {
+    /// All zero.
+    pub const ZERO: Line = Line([0.0; 8]);
+}
+
+/// An instruction set: `self`, of size zero, is the proof that the machine has it.
+pub trait Registers: Copy {
+    /// Numbers in a register.
+    const LANES: usize;
+    /// A register.
+    type Vector: Copy;
+    /// The truth of a comparison, one per lane.
+    type Mask: Copy;
+
+    /// `value` in every lane.
+    fn splat(self, value: f64) -> Self::Vector;
+    /// The first lanes of a line.
+    fn load(self, line: &Line) -> Self::Vector;
+    /// `a + b`.
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a - b`.
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a * b`.
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a * b + c`.
+    fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// `a * b - c`.
+    fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// `c - a * b`.
+    fn negative_multiply_add(
+        self,
+        a: Self::Vector,
+        b: Self::Vector,
+        c: Self::Vector,
+    ) -> Self::Vector;
+    /// `1/a` of a normal number whose inverse is one too; error at most one rounding.
+    fn reciprocal(self, a: Self::Vector) -> Self::Vector;
+    /// `a/b`, with `b` as in `reciprocal`.
+    fn divide(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `1/sqrt(a)` of a positive normal number; error at most two roundings.
+    fn reciprocal_sqrt(self, a: Self::Vector) -> Self::Vector;
+    /// `sqrt(a)` of zero or a positive normal number above 1e-300.
+    fn sqrt(self, a: Self::Vector) -> Self::Vector;
+    /// The larger; where `a` is NaN, `b`.
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The smaller; where `a` is NaN, `b`.
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a < b`.
+    fn less(self, a: Self::Vector, b: Self::Vector) -> Self::Mask;
+    /// `a` where the mask holds, else `b`.
+    fn select(self, mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Both.
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Either.
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `a` and not `b`.
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// One bit per lane, the first lane lowest.
+    fn bits(self, mask: Self::Mask) -> u32;
+    /// Mantissa from 1 up to 2 and exponent of positive normal numbers.
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector);
+    /// Entry `k` of the first lines, for `k` from 0 to 7.
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8];
+    /// The reverse: entry `k` of the first lines is register `k`.
+    fn lines(self, columns: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]);
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V4 {
+    const LANES: usize = 8;
+    type Vector = core::arch::x86_64::__m512d;
+    type Mask = u8;
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self::Vector {
+        self.avx512f._mm512_set1_pd(value)
+    }
+    #[inline(always)]
+    fn load(self, line: &Line) -> Self::Vector {
+        pulp::cast(line.0)
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_add_pd(a, b)
+    }
+    #[inline(always)]
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_sub_pd(a, b)
+    }
+    #[inline(always)]
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_mul_pd(a, b)
+    }
+    #[inline(always)]
+    fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_fmadd_pd(a, b, c)
+    }
+    #[inline(always)]
+    fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_fmsub_pd(a, b, c)
+    }
+    #[inline(always)]
+    fn negative_multiply_add(
+        self,
+        a: Self::Vector,
+        b: Self::Vector,
+        c: Self::Vector,
+    ) -> Self::Vector {
+        self.avx512f._mm512_fnmadd_pd(a, b, c)
+    }
+    // The divider takes 16 cycles for eight lanes and the root 24, one at a time: an estimate of 14 bits and a
+    // polynomial in its error keep the other units busy instead.
+    #[inline(always)]
+    fn reciprocal(self, a: Self::Vector) -> Self::Vector {
+        let one = self.splat(1.0);
+        let r = self.avx512f._mm512_rcp14_pd(a);
+        let e = self.negative_multiply_add(a, r, one);
+        // r (1 + e + e^2 + e^3), e < 2^-14
+        let series = self.multiply_add(self.multiply_add(e, e, e), e, e);
+        self.multiply_add(r, series, r)
+    }
+    #[inline(always)]
+    fn divide(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.multiply(a, self.reciprocal(b))
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self, a: Self::Vector) -> Self::Vector {
+        let r = self.avx512f._mm512_rsqrt14_pd(a);
+        let e = self.negative_multiply_add(self.multiply(a, r), r, self.splat(1.0));
+        // (1 - e)^(-1/2), e < 2^-13
+        let series = self.multiply_add(e, self.splat(35.0 / 128.0), self.splat(0.3125));
+        let series = self.multiply_add(e, series, self.splat(0.375));
+        let series = self.multiply_add(e, series, self.splat(0.5));
+        self.multiply_add(self.multiply(r, e), series, r)
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.multiply(a, self.reciprocal_sqrt(self.max(a, self.splat(1e-300))))
+    }
+    #[inline(always)]
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_max_pd(a, b)
+    }
+    #[inline(always)]
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_min_pd(a, b)
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Vector, b: Self::Vector) -> u8 {
+        self.avx512f
+            ._mm512_cmp_pd_mask::<{ core::arch::x86_64::_CMP_LT_OQ }>(a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: u8, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_mask_blend_pd(mask, b, a)
+    }
+    #[inline(always)]
+    fn and(self, a: u8, b: u8) -> u8 {
+        a & b
+    }
+    #[inline(always)]
+    fn or(self, a: u8, b: u8) -> u8 {
+        a | b
+    }
+    #[inline(always)]
+    fn and_not(self, a: u8, b: u8) -> u8 {
+        a & !b
+    }
+    #[inline(always)]
+    fn bits(self, mask: u8) -> u32 {
+        u32::from(mask)
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector) {
+        use core::arch::x86_64::{_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO};
+        (
+            self.avx512f
+                ._mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO>(a),
+            self.avx512f._mm512_getexp_pd(a),
+        )
+    }
+    #[inline(always)]
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+        let avx = self.avx512f;
+        // Lines k and k+4 share a register of halves: the exchange of halves is done by the loads.
+        macro_rules! halves {
+            ($at:literal, $k:literal) => {{
+                let low: &[[f64; 4]; 2] = pulp::bytemuck::cast_ref(&lines[$k].0);
+                let high: &[[f64; 4]; 2] = pulp::bytemuck::cast_ref(&lines[$k + 4].0);
+                avx._mm512_insertf64x4::<1>(
+                    avx._mm512_castpd256_pd512(pulp::cast(low[$at])),
+                    pulp::cast(high[$at]),
+                )
+            }};
+        }
+        macro_rules! four {
+            ($at:literal) => {{
+                let (r0, r1) = (halves!($at, 0), halves!($at, 1));
+                let (r2, r3) = (halves!($at, 2), halves!($at, 3));
+                // Within each half a 4 x 4 transposition.
+                let (t0, t1) = (
+                    avx._mm512_unpacklo_pd(r0, r1),
+                    avx._mm512_unpackhi_pd(r0, r1),
+                );
+                let (t2, t3) = (
+                    avx._mm512_unpacklo_pd(r2, r3),
+                    avx._mm512_unpackhi_pd(r2, r3),
+                );
+                let low: core::arch::x86_64::__m512i = pulp::cast([0i64, 1, 8, 9, 4, 5, 12, 13]);
+                let high: core::arch::x86_64::__m512i = pulp::cast([2i64, 3, 10, 11, 6, 7, 14, 15]);
+                (
+                    avx._mm512_permutex2var_pd(t0, low, t2),
+                    avx._mm512_permutex2var_pd(t1, low, t3),
+                    avx._mm512_permutex2var_pd(t0, high, t2),
+                    avx._mm512_permutex2var_pd(t1, high, t3),
+                )
+            }};
+        }
+        let (c0, c1, c2, c3) = four!(0);
+        let (c4, c5, c6, c7) = four!(1);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+    #[inline(always)]
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+        let avx = self.avx512f;
+        // Pairs of columns interleaved, then quarters of registers exchanged twice.
+        macro_rules! quarters {
+            ($a:expr, $b:expr, $c:expr, $d:expr) => {{
+                let u0 = avx._mm512_shuffle_f64x2::<0x88>($a, $b);
+                let u1 = avx._mm512_shuffle_f64x2::<0xdd>($a, $b);
+                let u2 = avx._mm512_shuffle_f64x2::<0x88>($c, $d);
+                let u3 = avx._mm512_shuffle_f64x2::<0xdd>($c, $d);
+                (
+                    avx._mm512_shuffle_f64x2::<0x88>(u0, u2),
+                    avx._mm512_shuffle_f64x2::<0x88>(u1, u3),
+                    avx._mm512_shuffle_f64x2::<0xdd>(u0, u2),
+                    avx._mm512_shuffle_f64x2::<0xdd>(u1, u3),
+                )
+            }};
+        }
+        let (r0, r2, r4, r6) = quarters!(
+            avx._mm512_unpacklo_pd(c[0], c[1]),
+            avx._mm512_unpacklo_pd(c[2], c[3]),
+            avx._mm512_unpacklo_pd(c[4], c[5]),
+            avx._mm512_unpacklo_pd(c[6], c[7])
+        );
+        let (r1, r3, r5, r7) = quarters!(
+            avx._mm512_unpackhi_pd(c[0], c[1]),
+            avx._mm512_unpackhi_pd(c[2], c[3]),
+            avx._mm512_unpackhi_pd(c[4], c[5]),
+            avx._mm512_unpackhi_pd(c[6], c[7])
+        );
+        lines[0].0 = pulp::cast(r0);
+        lines[1].0 = pulp::cast(r1);
+        lines[2].0 = pulp::cast(r2);
+        lines[3].0 = pulp::cast(r3);
+        lines[4].0 = pulp::cast(r4);
+        lines[5].0 = pulp::cast(r5);
+        lines[6].0 = pulp::cast(r6);
+        lines[7].0 = pulp::cast(r7);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+macro_rules! transposed_four {
+    ($avx:expr, $a:expr, $b:expr, $c:expr, $d:expr) => {{
+        let avx = $avx;
+        let (a, b, c, d) = ($a, $b, $c, $d);
+        let (t0, t1) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+        let (t2, t3) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
+        (
+            avx._mm256_permute2f128_pd::<0x20>(t0, t2),
+            avx._mm256_permute2f128_pd::<0x20>(t1, t3),
+            avx._mm256_permute2f128_pd::<0x31>(t0, t2),
+            avx._mm256_permute2f128_pd::<0x31>(t1, t3),
+        )
+    }};
+}
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V3 {
+    const LANES: usize = 4;
+    type Vector = core::arch::x86_64::__m256d;
+    type Mask = core::arch::x86_64::__m256d;
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self::Vector {
+        self.avx._mm256_set1_pd(value)
+    }
+    #[inline(always)]
+    fn load(self, line: &Line) -> Self::Vector {
+        let halves: &[[f64; 4]; 2] = pulp::bytemuck::cast_ref(&line.0);
+        pulp::cast(halves[0])
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_add_pd(a, b)
+    }
+    #[inline(always)]
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_sub_pd(a, b)
+    }
+    #[inline(always)]
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_mul_pd(a, b)
+    }
+    #[inline(always)]
+    fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.fma._mm256_fmadd_pd(a, b, c)
+    }
+    #[inline(always)]
+    fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.fma._mm256_fmsub_pd(a, b, c)
+    }
+    #[inline(always)]
+    fn negative_multiply_add(
+        self,
+        a: Self::Vector,
+        b: Self::Vector,
+        c: Self::Vector,
+    ) -> Self::Vector {
+        self.fma._mm256_fnmadd_pd(a, b, c)
+    }
+    #[inline(always)]
+    fn reciprocal(self, a: Self::Vector) -> Self::Vector {
+        self.avx._mm256_div_pd(self.splat(1.0), a)
+    }
+    #[inline(always)]
+    fn divide(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_div_pd(a, b)
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.reciprocal(self.avx._mm256_sqrt_pd(a))
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.avx._mm256_sqrt_pd(a)
+    }
+    #[inline(always)]
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_max_pd(a, b)
+    }
+    #[inline(always)]
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_min_pd(a, b)
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
+        self.avx
+            ._mm256_cmp_pd::<{ core::arch::x86_64::_CMP_LT_OQ }>(a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx._mm256_blendv_pd(b, a, mask)
+    }
+    #[inline(always)]
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.avx._mm256_and_pd(a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.avx._mm256_or_pd(a, b)
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.avx._mm256_andnot_pd(b, a)
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::Mask) -> u32 {
+        self.avx._mm256_movemask_pd(mask) as u32
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector) {
+        let (avx, avx2) = (self.avx, self.avx2);
+        let bits = avx._mm256_castpd_si256(a);
+        let mantissa = avx2._mm256_or_si256(
+            avx2._mm256_and_si256(bits, avx._mm256_set1_epi64x(MANTISSA)),
+            avx._mm256_set1_epi64x(ONE),
+        );
+        let exponent = avx2._mm256_or_si256(
+            avx2._mm256_srli_epi64::<52>(bits),
+            avx._mm256_set1_epi64x(TWO_TO_52),
+        );
+        (
+            avx._mm256_castsi256_pd(mantissa),
+            avx._mm256_sub_pd(
+                avx._mm256_castsi256_pd(exponent),
+                self.splat(4503599627370496.0 + 1023.0),
+            ),
+        )
+    }
+    #[inline(always)]
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+        macro_rules! four {
+            ($at:literal) => {{
+                macro_rules! row {
+                    ($k:literal) => {{
+                        let halves: &[[f64; 4]; 2] = pulp::bytemuck::cast_ref(&lines[$k].0);
+                        pulp::cast(halves[$at])
+                    }};
+                }
+                transposed_four!(self.avx, row!(0), row!(1), row!(2), row!(3))
+            }};
+        }
+        let (c0, c1, c2, c3) = four!(0);
+        let (c4, c5, c6, c7) = four!(1);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+    #[inline(always)]
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+        let (a0, a1, a2, a3) = transposed_four!(self.avx, c[0], c[1], c[2], c[3]);
+        let (b0, b1, b2, b3) = transposed_four!(self.avx, c[4], c[5], c[6], c[7]);
+        macro_rules! put {
+            ($k:literal, $a:expr, $b:expr) => {
+                let halves: &mut [[f64; 4]; 2] = pulp::bytemuck::cast_mut(&mut lines[$k].0);
+                halves[0] = pulp::cast($a);
+                halves[1] = pulp::cast($b);
+            };
+        }
+        put!(0, a0, b0);
+        put!(1, a1, b1);
+        put!(2, a2, b2);
+        put!(3, a3, b3);
+    }
+}
+
+/// Bits of a double: its mantissa, those of 1 and of 2^52.
+const MANTISSA: i64 = 0x000f_ffff_ffff_ffff;
+const ONE: i64 = 0x3ff0_0000_0000_0000;
+const TWO_TO_52: i64 = 0x4330_0000_0000_0000;
+
+/// Products and sums apart: a fused operation is a library call on a machine that may not have it.
+macro_rules! two_roundings {
+    () => {
+        #[inline(always)]
+        fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+            self.add(self.multiply(a, b), c)
+        }
+        #[inline(always)]
+        fn multiply_subtract(
+            self,
+            a: Self::Vector,
+            b: Self::Vector,
+            c: Self::Vector,
+        ) -> Self::Vector {
+            self.subtract(self.multiply(a, b), c)
+        }
+        #[inline(always)]
+        fn negative_multiply_add(
+            self,
+            a: Self::Vector,
+            b: Self::Vector,
+            c: Self::Vector,
+        ) -> Self::Vector {
+            self.subtract(c, self.multiply(a, b))
+        }
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Registers for pulp::x86::V1 {
+    const LANES: usize = 2;
+    type Vector = core::arch::x86_64::__m128d;
+    type Mask = core::arch::x86_64::__m128d;
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self::Vector {
+        self.sse2._mm_set1_pd(value)
+    }
+    #[inline(always)]
+    fn load(self, line: &Line) -> Self::Vector {
+        self.sse2._mm_set_pd(line.0[1], line.0[0])
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_add_pd(a, b)
+    }
+    #[inline(always)]
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_sub_pd(a, b)
+    }
+    #[inline(always)]
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_mul_pd(a, b)
+    }
+    two_roundings!();
+    #[inline(always)]
+    fn reciprocal(self, a: Self::Vector) -> Self::Vector {
+        self.sse2._mm_div_pd(self.splat(1.0), a)
+    }
+    #[inline(always)]
+    fn divide(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_div_pd(a, b)
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.reciprocal(self.sse2._mm_sqrt_pd(a))
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.sse2._mm_sqrt_pd(a)
+    }
+    #[inline(always)]
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_max_pd(a, b)
+    }
+    #[inline(always)]
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.sse2._mm_min_pd(a, b)
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
+        self.sse2._mm_cmplt_pd(a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        let sse2 = self.sse2;
+        sse2._mm_or_pd(sse2._mm_and_pd(mask, a), sse2._mm_andnot_pd(mask, b))
+    }
+    #[inline(always)]
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.sse2._mm_and_pd(a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.sse2._mm_or_pd(a, b)
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.sse2._mm_andnot_pd(b, a)
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::Mask) -> u32 {
+        self.sse2._mm_movemask_pd(mask) as u32
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector) {
+        let sse2 = self.sse2;
+        let bits = sse2._mm_castpd_si128(a);
+        let mantissa = sse2._mm_or_si128(
+            sse2._mm_and_si128(bits, sse2._mm_set1_epi64x(MANTISSA)),
+            sse2._mm_set1_epi64x(ONE),
+        );
+        let exponent = sse2._mm_or_si128(
+            sse2._mm_srli_epi64::<52>(bits),
+            sse2._mm_set1_epi64x(TWO_TO_52),
+        );
+        (
+            sse2._mm_castsi128_pd(mantissa),
+            sse2._mm_sub_pd(
+                sse2._mm_castsi128_pd(exponent),
+                self.splat(4503599627370496.0 + 1023.0),
+            ),
+        )
+    }
+    #[inline(always)]
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+        let a: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[0].0);
+        let b: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[1].0);
+        macro_rules! pair {
+            ($k:literal) => {{
+                let (a, b) = (pulp::cast(a[$k]), pulp::cast(b[$k]));
+                (
+                    self.sse2._mm_unpacklo_pd(a, b),
+                    self.sse2._mm_unpackhi_pd(a, b),
+                )
+            }};
+        }
+        let ((c0, c1), (c2, c3)) = (pair!(0), pair!(1));
+        let ((c4, c5), (c6, c7)) = (pair!(2), pair!(3));
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+    #[inline(always)]
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+        let [a, b, ..] = lines;
+        let a: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut a.0);
+        let b: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut b.0);
+        macro_rules! pair {
+            ($k:literal) => {
+                a[$k] = pulp::cast(self.sse2._mm_unpacklo_pd(c[2 * $k], c[2 * $k + 1]));
+                b[$k] = pulp::cast(self.sse2._mm_unpackhi_pd(c[2 * $k], c[2 * $k + 1]));
+            };
+        }
+        pair!(0);
+        pair!(1);
+        pair!(2);
+        pair!(3);
+    }
+}
+
+/// Two lanes as the compiler makes them, on any machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+impl Registers for Portable {
+    const LANES: usize = 2;
+    type Vector = [f64; 2];
+    type Mask = [bool; 2];
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> [f64; 2] {
+        [value; 2]
+    }
+    #[inline(always)]
+    fn load(self, line: &Line) -> [f64; 2] {
+        [line.0[0], line.0[1]]
+    }
+    #[inline(always)]
+    fn add(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        [a[0] + b[0], a[1] + b[1]]
+    }
+    #[inline(always)]
+    fn subtract(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        [a[0] - b[0], a[1] - b[1]]
+    }
+    #[inline(always)]
+    fn multiply(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        [a[0] * b[0], a[1] * b[1]]
+    }
+    two_roundings!();
+    #[inline(always)]
+    fn reciprocal(self, a: [f64; 2]) -> [f64; 2] {
+        [1.0 / a[0], 1.0 / a[1]]
+    }
+    #[inline(always)]
+    fn divide(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        [a[0] / b[0], a[1] / b[1]]
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self, a: [f64; 2]) -> [f64; 2] {
+        [1.0 / a[0].sqrt(), 1.0 / a[1].sqrt()]
+    }
+    #[inline(always)]
+    fn sqrt(self, a: [f64; 2]) -> [f64; 2] {
+        [a[0].sqrt(), a[1].sqrt()]
+    }
+    #[inline(always)]
+    fn max(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        use crate::real::Real;
+        [Real::max(a[0], b[0]), Real::max(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn min(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        use crate::real::Real;
+        [Real::min(a[0], b[0]), Real::min(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn less(self, a: [f64; 2], b: [f64; 2]) -> [bool; 2] {
+        [a[0] < b[0], a[1] < b[1]]
+    }
+    #[inline(always)]
+    fn select(self, mask: [bool; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+        [
+            if mask[0] { a[0] } else { b[0] },
+            if mask[1] { a[1] } else { b[1] },
+        ]
+    }
+    #[inline(always)]
+    fn and(self, a: [bool; 2], b: [bool; 2]) -> [bool; 2] {
+        [a[0] & b[0], a[1] & b[1]]
+    }
+    #[inline(always)]
+    fn or(self, a: [bool; 2], b: [bool; 2]) -> [bool; 2] {
+        [a[0] | b[0], a[1] | b[1]]
+    }
+    #[inline(always)]
+    fn and_not(self, a: [bool; 2], b: [bool; 2]) -> [bool; 2] {
+        [a[0] & !b[0], a[1] & !b[1]]
+    }
+    #[inline(always)]
+    fn bits(self, mask: [bool; 2]) -> u32 {
+        u32::from(mask[0]) | u32::from(mask[1]) << 1
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let mantissa = |x: f64| f64::from_bits(x.to_bits() & MANTISSA as u64 | ONE as u64);
+        let exponent = |x: f64| (x.to_bits() >> 52) as i32 as f64 - 1023.0;
+        (
+            [mantissa(a[0]), mantissa(a[1])],
+            [exponent(a[0]), exponent(a[1])],
+        )
+    }
+    #[inline(always)]
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [[f64; 2]; 8] {
+        core::array::from_fn(|k| [lines[0].0[k], lines[1].0[k]])
+    }
+    #[inline(always)]
+    fn lines(self, c: [[f64; 2]; 8], lines: &mut [Line; MOST_LANES]) {
+        for (k, c) in c.iter().enumerate() {
+            lines[0].0[k] = c[0];
+            lines[1].0[k] = c[1];
+        }
+    }
+}
