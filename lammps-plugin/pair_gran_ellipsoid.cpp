@@ -164,6 +164,8 @@ void PairGranEllipsoid::add_forces()
   neighbours.touching = fix_history ? fix_history->firstflag : nullptr;
   neighbours.history = fix_history ? fix_history->firstvalue : nullptr;
   neighbours.newton = force->newton_pair;
+  // LAMMPS counts the calls since it last built the list; what init() resolves comes with a new list.
+  neighbours.unchanged = (neighbor->ago > 0) ? 1 : 0;
 
   // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
   // not pass then. Nor does it in a minimisation.
@@ -392,7 +394,9 @@ void PairGranEllipsoid::build_laws()
       if (ellgran_laws_describe(laws, i, j, line, sizeof line) == ELLGRAN_SUCCESS)
         text += fmt::format("  {} {}{}: {}\n", i, j, setflag[i][j] ? "" : " (mixed)", line);
     }
-  text += fmt::format("  history: {} doubles per contact\n", ellgran_laws_history_length(laws));
+  text += fmt::format("  history: {} doubles per contact, instruction set: {}\n",
+                      ellgran_laws_history_length(laws),
+                      ellgran_workspace_instruction_set(workspace));
   if (text != described && comm->me == 0)
     utils::logmesg(lmp, "{}, ellgran {}:\n{}", CALLER, ellgran_version(), text);
   described = text;

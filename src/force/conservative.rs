@@ -55,17 +55,20 @@ pub fn curvature_gradient<T: Real>(
 pub fn body_gradient<T: Real>(p: Symmetric2<T>, body: &BodyAtContact<T>) -> BodyGradient<T> {
     let v = body.weingarten;
     // Entries of P V, which is not symmetric.
-    let uu = p.uu * v.uu + p.uv * v.uv;
-    let uv = p.uu * v.uv + p.uv * v.vv;
-    let vu = p.uv * v.uu + p.vv * v.uv;
-    let vv = p.uv * v.uv + p.vv * v.vv;
+    let uu = p.uu.multiply_add(v.uu, p.uv * v.uv);
+    let uv = p.uu.multiply_add(v.uv, p.uv * v.vv);
+    let vu = p.uv.multiply_add(v.uu, p.vv * v.uv);
+    let vv = p.uv.multiply_add(v.uv, p.vv * v.vv);
     let s = body.witness;
     let half = body.inverse_h * 0.5;
-    let trace = uu + vv;
+    // tr(P V) I + 2 P V
+    let (diagonal_u, diagonal_v) = (uu + uu + uu + vv, uu + vv + vv + vv);
+    let s_half = s * half;
+    let (uv2, vu2) = (uv + uv, vu + vu);
     BodyGradient {
         gamma: Vector2::new(
-            (trace * s.u + (uu * s.u + uv * s.v) * 2.0) * half,
-            (trace * s.v + (vu * s.u + vv * s.v) * 2.0) * half,
+            diagonal_u.multiply_add(s_half.u, uv2 * s_half.v),
+            diagonal_v.multiply_add(s_half.v, vu2 * s_half.u),
         ),
         twist: vu - uv,
     }
@@ -77,8 +80,8 @@ pub struct NormalResponse<T = f64> {
     /// `lambda = (W_i + W_j - delta I)^-1 (gamma_i + gamma_j)`.
     pub lambda: Vector2<T>,
     /// Half of the part of `delta` that was left out of the matrix; 0 but for the deepest contacts. Each body's torque takes
-    /// it times `n x lambda`, or the torques would not balance.
-    pub half_excess: T,
+    /// it times `n x lambda`, or the torques would not balance. `None` where it is known to be 0.
+    pub half_excess: Option<T>,
 }
 
 impl<T: Real> NormalResponse<T> {
@@ -87,7 +90,7 @@ impl<T: Real> NormalResponse<T> {
     pub fn exactly(lambda: Vector2<T>) -> Self {
         NormalResponse {
             lambda,
-            half_excess: lambda.u.constant(0.0),
+            half_excess: None,
         }
     }
 }
@@ -110,7 +113,7 @@ pub fn normal_response<T: Real>(
     let m = radii.shifted(-shift);
     NormalResponse {
         lambda: m.adjugate().apply(gamma) * m.determinant().reciprocal(),
-        half_excess: (penetration - shift) * 0.5,
+        half_excess: Some((penetration - shift) * 0.5),
     }
 }
 
@@ -125,9 +128,17 @@ pub fn additional_torque<T: Real>(
 ) -> (Vector2<T>, T) {
     let s = body.witness;
     let lambda = response.lambda;
-    let q = body.inverse_weingarten.apply(lambda) + lambda * response.half_excess - own.gamma;
+    let q = body.inverse_weingarten.apply(lambda) - own.gamma;
+    let q = match response.half_excess {
+        Some(half) => q + lambda * half,
+        None => q,
+    };
     // s x lambda = (s_t + h n) x lambda: n x (u, v) = (-v, u); s_t x lambda = (s_u l_v - s_v l_u) n.
-    let tangent = Vector2::new(body.h * lambda.v - q.v, -(body.h * lambda.u) + q.u);
-    let normal = own.twist - (s.u * lambda.v - s.v * lambda.u);
+    let tangent = Vector2::new(
+        body.h.multiply_subtract(lambda.v, q.v),
+        body.h.negative_multiply_add(lambda.u, q.u),
+    );
+    let normal =
+        s.v.multiply_add(lambda.u, s.u.negative_multiply_add(lambda.v, own.twist));
     (tangent, normal)
 }

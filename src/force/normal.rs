@@ -43,8 +43,9 @@ pub fn normal_force<T: Real>(
         }
     } else {
         // F_H = c g delta^(3/2),  g = sqrt(Re) phi = 2^(-1/2) det(M)^(-1/4) phi.
-        let per_power = c.normal_stiffness * factors.phi * core::f64::consts::FRAC_1_SQRT_2
-            / determinant.sqrt().sqrt();
+        let per_power = c.normal_stiffness
+            * factors.phi
+            * (determinant.sqrt().reciprocal_sqrt() * core::f64::consts::FRAC_1_SQRT_2);
         let root = penetration.sqrt();
         let slope = per_power * root;
         let elastic = slope * penetration;

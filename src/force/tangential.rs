@@ -74,10 +74,10 @@ pub fn tangential_force<T: Real>(
         )
     } else {
         let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
-        let inverse = kappa.adjugate() * (one / kappa.determinant());
+        let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
         (
             inverse * normal.stiffness,
-            kappa * (one / normal.stiffness.max(tiny)),
+            kappa * normal.stiffness.max(tiny).reciprocal(),
             inverse,
         )
     };
@@ -95,20 +95,24 @@ pub fn tangential_force<T: Real>(
         }
     };
 
-    let size = zeta.dot(zeta).sqrt();
+    let square = zeta.dot(zeta);
+    let inverse_size = square.max(normal.force.constant(1e-290)).reciprocal_sqrt();
+    let size = square * inverse_size;
     let tfd = matches!(kinds.tangential, Tangential::Tfd);
     let most = if tfd { limit * 1.5 } else { limit };
     // Sliding: the elastic part stays on the cone.
-    let clip = T::select(most.less(size), most / size.max(tiny), one);
+    let slides = most.less(size);
+    let clip = T::select(slides, most * inverse_size, one);
     let zeta = zeta * clip;
     let (elastic, root, energy_factor) = if tfd {
         // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
-        let s = T::select(most.less(size), one, (size / most.max(tiny)).min(one));
+        let s = T::select(slides, one, (size * most.max(tiny).reciprocal()).min(one));
         let r = (one - s).sqrt();
         // [1 - (1-s)^(3/2)]/s and the work, without cancellation at s -> 0 (r -> 1).
         let next = r + 1.0;
-        let factor = (r * next + 1.0) / next * (2.0 / 3.0);
-        let work = (((r * 0.4 + 0.8) * r + 1.2) * r + 0.6) / (next * next) * (2.0 / 3.0);
+        let inverse = next.reciprocal();
+        let factor = (r * next + 1.0) * inverse * (2.0 / 3.0);
+        let work = (((r * 0.4 + 0.8) * r + 1.2) * r + 0.6) * (inverse * inverse) * (2.0 / 3.0);
         (zeta * factor, r, work)
     } else {
         (zeta, one, one * 0.5)
@@ -124,8 +128,9 @@ pub fn tangential_force<T: Real>(
                 * (normal.stiffness * root)
         };
         force = force + viscous;
-        let total = force.dot(force).sqrt();
-        force = force * T::select(limit.less(total), limit / total.max(tiny), one);
+        let square = force.dot(force);
+        let inverse = square.max(normal.force.constant(1e-290)).reciprocal_sqrt();
+        force = force * T::select(limit.less(square * inverse), limit * inverse, one);
     }
     let displacement = compliance.apply(zeta);
     TangentialForce {

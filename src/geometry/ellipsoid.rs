@@ -165,8 +165,14 @@ impl<T: Real> Ellipsoid<T> {
     /// Length of the chord from the witness along the inward normal, `2/(h n.S^-1 n)`: how thick the body is there.
     #[inline(always)]
     pub fn chord(&self, support: &Support<T>) -> T {
+        self.inverse_half_chord(support).reciprocal() * 2.0
+    }
+
+    /// `2/chord`, without a division.
+    #[inline(always)]
+    pub fn inverse_half_chord(&self, support: &Support<T>) -> T {
         let inverse = support.local_normal.componentwise(self.inverse_semi_axes);
-        support.h.constant(2.0) / (support.h * inverse.norm_squared())
+        support.h * inverse.norm_squared()
     }
 
     /// `(a1 a2 a3)^2`.

@@ -92,7 +92,7 @@ impl<T: Real> TangentModel<T> {
         let scale = value / (y.dot(y) + one);
         TangentPoint {
             value,
-            gradient: gradient_i + gradient_j - self.across - y * scale,
+            gradient: y.scale_add(-scale, gradient_i + gradient_j - self.across),
             hessian: (hessian_i + hessian_j).shifted(-scale),
         }
     }

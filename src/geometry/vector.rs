@@ -164,6 +164,13 @@ impl<T: Real> Vector2<T> {
         self.u.multiply_add(b.u, self.v * b.v)
     }
 }
+impl<T: Real> Vector2<T> {
+    /// `self * s + b`.
+    #[inline(always)]
+    pub fn scale_add(self, s: T, b: Self) -> Self {
+        Vector2::new(self.u.multiply_add(s, b.u), self.v.multiply_add(s, b.v))
+    }
+}
 impl<T: Real> Add for Vector2<T> {
     type Output = Self;
     #[inline(always)]

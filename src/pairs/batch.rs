@@ -218,6 +218,7 @@ struct Found<S: Registers> {
     support_j: Support<Lanes<S>>,
     weingarten_i: Symmetric2<Lanes<S>>,
     weingarten_j: Symmetric2<Lanes<S>>,
+    inverse_hessian: Symmetric2<Lanes<S>>,
     separated: S::Mask,
     hard: S::Mask,
 }
@@ -244,7 +245,7 @@ fn search<S: Registers>(
     let mut step = 0;
     loop {
         let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
-        let change = at.hessian.adjugate().apply(at.gradient) * (-one / determinant);
+        let change = at.hessian.adjugate().apply(at.gradient) * (zero - determinant.reciprocal());
         let square = change.dot(change);
         let definite = (trace * trace * 1e-11).less(determinant);
         let good = registers.and(
@@ -280,8 +281,9 @@ fn search<S: Registers>(
     let radii = radii_i + radii_j;
     // What is left of the gradient moves the normal and the witnesses by no more than this; the curvature stays.
     let hessian = radii.shifted(-f);
-    let change = hessian.adjugate().apply(g) * (-one / hessian.determinant());
-    let penetration = f + change.dot(g) * 0.5;
+    let inverse_hessian = hessian.adjugate() * hessian.determinant().reciprocal();
+    let change = inverse_hessian.apply(g) * (zero - one);
+    let penetration = change.dot(g).multiply_add(one * 0.5, f);
     let normal = n + tangent.vector(change);
     support_i.point = support_i.point + tangent.vector(radii_i.apply(change));
     support_j.point = support_j.point + tangent.vector(radii_j.apply(change));
@@ -291,15 +293,23 @@ fn search<S: Registers>(
     let size = support_i.h + support_j.h;
     let falling = penetration.less(first + size * 1e-13);
 
-    // Deep contacts have several minima, and a normal against d is not the least of them.
-    let mean = radii.trace() * 0.5;
-    let half_difference = (radii.uu - radii.vv) * 0.5;
-    let radius = (half_difference * half_difference + radii.uv * radii.uv).sqrt();
-    let smallest = radii.determinant() / (mean + radius);
-    let through = i.chord(&support_i) + j.chord(&support_j);
+    // Deep contacts have several minima, and a normal against d is not the least of them: the penetration must be less
+    // than half the smaller eigenvalue of the radii, and than a quarter of the two chords together.
+    let twice = penetration * 2.0;
+    let remaining = radii.shifted(-twice);
+    let (thin_i, thin_j) = (
+        i.inverse_half_chord(&support_i),
+        j.inverse_half_chord(&support_j),
+    );
     let shallow = registers.and(
-        penetration.less((smallest * 0.5).min(through * 0.25)),
-        zero.less(n.dot(d)),
+        registers.and(
+            zero.less(remaining.determinant()),
+            zero.less(remaining.trace()),
+        ),
+        registers.and(
+            (twice * thin_i * thin_j).less(thin_i + thin_j),
+            zero.less(n.dot(d)),
+        ),
     );
     let sound = registers.and(registers.and(converged, falling), shallow);
     hard = registers.or(hard, registers.and_not(zero.less(one), sound));
@@ -312,6 +322,7 @@ fn search<S: Registers>(
         support_j,
         weingarten_i,
         weingarten_j,
+        inverse_hessian,
         separated,
         hard: registers.and_not(hard, separated),
     }
@@ -339,6 +350,8 @@ fn search_spheres<S: Registers>(
         support_j: sphere_support(j, normal),
         weingarten_i: Symmetric2::new(i.inverse_semi_axes.x, zero, i.inverse_semi_axes.x),
         weingarten_j: Symmetric2::new(j.inverse_semi_axes.x, zero, j.inverse_semi_axes.x),
+        // The conservative law, which alone asks for it, adds nothing.
+        inverse_hessian: Symmetric2::new(zero, zero, zero),
         separated,
         // Coincident centres have no direction.
         hard: square.less(least),
@@ -473,6 +486,7 @@ pub(super) fn run<
         omega_i: i.omega,
         omega_j: j.omega,
         effective_mass,
+        inverse_hessian: Some(found.inverse_hessian),
     };
     let layout = common.layout;
     let time = Lanes::splat(registers, common.time);

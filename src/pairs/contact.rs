@@ -52,6 +52,9 @@ pub struct Contact<T: Real = f64> {
     pub omega_j: Vector3<T>,
     /// Effective mass `m_i m_j/(m_i + m_j)`.
     pub effective_mass: T,
+    /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
+    /// curvature.
+    pub inverse_hessian: Option<Symmetric2<T>>,
 }
 
 /// What is remembered of the pair.
@@ -184,7 +187,7 @@ pub fn contact_forces<
             // The wall holds the normal where it is.
             let held = NormalResponse::exactly(Vector2::new(zero, zero));
             let own = additional_torque(&body_i, &gradient_i, &held);
-            torque_i = torque_i - world_vector(&x.tangent, n, own) * energy;
+            torque_i = world_vector(&x.tangent, n, own).scale_add(-energy, torque_i);
         } else {
             let body_j = body_at_contact(
                 &x.tangent,
@@ -195,16 +198,21 @@ pub fn contact_forces<
                 x.determinant_j,
             );
             let gradient_j = body_gradient(p, &body_j);
-            let response = normal_response(
-                body_i.inverse_weingarten + body_j.inverse_weingarten,
-                x.penetration,
-                gradient_i.gamma + gradient_j.gamma,
-            );
-            force = force - x.tangent.vector(response.lambda) * energy;
+            let gamma = gradient_i.gamma + gradient_j.gamma;
+            let response = match x.inverse_hessian {
+                Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
+                None => normal_response(
+                    body_i.inverse_weingarten + body_j.inverse_weingarten,
+                    x.penetration,
+                    gamma,
+                ),
+            };
+            let minus = -energy;
+            force = x.tangent.vector(response.lambda).scale_add(minus, force);
             let own_i = additional_torque(&body_i, &gradient_i, &response);
             let own_j = additional_torque(&body_j, &gradient_j, &response);
-            torque_i = torque_i - world_vector(&x.tangent, n, own_i) * energy;
-            torque_j = torque_j - world_vector(&x.tangent, n, own_j) * energy;
+            torque_i = world_vector(&x.tangent, n, own_i).scale_add(minus, torque_i);
+            torque_j = world_vector(&x.tangent, n, own_j).scale_add(minus, torque_j);
         }
     }
 
@@ -231,7 +239,7 @@ pub fn contact_forces<
         // the normal approach, would leak into the tangential displacement (Vyas et al. 2024).
         let spin = n.dot(x.omega_i + x.omega_j) * remembered.time * 0.5;
         let tilt = remembered.normal.cross(n);
-        let half_turn = (tilt + n * spin) * zero.constant(0.5);
+        let half_turn = n.scale_add(spin, tilt) * zero.constant(0.5);
         let middle = n - half_turn.cross(n);
         let arm_i = r_i - half_turn.cross(r_i);
         let mut relative = x.velocity_j - x.velocity_i - x.omega_i.cross(arm_i);
@@ -240,7 +248,8 @@ pub fn contact_forces<
             relative = relative + x.omega_j.cross(arm_j);
         }
         let middle_square = middle.norm_squared();
-        let tangential = relative - middle * (middle.dot(relative) / middle_square);
+        let along = middle.dot(relative) * middle_square.reciprocal();
+        let tangential = middle.scale_add(-along, relative);
         let velocity = x.tangent.components(tangential);
         // A contact that began within this step slid only since then.
         let since = (x.penetration / rate.max(zero.constant(1e-300))).min(remembered.time);
@@ -250,8 +259,8 @@ pub fn contact_forces<
         // The least rotation from one normal to the other, exactly: anything less drifts with the step.
         let before = remembered.normal;
         let leaning = n.dot(remembered.memory) / (before.dot(n) + 1.0).max(zero.constant(1e-12));
-        let turned = remembered.memory - (before + n) * leaning;
-        let turned = turned + n.cross(turned) * spin;
+        let turned = (before + n).scale_add(-leaning, remembered.memory);
+        let turned = n.cross(turned).scale_add(spin, turned);
         let memory = x.tangent.components(turned);
         let old = remembered.memory.norm_squared();
         let new = memory.dot(memory);
@@ -315,5 +324,5 @@ fn world_vector<T: Real>(
     n: Vector3<T>,
     (t, along): (Vector2<T>, T),
 ) -> Vector3<T> {
-    tangent.vector(t) + n * along
+    n.scale_add(along, tangent.vector(t))
 }

@@ -14,6 +14,8 @@ use crate::geometry::Vector3;
 
 /// Steps towards a separating plane when the candidates are chosen.
 const IMPROVEMENTS: usize = 2;
+/// Pairs between the one that is loaded and the one whose memory is asked for.
+const AHEAD: usize = 16;
 /// Marks a candidate that this step rejected.
 const REJECTED: u32 = u32::MAX;
 
@@ -145,7 +147,12 @@ impl<'a> Pending<'a> {
         self.j[k] = j;
         let line = &mut self.start[k].0;
         match start {
-            Some(n) => line[..3].copy_from_slice(n),
+            // One by one: a copy of unknown length is a call.
+            Some(n) => {
+                line[0] = n[0];
+                line[1] = n[1];
+                line[2] = n[2];
+            }
             None => line[..3].fill(0.0),
         }
         self.count = k + 1;
@@ -426,12 +433,25 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             types,
             inverse_masses,
         };
+        let mut open = Open {
+            particle: 0,
+            sum: Line::ZERO,
+        };
         let near = &candidates.near[..];
         let mut next = 0;
         loop {
             let mut count = 0;
             while count < S::LANES && next < near.len() {
                 let number = near[next];
+                if let Some(ahead) = near.get(next + AHEAD).filter(|n| **n != REJECTED) {
+                    let c = candidates.pairs[*ahead as usize];
+                    let row = self.rows.row(c.row as usize);
+                    if let Some(first) = row.history.get(c.entry as usize * length) {
+                        registers.prefetch(first);
+                    }
+                    registers.prefetch(&records[c.j as usize].pose.0[0]);
+                    registers.prefetch(&records[c.j as usize].motion.0[0]);
+                }
                 next += 1;
                 if number == REJECTED {
                     continue;
@@ -448,15 +468,10 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 } = self.rows.row(place.row);
                 let touched = touching.get(place.entry).is_some_and(|t| *t != 0);
                 let history = &history[place.entry * length..(place.entry + 1) * length];
-                let mut line = Line::ZERO;
-                if length == 6 {
-                    line.0[..6].copy_from_slice(&history[..6]);
-                } else {
-                    line.0[..length].copy_from_slice(history);
-                }
                 if !SPHERES {
-                    // Without a normal from the last step the search begins with the safeguards.
-                    let n = &line.0;
+                    // Without a normal from the last step the search begins with the safeguards. It is read from where
+                    // it is remembered: a line just written would have to be waited for.
+                    let n = history;
                     let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
                     if layout.normal.is_none() || !((square - 1.0).abs() < 1e-6) {
                         self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(place, single);
@@ -474,7 +489,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 }
                 batch.i[count] = &records[place.i];
                 batch.j[count] = &records[place.j];
-                batch.history[count] = line;
+                batch.history[count] = line_of(history);
                 if FRICTION {
                     batch.continued.0[count] = f64::from(u8::from(touched));
                 }
@@ -502,7 +517,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &common,
                 &mut result,
             );
-            self.finish::<FRICTION, RATE>(&places[..count], &result, sums, common.time);
+            self.finish::<FRICTION, RATE>(&places[..count], &result, sums, &mut open, common.time);
             let mut hard = result.hard & ((1 << count) - 1);
             while hard != 0 {
                 let place = places[hard.trailing_zeros() as usize];
@@ -510,6 +525,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(place, single);
             }
         }
+        add(&mut sums[open.particle], &open.sum);
     }
 
     /// Scatter of a batch, the hard lanes apart.
@@ -519,10 +535,10 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         places: &[Place],
         result: &BatchResult,
         sums: &mut [Line],
+        open: &mut Open,
         time: f64,
     ) {
         let layout = self.layout;
-        let length = layout.length;
         let aside = result.hard | result.separated;
         for (k, &place) in places.iter().enumerate() {
             if aside >> k & 1 != 0 {
@@ -537,13 +553,17 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             if let Some(t) = touching {
                 *t = 1;
             }
-            let line = &result.history[k].0;
-            if length == 6 {
-                history[..6].copy_from_slice(&line[..6]);
+            copy(&result.history[k], history);
+            // Consecutive pairs mostly have the same first particle: its sum stays at hand.
+            if open.particle != place.i {
+                add(&mut sums[open.particle], &open.sum);
+                *open = Open {
+                    particle: place.i,
+                    sum: result.on_i[k],
+                };
             } else {
-                history.copy_from_slice(&line[..length]);
+                add(&mut open.sum, &result.on_i[k]);
             }
-            add(&mut sums[place.i], &result.on_i[k]);
             let reaction = place.j < self.accumulators.reaction_below;
             if reaction {
                 add(&mut sums[place.j], &result.on_j[k]);
@@ -604,6 +624,12 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     }
 }
 
+/// The sum of the particle whose row is being gone through.
+struct Open {
+    particle: usize,
+    sum: Line,
+}
+
 /// Where the particles of a single pair are read.
 #[derive(Clone, Copy)]
 struct Single<'a> {
@@ -616,6 +642,36 @@ impl Single<'_> {
     fn particle(&self, k: usize) -> super::particles::Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
         self.records[k].particle(self.types[k], inverse_mass)
+    }
+}
+
+/// A history in a line. Lengths are written out: a copy of unknown length is a call, and one of single doubles is waited
+/// for when the line is loaded.
+#[inline(always)]
+fn line_of(history: &[f64]) -> Line {
+    if let Ok(&[a, b, c, d, e, f]) = <&[f64; 6]>::try_from(history) {
+        return Line([a, b, c, d, e, f, 0.0, 0.0]);
+    }
+    if let Ok(&[a, b, c]) = <&[f64; 3]>::try_from(history) {
+        return Line([a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+    let mut line = Line::ZERO;
+    for (l, h) in line.0.iter_mut().zip(history) {
+        *l = *h;
+    }
+    line
+}
+
+/// The reverse of [`line_of`].
+#[inline(always)]
+fn copy(line: &Line, history: &mut [f64]) {
+    if let Ok(history) = <&mut [f64; 6]>::try_from(&mut *history) {
+        let &[a, b, c, d, e, f, ..] = &line.0;
+        *history = [a, b, c, d, e, f];
+        return;
+    }
+    for (h, l) in history.iter_mut().zip(&line.0) {
+        *h = *l;
     }
 }
 

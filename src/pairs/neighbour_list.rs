@@ -240,6 +240,7 @@ pub(super) fn contact_of(found: &ContactSearch, d: Vector3, i: &Particle, j: &Pa
         omega_i: i.omega,
         omega_j: j.omega,
         effective_mass: effective_mass(i.inverse_mass, j.inverse_mass),
+        inverse_hessian: None,
     }
 }
 

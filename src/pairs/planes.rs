@@ -64,6 +64,7 @@ pub(super) fn contact_with_plane(
         omega_i: i.omega,
         omega_j: Vector3::ZERO,
         effective_mass: effective_mass(i.inverse_mass, 0.0),
+        inverse_hessian: None,
     }
 }
 

@@ -76,6 +76,8 @@ pub trait Registers: Copy {
     fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector);
     /// Entry `k` of the first lines, for `k` from 0 to 7.
     fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8];
+    /// Brings the cache line of a number closer, if the machine can be told so.
+    fn prefetch(self, number: &f64);
     /// The reverse: entry `k` of the first lines is register `k`.
     fn lines(self, columns: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]);
 }
@@ -193,6 +195,13 @@ impl Registers for pulp::x86::V4 {
                 ._mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO>(a),
             self.avx512f._mm512_getexp_pd(a),
         )
+    }
+    #[inline(always)]
+    fn prefetch(self, number: &f64) {
+        self.sse
+            ._mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(
+                core::ptr::from_ref(number).cast(),
+            );
     }
     #[inline(always)]
     fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
@@ -405,6 +414,13 @@ impl Registers for pulp::x86::V3 {
         )
     }
     #[inline(always)]
+    fn prefetch(self, number: &f64) {
+        self.sse
+            ._mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(
+                core::ptr::from_ref(number).cast(),
+            );
+    }
+    #[inline(always)]
     fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
         macro_rules! four {
             ($at:literal) => {{
@@ -569,6 +585,13 @@ impl Registers for pulp::x86::V1 {
         )
     }
     #[inline(always)]
+    fn prefetch(self, number: &f64) {
+        self.sse
+            ._mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T0 }>(
+                core::ptr::from_ref(number).cast(),
+            );
+    }
+    #[inline(always)]
     fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
         let a: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[0].0);
         let b: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[1].0);
@@ -695,6 +718,8 @@ impl Registers for Portable {
             [exponent(a[0]), exponent(a[1])],
         )
     }
+    #[inline(always)]
+    fn prefetch(self, _: &f64) {}
     #[inline(always)]
     fn columns(self, lines: [&Line; MOST_LANES]) -> [[f64; 2]; 8] {
         core::array::from_fn(|k| [lines[0].0[k], lines[1].0[k]])

@@ -115,6 +115,7 @@ impl StagedContact {
                 omega_i: i.omega,
                 omega_j: Vector3::ZERO,
                 effective_mass: effective_mass(i.inverse_mass, 0.0),
+                inverse_hessian: None,
             },
             curvature,
             wall: Some((wall.turning_radii, along)),

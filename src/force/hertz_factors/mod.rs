@@ -32,7 +32,9 @@ pub struct Factors<T = f64> {
 pub fn fit_variable<T: Real>(trace: T, determinant: T) -> T {
     // Rounding may put 4 det a little above trace^2.
     let zero = trace.constant(0.0);
-    (trace * trace / (determinant * 4.0)).ln().max(zero)
+    (trace * trace * (determinant.reciprocal() * 0.25))
+        .ln()
+        .max(zero)
 }
 
 /// The fitted factors for `0 <= w <= 12`, in lanes; beyond, the value at the end (the caller tests `w`). `sigma` only where
