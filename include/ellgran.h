@@ -782,6 +782,18 @@ int32_t ellgran_laws_new(int32_t type_count,
                          struct EllgranLaws **laws);
 
 /*
+ The same laws with other coefficients of friction: for engines that give friction per pair of types and all else per
+ type. `friction` has `type_count` x `type_count` entries, row by row. A pair with 0 has no tangential law; one that had
+ none keeps none. The history keeps its length. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `friction` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
+                                   const double *friction,
+                                   struct EllgranLaws **result);
+
+/*
  Frees laws; NULL is allowed.
 
  # Safety

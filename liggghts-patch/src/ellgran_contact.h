@@ -12,8 +12,12 @@
 #include "lammps.h"
 
 class PropertyRegistry;
+namespace LAMMPS_NS {
+class PairGran;
+}
 
 namespace LIGGGHTS {
+class IContactHistorySetup;
 namespace ContactModels {
 
 class ContactModelBase;
@@ -22,7 +26,10 @@ struct EllgranContact {
   // one per contact model; released by every model that took it
   static EllgranContact *take(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);
   static void release(ContactModelBase *model);
+  // that of the pair style or wall which keeps this contact history; NULL if it has no model of ours
+  static EllgranContact *of(const IContactHistorySetup *owner);
 
+  IContactHistorySetup *owner;
   EllgranStagedContact *staged;
   EllgranContactGeometry geometry;
   EllgranLaws *laws;
@@ -32,6 +39,7 @@ struct EllgranContact {
   bool surface_is_ellipsoid;     // else the normal model stages spheres
   bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own reads sidata.reff
   bool tangential_is_tfd;        // else a tangential model of LIGGGHTS' own may read sidata.kt
+  double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
   double normal_before[3];
@@ -51,6 +59,10 @@ struct EllgranContact {
   // a law of E, nu, eta1, eta2 per type
   void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
 
+  // Forces of all pairs of the neighbour list by one call of the library. False, and nothing done, when something needs
+  // the contacts one by one.
+  bool compute_list(LAMMPS_NS::PairGran *pair, int eflag, int vflag, int addflag);
+
   // surface of the wall that is acting, set by fix wall/gran/ellipsoid around the call of the contact model
   static const EllgranWallSurface *acting_wall;
 
@@ -60,9 +72,14 @@ private:
   EllgranContact(const EllgranContact &);
   EllgranContact &operator=(const EllgranContact &);
 
+  void check_blockiness(int i) const;
+  void build_list_laws();
+
   LAMMPS_NS::LAMMPS *lmp;
   int users;
   double *youngs_modulus, *poissons_ratio;
+  EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
+  EllgranWorkspace *workspace;
 };
 
 }

@@ -14,6 +14,7 @@ NORMAL_MODEL(NFD,nfd,41)
 #include "atom.h"
 #include "contact_models.h"
 #include "ellgran_contact.h"
+#include "ellgran_pairs.h"
 #include "error.h"
 #include "global_properties.h"
 #include "neighbor.h"

@@ -33,8 +33,10 @@ public:
   SurfaceModel(LAMMPS *lmp, IContactHistorySetup *hsetup, class ContactModelBase *cmb) :
       SurfaceModelBase(lmp, hsetup, cmb),
       model(cmb),
-      contact(EllgranContact::take(lmp, cmb))
+      contact(EllgranContact::take(lmp, cmb)),
+      touched_offset(-1)
   {
+    contact->owner = hsetup;
     if (!atom->superquadric_flag)
       error->all(FLERR, "surface ellipsoid needs atom_style superquadric (with blockiness 2 2)");
     if (cmb->is_wall()) {
@@ -47,7 +49,8 @@ public:
     normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
     hsetup->add_history_value("ellgran_normal_y", "1");
     hsetup->add_history_value("ellgran_normal_z", "1");
-    touched_offset = hsetup->add_history_value("ellgran_touched", "0");
+    // the neighbour list has flags for it, a wall has none
+    if (cmb->is_wall()) touched_offset = hsetup->add_history_value("ellgran_touched", "0");
   }
 
   ~SurfaceModel() { EllgranContact::release(model); }
@@ -69,7 +72,7 @@ public:
     double *const history = sidata.contact_history;
     double *const normal = &history[normal_offset];
     vectorCopy3D(normal, contact->normal_before);
-    contact->touched = history[touched_offset] != 0.0;
+    contact->touched = touched_offset >= 0 ? history[touched_offset] != 0.0 : *sidata.contact_flags & CONTACT_NORMAL_MODEL;
     const EllgranBody i = contact->ellipsoid(sidata.i);
     if (sidata.is_wall) {
       if (!EllgranContact::acting_wall)
@@ -83,11 +86,12 @@ public:
                                          contact->share(atom->type[sidata.i], atom->type[sidata.j]), normal,
                                          &contact->geometry));
     }
-    if (!contact->geometry.touching) {
-      history[touched_offset] = 0.0;
-      return false;
-    }
-    history[touched_offset] = 1.0;
+    const bool touching = contact->geometry.touching;
+    if (touched_offset >= 0)
+      history[touched_offset] = touching;
+    else if (!touching)
+      *sidata.contact_flags &= ~(CONTACT_SURFACE_MODEL | CONTACT_NORMAL_MODEL | CONTACT_TANGENTIAL_MODEL);
+    if (!touching) return false;
     if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_SURFACE_MODEL;
     return true;
   }
@@ -110,7 +114,7 @@ public:
   inline void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
   {
     if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_SURFACE_MODEL;
-    if (scdata.contact_history) scdata.contact_history[touched_offset] = 0.0;
+    if (scdata.contact_history && touched_offset >= 0) scdata.contact_history[touched_offset] = 0.0;
   }
 
   inline void endSurfacesIntersect(SurfacesIntersectData &, TriMesh *, double *const) {}

@@ -65,6 +65,7 @@ public:
     if (!contact->laws) error->all(FLERR, "tangential tfd needs model nfd");
     registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
     registry.connect("coeffFrict", friction, "tangential tfd");
+    contact->friction = friction;
   }
 
   inline void surfacesIntersect(const SurfacesIntersectData &sidata, ForceData &i_forces, ForceData &j_forces)

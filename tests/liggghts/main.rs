@@ -21,6 +21,7 @@ mod golden_pairs;
 mod installer;
 mod meshes;
 mod misuse;
+mod pair_loops;
 mod restart;
 mod same_motion;
 mod spheres;
