@@ -32,7 +32,10 @@ impl Row {
     }
 }
 
-pub fn run(output: &Path, effort: &Effort) -> Result<Vec<Row>> {
+pub fn run(effort: &Effort) -> Result<Vec<Row>> {
+    // What criterion leaves is nothing for a reader.
+    let output = workspace::target_directory()?.join("bench");
+    fs::create_dir_all(&output)?;
     let facts = output.join("kernel-facts.csv");
     let home = output.join("criterion");
     // Nothing of an earlier run may be taken for this one's.

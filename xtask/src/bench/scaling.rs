@@ -95,7 +95,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
         .map(|point| {
             Packing {
                 kind: Kind::Dense,
-                side: point.side,
+                lattice: [point.side; 3],
                 spheres: point.spheres,
             }
             .file(lammps)
@@ -114,7 +114,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
                 Some((round * list.len() + k) as f64 / (effort.rounds.min(3) * list.len()) as f64),
                 &format!("{count} grains, {} ranks", point.ranks),
             );
-            let steps = steps_for(contender, count, 2.0 * effort.seconds);
+            let steps = steps_for(contender, Kind::Dense, count, 2.0 * effort.seconds);
             let mut words = run_variables(&files[k], contender, point.copies, 5, steps)?;
             words.push(("newton", "on".to_string()));
             let output = lammps.run("run.lmp", point.ranks, contender.instruction_set(), &words)?;
