@@ -87,7 +87,7 @@ pub fn test(options: &Options) -> Result<()> {
     }
     steps.run("core, C and CMake consumers", || run_open(&mut core))?;
     if options.filter.is_none() {
-        steps.run("bench, quick", || {
+        steps.run("bench, quick kernels", || {
             let output = tempfile::tempdir()?;
             bench::quick_kernels(output.path())
         })?;
@@ -144,6 +144,10 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         })?;
     }
     if filter.is_empty() {
+        steps.run("bench, quick, through both engines", || {
+            let output = tempfile::tempdir()?;
+            bench::quick_scene(output.path())
+        })?;
         steps.run("demo", || {
             let output = tempfile::tempdir()?;
             demo::run(demo::Which::Lammps, output.path())

@@ -119,7 +119,7 @@ pub fn tables(rows: &[Row]) -> Vec<Table> {
 fn laws(rows: &[Row]) -> Table {
     const PREFIX: &str = "pairs, ";
     let sets = Contender::instruction_sets();
-    let mut head = vec!["law".to_string(), "history per pair (bytes)".to_string()];
+    let mut head = vec!["law".to_string(), "history per contact (bytes)".to_string()];
     for set in &sets {
         head.push(format!("{set} (ns per touching pair)"));
         head.push(format!("{set}, saved (%)"));

@@ -101,6 +101,52 @@ pub fn quick_kernels(output: &Path) -> Result<()> {
     )
 }
 
+/// The small dense scene through both engines, shortly: for the tests.
+pub fn quick_scene(output: &Path) -> Result<()> {
+    run(
+        output,
+        &Choice {
+            quick: true,
+            only: &[QUICK_SCENES[0].name.to_string()],
+            ..Choice::default()
+        },
+    )?;
+    holds_words(
+        output,
+        &[
+            "gran/ellipsoid, scalar",
+            "granular, spheres",
+            "superquadric",
+        ],
+    )?;
+    let csv = fs::read_to_string(output.join("scenes.csv"))?;
+    check_errors(&csv)
+}
+
+/// What claims to be exact must be.
+fn check_errors(csv: &str) -> Result<()> {
+    const EXACT: f64 = 1e-6;
+    let mut checked = 0;
+    for line in csv.lines() {
+        if !line.contains("gran/ellipsoid") && !line.contains("surface ellipsoid") {
+            continue;
+        }
+        let error: f64 = line
+            .rsplit(',')
+            .next()
+            .and_then(|word| word.parse().ok())
+            .with_context(|| format!("no force error in {line}"))?;
+        if error.is_nan() || error >= EXACT {
+            bail!("a force error of {error} where {EXACT} is allowed: {line}");
+        }
+        checked += 1;
+    }
+    if checked == 0 {
+        bail!("no force error was found");
+    }
+    Ok(())
+}
+
 fn holds_words(output: &Path, words: &[&str]) -> Result<()> {
     let table = fs::read_to_string(output.join(Report::TEXT))?;
     for word in words {
@@ -312,4 +358,21 @@ fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
         "ns per grain and step",
         &bars,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_errors;
+
+    #[test]
+    fn an_error_that_is_none_must_not_be_seen() {
+        let csv = |error: &str| {
+            format!("scene,force_error_95\nx,\"gran/ellipsoid, avx2\",{error}\nx,\"superquadric\",0.2\n")
+        };
+        assert!(check_errors(&csv("1e-12")).is_ok());
+        assert!(check_errors(&csv("1e-3")).is_err());
+        assert!(check_errors(&csv("nan")).is_err());
+        assert!(check_errors(&csv("")).is_err());
+        assert!(check_errors("x,\"superquadric\",0.2\n").is_err());
+    }
 }

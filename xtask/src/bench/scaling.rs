@@ -181,14 +181,22 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
             "grains",
             "pair time per grain and step (ns)",
             "whole step per grain (ns)",
+            "pair time against the second size (%)",
         ],
     );
     for row in found.iter().filter(|row| row.what == SIZE) {
+        // The smallest fits into the innermost caches.
+        let base = found
+            .iter()
+            .filter(|other| other.what == SIZE && other.spheres == row.spheres)
+            .nth(1)
+            .unwrap_or(row);
         sizes.row(vec![
             label(row.spheres).into(),
             row.grains.to_string(),
             row.pair.show(),
             row.step.scaled(1e6 / row.grains).show(),
+            format!("{:+.0}", 100.0 * (row.pair.median / base.pair.median - 1.0)),
         ]);
     }
     vec![ranks, sizes]

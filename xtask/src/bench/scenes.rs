@@ -92,7 +92,7 @@ impl Row {
 
     fn per_contact(&self) -> Option<Measured> {
         // Where hardly any pair touches the time is not theirs.
-        let contacts = self.contacts.filter(|count| *count > 0.02 * self.pairs)?;
+        let contacts = self.contacts.filter(|count| *count > 0.005 * self.pairs)?;
         Some(self.pair.scaled(1.0 / contacts))
     }
 }
