@@ -334,10 +334,20 @@ fn about_engines(engines: &Engines) -> String {
     text
 }
 
+/// The others differ little from these; the table has them.
+fn in_picture(contender: Contender) -> bool {
+    use self::contender::Model::{GaussianCurvature, MeanCurvature};
+    !matches!(
+        contender,
+        Contender::Liggghts(_, Optimisation::O3)
+            | Contender::Liggghts(MeanCurvature | GaussianCurvature, _)
+    )
+}
+
 fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
     let bars: Vec<Bar> = rows
         .iter()
-        .filter(|row| !row.newton)
+        .filter(|row| !row.newton && in_picture(row.contender))
         .map(|row| Bar {
             group: row.scene.name.into(),
             label: row.contender.label(),
