@@ -57,6 +57,8 @@ pub struct Deck {
     pub fixes: Vec<String>,
     pub time_step: f64,
     pub steps: u64,
+    /// Dump every so many steps; 0 dumps the first and the last step only.
+    pub dump_every: u64,
     pub skin: f64,
     pub thermo: String,
     /// Replaces the atoms, e.g. `read_restart`.
@@ -79,6 +81,7 @@ impl Deck {
             fixes: vec![],
             time_step: 1e-6,
             steps: 0,
+            dump_every: 0,
             skin: 2e-3,
             thermo: "step ke".into(),
             source: vec![],
@@ -178,9 +181,13 @@ impl Deck {
         } else {
             " angmomx angmomy angmomz"
         };
-        lines.push(format!(
-            "dump frames all custom {} {dump} id xu yu zu vx vy vz fx fy fz tqx tqy tqz omegax omegay omegaz{momentum}",
+        let every = if self.dump_every == 0 {
             self.steps.max(1)
+        } else {
+            self.dump_every
+        };
+        lines.push(format!(
+            "dump frames all custom {every} {dump} id xu yu zu vx vy vz fx fy fz tqx tqy tqz omegax omegay omegaz{momentum}"
         ));
         lines.push(format!(
             "dump_modify frames sort id first yes format \"%d{}\"",
@@ -225,7 +232,8 @@ pub fn data(scene: &Scene, atom_style: &str) -> String {
         if atom_style == "superquadric" {
             writeln!(
                 text,
-                "{id} {kind} {density:e} {a:e} {b:e} {c:e} 2 2 {x:e} {y:e} {z:e}"
+                // LIGGGHTS takes the whole number that each coordinate begins with for an image flag: 0.005, not 5e-3
+                "{id} {kind} {density:e} {a:e} {b:e} {c:e} 2 2 {x} {y} {z}"
             )
             .unwrap();
         } else {
