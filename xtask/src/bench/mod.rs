@@ -69,6 +69,9 @@ pub struct Effort {
 
 const KERNELS: &str = "kernels";
 const SCALING: &str = "scaling";
+const SCENES_FILE: &str = "scenes";
+const SCENES_PICTURE: &str = "scenes.svg";
+const GRAINS_PICTURE: &str = "grains.svg";
 
 pub fn bench(options: &Options) -> Result<()> {
     let output = match &options.output {
@@ -231,8 +234,10 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
             names.join(", ")
         );
     }
-    let wanted = |name: &str| choice.only.is_empty() || choice.only.iter().any(|one| one == name);
+    let named = |name: &str| choice.only.iter().any(|one| one == name);
+    let wanted = |name: &str| choice.only.is_empty() || named(name);
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
+    remove_earlier(output)?;
     let mut report = Report {
         directory: output.canonicalize()?,
         head: head(choice),
@@ -240,7 +245,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         pictures: Vec::new(),
         started: Instant::now(),
     };
-    if wanted(KERNELS) && choice.engine.is_none() {
+    if named(KERNELS) || (wanted(KERNELS) && choice.engine.is_none()) {
         let rows = kernels::run(&effort)?;
         report.add(KERNELS, kernels::tables(&rows), &kernels::csv(&rows))?;
     }
@@ -255,12 +260,12 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
             let found = scenes::run(&engines, scene, &effort)?;
             let table = scenes::table(&found);
             rows.extend(found);
-            draw_scenes(&report.picture("scenes.svg"), &rows)?;
-            report.add("scenes", table, &scenes::csv(&rows))?;
+            draw_scenes(&report.picture(SCENES_PICTURE), &rows)?;
+            report.add(SCENES_FILE, table, &scenes::csv(&rows))?;
         }
         if scaling {
             let found = scaling::run(&engines.lammps, &effort)?;
-            scaling::picture(&report.picture("grains.svg"), &found)?;
+            scaling::picture(&report.picture(GRAINS_PICTURE), &found)?;
             report.add(SCALING, scaling::tables(&found), &scaling::csv(&found))?;
         }
     }
@@ -270,6 +275,19 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         "tables, CSV and pictures are in {}",
         report.directory.display()
     ));
+    Ok(())
+}
+
+/// Nothing of an earlier run may stand beside this one's.
+fn remove_earlier(output: &Path) -> Result<()> {
+    let csv = [KERNELS, SCENES_FILE, SCALING].map(|name| format!("{name}.csv"));
+    let names = csv.iter().map(String::as_str);
+    for name in names.chain([Report::TEXT, SCENES_PICTURE, GRAINS_PICTURE]) {
+        let path = output.join(name);
+        if path.is_file() {
+            fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        }
+    }
     Ok(())
 }
 
