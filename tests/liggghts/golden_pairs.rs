@@ -4,8 +4,9 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::harness::{data, execute, fresh_directory, Deck, Engine};
-use crate::lammps::{last_lines, parse_frames, Frame, Grain, Scene};
+use crate::harness::{
+    data, execute, fresh_directory, last_lines, parse_frames, Deck, Engine, Frame, Grain, Scene,
+};
 use crate::shapes::{length, sub, Vector};
 use crate::support::golden::{pairs, GoldenPair, Wrench};
 

@@ -6,8 +6,9 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Outcome, ELASTIC};
-use crate::lammps::{kinetic_energy, Grain, Scene};
+use crate::harness::{
+    fresh_directory, kinetic_energy, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+};
 use crate::shapes::{about, dot, length, scale, sub, unit, Vector};
 
 /// Parallelograms `corner, u, v`, each cut into 2 n^2 triangles, as STL.
@@ -189,9 +190,9 @@ fn over_the_edge(engine: &Engine, name: &str, friction: f64, settings: &str) -> 
         assert!(oblique > 20, "{name}: the edge itself has not acted");
         let last = outcome.last().states[0].clone();
         assert!(dot(last.force, last.force) == 0.0, "{name}: still touching");
-        let spin = |s: &crate::lammps::State| dot(s.angular_momentum, s.angular_velocity) / 2.0;
+        let spin = |s: &crate::harness::State| dot(s.angular_momentum, s.angular_velocity) / 2.0;
         let energy =
-            |s: &crate::lammps::State| 0.5 * grain.mass() * dot(s.velocity, s.velocity) + spin(s);
+            |s: &crate::harness::State| 0.5 * grain.mass() * dot(s.velocity, s.velocity) + spin(s);
         let first = &outcome.first().states[0];
         assert!(kinetic_energy(&grain, first) > 0.0);
         (jump / largest, energy(&last) / energy(first) - 1.0)

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::decomposition::difference;
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Outcome, ELASTIC};
-use crate::lammps::{Grain, Scene, State};
+use crate::harness::{
+    fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, State, ELASTIC,
+};
 use crate::meshes::sheet;
 use crate::shapes::{length, sub, Random, Vector};
 

@@ -3,8 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Outcome, ELASTIC};
-use crate::lammps::{Grain, Scene};
+use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
 use crate::meshes::sheet;
 use crate::shapes::{about, add, compose, cross, dot, length, rotate, scale, sub, unit, Vector};
 

@@ -3,15 +3,15 @@
 //!
 //! Our loop leaves the steps to LIGGGHTS' own in which the virial is asked for, so that output of stresses chooses.
 
-use crate::decomposition::{crowd, deck, difference};
-use crate::harness::{run, Deck, Engine};
+use crate::decomposition::{deck, difference};
+use crate::harness::{crowd, run, Deck, Engine};
 
 const STEPS: u64 = 300;
 
 #[test]
 fn both_loops_move_the_grains_alike() {
     let engine = Engine::from_environment();
-    let mut scene = crowd(4);
+    let mut scene = crowd(64);
     for (k, grain) in scene.grains.iter_mut().enumerate() {
         grain.kind = 1 + k % 2;
     }

@@ -3,9 +3,8 @@
 
 use std::fs;
 
-use crate::decomposition::{crowd, deck, difference};
-use crate::harness::{fresh_directory, run_in, Deck, Engine};
-use crate::lammps::State;
+use crate::decomposition::{deck, difference};
+use crate::harness::{crowd, fresh_directory, run_in, Deck, Engine, State};
 use crate::mesh_ranks::{on_a_sheet, sheet_deck};
 use crate::meshes::sheet;
 
@@ -13,7 +12,7 @@ use crate::meshes::sheet;
 fn a_restarted_run_goes_on() {
     let engine = Engine::from_environment();
     let directory = fresh_directory("restart");
-    let scene = crowd(3);
+    let scene = crowd(27);
     // A run that goes on in one process sets up anew too: the same steps in the same pieces.
     let whole = Deck {
         runs: vec![
