@@ -164,6 +164,7 @@ fn holds_words(output: &Path, words: &[&str]) -> Result<()> {
 struct Report {
     directory: PathBuf,
     head: String,
+    summary: Option<Table>,
     tables: Vec<Table>,
     pictures: Vec<&'static str>,
     started: Instant,
@@ -194,7 +195,7 @@ impl Report {
 
     fn write(&self) -> Result<()> {
         let mut text = self.head.clone();
-        for table in &self.tables {
+        for table in self.summary.iter().chain(&self.tables) {
             text += "\n";
             text += &table.markdown();
         }
@@ -241,6 +242,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
     let mut report = Report {
         directory: output.canonicalize()?,
         head: head(choice),
+        summary: None,
         tables: Vec::new(),
         pictures: Vec::new(),
         started: Instant::now(),
@@ -260,6 +262,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
             let found = scenes::run(&engines, scene, &effort)?;
             let table = scenes::table(&found);
             rows.extend(found);
+            report.summary = Some(scenes::summary(&rows));
             draw_scenes(&report.picture(SCENES_PICTURE), &rows)?;
             report.add(SCENES_FILE, table, &scenes::csv(&rows))?;
         }

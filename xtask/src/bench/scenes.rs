@@ -351,12 +351,7 @@ pub fn table(rows: &[Row]) -> Option<Table> {
         ],
     );
     for row in rows {
-        let times = |value: f64| format!("{} times", short(value));
-        let other = |contender: Contender, newton: bool| {
-            rows.iter()
-                .find(|other| other.contender == contender && other.newton == newton)
-                .map(|other| other.pair.median)
-        };
+        let other = |contender: Contender, newton: bool| time_of(rows, contender, newton);
         let superquadric =
             |o: Optimisation| other(Contender::Liggghts(Model::Superquadric, o), false);
         let over_spheres = match row.contender {
@@ -371,10 +366,7 @@ pub fn table(rows: &[Row]) -> Option<Table> {
         let superquadrics = match row.contender {
             Contender::Liggghts(Model::Superquadric, _) => None,
             Contender::Liggghts(_, optimisation) => superquadric(optimisation),
-            _ => [Optimisation::O2, Optimisation::O3]
-                .into_iter()
-                .filter_map(superquadric)
-                .min_by(f64::total_cmp),
+            _ => fastest_superquadric(rows),
         };
         let own = row.pair.median;
         let newton = if row.newton { ", newton on" } else { "" };
@@ -394,6 +386,65 @@ pub fn table(rows: &[Row]) -> Option<Table> {
         ]);
     }
     Some(table)
+}
+
+fn times(value: f64) -> String {
+    format!("{} times", short(value))
+}
+
+fn time_of(rows: &[Row], contender: Contender, newton: bool) -> Option<f64> {
+    rows.iter()
+        .find(|row| row.contender == contender && row.newton == newton)
+        .map(|row| row.pair.median)
+}
+
+/// Of LIGGGHTS' compiler options.
+fn fastest_superquadric(rows: &[Row]) -> Option<f64> {
+    [Optimisation::O2, Optimisation::O3]
+        .into_iter()
+        .filter_map(|o| time_of(rows, Contender::Liggghts(Model::Superquadric, o), false))
+        .min_by(f64::total_cmp)
+}
+
+/// A line a scene: the ratios that matter. `rows` of any number of scenes.
+pub fn summary(rows: &[Row]) -> Table {
+    let mut table = Table::new(
+        "In short: pair time of the built-in styles over ours",
+        &[
+            "scene",
+            "granular/superellipsoid over gran/ellipsoid, widest lanes",
+            "the same over scalar",
+            "LIGGGHTS superquadrics over gran/ellipsoid, widest lanes",
+            "gran/ellipsoid, widest lanes, over LAMMPS' spheres",
+            "in LIGGGHTS -O2: superquadric over nfd",
+            "in LIGGGHTS -O3: superquadric over nfd",
+        ],
+    );
+    let sets = Contender::instruction_sets();
+    let widest = Contender::Ours(sets[sets.len() - 1]);
+    for scene in rows.chunk_by(|a, b| a.scene.name == b.scene.name) {
+        let of = |contender: Contender| time_of(scene, contender, false);
+        let ratio = |above: Option<f64>, below: Option<f64>| match (above, below) {
+            (Some(above), Some(below)) => times(above / below),
+            _ => String::new(),
+        };
+        let in_liggghts = |o: Optimisation| {
+            ratio(
+                of(Contender::Liggghts(Model::Superquadric, o)),
+                of(Contender::Liggghts(Model::Nfd, o)),
+            )
+        };
+        table.row(vec![
+            scene[0].scene.name.into(),
+            ratio(of(Contender::Superellipsoid), of(widest)),
+            ratio(of(Contender::Superellipsoid), of(Contender::Ours("scalar"))),
+            ratio(fastest_superquadric(scene), of(widest)),
+            ratio(of(widest), of(Contender::Spheres)),
+            in_liggghts(Optimisation::O2),
+            in_liggghts(Optimisation::O3),
+        ]);
+    }
+    table
 }
 
 /// Of a share; what is nothing but rounding reads as a power of ten.
