@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
-#include <vector>
 
 #include "atom.h"
 #include "contact_models.h"
@@ -77,7 +76,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     needs_equivalent_radius(true),
     tangential_is_tfd(false),
     friction(NULL),
-    touched(0),
+    memory_offset(-1),
     lmp(lmp_),
     users(0),
     youngs_modulus(NULL),
@@ -86,7 +85,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     workspace(NULL)
 {
   memset(&geometry, 0, sizeof(geometry));
-  memset(normal_before, 0, sizeof(normal_before));
+  memset(&past, 0, sizeof(past));
   check(ellgran_staged_new(&staged));
 }
 
@@ -171,14 +170,6 @@ void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
   }
 }
 
-double EllgranContact::share(int itype, int jtype) const
-{
-  if (!youngs_modulus || !poissons_ratio) return 0.5;
-  const double ci = (1.0 - poissons_ratio[itype] * poissons_ratio[itype]) / youngs_modulus[itype];
-  const double cj = (1.0 - poissons_ratio[jtype] * poissons_ratio[jtype]) / youngs_modulus[jtype];
-  return ci / (ci + cj);
-}
-
 void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *caller)
 {
   if (lmp->force->nktv2p != 1.0)
@@ -188,6 +179,12 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
   registry.connect("youngsModulus", youngs_modulus, caller);
   registry.connect("poissonsRatio", poissons_ratio, caller);
   types = registry.max_type();
+  shares.assign((types + 1) * (types + 1), 0.5);
+  std::vector<double> compliance(types + 1);
+  for (int k = 1; k <= types; k++)
+    compliance[k] = (1.0 - poissons_ratio[k] * poissons_ratio[k]) / youngs_modulus[k];
+  for (int i = 1; i <= types; i++)
+    for (int j = 1; j <= types; j++) shares[i * (types + 1) + j] = compliance[i] / (compliance[i] + compliance[j]);
 }
 
 void EllgranContact::check_particles() const
@@ -198,6 +195,45 @@ void EllgranContact::check_particles() const
     const EllgranPlane plane = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}};
     check(ellgran_contact_geometry_plane(&body, &plane, &unused));
   }
+}
+
+EllgranParticles EllgranContact::particles() const
+{
+  const Atom *const atom = lmp->atom;
+  const int count = atom->nlocal + atom->nghost;
+  EllgranParticles all;
+  memset(&all, 0, sizeof(all));
+  all.owned_count = atom->nlocal;
+  all.count = count;
+  if (count == 0) return all;
+  for (int i = 0; i < count; i++) check_blockiness(i);
+  all.positions = atom->x[0];
+  all.velocities = atom->v[0];
+  all.angular_velocities = atom->omega[0];
+  all.types = atom->type;
+  all.semi_axes = atom->shape[0];
+  all.semi_axes_stride = 3 * sizeof(double);
+  all.quaternions = atom->quaternion[0];
+  all.quaternions_stride = 4 * sizeof(double);
+  all.identifiers = atom->tag;
+  all.identifier_bytes = sizeof(atom->tag[0]);
+  all.forces = atom->f[0];
+  all.torques = atom->torque[0];
+  return all;
+}
+
+void EllgranContact::prepare_particles()
+{
+  const EllgranParticles all = particles();
+  check(ellgran_staged_prepare(staged, &all));
+}
+
+EllgranStep EllgranContact::step(int advance_history) const
+{
+  EllgranStep step;
+  step.time_step = lmp->update->dt;
+  step.advance_history = advance_history;
+  return step;
 }
 
 void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
@@ -254,28 +290,10 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
     pair->ev_setup(eflag, vflag);
   else
     pair->evflag = pair->vflag_fdotr = 0;
-  const int count = atom->nlocal + atom->nghost;
-  if (count == 0) return true;
-  for (int i = 0; i < count; i++) check_blockiness(i);
+  if (atom->nlocal + atom->nghost == 0) return true;
   if (!workspace) check(ellgran_workspace_new(&workspace));
   if (!list_laws) build_list_laws();
-
-  EllgranParticles particles;
-  memset(&particles, 0, sizeof(particles));
-  particles.owned_count = atom->nlocal;
-  particles.count = count;
-  particles.positions = atom->x[0];
-  particles.velocities = atom->v[0];
-  particles.angular_velocities = atom->omega[0];
-  particles.types = atom->type;
-  particles.semi_axes = atom->shape[0];
-  particles.semi_axes_stride = 3 * sizeof(double);
-  particles.quaternions = atom->quaternion[0];
-  particles.quaternions_stride = 4 * sizeof(double);
-  particles.identifiers = atom->tag;
-  particles.identifier_bytes = sizeof(atom->tag[0]);
-  particles.forces = atom->f[0];
-  particles.torques = atom->torque[0];
+  const EllgranParticles all = particles();
 
   EllgranNeighbourList neighbours;
   memset(&neighbours, 0, sizeof(neighbours));
@@ -288,10 +306,8 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   neighbours.history = pair->listgranhistory->firstdouble;
   neighbours.newton = lmp->force->newton_pair;
 
-  EllgranStep step;
-  step.time_step = lmp->update->dt;
-  step.advance_history = pair->shearupdate();
-  check(ellgran_compute_pairs(list_laws, workspace, &particles, &neighbours, &step, NULL));
+  const EllgranStep now = step(pair->shearupdate());
+  check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));
   return true;
 }
 

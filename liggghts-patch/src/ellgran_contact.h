@@ -7,6 +7,8 @@
 #ifndef ELLGRAN_CONTACT_H
 #define ELLGRAN_CONTACT_H
 
+#include <vector>
+
 #include "ellgran.h"
 #include "contact_interface.h"
 #include "lammps.h"
@@ -31,7 +33,7 @@ struct EllgranContact {
 
   IContactHistorySetup *owner;
   EllgranStagedContact *staged;
-  EllgranContactGeometry geometry;
+  EllgranStagedGeometry geometry;
   EllgranLaws *laws;
   int types;
 
@@ -42,8 +44,8 @@ struct EllgranContact {
   double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
-  double normal_before[3];
-  int touched;
+  EllgranStagedPast past;
+  int memory_offset;             // of the tangential displacement in the history, of tangential tfd
 
   // body of a particle of atom style superquadric, checked; of a sphere
   EllgranBody ellipsoid(int i) const;
@@ -51,11 +53,14 @@ struct EllgranContact {
   // stages two spheres, or a sphere and a plane, of LIGGGHTS' own surface model
   void stage_spheres(const SurfacesIntersectData &sidata);
   // the share of i in the penetration, from the moduli
-  double share(int itype, int jtype) const;
+  double share(int itype, int jtype) const { return shares[itype * (types + 1) + jtype]; }
   void connect_moduli(PropertyRegistry &registry, const char *caller);
   // stops with the library's message unless status is ELLGRAN_SUCCESS
   void check(int32_t status) const;
   void check_particles() const;
+  // all particles of the step, for the contacts that are staged by their indices
+  void prepare_particles();
+  EllgranStep step(int advance_history) const;
   // a law of E, nu, eta1, eta2 per type
   void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
 
@@ -73,11 +78,13 @@ private:
   EllgranContact &operator=(const EllgranContact &);
 
   void check_blockiness(int i) const;
+  EllgranParticles particles() const;
   void build_list_laws();
 
   LAMMPS_NS::LAMMPS *lmp;
   int users;
   double *youngs_modulus, *poissons_ratio;
+  std::vector<double> shares;
   EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
   EllgranWorkspace *workspace;
 };

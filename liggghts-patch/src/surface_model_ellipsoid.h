@@ -71,20 +71,19 @@ public:
     sidata.is_non_spherical = true;
     double *const history = sidata.contact_history;
     double *const normal = &history[normal_offset];
-    vectorCopy3D(normal, contact->normal_before);
-    contact->touched = touched_offset >= 0 ? history[touched_offset] != 0.0 : *sidata.contact_flags & CONTACT_NORMAL_MODEL;
-    const EllgranBody i = contact->ellipsoid(sidata.i);
+    vectorCopy3D(normal, contact->past.normal);
     if (sidata.is_wall) {
+      contact->past.touched = history[touched_offset] != 0.0;
       if (!EllgranContact::acting_wall)
         error->one(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid");
+      const EllgranBody i = contact->ellipsoid(sidata.i);
       contact->check(ellgran_staged_wall(contact->staged, &i, EllgranContact::acting_wall,
-                                         contact->share(atom->type[sidata.i], sidata.jtype), &contact->geometry));
+                                         contact->share(sidata.itype, sidata.jtype), &contact->geometry));
       if (contact->geometry.touching) vectorCopy3D(contact->geometry.normal, normal);
     } else {
-      const EllgranBody j = contact->ellipsoid(sidata.j);
-      contact->check(ellgran_staged_pair(contact->staged, &i, &j,
-                                         contact->share(atom->type[sidata.i], atom->type[sidata.j]), normal,
-                                         &contact->geometry));
+      contact->past.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
+      contact->check(ellgran_staged_neighbours(contact->staged, sidata.i, sidata.j,
+                                               contact->share(sidata.itype, sidata.jtype), normal, &contact->geometry));
     }
     const bool touching = contact->geometry.touching;
     if (touched_offset >= 0)
@@ -98,7 +97,7 @@ public:
 
   inline void surfacesIntersect(SurfacesIntersectData &sidata, ForceData &, ForceData &)
   {
-    const EllgranContactGeometry &g = contact->geometry;
+    const EllgranStagedGeometry &g = contact->geometry;
     // LIGGGHTS' normal points to i
     for (int k = 0; k < 3; k++) {
       sidata.en[k] = -g.normal[k];
@@ -118,7 +117,7 @@ public:
   }
 
   inline void endSurfacesIntersect(SurfacesIntersectData &, TriMesh *, double *const) {}
-  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) { contact->prepare_particles(); }
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   inline void tally_pp(double, int, int, int) {}
   inline void tally_pw(double, int, int, int) {}

@@ -180,7 +180,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             Some(t) => Some(unsafe { borrow(t, p.count) }?),
             None => None,
         };
-        unsafe { prepare(p, p.count, laws, workspace) }?;
+        unsafe { prepare(p, p.count, Some(laws), workspace) }?;
         let mut rows = Rows {
             central,
             counts: list.neighbour_counts,

@@ -114,7 +114,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             Some(t) => Some(unsafe { borrow(t, owned) }?),
             None => None,
         };
-        unsafe { prepare(p, owned, laws, workspace) }?;
+        unsafe { prepare(p, owned, Some(laws), workspace) }?;
         compute_planes(
             laws,
             workspace.particles(),
