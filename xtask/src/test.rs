@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{bench, demo, header, install, lammps, liggghts, plugin, setup};
+use crate::{bench, demo, header, install, lammps, liggghts, plugin, report, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -91,6 +91,10 @@ pub fn test(options: &Options) -> Result<()> {
             let output = tempfile::tempdir()?;
             bench::quick_kernels(output.path())
         })?;
+        steps.run("report, quick, without engines", || {
+            let output = tempfile::tempdir()?;
+            report::quick(output.path(), false)
+        })?;
     }
     if !options.quick {
         engines(steps, &filter)?;
@@ -147,6 +151,10 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         steps.run("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())
+        })?;
+        steps.run("report, quick, through both engines", || {
+            let output = tempfile::tempdir()?;
+            report::quick(output.path(), true)
         })?;
         steps.run("demo", || {
             let output = tempfile::tempdir()?;

@@ -2,16 +2,16 @@
 //! Speed: kernels, scenes in LAMMPS and LIGGGHTS beside the built-in styles, ranks and sizes; tables, CSV and pictures.
 
 mod bars;
-mod contender;
+pub mod contender;
 mod force_error;
 mod kernels;
-mod lammps_run;
-mod liggghts_run;
-mod machine;
-mod packing;
+pub mod lammps_run;
+pub mod liggghts_run;
+pub mod machine;
+pub mod packing;
 mod scaling;
-mod scenes;
-mod statistics;
+pub mod scenes;
+pub mod statistics;
 
 use std::fs;
 use std::path::{Path, PathBuf};
