@@ -572,6 +572,12 @@ typedef struct EllgranNeighbourList {
    with a ghost appears on both ranks.
    */
   int32_t newton;
+  /*
+   1: since the last call with this workspace that succeeded, the laws, particles, their number and order, their types, semi-axes
+   and the list's entries have not changed (positions, rotations and the history may have): most pairs that do not
+   touch are then left out without looking at them. 0: they may have. When in doubt, 0.
+   */
+  int32_t unchanged;
 } EllgranNeighbourList;
 
 /*
@@ -618,6 +624,28 @@ typedef struct EllgranTallies {
 } EllgranTallies;
 
 /*
+ Geometry of a contact in stages.
+ */
+typedef struct EllgranStagedGeometry {
+  /*
+   1 if the bodies touch; otherwise the rest says nothing.
+   */
+  int32_t touching;
+  /*
+   Penetration: the smallest translation that separates the bodies.
+   */
+  double penetration;
+  /*
+   Unit normal from i to j, or into the wall.
+   */
+  double normal[3];
+  /*
+   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   */
+  double contact_point[3];
+} EllgranStagedGeometry;
+
+/*
  The surface of a wall where a body touches it.
  */
 typedef struct EllgranWallSurface {
@@ -648,6 +676,24 @@ typedef struct EllgranWallSurface {
    */
   double velocity[3];
 } EllgranWallSurface;
+
+/*
+ What is remembered of a contact, and what the tangential law needs beside its law.
+ */
+typedef struct EllgranStagedPast {
+  /*
+   Coefficient of friction of the pair of types.
+   */
+  double friction;
+  /*
+   1 if the bodies touched at the last step.
+   */
+  int32_t touched;
+  /*
+   Their normal then; changes sign when the pair is swapped.
+   */
+  double normal[3];
+} EllgranStagedPast;
 
 /*
  A contact of an ellipsoid with a wall.
@@ -780,6 +826,18 @@ int32_t ellgran_laws_new(int32_t type_count,
                          const uint8_t *is_set,
                          uint32_t options,
                          struct EllgranLaws **laws);
+
+/*
+ The same laws with other coefficients of friction: for engines that give friction per pair of types and all else per
+ type. `friction` has `type_count` x `type_count` entries, row by row. A pair with 0 has no tangential law; one that had
+ none keeps none. The history keeps its length. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `friction` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
+                                   const double *friction,
+                                   struct EllgranLaws **result);
 
 /*
  Frees laws; NULL is allowed.
@@ -938,8 +996,31 @@ int32_t ellgran_staged_new(struct EllgranStagedContact **staged);
 void ellgran_staged_free(struct EllgranStagedContact *staged);
 
 /*
+ Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is right; masses are not
+ read, forces not written.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as `EllgranParticles` states.
+ */
+int32_t ellgran_staged_prepare(struct EllgranStagedContact *staged,
+                               const struct EllgranParticles *particles);
+
+/*
+ First stage, two of the particles that were prepared last, by their indices; otherwise like `ellgran_staged_pair`.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_neighbours(struct EllgranStagedContact *staged,
+                                  size_t i,
+                                  size_t j,
+                                  double share_i,
+                                  double *cached_normal,
+                                  struct EllgranStagedGeometry *geometry);
+
+/*
  First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
- says nothing. Types are not read.
+ is not written. Types are not read.
 
  `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
  is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -952,7 +1033,7 @@ int32_t ellgran_staged_pair(struct EllgranStagedContact *staged,
                             const struct EllgranBody *j,
                             double share_i,
                             double *cached_normal,
-                            struct EllgranContactGeometry *geometry);
+                            struct EllgranStagedGeometry *geometry);
 
 /*
  First stage, an ellipsoid and a wall; otherwise like `ellgran_staged_pair`.
@@ -964,7 +1045,7 @@ int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
                             const struct EllgranBody *i,
                             const struct EllgranWallSurface *wall,
                             double share_i,
-                            struct EllgranContactGeometry *geometry);
+                            struct EllgranStagedGeometry *geometry);
 
 /*
  Radius of the sphere that feels the same elastic normal force when pressed into a plane as deep: `Re F2^-3`. With it a
@@ -992,12 +1073,11 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
                               struct EllgranContactForce *force);
 
 /*
- Third stage: tangential force and its torques alone, with the tangential law of the types and this coefficient of
- friction.
+ Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
+ of `past`.
 
- `touched`: 1 if the pair touched at the last step; `normal_before` (3 doubles): its normal then; `memory` (3 doubles):
- the tangential displacement, kept between steps. Both change sign when the pair is swapped. `displacement rescaled`,
- which remembers more, is not available here.
+ `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
+ `displacement rescaled`, which remembers more, is not available here.
 
  # Safety
  The pointers are NULL or valid.
@@ -1006,13 +1086,28 @@ int32_t ellgran_staged_tangential(const struct EllgranStagedContact *staged,
                                   const struct EllgranLaws *laws,
                                   int32_t type_i,
                                   int32_t type_j,
-                                  double friction,
                                   double effective_mass,
                                   const struct EllgranStep *step,
-                                  int32_t touched,
-                                  const double *normal_before,
+                                  const struct EllgranStagedPast *past,
                                   double *memory,
                                   struct EllgranContactForce *force);
+
+/*
+ Second and third stage together: the sum of `ellgran_staged_normal` and `ellgran_staged_tangential`, in about the time of
+ one of them.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_forces(const struct EllgranStagedContact *staged,
+                              const struct EllgranLaws *laws,
+                              int32_t type_i,
+                              int32_t type_j,
+                              double effective_mass,
+                              const struct EllgranStep *step,
+                              const struct EllgranStagedPast *past,
+                              double *memory,
+                              struct EllgranContactForce *force);
 
 /*
  The message of the last failure in this thread, UTF-8, never NULL; empty if there was none. It is overwritten by the

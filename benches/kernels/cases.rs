@@ -7,10 +7,10 @@ use ellgran::pairs::Laws;
 
 pub struct Case {
     pub name: &'static str,
-    /// The words of `pair_coeff 1 1`.
+    /// The words of `pair_coeff * *`.
     law: &'static str,
-    /// The words of `pair_coeff 2 2`, for every second grain.
-    second: Option<&'static str>,
+    /// Types in turns, each of a material of its own; of more than one the full law.
+    materials: usize,
     pub aspect: f64,
     /// Energies and virial, global and per particle.
     pub energies: bool,
@@ -26,8 +26,12 @@ pub const CASES: &[Case] = &[
         ..case("full law, energies and virial asked for", FULL)
     },
     Case {
-        second: Some("nfd 3e7 0.2 90 90 tangential tfd 0.3"),
+        materials: 2,
         ..case("full law, two materials", FULL)
+    },
+    Case {
+        materials: 16,
+        ..case("full law, sixteen materials", FULL)
     },
     case(
         "conservative no",
@@ -58,7 +62,7 @@ const fn case(name: &'static str, law: &'static str) -> Case {
     Case {
         name,
         law,
-        second: None,
+        materials: 1,
         aspect: 2.0,
         energies: false,
     }
@@ -66,7 +70,7 @@ const fn case(name: &'static str, law: &'static str) -> Case {
 
 impl Case {
     pub fn types(&self) -> usize {
-        1 + usize::from(self.second.is_some())
+        self.materials
     }
 
     /// Spheres need no normal from the last step.
@@ -75,10 +79,24 @@ impl Case {
             let words: Vec<&str> = words.split(' ').collect();
             parse(&words).expect("a law of the table").0
         };
-        let table: Vec<Option<LawParameters>> = match self.second {
-            None => vec![Some(one(self.law))],
-            Some(second) => vec![Some(one(self.law)), None, None, Some(one(second))],
-        };
+        // The pairs of unlike types are mixed from these.
+        let table: Vec<Option<LawParameters>> = (0..self.materials * self.materials)
+            .map(|place| {
+                let (k, other) = (place / self.materials, place % self.materials);
+                (k == other).then(|| match k {
+                    0 => one(self.law),
+                    _ => {
+                        let (softer, drier) = (1.0 / (1.0 + 0.1 * k as f64), 1.0 + 0.02 * k as f64);
+                        one(&format!(
+                            "nfd {} 0.3 {} 50 tangential tfd {}",
+                            1e7 * softer,
+                            50.0 * softer,
+                            0.5 * drier
+                        ))
+                    }
+                })
+            })
+            .collect();
         Laws::new(self.types(), &table, self.aspect != 1.0).expect("a law of the table")
     }
 }

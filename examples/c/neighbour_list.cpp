@@ -199,6 +199,7 @@ int main()
   EllgranTallies tallies = EllgranTallies();
   double apart = 0;
   for (int n = 0; n < 20; ++n) {
+    list.unchanged = n > 0;
     for (std::size_t k = 0; k < count; ++k)
       for (int m = 0; m < 3; ++m) p.positions[k][m] += step.time_step * p.velocities[k][m];
     p.forces.assign(count, Vector());

@@ -18,6 +18,8 @@ ENDIF()
 
 INCLUDE_DIRECTORIES(${ELLGRAN_INCLUDE})
 FIND_PACKAGE(Threads REQUIRED)
+# The mathematical library comes first: the Rust library brings functions of the same names, some of them slower (cbrt), and
+# the linker takes what it meets first, for LIGGGHTS too. The C++ compiler would move a plain -lm to the end.
 FOREACH(target liggghts_static liggghts_shared liggghts_bin)
-  TARGET_LINK_LIBRARIES(${target} ${ELLGRAN_LIBRARY} ${CMAKE_THREAD_LIBS_INIT} ${CMAKE_DL_LIBS})
+  TARGET_LINK_LIBRARIES(${target} -Wl,-lm ${ELLGRAN_LIBRARY} ${CMAKE_THREAD_LIBS_INIT} ${CMAKE_DL_LIBS})
 ENDFOREACH()

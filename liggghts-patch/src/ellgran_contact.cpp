@@ -6,14 +6,18 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
-#include <vector>
 
 #include "atom.h"
 #include "contact_models.h"
 #include "error.h"
 #include "force.h"
 #include "global_properties.h"
+#include "modify.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "pair_gran.h"
 #include "property_registry.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
@@ -56,7 +60,15 @@ void EllgranContact::release(ContactModelBase *model)
   }
 }
 
+EllgranContact *EllgranContact::of(const IContactHistorySetup *owner)
+{
+  for (Table::iterator entry = table().begin(); entry != table().end(); ++entry)
+    if (entry->second->owner == owner) return entry->second;
+  return NULL;
+}
+
 EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
+    owner(NULL),
     staged(NULL),
     laws(NULL),
     types(0),
@@ -64,14 +76,17 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     surface_is_ellipsoid(false),
     needs_equivalent_radius(true),
     tangential_is_tfd(false),
-    touched(0),
+    friction(NULL),
+    memory_offset(-1),
     lmp(lmp_),
     users(0),
     youngs_modulus(NULL),
-    poissons_ratio(NULL)
+    poissons_ratio(NULL),
+    list_laws(NULL),
+    workspace(NULL)
 {
   memset(&geometry, 0, sizeof(geometry));
-  memset(normal_before, 0, sizeof(normal_before));
+  memset(&past, 0, sizeof(past));
   check(ellgran_staged_new(&staged));
 }
 
@@ -79,6 +94,8 @@ EllgranContact::~EllgranContact()
 {
   ellgran_staged_free(staged);
   ellgran_laws_free(laws);
+  ellgran_laws_free(list_laws);
+  ellgran_workspace_free(workspace);
 }
 
 void EllgranContact::check(int32_t status) const
@@ -101,15 +118,19 @@ EllgranBody EllgranContact::ellipsoid(int i) const
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
   body.kind = atom->type[i];
   body.identifier = atom->tag[i];
-  const double *blockiness = atom->blockiness[i];
-  if (!(blockiness[0] == 2.0 && blockiness[1] == 2.0)) {
-    char message[200];
-    snprintf(message, sizeof(message),
-             "ellgran: particle %d: blockiness %g %g: surface ellipsoid needs blockiness 2 2, an ellipsoid",
-             atom->tag[i], blockiness[0], blockiness[1]);
-    lmp->error->one(FLERR, message);
-  }
+  check_blockiness(i);
   return body;
+}
+
+void EllgranContact::check_blockiness(int i) const
+{
+  const double *blockiness = lmp->atom->blockiness[i];
+  if (blockiness[0] == 2.0 && blockiness[1] == 2.0) return;
+  char message[200];
+  snprintf(message, sizeof(message),
+           "ellgran: particle %d: blockiness %g %g: surface ellipsoid needs blockiness 2 2, an ellipsoid",
+           lmp->atom->tag[i], blockiness[0], blockiness[1]);
+  lmp->error->one(FLERR, message);
 }
 
 EllgranBody EllgranContact::sphere(int i, double radius) const
@@ -150,14 +171,6 @@ void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
   }
 }
 
-double EllgranContact::share(int itype, int jtype) const
-{
-  if (!youngs_modulus || !poissons_ratio) return 0.5;
-  const double ci = (1.0 - poissons_ratio[itype] * poissons_ratio[itype]) / youngs_modulus[itype];
-  const double cj = (1.0 - poissons_ratio[jtype] * poissons_ratio[jtype]) / youngs_modulus[jtype];
-  return ci / (ci + cj);
-}
-
 void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *caller)
 {
   if (lmp->force->nktv2p != 1.0)
@@ -167,6 +180,12 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
   registry.connect("youngsModulus", youngs_modulus, caller);
   registry.connect("poissonsRatio", poissons_ratio, caller);
   types = registry.max_type();
+  shares.assign((types + 1) * (types + 1), 0.5);
+  std::vector<double> compliance(types + 1);
+  for (int k = 1; k <= types; k++)
+    compliance[k] = (1.0 - poissons_ratio[k] * poissons_ratio[k]) / youngs_modulus[k];
+  for (int i = 1; i <= types; i++)
+    for (int j = 1; j <= types; j++) shares[i * (types + 1) + j] = compliance[i] / (compliance[i] + compliance[j]);
 }
 
 void EllgranContact::check_particles() const
@@ -179,6 +198,45 @@ void EllgranContact::check_particles() const
   }
 }
 
+EllgranParticles EllgranContact::particles() const
+{
+  const Atom *const atom = lmp->atom;
+  const int count = atom->nlocal + atom->nghost;
+  EllgranParticles all;
+  memset(&all, 0, sizeof(all));
+  all.owned_count = atom->nlocal;
+  all.count = count;
+  if (count == 0) return all;
+  for (int i = 0; i < count; i++) check_blockiness(i);
+  all.positions = atom->x[0];
+  all.velocities = atom->v[0];
+  all.angular_velocities = atom->omega[0];
+  all.types = atom->type;
+  all.semi_axes = atom->shape[0];
+  all.semi_axes_stride = 3 * sizeof(double);
+  all.quaternions = atom->quaternion[0];
+  all.quaternions_stride = 4 * sizeof(double);
+  all.identifiers = atom->tag;
+  all.identifier_bytes = sizeof(atom->tag[0]);
+  all.forces = atom->f[0];
+  all.torques = atom->torque[0];
+  return all;
+}
+
+void EllgranContact::prepare_particles()
+{
+  const EllgranParticles all = particles();
+  check(ellgran_staged_prepare(staged, &all));
+}
+
+EllgranStep EllgranContact::step(int advance_history) const
+{
+  EllgranStep step;
+  step.time_step = lmp->update->dt;
+  step.advance_history = advance_history;
+  return step;
+}
+
 void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
 {
   std::vector<EllgranLawParameters> parameters(types * types);
@@ -187,7 +245,7 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, bool co
     EllgranLawParameters &p = parameters[k * types + k];
     check(ellgran_law_parameters_default(&p));
     p.normal = ELLGRAN_NORMAL_NFD;
-    p.tangential = ELLGRAN_TANGENTIAL_TFD;
+    p.tangential = tangential_is_tfd ? ELLGRAN_TANGENTIAL_TFD : ELLGRAN_TANGENTIAL_NONE;
     // The coefficient of friction is per pair of types and given with each contact: any value that is not zero serves.
     p.friction = 1.0;
     p.unloading = ting ? ELLGRAN_UNLOADING_TING : ELLGRAN_UNLOADING_FIRST_ORDER;
@@ -204,6 +262,56 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, bool co
   check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
   ellgran_laws_free(laws);
   laws = built;
+  ellgran_laws_free(list_laws);
+  list_laws = NULL;
+}
+
+void EllgranContact::build_list_laws()
+{
+  std::vector<double> coefficients(types * types, 0.0);
+  if (tangential_is_tfd)
+    for (int i = 0; i < types; i++)
+      for (int j = 0; j < types; j++) coefficients[i * types + j] = friction[i + 1][j + 1];
+  check(ellgran_laws_with_friction(laws, &coefficients[0], &list_laws));
+}
+
+bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addflag)
+{
+  const Atom *const atom = lmp->atom;
+  NeighList *const list = pair->list;
+  // Virial, stored contact forces, compute pair/gran/local and the like are told of each contact by LIGGGHTS' own loop.
+  if (vflag || !pair->computeflag() || (pair->cpl() && addflag)) return false;
+  if (pair->storeContactForces() || pair->storeContactForcesStress() || pair->storeSumDelta()) return false;
+  if (pair->store_sum_normal_force()) return false;
+  if (lmp->modify->n_fixes_style("insert/stream/predefined")) return false;
+  // another fix keeps numbers of its own with each contact
+  if (!pair->listgranhistory || pair->dnum() != ellgran_laws_history_length(laws)) return false;
+
+  if (eflag)
+    pair->ev_setup(eflag, vflag);
+  else
+    pair->evflag = pair->vflag_fdotr = 0;
+  if (atom->nlocal + atom->nghost == 0) return true;
+  if (!workspace) check(ellgran_workspace_new(&workspace));
+  if (!list_laws) build_list_laws();
+  const EllgranParticles all = particles();
+
+  EllgranNeighbourList neighbours;
+  memset(&neighbours, 0, sizeof(neighbours));
+  neighbours.count = list->inum;
+  neighbours.central = list->ilist;
+  neighbours.neighbour_counts = list->numneigh;
+  neighbours.neighbours = list->firstneigh;
+  neighbours.index_mask = NEIGHMASK;
+  neighbours.touching = pair->listgranhistory->firstneigh;
+  neighbours.history = pair->listgranhistory->firstdouble;
+  neighbours.newton = lmp->force->newton_pair;
+  // LIGGGHTS counts the steps since it last built the list
+  neighbours.unchanged = (lmp->neighbor->ago > 0) ? 1 : 0;
+
+  const EllgranStep now = step(pair->shearupdate());
+  check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));
+  return true;
 }
 
 }

@@ -7,13 +7,19 @@
 #ifndef ELLGRAN_CONTACT_H
 #define ELLGRAN_CONTACT_H
 
+#include <vector>
+
 #include "ellgran.h"
 #include "contact_interface.h"
 #include "lammps.h"
 
 class PropertyRegistry;
+namespace LAMMPS_NS {
+class PairGran;
+}
 
 namespace LIGGGHTS {
+class IContactHistorySetup;
 namespace ContactModels {
 
 class ContactModelBase;
@@ -22,9 +28,12 @@ struct EllgranContact {
   // one per contact model; released by every model that took it
   static EllgranContact *take(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);
   static void release(ContactModelBase *model);
+  // that of the pair style or wall which keeps this contact history; NULL if it has no model of ours
+  static EllgranContact *of(const IContactHistorySetup *owner);
 
+  IContactHistorySetup *owner;
   EllgranStagedContact *staged;
-  EllgranContactGeometry geometry;
+  EllgranStagedGeometry geometry;
   EllgranLaws *laws;
   int types;
 
@@ -32,10 +41,11 @@ struct EllgranContact {
   bool surface_is_ellipsoid;     // else the normal model stages spheres
   bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own reads sidata.reff
   bool tangential_is_tfd;        // else a tangential model of LIGGGHTS' own may read sidata.kt
+  double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
-  double normal_before[3];
-  int touched;
+  EllgranStagedPast past;
+  int memory_offset;             // of the tangential displacement in the history, of tangential tfd
 
   // body of a particle of atom style superquadric, checked; of a sphere
   EllgranBody ellipsoid(int i) const;
@@ -43,13 +53,20 @@ struct EllgranContact {
   // stages two spheres, or a sphere and a plane, of LIGGGHTS' own surface model
   void stage_spheres(const SurfacesIntersectData &sidata);
   // the share of i in the penetration, from the moduli
-  double share(int itype, int jtype) const;
+  double share(int itype, int jtype) const { return shares[itype * (types + 1) + jtype]; }
   void connect_moduli(PropertyRegistry &registry, const char *caller);
   // stops with the library's message unless status is ELLGRAN_SUCCESS
   void check(int32_t status) const;
   void check_particles() const;
+  // all particles of the step, for the contacts that are staged by their indices
+  void prepare_particles();
+  EllgranStep step(int advance_history) const;
   // a law of E, nu, eta1, eta2 per type
   void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
+
+  // Forces of all pairs of the neighbour list by one call of the library. False, and nothing done, when something needs
+  // the contacts one by one.
+  bool compute_list(LAMMPS_NS::PairGran *pair, int eflag, int vflag, int addflag);
 
   // surface of the wall that is acting, set by fix wall/gran/ellipsoid around the call of the contact model
   static const EllgranWallSurface *acting_wall;
@@ -60,9 +77,16 @@ private:
   EllgranContact(const EllgranContact &);
   EllgranContact &operator=(const EllgranContact &);
 
+  void check_blockiness(int i) const;
+  EllgranParticles particles() const;
+  void build_list_laws();
+
   LAMMPS_NS::LAMMPS *lmp;
   int users;
   double *youngs_modulus, *poissons_ratio;
+  std::vector<double> shares;
+  EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
+  EllgranWorkspace *workspace;
 };
 
 }

@@ -2,13 +2,12 @@
 
 #include "fix_wall_gran_ellipsoid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <utility>
 
 #include "atom.h"
-#include "comm.h"
 #include "contact_models.h"
 #include "ellgran_contact.h"
 #include "error.h"
@@ -61,9 +60,6 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
       break;
     }
   }
-  // Seen to differ from one rank in a hopper; until it is known why, no answer is better than a wrong one.
-  if (kind_ == MESH && comm->nprocs > 1)
-    error->fix_error(FLERR, this, "meshes with surface ellipsoid are not supported on several ranks yet: use one");
   storage_name_ = std::string("contacts_") + id;
 }
 
@@ -267,15 +263,18 @@ void FixWallGranEllipsoid::post_force_mesh(int)
 {
   const int nlocal = atom->nlocal;
   // triangles near each particle, of all meshes together: meshes that meet at an edge are one surface
-  std::vector<std::vector<std::pair<int, int> > > near(nlocal);
+  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
+  for (int i = 0; i < nlocal; i++) near_[i].clear();
   for (int m = 0; m < n_FixMesh_; m++) {
     TriMesh *const mesh = FixMesh_list_[m]->triMesh();
     FixNeighlistMesh *const list = FixMesh_list_[m]->meshNeighlist();
     const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
     for (int t = 0; t < triangles; t++) {
       const std::vector<int> &particles = list->get_contact_list(t);
+      if (particles.empty()) continue;
+      const Near triangle = {m, mesh->id(t), t};
       for (size_t k = 0; k < particles.size(); k++)
-        if (particles[k] < nlocal) near[particles[k]].push_back(std::make_pair(m, t));
+        if (particles[k] < nlocal) near_[particles[k]].push_back(triangle);
     }
   }
   std::vector<double> corners;
@@ -283,20 +282,23 @@ void FixWallGranEllipsoid::post_force_mesh(int)
   for (int i = 0; i < nlocal; i++) {
     if (!in_group(i)) continue;
     contacts.clear();
-    if (!near[i].empty()) {
-      corners.resize(9 * near[i].size());
-      for (size_t k = 0; k < near[i].size(); k++) {
-        TriMesh *const mesh = FixMesh_list_[near[i][k].first]->triMesh();
-        for (int node = 0; node < 3; node++) mesh->node(near[i][k].second, node, &corners[9 * k + 3 * node]);
+    std::vector<Near> &near = near_[i];
+    if (!near.empty()) {
+      // in an order that does not depend on how the mesh is spread over ranks
+      std::sort(near.begin(), near.end());
+      corners.resize(9 * near.size());
+      for (size_t k = 0; k < near.size(); k++) {
+        TriMesh *const mesh = FixMesh_list_[near[k].mesh]->triMesh();
+        for (int node = 0; node < 3; node++) mesh->node(near[k].place, node, &corners[9 * k + 3 * node]);
       }
       const EllgranBody particle = body(i);
-      check(ellgran_triangle_contacts(found_, &particle, near[i].size(), &corners[0]));
+      check(ellgran_triangle_contacts(found_, &particle, near.size(), &corners[0]));
       for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
         const EllgranWallContact *const found = ellgran_wall_contacts_get(found_, c);
         Contact contact;
         contact.surface = found->surface;
-        contact.mesh = near[i][found->triangle].first;
-        contact.triangle = near[i][found->triangle].second;
+        contact.mesh = near[found->triangle].mesh;
+        contact.triangle = near[found->triangle].place;
         MultiVectorContainer<double, 3, 3> *const velocities =
             FixMesh_list_[contact.mesh]->triMesh()->prop().getElementProperty<MultiVectorContainer<double, 3, 3> >("v");
         if (velocities) {

@@ -38,6 +38,17 @@ class FixWallGranEllipsoid : public FixWallGran {
     int mesh, triangle;
   };
 
+  // a triangle near a particle: its mesh, its number in the file of the mesh, its place on this rank
+  struct Near {
+    int mesh, number, place;
+    bool operator<(const Near &other) const
+    {
+      if (mesh != other.mesh) return mesh < other.mesh;
+      if (number != other.number) return number < other.number;
+      return place < other.place;
+    }
+  };
+
   enum { PLANE, CYLINDER, MESH };
 
   int kind_;
@@ -46,6 +57,8 @@ class FixWallGranEllipsoid : public FixWallGran {
   std::string storage_name_;
   class FixPropertyAtom *storage_;
   EllgranWallContacts *found_;
+  // for each particle; kept between steps for its memory alone
+  std::vector<std::vector<Near> > near_;
 
   // remembered contacts of a particle: whether there is one, its point and normal, and the history of the contact model, each
   int slots() const;

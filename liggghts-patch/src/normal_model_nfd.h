@@ -14,6 +14,7 @@ NORMAL_MODEL(NFD,nfd,41)
 #include "atom.h"
 #include "contact_models.h"
 #include "ellgran_contact.h"
+#include "ellgran_pairs.h"
 #include "error.h"
 #include "global_properties.h"
 #include "neighbor.h"
@@ -88,7 +89,14 @@ public:
       if (!contact->geometry.touching) return;
     }
     EllgranContactForce f;
-    contact->check(ellgran_staged_normal(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &f));
+    if (contact->tangential_is_tfd && contact->surface_is_ellipsoid) {
+      // both at once: tangential tfd has nothing to add
+      const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
+      contact->past.friction = contact->friction[sidata.itype][sidata.jtype];
+      contact->check(ellgran_staged_forces(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &step,
+                                           &contact->past, &sidata.contact_history[contact->memory_offset], &f));
+    } else
+      contact->check(ellgran_staged_normal(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &f));
 
     sidata.Fn = f.normal_force;
     sidata.kn = f.normal_force / sidata.deltan;

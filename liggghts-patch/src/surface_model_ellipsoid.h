@@ -33,8 +33,10 @@ public:
   SurfaceModel(LAMMPS *lmp, IContactHistorySetup *hsetup, class ContactModelBase *cmb) :
       SurfaceModelBase(lmp, hsetup, cmb),
       model(cmb),
-      contact(EllgranContact::take(lmp, cmb))
+      contact(EllgranContact::take(lmp, cmb)),
+      touched_offset(-1)
   {
+    contact->owner = hsetup;
     if (!atom->superquadric_flag)
       error->all(FLERR, "surface ellipsoid needs atom_style superquadric (with blockiness 2 2)");
     if (cmb->is_wall()) {
@@ -47,7 +49,8 @@ public:
     normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
     hsetup->add_history_value("ellgran_normal_y", "1");
     hsetup->add_history_value("ellgran_normal_z", "1");
-    touched_offset = hsetup->add_history_value("ellgran_touched", "0");
+    // the neighbour list has flags for it, a wall has none
+    if (cmb->is_wall()) touched_offset = hsetup->add_history_value("ellgran_touched", "0");
   }
 
   ~SurfaceModel() { EllgranContact::release(model); }
@@ -68,33 +71,33 @@ public:
     sidata.is_non_spherical = true;
     double *const history = sidata.contact_history;
     double *const normal = &history[normal_offset];
-    vectorCopy3D(normal, contact->normal_before);
-    contact->touched = history[touched_offset] != 0.0;
-    const EllgranBody i = contact->ellipsoid(sidata.i);
+    vectorCopy3D(normal, contact->past.normal);
     if (sidata.is_wall) {
+      contact->past.touched = history[touched_offset] != 0.0;
       if (!EllgranContact::acting_wall)
         error->one(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid");
+      const EllgranBody i = contact->ellipsoid(sidata.i);
       contact->check(ellgran_staged_wall(contact->staged, &i, EllgranContact::acting_wall,
-                                         contact->share(atom->type[sidata.i], sidata.jtype), &contact->geometry));
+                                         contact->share(sidata.itype, sidata.jtype), &contact->geometry));
       if (contact->geometry.touching) vectorCopy3D(contact->geometry.normal, normal);
     } else {
-      const EllgranBody j = contact->ellipsoid(sidata.j);
-      contact->check(ellgran_staged_pair(contact->staged, &i, &j,
-                                         contact->share(atom->type[sidata.i], atom->type[sidata.j]), normal,
-                                         &contact->geometry));
+      contact->past.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
+      contact->check(ellgran_staged_neighbours(contact->staged, sidata.i, sidata.j,
+                                               contact->share(sidata.itype, sidata.jtype), normal, &contact->geometry));
     }
-    if (!contact->geometry.touching) {
-      history[touched_offset] = 0.0;
-      return false;
-    }
-    history[touched_offset] = 1.0;
+    const bool touching = contact->geometry.touching;
+    if (touched_offset >= 0)
+      history[touched_offset] = touching;
+    else if (!touching)
+      *sidata.contact_flags &= ~(CONTACT_SURFACE_MODEL | CONTACT_NORMAL_MODEL | CONTACT_TANGENTIAL_MODEL);
+    if (!touching) return false;
     if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_SURFACE_MODEL;
     return true;
   }
 
   inline void surfacesIntersect(SurfacesIntersectData &sidata, ForceData &, ForceData &)
   {
-    const EllgranContactGeometry &g = contact->geometry;
+    const EllgranStagedGeometry &g = contact->geometry;
     // LIGGGHTS' normal points to i
     for (int k = 0; k < 3; k++) {
       sidata.en[k] = -g.normal[k];
@@ -110,11 +113,11 @@ public:
   inline void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
   {
     if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_SURFACE_MODEL;
-    if (scdata.contact_history) scdata.contact_history[touched_offset] = 0.0;
+    if (scdata.contact_history && touched_offset >= 0) scdata.contact_history[touched_offset] = 0.0;
   }
 
   inline void endSurfacesIntersect(SurfacesIntersectData &, TriMesh *, double *const) {}
-  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) { contact->prepare_particles(); }
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   inline void tally_pp(double, int, int, int) {}
   inline void tally_pw(double, int, int, int) {}

@@ -15,7 +15,6 @@ TANGENTIAL_MODEL(TANGENTIAL_TFD,tfd,41)
 #include "error.h"
 #include "global_properties.h"
 #include "tangential_model_base.h"
-#include "update.h"
 
 namespace LIGGGHTS {
 namespace ContactModels {
@@ -35,6 +34,7 @@ public:
   {
     contact->tangential_is_tfd = true;
     memory_offset = hsetup->add_history_value("ellgran_xi_x", "1");
+    contact->memory_offset = memory_offset;
     hsetup->add_history_value("ellgran_xi_y", "1");
     hsetup->add_history_value("ellgran_xi_z", "1");
     if (!contact->surface_is_ellipsoid) {
@@ -65,28 +65,24 @@ public:
     if (!contact->laws) error->all(FLERR, "tangential tfd needs model nfd");
     registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
     registry.connect("coeffFrict", friction, "tangential tfd");
+    contact->friction = friction;
   }
 
   inline void surfacesIntersect(const SurfacesIntersectData &sidata, ForceData &i_forces, ForceData &j_forces)
   {
     if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_TANGENTIAL_MODEL;
-    if (!contact->geometry.touching) return;
-    double *const own = own_offset < 0 ? NULL : &sidata.contact_history[own_offset];
-    if (own) {
-      vectorCopy3D(own, contact->normal_before);
-      contact->touched = own[3] != 0.0;
-    }
-    EllgranStep step;
-    step.time_step = update->dt;
-    step.advance_history = sidata.computeflag && sidata.shearupdate;
+    // there model nfd has added this force to its own
+    if (contact->surface_is_ellipsoid || !contact->geometry.touching) return;
+    double *const own = &sidata.contact_history[own_offset];
+    vectorCopy3D(own, contact->past.normal);
+    contact->past.touched = own[3] != 0.0;
+    contact->past.friction = friction[sidata.itype][sidata.jtype];
+    const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
     EllgranContactForce f;
-    contact->check(ellgran_staged_tangential(contact->staged, contact->laws, sidata.itype, sidata.jtype,
-                                             friction[sidata.itype][sidata.jtype], sidata.meff, &step, contact->touched,
-                                             contact->normal_before, &sidata.contact_history[memory_offset], &f));
-    if (own) {
-      vectorCopy3D(contact->geometry.normal, own);
-      own[3] = 1.0;
-    }
+    contact->check(ellgran_staged_tangential(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &step,
+                                             &contact->past, &sidata.contact_history[memory_offset], &f));
+    vectorCopy3D(contact->geometry.normal, own);
+    own[3] = 1.0;
     for (int k = 0; k < 3; k++) {
       i_forces.delta_F[k] -= f.force[k];
       i_forces.delta_torque[k] += f.torque_i[k];

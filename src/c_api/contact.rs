@@ -125,17 +125,16 @@ impl From<&OneContact> for EllgranContactGeometry {
     }
 }
 
-pub(super) fn force_of(g: &OneContact, f: &ContactForces, linear: bool) -> EllgranContactForce {
-    let contact_semi_axes = if linear {
-        [0.0; 2]
-    } else {
+/// `of_ellipse`: the geometry for the semi-axes of the contact ellipse, where there is one and it is wanted.
+pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> EllgranContactForce {
+    let contact_semi_axes = of_ellipse.map_or([0.0; 2], |g| {
         // a b = Re delta F1^2/F2 (the paper's Eq. (2), corrected), Re = 1/(2 sqrt(A B)).
         let e = contact_ellipse(g.curvature_b / g.curvature_a);
         let effective_radius = 0.5 / (g.curvature_a * g.curvature_b).sqrt();
         let product = effective_radius * g.penetration * e.f1 * e.f1 / e.f2;
         let a = (product / e.axis_ratio).sqrt();
         [a, a * e.axis_ratio]
-    };
+    });
     EllgranContactForce {
         force: f.force.to_array(),
         torque_i: f.torque_i.to_array(),
@@ -283,7 +282,7 @@ pub unsafe extern "C" fn ellgran_contact(
         *touching = touches as i32;
         let law = laws.get(i.kind as usize, j.kind as usize);
         *force = match &result {
-            Some((g, f)) => force_of(g, f, law.kinds.linear),
+            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
             None => no_force(),
         };
         if let Some(out) = unsafe { geometry.as_mut() } {
@@ -333,7 +332,7 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         *touching = touches as i32;
         let law = laws.get(i.kind as usize, wall_type);
         *force = match &result {
-            Some((g, f)) => force_of(g, f, law.kinds.linear),
+            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
             None => no_force(),
         };
         if let Some(out) = unsafe { geometry.as_mut() } {

@@ -378,6 +378,29 @@ pub unsafe extern "C" fn ellgran_laws_new(
     })
 }
 
+/// The same laws with other coefficients of friction: for engines that give friction per pair of types and all else per
+/// type. `friction` has `type_count` x `type_count` entries, row by row. A pair with 0 has no tangential law; one that had
+/// none keeps none. The history keeps its length. To be freed like the other.
+///
+/// # Safety
+/// `laws` is NULL or valid; `friction` has the length above; `result` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_with_friction(
+    laws: *const EllgranLaws,
+    friction: *const f64,
+    result: *mut *mut EllgranLaws,
+) -> i32 {
+    at_border("ellgran_laws_with_friction", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
+        let out = unsafe { required_mut(result, "result") }?;
+        let built = laws.with_friction(friction).map_err(law_failure)?;
+        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        Ok(())
+    })
+}
+
 /// Frees laws; NULL is allowed.
 ///
 /// # Safety

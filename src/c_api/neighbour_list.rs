@@ -188,7 +188,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         let purpose = Purpose::Pairs {
             unchanged: list.unchanged != 0,
         };
-        unsafe { prepare(p, p.count, laws, workspace, purpose) }?;
+        unsafe { prepare(p, p.count, Some(laws), workspace, purpose) }?;
         let mut rows = Rows {
             central,
             counts: list.neighbour_counts,

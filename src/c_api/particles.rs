@@ -182,14 +182,15 @@ pub(super) enum Purpose {
     Pairs { unchanged: bool },
 }
 
-/// Checks the arrays' pointers and prepares the first `count` particles in the workspace.
+/// Checks the arrays' pointers and prepares the first `count` particles in the workspace; without laws any type
+/// from 1 is right, and contact masses are not read.
 ///
 /// # Safety
 /// The arrays of `p` have the lengths that [`EllgranParticles`] states.
 pub(super) unsafe fn prepare(
     p: &EllgranParticles,
     count: usize,
-    laws: &Laws,
+    laws: Option<&Laws>,
     workspace: &mut Workspace,
     purpose: Purpose,
 ) -> Result<(), Failure> {
@@ -231,7 +232,7 @@ pub(super) unsafe fn prepare(
     } else {
         Rotation::Velocity(rows(p.angular_velocities, "angular_velocities")?)
     };
-    let contact_masses = if laws.features().mass {
+    let contact_masses = if laws.is_some_and(|l| l.features().mass) {
         let pointer = if p.contact_masses.is_null() {
             p.masses
         } else {
@@ -273,9 +274,11 @@ pub(super) unsafe fn prepare(
         },
         identifier: |k: usize| identifier(p, k),
     };
-    match purpose {
-        Purpose::SingleContacts => workspace.prepare(&arrays, laws.types()),
-        Purpose::Pairs { unchanged } => workspace.prepare_for_pairs(&arrays, laws, unchanged),
+    match (purpose, laws) {
+        (Purpose::Pairs { unchanged }, Some(laws)) => {
+            workspace.prepare_for_pairs(&arrays, laws, unchanged)
+        }
+        _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }
     .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
 }

@@ -115,7 +115,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             Some(t) => Some(unsafe { borrow(t, owned) }?),
             None => None,
         };
-        unsafe { prepare(p, owned, laws, workspace, Purpose::SingleContacts) }?;
+        unsafe { prepare(p, owned, Some(laws), workspace, Purpose::SingleContacts) }?;
         compute_planes(
             laws,
             workspace.particles(),

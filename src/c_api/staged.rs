@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact in stages, for engines whose users combine surface, normal and tangential models themselves.
 
-use super::contact::{force_of, EllgranBody, EllgranContactForce, EllgranContactGeometry};
+use super::contact::{force_of, EllgranBody, EllgranContactForce};
 use super::law::{check_type, EllgranLaws};
-use super::particles::{hale_failure, EllgranStep};
+use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use crate::force::PairLaw;
 use crate::geometry::Vector3;
 use crate::pairs::one_contact::HaleRatio;
-use crate::pairs::particles::Particle;
-use crate::pairs::staged::{StagedContact, WallSurface};
-use crate::pairs::OneContact;
+use crate::pairs::staged::{Past, StagedContact, WallSurface};
+use crate::pairs::{ContactForces, InstructionSet, Step, Workspace};
+use libc::size_t;
 
 /// The surface of a wall where a body touches it.
 #[repr(C)]
@@ -79,14 +80,43 @@ impl EllgranWallSurface {
     }
 }
 
+/// Geometry of a contact in stages.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranStagedGeometry {
+    /// 1 if the bodies touch; otherwise the rest says nothing.
+    pub touching: i32,
+    /// Penetration: the smallest translation that separates the bodies.
+    pub penetration: f64,
+    /// Unit normal from i to j, or into the wall.
+    pub normal: [f64; 3],
+    /// Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+    pub contact_point: [f64; 3],
+}
+
+/// What is remembered of a contact, and what the tangential law needs beside its law.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranStagedPast {
+    /// Coefficient of friction of the pair of types.
+    pub friction: f64,
+    /// 1 if the bodies touched at the last step.
+    pub touched: i32,
+    /// Their normal then; changes sign when the pair is swapped.
+    pub normal: [f64; 3],
+}
+
 /// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
 pub struct EllgranStagedContact {
-    contact: Option<(StagedContact, OneContact)>,
+    contact: Option<StagedContact>,
     identifiers: (i64, Option<i64>),
+    /// The particles of a step, and what to call them.
+    workspace: Workspace,
+    names: Vec<i64>,
 }
 
 impl EllgranStagedContact {
-    fn known(&self) -> Result<&(StagedContact, OneContact), Failure> {
+    fn known(&self) -> Result<&StagedContact, Failure> {
         self.contact.as_ref().ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
@@ -97,6 +127,22 @@ impl EllgranStagedContact {
 
     fn hale(&self, ratio: HaleRatio) -> Failure {
         hale_failure(self.identifiers.0, self.identifiers.1, ratio.0)
+    }
+
+    fn keep(
+        &mut self,
+        found: Option<StagedContact>,
+        centre_i: Vector3,
+        share_i: f64,
+        out: &mut EllgranStagedGeometry,
+    ) {
+        self.contact = found;
+        out.touching = self.contact.is_some() as i32;
+        if let Some(contact) = &self.contact {
+            out.penetration = contact.penetration();
+            out.normal = contact.normal().to_array();
+            out.contact_point = contact.contact_point(centre_i, share_i).to_array();
+        }
     }
 }
 
@@ -111,34 +157,6 @@ fn checked_share(share_i: f64) -> Result<f64, Failure> {
     }
 }
 
-fn apart(centre: Vector3) -> EllgranContactGeometry {
-    EllgranContactGeometry {
-        touching: 0,
-        penetration: 0.0,
-        normal: [0.0; 3],
-        contact_point: centre.to_array(),
-        witness_i: centre.to_array(),
-        witness_j: centre.to_array(),
-        curvature_a: 0.0,
-        curvature_b: 0.0,
-        major_direction: [0.0; 3],
-    }
-}
-
-fn write_geometry(
-    staged: &mut EllgranStagedContact,
-    found: Option<StagedContact>,
-    i: &Particle,
-    share_i: f64,
-    out: &mut EllgranContactGeometry,
-) {
-    staged.contact = found.map(|c| (c, c.geometry(i.position, share_i)));
-    *out = match &staged.contact {
-        Some((_, geometry)) => EllgranContactGeometry::from(geometry),
-        None => apart(i.position),
-    };
-}
-
 /// Memory for the stages of a contact.
 ///
 /// # Safety
@@ -151,6 +169,8 @@ pub unsafe extern "C" fn ellgran_staged_new(staged: *mut *mut EllgranStagedConta
         *out = Box::into_raw(Box::new(EllgranStagedContact {
             contact: None,
             identifiers: (0, None),
+            workspace: Workspace::new(InstructionSet::Scalar),
+            names: Vec::new(),
         }));
         Ok(())
     })
@@ -168,8 +188,77 @@ pub unsafe extern "C" fn ellgran_staged_free(staged: *mut EllgranStagedContact) 
     }
 }
 
+/// Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is right; masses are not
+/// read, forces not written.
+///
+/// # Safety
+/// The pointers are NULL or valid; the arrays are as `EllgranParticles` states.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_prepare(
+    staged: *mut EllgranStagedContact,
+    particles: *const EllgranParticles,
+) -> i32 {
+    at_border("ellgran_staged_prepare", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let staged = unsafe { required_mut(staged, "staged") }?;
+        let p = unsafe { required(particles, "particles") }?;
+        staged.names.clear();
+        unsafe {
+            prepare(
+                p,
+                p.count,
+                None,
+                &mut staged.workspace,
+                Purpose::SingleContacts,
+            )
+        }?;
+        staged.names.extend((0..p.count).map(|k| identifier(p, k)));
+        Ok(())
+    })
+}
+
+/// First stage, two of the particles that were prepared last, by their indices; otherwise like `ellgran_staged_pair`.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_neighbours(
+    staged: *mut EllgranStagedContact,
+    i: size_t,
+    j: size_t,
+    share_i: f64,
+    cached_normal: *mut f64,
+    geometry: *mut EllgranStagedGeometry,
+) -> i32 {
+    at_border("ellgran_staged_neighbours", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let (staged, out) = unsafe {
+            (
+                required_mut(staged, "staged")?,
+                required_mut(geometry, "geometry")?,
+            )
+        };
+        let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
+        let share_i = checked_share(share_i)?;
+        let known = staged.names.len();
+        let (Some(&name_i), Some(&name_j)) = (staged.names.get(i), staged.names.get(j)) else {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("particles {i} and {j} are not both among the {known} that were prepared"),
+            ));
+        };
+        let particles = staged.workspace.particles();
+        let (position, mut normal) = (particles[i].position, Vector3::from_array(*cache));
+        let found = StagedContact::of_pair(&particles[i], &particles[j], &mut normal);
+        *cache = normal.to_array();
+        staged.identifiers = (name_i, Some(name_j));
+        staged.keep(found, position, share_i, out);
+        Ok(())
+    })
+}
+
 /// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
-/// says nothing. Types are not read.
+/// is not written. Types are not read.
 ///
 /// `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
 /// is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -183,7 +272,7 @@ pub unsafe extern "C" fn ellgran_staged_pair(
     j: *const EllgranBody,
     share_i: f64,
     cached_normal: *mut f64,
-    geometry: *mut EllgranContactGeometry,
+    geometry: *mut EllgranStagedGeometry,
 ) -> i32 {
     at_border("ellgran_staged_pair", || {
         // SAFETY: promised by the caller, for all of this function.
@@ -201,7 +290,7 @@ pub unsafe extern "C" fn ellgran_staged_pair(
         let found = StagedContact::of_pair(&i, &j, &mut normal);
         *cache = normal.to_array();
         staged.identifiers = (bi.identifier, Some(bj.identifier));
-        write_geometry(staged, found, &i, share_i, out);
+        staged.keep(found, i.position, share_i, out);
         Ok(())
     })
 }
@@ -216,7 +305,7 @@ pub unsafe extern "C" fn ellgran_staged_wall(
     i: *const EllgranBody,
     wall: *const EllgranWallSurface,
     share_i: f64,
-    geometry: *mut EllgranContactGeometry,
+    geometry: *mut EllgranStagedGeometry,
 ) -> i32 {
     at_border("ellgran_staged_wall", || {
         // SAFETY: promised by the caller, for all of this function.
@@ -231,7 +320,7 @@ pub unsafe extern "C" fn ellgran_staged_wall(
         let i = bi.to_core(None)?;
         let found = StagedContact::of_wall(&i, &wall.to_core()?);
         staged.identifiers = (bi.identifier, None);
-        write_geometry(staged, found, &i, share_i, out);
+        staged.keep(found, i.position, share_i, out);
         Ok(())
     })
 }
@@ -248,7 +337,7 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
 ) -> i32 {
     at_border("ellgran_staged_equivalent_radius", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (contact, _) = unsafe { required(staged, "staged") }?.known()?;
+        let contact = unsafe { required(staged, "staged") }?.known()?;
         let out = unsafe { required_mut(radius, "radius") }?;
         *out = contact.equivalent_radius();
         Ok(())
@@ -279,21 +368,20 @@ pub unsafe extern "C" fn ellgran_staged_normal(
             check_type(laws, type_i, "type_i")?,
             check_type(laws, type_j, "type_j")?,
         );
-        let (contact, geometry) = staged.known()?;
+        let contact = staged.known()?;
         let f = contact
-            .normal(law, effective_mass)
+            .normal_force(law, effective_mass)
             .map_err(|ratio| staged.hale(ratio))?;
-        *out = force_of(geometry, &f, true);
+        *out = force_of(None, &f);
         Ok(())
     })
 }
 
-/// Third stage: tangential force and its torques alone, with the tangential law of the types and this coefficient of
-/// friction.
+/// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
+/// of `past`.
 ///
-/// `touched`: 1 if the pair touched at the last step; `normal_before` (3 doubles): its normal then; `memory` (3 doubles):
-/// the tangential displacement, kept between steps. Both change sign when the pair is swapped. `displacement rescaled`,
-/// which remembers more, is not available here.
+/// `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
+/// `displacement rescaled`, which remembers more, is not available here.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -304,53 +392,113 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
     laws: *const EllgranLaws,
     type_i: i32,
     type_j: i32,
-    friction: f64,
     effective_mass: f64,
     step: *const EllgranStep,
-    touched: i32,
-    normal_before: *const f64,
+    past: *const EllgranStagedPast,
     memory: *mut f64,
     force: *mut EllgranContactForce,
 ) -> i32 {
     at_border("ellgran_staged_tangential", || {
-        // SAFETY: promised by the caller, for all of this function.
-        let staged = unsafe { required(staged, "staged") }?;
-        let laws = &unsafe { required(laws, "laws") }?.laws;
-        let out = unsafe { required_mut(force, "force") }?;
-        let before = unsafe { required(normal_before.cast::<[f64; 3]>(), "normal_before") }?;
-        let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
-        let law = laws.get(
-            check_type(laws, type_i, "type_i")?,
-            check_type(laws, type_j, "type_j")?,
-        );
-        if !(friction >= 0.0 && friction.is_finite()) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("friction = {friction} must be at least 0"),
-            ));
-        }
-        if laws.layout().stiffness.is_some() {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                "displacement rescaled is not available in stages",
-            ));
-        }
-        let (contact, geometry) = staged.known()?;
-        let mut remembered = Vector3::from_array(*memory);
-        let f = contact
-            .tangential(
-                law,
-                friction,
-                effective_mass,
-                &step,
-                touched != 0,
-                Vector3::from_array(*before),
-                &mut remembered,
+        // SAFETY: promised by the caller.
+        unsafe {
+            with_past(
+                (staged, laws, type_i, type_j, step, past, memory, force),
+                |contact, law, friction, step, past| {
+                    contact.tangential_force(law, friction, effective_mass, step, past)
+                },
             )
-            .map_err(|ratio| staged.hale(ratio))?;
-        *memory = remembered.to_array();
-        *out = force_of(geometry, &f, true);
-        Ok(())
+        }
     })
+}
+
+/// Second and third stage together: the sum of `ellgran_staged_normal` and `ellgran_staged_tangential`, in about the time of
+/// one of them.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_staged_forces(
+    staged: *const EllgranStagedContact,
+    laws: *const EllgranLaws,
+    type_i: i32,
+    type_j: i32,
+    effective_mass: f64,
+    step: *const EllgranStep,
+    past: *const EllgranStagedPast,
+    memory: *mut f64,
+    force: *mut EllgranContactForce,
+) -> i32 {
+    at_border("ellgran_staged_forces", || {
+        // SAFETY: promised by the caller.
+        unsafe {
+            with_past(
+                (staged, laws, type_i, type_j, step, past, memory, force),
+                |contact, law, friction, step, past| {
+                    contact.whole_force(law, friction, effective_mass, step, past)
+                },
+            )
+        }
+    })
+}
+
+type PastArguments = (
+    *const EllgranStagedContact,
+    *const EllgranLaws,
+    i32,
+    i32,
+    *const EllgranStep,
+    *const EllgranStagedPast,
+    *mut f64,
+    *mut EllgranContactForce,
+);
+
+/// Checks the arguments of the stages that remember, and writes what they give.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+unsafe fn with_past(
+    (staged, laws, type_i, type_j, step, past, memory, force): PastArguments,
+    compute: impl FnOnce(
+        &StagedContact,
+        &PairLaw,
+        f64,
+        &Step,
+        &mut Past,
+    ) -> Result<ContactForces, HaleRatio>,
+) -> Result<(), Failure> {
+    // SAFETY: promised by the caller, for all of this function.
+    let staged = unsafe { required(staged, "staged") }?;
+    let laws = &unsafe { required(laws, "laws") }?.laws;
+    let out = unsafe { required_mut(force, "force") }?;
+    let past = unsafe { required(past, "past") }?;
+    let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
+    let step = unsafe { required(step, "step") }?.to_core()?;
+    let law = laws.get(
+        check_type(laws, type_i, "type_i")?,
+        check_type(laws, type_j, "type_j")?,
+    );
+    let friction = past.friction;
+    if !(friction >= 0.0 && friction.is_finite()) {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!("friction = {friction} must be at least 0"),
+        ));
+    }
+    if laws.layout().stiffness.is_some() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            "displacement rescaled is not available in stages",
+        ));
+    }
+    let contact = staged.known()?;
+    let mut past = Past {
+        touched: past.touched != 0,
+        normal: Vector3::from_array(past.normal),
+        memory: Vector3::from_array(*memory),
+    };
+    let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
+    *memory = past.memory.to_array();
+    *out = force_of(None, &f);
+    Ok(())
 }

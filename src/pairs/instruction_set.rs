@@ -1,6 +1,30 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which instruction set the neighbour-list path runs on: chosen when a workspace is made, never in a step.
 
+use super::registers::Registers;
+
+/// A piece of work that is compiled for each instruction set.
+pub trait Stage {
+    /// Does it.
+    fn run<S: Registers>(self, registers: S);
+}
+
+/// What `pulp` calls with the instructions of a set turned on.
+#[cfg(target_arch = "x86_64")]
+struct InLanes<S, T> {
+    registers: S,
+    stage: T,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<S: Registers, T: Stage> pulp::NullaryFnOnce for InLanes<S, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        self.stage.run(self.registers)
+    }
+}
+
 /// An instruction set for the lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
@@ -34,6 +58,30 @@ impl InstructionSet {
             InstructionSet::Avx2 => "avx2",
             InstructionSet::Avx512 => "avx512",
         }
+    }
+
+    /// Runs a stage on this instruction set; on two lanes where this is none for lanes, or where the machine does not have it.
+    #[inline]
+    pub fn run<T: Stage>(self, stage: T) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use pulp::x86::{V1, V3, V4};
+            if self == InstructionSet::Avx512 {
+                if let Some(registers) = V4::try_new() {
+                    return registers.vectorize(InLanes { registers, stage });
+                }
+            }
+            if self == InstructionSet::Avx2 {
+                if let Some(registers) = V3::try_new() {
+                    return registers.vectorize(InLanes { registers, stage });
+                }
+            }
+            // Every machine of this target has it.
+            let registers = V1::try_new().expect("SSE2 is part of x86-64");
+            stage.run(registers)
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        stage.run(super::registers::Portable)
     }
 
     /// Whether this machine has it.

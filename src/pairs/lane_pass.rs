@@ -5,7 +5,7 @@
 
 use super::batch::{run as run_batch, separated_by, Batch, BatchResult, Common};
 use super::candidates::{Candidate, Candidates};
-use super::instruction_set::InstructionSet;
+use super::instruction_set::Stage;
 use super::neighbour_list::{NeighbourRow, NeighbourRows, Pass, Place};
 use super::particles::{Record, Records, Workspace};
 use super::registers::{Line, Registers, MOST_LANES};
@@ -18,52 +18,6 @@ const IMPROVEMENTS: usize = 2;
 const AHEAD: usize = 16;
 /// Marks a candidate that this step rejected.
 const REJECTED: u32 = u32::MAX;
-
-/// A part of a step that is compiled for each instruction set.
-trait Stage {
-    /// Does it.
-    fn run<S: Registers>(self, registers: S);
-}
-
-/// What `pulp` calls with the instructions of a set turned on.
-struct InLanes<S, T> {
-    registers: S,
-    stage: T,
-}
-
-impl<S: Registers, T: Stage> pulp::NullaryFnOnce for InLanes<S, T> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        self.stage.run(self.registers)
-    }
-}
-
-/// Runs a stage on an instruction set.
-fn dispatch<T: Stage>(instruction_set: InstructionSet, stage: T) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use pulp::x86::{V1, V3, V4};
-        if instruction_set == InstructionSet::Avx512 {
-            if let Some(registers) = V4::try_new() {
-                return registers.vectorize(InLanes { registers, stage });
-            }
-        }
-        if instruction_set == InstructionSet::Avx2 {
-            if let Some(registers) = V3::try_new() {
-                return registers.vectorize(InLanes { registers, stage });
-            }
-        }
-        // Every machine of this target has it.
-        let registers = V1::try_new().expect("SSE2 is part of x86-64");
-        stage.run(registers)
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        let _ = instruction_set;
-        stage.run(super::registers::Portable)
-    }
-}
 
 /// See [`Pass::find_candidates`].
 struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows> {
@@ -182,8 +136,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let pass = &mut self;
         if !candidates.are_valid() {
             let records = &particles.records[..];
-            dispatch(
-                set,
+            set.run(
                 FindCandidates {
                     pass: &mut *pass,
                     records,
@@ -194,8 +147,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         if let Some(t) = pass.tallies.as_deref_mut() {
             t.pairs += candidates.listed;
         }
-        dispatch(
-            set,
+        set.run(
             Reject {
                 pass: &mut *pass,
                 records: &particles.records,
@@ -204,8 +156,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         );
         if candidates.spheres {
             // The conservative law adds nothing to a force between spheres.
-            dispatch(
-                set,
+            set.run(
                 Contacts::<R, FRICTION, RATE, false, true> {
                     pass: &mut *pass,
                     particles: &mut *particles,
@@ -213,8 +164,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 },
             );
         } else {
-            dispatch(
-                set,
+            set.run(
                 Contacts::<R, FRICTION, RATE, CONSERVATIVE, false> {
                     pass: &mut *pass,
                     particles: &mut *particles,

@@ -57,6 +57,11 @@ impl<S: Registers> Lanes<S> {
             value: registers.load(line),
         }
     }
+    /// Writes the first lanes of a line.
+    #[inline(always)]
+    pub fn store(self, line: &mut Line) {
+        self.registers.store(self.value, line);
+    }
 }
 
 macro_rules! operation {

@@ -29,6 +29,19 @@ pub struct Features {
     pub hale: bool,
 }
 
+impl Features {
+    fn of(table: &[PairLaw]) -> Features {
+        let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
+        Features {
+            friction: any(&|l| l.kinds.tangential != Tangential::None),
+            viscous: any(&|l| l.kinds.relaxation || l.kinds.restitution),
+            conservative: any(&|l| l.kinds.conservative),
+            mass: any(&|l| l.kinds.restitution),
+            hale: any(&|l| l.kinds.hale),
+        }
+    }
+}
+
 impl Laws {
     /// From the parameters of `types * types` ordered pairs, row by row; `None` where a pair was not given. `I J` may
     /// be given as either; a pair not given is mixed from `I I` and `J J`.
@@ -65,15 +78,8 @@ impl Laws {
                 );
             }
         }
-        let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
-        let features = Features {
-            friction: any(&|l| l.kinds.tangential != Tangential::None),
-            viscous: any(&|l| l.kinds.relaxation || l.kinds.restitution),
-            conservative: any(&|l| l.kinds.conservative),
-            mass: any(&|l| l.kinds.restitution),
-            hale: any(&|l| l.kinds.hale),
-        };
-        let rescaled = any(&|l| {
+        let features = Features::of(&table);
+        let rescaled = table.iter().any(|l| {
             l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Rescaled
         });
         Ok(Laws {
@@ -82,6 +88,34 @@ impl Laws {
             layout: HistoryLayout::new(cached_normal, features.friction, rescaled),
             features,
         })
+    }
+
+    /// The same laws with other coefficients of friction, `types * types` of them, row by row: for engines that give
+    /// friction per pair of types and all else per type. A pair with 0 has no tangential law; one that had none keeps none.
+    /// The layout of the history stays.
+    ///
+    /// # Errors
+    /// A coefficient that is negative or not finite; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn with_friction(&self, friction: &[f64]) -> Result<Laws, ParameterError> {
+        assert_eq!(friction.len(), self.table.len());
+        let mut laws = self.clone();
+        for (k, (law, &mu)) in laws.table.iter_mut().zip(friction).enumerate() {
+            if !(mu >= 0.0 && mu.is_finite()) {
+                let (i, j) = (k / self.types + 1, k % self.types + 1);
+                return Err(ParameterError(format!(
+                    "types {i} and {j}: friction = {mu} must be at least 0"
+                )));
+            }
+            law.constants.friction = mu;
+            if mu == 0.0 {
+                law.kinds.tangential = Tangential::None;
+            }
+        }
+        laws.features = Features::of(&laws.table);
+        Ok(laws)
     }
 
     /// Number of types.

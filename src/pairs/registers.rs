@@ -31,6 +31,8 @@ pub trait Registers: Copy {
     fn splat(self, value: f64) -> Self::Vector;
     /// The first lanes of a line.
     fn load(self, line: &Line) -> Self::Vector;
+    /// The reverse of `load`.
+    fn store(self, a: Self::Vector, line: &mut Line);
     /// `a + b`.
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a - b`.
@@ -95,6 +97,10 @@ impl Registers for pulp::x86::V4 {
     #[inline(always)]
     fn load(self, line: &Line) -> Self::Vector {
         pulp::cast(line.0)
+    }
+    #[inline(always)]
+    fn store(self, a: Self::Vector, line: &mut Line) {
+        line.0 = pulp::cast(a);
     }
     #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
@@ -316,6 +322,11 @@ impl Registers for pulp::x86::V3 {
         pulp::cast(halves[0])
     }
     #[inline(always)]
+    fn store(self, a: Self::Vector, line: &mut Line) {
+        let halves: &mut [[f64; 4]; 2] = pulp::bytemuck::cast_mut(&mut line.0);
+        halves[0] = pulp::cast(a);
+    }
+    #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
         self.avx._mm256_add_pd(a, b)
     }
@@ -503,6 +514,11 @@ impl Registers for pulp::x86::V1 {
         self.sse2._mm_set_pd(line.0[1], line.0[0])
     }
     #[inline(always)]
+    fn store(self, a: Self::Vector, line: &mut Line) {
+        let [first, ..]: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut line.0);
+        *first = pulp::cast(a);
+    }
+    #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
         self.sse2._mm_add_pd(a, b)
     }
@@ -642,6 +658,11 @@ impl Registers for Portable {
     #[inline(always)]
     fn load(self, line: &Line) -> [f64; 2] {
         [line.0[0], line.0[1]]
+    }
+    #[inline(always)]
+    fn store(self, a: [f64; 2], line: &mut Line) {
+        line.0[0] = a[0];
+        line.0[1] = a[1];
     }
     #[inline(always)]
     fn add(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

@@ -6,7 +6,7 @@ use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
 use super::neighbour_list::{contact_of, factors_for, hale_holds, touch};
-use super::one_contact::{HaleRatio, OneContact};
+use super::one_contact::HaleRatio;
 use super::particles::{effective_mass, Particle};
 use super::Step;
 use crate::force::conservative::{
@@ -15,7 +15,7 @@ use crate::force::conservative::{
 };
 use crate::force::hertz_factors;
 use crate::force::{PairLaw, Tangential};
-use crate::geometry::{relative_curvature, Outcome, Symmetric2, Tangent, Vector2, Vector3};
+use crate::geometry::{Outcome, Symmetric2, Tangent, Vector2, Vector3};
 
 /// The surface of a wall where a body touches it.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,17 @@ pub struct WallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there.
     pub velocity: Vector3,
+}
+
+/// What is remembered of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Past {
+    /// Whether the bodies touched at the last step.
+    pub touched: bool,
+    /// The normal then.
+    pub normal: Vector3,
+    /// The tangential displacement; written.
+    pub memory: Vector3,
 }
 
 /// A contact whose geometry is known.
@@ -127,22 +138,19 @@ impl StagedContact {
         self.wall.is_some()
     }
 
-    /// The geometry; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
-    pub fn geometry(&self, centre_i: Vector3, share_i: f64) -> OneContact {
-        let x = &self.x;
-        let curvature = relative_curvature(self.curvature, &x.tangent);
-        let witness_i = centre_i + x.s_i;
-        OneContact {
-            touching: true,
-            penetration: x.penetration,
-            normal: x.normal,
-            contact_point: witness_i - x.normal * (x.penetration * share_i),
-            witness_i,
-            witness_j: witness_i - x.normal * x.penetration,
-            curvature_a: curvature.a,
-            curvature_b: curvature.b,
-            major_direction: curvature.major_direction,
-        }
+    /// Penetration > 0.
+    pub fn penetration(&self) -> f64 {
+        self.x.penetration
+    }
+
+    /// Unit normal from `i` to `j`, or into the wall.
+    pub fn normal(&self) -> Vector3 {
+        self.x.normal
+    }
+
+    /// The contact point; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
+    pub fn contact_point(&self, centre_i: Vector3, share_i: f64) -> Vector3 {
+        centre_i + self.x.s_i - self.x.normal * (self.x.penetration * share_i)
     }
 
     /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
@@ -157,7 +165,11 @@ impl StagedContact {
     ///
     /// # Errors
     /// Only with `factors hale`.
-    pub fn normal(&self, law: &PairLaw, effective_mass: f64) -> Result<ContactForces, HaleRatio> {
+    pub fn normal_force(
+        &self,
+        law: &PairLaw,
+        effective_mass: f64,
+    ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
         law.kinds.tangential = Tangential::None;
         let x = Contact {
@@ -178,38 +190,77 @@ impl StagedContact {
         Ok(f)
     }
 
-    /// Tangential force and its torques alone, with this coefficient of friction. `continued`: whether the pair touched at
-    /// the last step; `normal_before`: its normal then; `memory`: the remembered displacement, written.
+    /// Tangential force and its torques alone, with this coefficient of friction.
     ///
     /// # Errors
     /// Only with `factors hale`.
-    #[allow(clippy::too_many_arguments)]
-    pub fn tangential(
+    pub fn tangential_force(
         &self,
         law: &PairLaw,
         friction: f64,
         effective_mass: f64,
         step: &Step,
-        continued: bool,
-        normal_before: Vector3,
-        memory: &mut Vector3,
+        past: &mut Past,
     ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
+        // The normal part is subtracted below: without its further terms.
+        law.kinds.conservative = false;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        f.force = f.tangential_force;
+        f.torque_i = -f.contact_point.cross(f.tangential_force);
+        f.torque_j = if self.is_wall() {
+            Vector3::ZERO
+        } else {
+            (f.contact_point - self.x.d).cross(f.tangential_force)
+        };
+        Ok(f)
+    }
+
+    /// Normal and tangential force together.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    pub fn whole_force(
+        &self,
+        law: &PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        past: &mut Past,
+    ) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        if law.kinds.conservative {
+            self.turn_with_wall(&law, &mut f);
+        }
+        Ok(f)
+    }
+
+    fn with_friction(
+        &self,
+        law: &mut PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        past: &mut Past,
+    ) -> Result<ContactForces, HaleRatio> {
         law.constants.friction = friction;
         if !(friction > 0.0) {
             law.kinds.tangential = Tangential::None;
         }
-        // The normal part is subtracted below: without its further terms.
-        law.kinds.conservative = false;
         let x = Contact {
             effective_mass,
             ..self.x
         };
-        let known = continued && (normal_before.norm_squared() - 1.0).abs() < 1e-6;
+        let known = past.touched && (past.normal.norm_squared() - 1.0).abs() < 1e-6;
         let remembered = Remembered {
-            continued,
-            normal: if known { normal_before } else { x.normal },
-            memory: if continued { *memory } else { Vector3::ZERO },
+            continued: past.touched,
+            normal: if known { past.normal } else { x.normal },
+            memory: if past.touched {
+                past.memory
+            } else {
+                Vector3::ZERO
+            },
             stiffness: 0.0,
             time: if step.advance_history {
                 step.time_step
@@ -217,15 +268,8 @@ impl StagedContact {
                 0.0
             },
         };
-        let mut f = self.forces::<true>(&law, &x, &remembered)?;
-        *memory = f.memory;
-        f.force = f.tangential_force;
-        f.torque_i = -f.contact_point.cross(f.tangential_force);
-        f.torque_j = if self.is_wall() {
-            Vector3::ZERO
-        } else {
-            (f.contact_point - x.d).cross(f.tangential_force)
-        };
+        let f = self.forces::<true>(law, &x, &remembered)?;
+        past.memory = f.memory;
         Ok(f)
     }
 

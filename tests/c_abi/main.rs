@@ -4,6 +4,7 @@
 #![allow(unsafe_code)]
 
 mod errors;
+mod friction;
 mod instruction_sets;
 mod lists;
 mod null_pointers;

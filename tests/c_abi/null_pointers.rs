@@ -168,6 +168,13 @@ fn laws() {
         is_null(ellgran_laws_new(1, null(), &1, 0, m), "parameters");
         is_null(ellgran_laws_new(1, &parameters, null(), 0, m), "is_set");
         is_null(ellgran_laws_new(1, &parameters, &1, 0, null_mut()), "laws");
+        let one = [0.5];
+        is_null(ellgran_laws_with_friction(null(), one.as_ptr(), m), "laws");
+        is_null(ellgran_laws_with_friction(laws.0, null(), m), "friction");
+        is_null(
+            ellgran_laws_with_friction(laws.0, one.as_ptr(), null_mut()),
+            "result",
+        );
         let (s, t) = (source.as_ptr(), target.pointer().cast());
         is_null(ellgran_history_swap(null(), s, t), "laws");
         is_null(ellgran_history_swap(laws.0, null(), t), "source");

@@ -4,7 +4,8 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
-use ellgran::c_api::particles::EllgranStep;
+use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::particles::*;
 use ellgran::c_api::planes::EllgranPlane;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
@@ -13,6 +14,12 @@ use ellgran::c_api::walls::*;
 use crate::scene::*;
 
 const FRICTION: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
+
+const PAST: EllgranStagedPast = EllgranStagedPast {
+    friction: 0.4,
+    touched: 0,
+    normal: [0.0; 3],
+};
 
 struct Staged(*mut EllgranStagedContact);
 
@@ -81,12 +88,13 @@ fn pointers_of_the_stages() {
     let laws = Laws::new(&[FRICTION]);
     let staged = Staged::new();
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
     let mut force = Untouched::<EllgranContactForce>::new();
     let mut normal = Untouched::<[f64; 3]>::new();
     let mut memory = Untouched::<[f64; 3]>::new();
     let mut radius = Untouched::<f64>::new();
     let (s, l, z) = (staged.0, laws.0, null_mut());
+    let mut crowd = Arrays::new(&[i, j], 2);
     let (g, f) = (geometry.pointer(), force.pointer());
     let (n, m) = (normal.pointer().cast(), memory.pointer().cast());
     // SAFETY: pointers are NULL or valid.
@@ -125,15 +133,33 @@ fn pointers_of_the_stages() {
         is_null(ellgran_staged_normal(null(), l, 1, 1, 1.0, f), "staged");
         is_null(ellgran_staged_normal(s, null(), 1, 1, 1.0, f), "laws");
         is_null(ellgran_staged_normal(s, l, 1, 1, 1.0, null_mut()), "force");
-        let b = start.as_ptr();
-        let call =
-            |s, l, step, b, m, f| ellgran_staged_tangential(s, l, 1, 1, 0.4, 1.0, step, 0, b, m, f);
-        is_null(call(null(), l, &STEP, b, m, f), "staged");
-        is_null(call(s, null(), &STEP, b, m, f), "laws");
-        is_null(call(s, l, null(), b, m, f), "step");
-        is_null(call(s, l, &STEP, null(), m, f), "normal_before");
-        is_null(call(s, l, &STEP, b, z, f), "memory");
-        is_null(call(s, l, &STEP, b, m, null_mut()), "force");
+        type Stage = unsafe extern "C" fn(
+            *const EllgranStagedContact,
+            *const EllgranLaws,
+            i32,
+            i32,
+            f64,
+            *const EllgranStep,
+            *const EllgranStagedPast,
+            *mut f64,
+            *mut EllgranContactForce,
+        ) -> i32;
+        for stage in [ellgran_staged_tangential as Stage, ellgran_staged_forces] {
+            let call = |s, l, step, b, m, f| stage(s, l, 1, 1, 1.0, step, b, m, f);
+            is_null(call(null(), l, &STEP, &PAST, m, f), "staged");
+            is_null(call(s, null(), &STEP, &PAST, m, f), "laws");
+            is_null(call(s, l, null(), &PAST, m, f), "step");
+            is_null(call(s, l, &STEP, null(), m, f), "past");
+            is_null(call(s, l, &STEP, &PAST, z, f), "memory");
+            is_null(call(s, l, &STEP, &PAST, m, null_mut()), "force");
+        }
+        let p = crowd.particles();
+        is_null(ellgran_staged_prepare(null_mut(), &p), "staged");
+        is_null(ellgran_staged_prepare(s, null()), "particles");
+        let call = |s, n, g| ellgran_staged_neighbours(s, 0, 1, 0.5, n, g);
+        is_null(call(null_mut(), n, g), "staged");
+        is_null(call(s, z, g), "cached_normal");
+        is_null(call(s, n, null_mut()), "geometry");
         ellgran_staged_free(null_mut());
     }
     geometry.check();
@@ -148,7 +174,7 @@ fn values_of_the_stages() {
     let laws = Laws::new(&[FRICTION]);
     let staged = Staged::new();
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
     let mut force = Untouched::<EllgranContactForce>::new();
     let mut memory = Untouched::<[f64; 3]>::new();
     let mut radius = Untouched::<f64>::new();
@@ -186,6 +212,28 @@ fn values_of_the_stages() {
                 &["particle 7", "semi-axis", "-1"],
             );
         }
+        let mut crowd = Arrays::new(&[i, wrong], 2);
+        let status = ellgran_staged_prepare(s, &crowd.particles());
+        fails(
+            status,
+            ELLGRAN_ERROR_PARTICLE,
+            &["particle 7", "semi-axis", "-1"],
+        );
+        // Nothing is prepared after a failure.
+        let status = ellgran_staged_neighbours(s, 0, 1, 0.5, start.as_mut_ptr(), g);
+        fails(status, argument, &["particles 0 and 1", "among the 0"]);
+        let mut crowd = Arrays::new(&[i, j], 2);
+        // Any type is right, and masses are not read.
+        crowd.types = vec![1, 3];
+        crowd.masses = vec![f64::NAN; 2];
+        ok(ellgran_staged_prepare(s, &crowd.particles()));
+        for (a, b) in [(0, 2), (2, 0), (usize::MAX, 1)] {
+            let words = [&format!("particles {a} and {b}")[..], "among the 2"];
+            let status = ellgran_staged_neighbours(s, a, b, 0.5, start.as_mut_ptr(), g);
+            fails(status, argument, &words);
+        }
+        let status = ellgran_staged_neighbours(s, 0, 1, 2.0, start.as_mut_ptr(), g);
+        fails(status, argument, &["share_i", "2"]);
         let changes: [fn(&mut EllgranWallSurface); 6] = [
             |w| w.normal = [0.0; 3],
             |w| w.normal[0] = f64::NAN,
@@ -227,7 +275,8 @@ fn values_of_the_stages() {
         }
         let m: *mut f64 = memory.pointer().cast();
         let call = |l, a, b, friction, step: &EllgranStep| {
-            ellgran_staged_tangential(s, l, a, b, friction, 1.0, step, 0, start.as_ptr(), m, f)
+            let past = EllgranStagedPast { friction, ..PAST };
+            ellgran_staged_tangential(s, l, a, b, 1.0, step, &past, m, f)
         };
         for (a, b, name) in [(0, 1, "type_i"), (1, 2, "type_j")] {
             fails(call(l, a, b, 0.4, &STEP), argument, &[name]);
@@ -275,13 +324,18 @@ fn stages_of_a_pair_add_up_to_the_contact() {
     for k in 0..20 {
         let bodies = random_bodies(40 + k);
         let (mut i, mut j) = (bodies[k as usize], bodies[k as usize + 1]);
-        let (mut start, mut memory, mut before) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-        let (mut touching, mut touched) = (0, 0);
+        let (mut start, mut beside) = ([0.0; 3], [0.0; 3]);
+        let (mut memory, mut memory_of_both) = ([0.0; 3], [0.0; 3]);
+        let mut past = PAST;
+        let mut touching = 0;
         let mut history = vec![0.0; laws.length()];
         for _ in 0..10 {
             let mut whole = Untouched::<EllgranContactForce>::new();
-            let mut geometry = Untouched::<EllgranContactGeometry>::new();
+            let mut geometry = Untouched::<EllgranStagedGeometry>::new();
+            let mut by_index = Untouched::<EllgranStagedGeometry>::new();
             let (mut normal, mut tangential) = (Untouched::new(), Untouched::new());
+            let mut both = Untouched::<EllgranContactForce>::new();
+            let mut arrays = Arrays::new(&[i, j], 2);
             // SAFETY: all pointers are valid; what is read was written on success.
             unsafe {
                 ok(ellgran_contact(
@@ -302,8 +356,25 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                     start.as_mut_ptr(),
                     geometry.pointer(),
                 ));
+                ok(ellgran_staged_prepare(staged.0, &arrays.particles()));
+                ok(ellgran_staged_neighbours(
+                    staged.0,
+                    0,
+                    1,
+                    0.5,
+                    beside.as_mut_ptr(),
+                    by_index.pointer(),
+                ));
                 assert_eq!((*geometry.pointer()).touching, touching);
+                assert_eq!((*by_index.pointer()).touching, touching);
+                assert_eq!(start, beside);
+                past.touched = past.touched.min(touching);
                 if touching == 1 {
+                    let (g, h) = (*geometry.pointer(), *by_index.pointer());
+                    assert_eq!(
+                        (g.penetration, g.normal, g.contact_point),
+                        (h.penetration, h.normal, h.contact_point)
+                    );
                     ok(ellgran_staged_normal(
                         staged.0,
                         laws.0,
@@ -317,27 +388,40 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                         laws.0,
                         1,
                         1,
-                        0.4,
                         1.0,
                         &STEP,
-                        touched,
-                        before.as_ptr(),
+                        &past,
                         memory.as_mut_ptr(),
                         tangential.pointer(),
                     ));
+                    ok(ellgran_staged_forces(
+                        staged.0,
+                        laws.0,
+                        1,
+                        1,
+                        1.0,
+                        &STEP,
+                        &past,
+                        memory_of_both.as_mut_ptr(),
+                        both.pointer(),
+                    ));
                     let (a, b): (EllgranContactForce, EllgranContactForce) =
                         (*normal.pointer(), *tangential.pointer());
-                    let w = *whole.pointer();
+                    let (c, w) = (*both.pointer(), *whole.pointer());
                     let sum = |x: [f64; 3], y: [f64; 3]| [0, 1, 2].map(|k| x[k] + y[k]);
                     let scale = size(w.force);
                     close(sum(a.force, b.force), w.force, scale);
                     close(sum(a.torque_i, b.torque_i), w.torque_i, scale);
                     close(sum(a.torque_j, b.torque_j), w.torque_j, scale);
                     close(b.displacement, w.displacement, 1.0);
+                    close(c.force, w.force, scale);
+                    close(c.torque_i, w.torque_i, scale);
+                    close(c.torque_j, w.torque_j, scale);
+                    close(memory, memory_of_both, size(memory));
+                    past.normal = g.normal;
                     seen += 1;
                 }
-                touched = touching;
-                before = (*geometry.pointer()).normal;
+                past.touched = touching;
             }
             let mut both = [i, j];
             advance(&mut both, STEP.time_step);
@@ -359,7 +443,7 @@ fn a_wall_in_stages_is_a_plane() {
     let mut i = random_bodies(1)[0];
     (i.position, i.kind) = ([0.0; 3], 1);
     i.semi_axes = [1.0, 1.2, 1.4];
-    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
     let mut force = Untouched::<EllgranContactForce>::new();
     let mut whole = Untouched::<EllgranContactForce>::new();
     let (mut touching, mut history) = (0, vec![0.0; laws.length()]);

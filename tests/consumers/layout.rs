@@ -13,7 +13,7 @@ use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::planes::EllgranPlane;
-use ellgran::c_api::staged::EllgranWallSurface;
+use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
 use ellgran::c_api::status::*;
 use ellgran::c_api::tallies::EllgranTallies;
 use ellgran::c_api::version::ELLGRAN_ABI_VERSION;
@@ -75,7 +75,7 @@ fn claims() -> Claims {
         }
         EllgranNeighbourList {
             count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, touching, history,
-            newton,
+            newton, unchanged,
         }
         EllgranParticles {
             owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
@@ -83,6 +83,8 @@ fn claims() -> Claims {
             identifier_bytes, forces, torques,
         }
         EllgranWallSurface { point, normal, direction, curvatures, turning_radii, velocity }
+        EllgranStagedGeometry { touching, penetration, normal, contact_point }
+        EllgranStagedPast { friction, touched, normal }
         EllgranWallContact { surface, triangle, weights }
         EllgranStep { time_step, advance_history }
         EllgranPlane { point, normal, velocity }

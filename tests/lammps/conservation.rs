@@ -370,7 +370,7 @@ fn other_laws_do_not_keep_energy_whatever_the_step() {
 #[test]
 fn both_versions_an_elastic_gas_keeps_its_energy() {
     let engine = Engine::from_environment();
-    let scene = crate::decomposition::crowd(64);
+    let scene = crate::harness::crowd(64);
     let drift = |conservative: &str, time_step: f64| {
         let steps = (0.02 / time_step).round() as u64;
         let deck = Deck {
@@ -415,7 +415,7 @@ fn both_versions_an_elastic_gas_keeps_its_energy() {
 fn both_versions_a_crowd_of_needles_stays_finite() {
     let engine = Engine::from_environment();
     for aspect in [10.0, 30.0] {
-        let mut scene = crate::decomposition::crowd(125);
+        let mut scene = crate::harness::crowd(125);
         for (k, g) in scene.grains.iter_mut().enumerate() {
             let thin = 0.03 / aspect;
             g.semi_axes = [0.03, thin, thin];

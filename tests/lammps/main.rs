@@ -4,8 +4,11 @@
 //! `cargo xtask test` builds LAMMPS and the plugin and names them in the environment; see `harness`.
 //! Tests whose name begins with `both_versions_` use nothing that LAMMPS 4 Feb 2025 lacks and are run against it too.
 
+#[path = "../support/engines/mod.rs"]
+mod engines;
 mod harness;
-mod shapes;
+
+use engines::shapes;
 
 mod conservation;
 mod contact_or_not;

@@ -3,9 +3,9 @@
 
 use std::fs;
 
-use crate::decomposition::{crowd, LAW};
+use crate::decomposition::LAW;
 use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
-use crate::harness::{run, Deck, Engine, Scene};
+use crate::harness::{crowd, run, Deck, Engine, Scene};
 use crate::shapes::{dot, length, scale, sub, Vector};
 
 /// `compute pair/local` and thermo output of golden pairs, through `single()`.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Does a restart in the middle of contacts go on as if nothing had happened, with coefficients and history from the file?
 
-use crate::decomposition::{crowd, LAW};
+use crate::decomposition::LAW;
 use crate::harness::{
-    attempt_in, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome, Scene,
+    attempt_in, crowd, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome, Scene,
 };
 
 const HALF: u64 = 150;

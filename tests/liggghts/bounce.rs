@@ -3,8 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, ELASTIC};
-use crate::lammps::{Grain, Scene};
+use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Scene, ELASTIC};
 use crate::meshes::sheet;
 use crate::shapes::{about, Vector};
 
@@ -66,8 +65,8 @@ fn energy_is_kept_to_the_order_of_the_integrator() {
                 "{name}: no complete bounce"
             );
             let rows = outcome.thermo();
-            let energy = |row: &[f64]| row[1] + row[2];
-            energy(rows.last().unwrap()) / energy(&rows[0]) - 1.0
+            let energy = |k: usize| rows[k]["KinEng"] + rows[k]["spin"];
+            energy(rows.len() - 1) / energy(0) - 1.0
         };
         let (coarse, fine) = (error(8e-7), error(2e-7));
         println!("{name}: energy error {coarse:.1e} at 0.8 us, {fine:.1e} at 0.2 us");

@@ -2,8 +2,7 @@
 //! Inside a cylinder: force and torque of transverse and oblique needles, against a reference that shares no code with the
 //! library: the surface of the ellipsoid is searched for its greatest distances from the axis, curvatures are differences.
 
-use crate::harness::{run, Deck, Engine, ELASTIC};
-use crate::lammps::{Grain, Scene};
+use crate::harness::{run, Deck, Engine, Grain, Scene, ELASTIC};
 use crate::shapes::{
     about, add, cross, dot, force_factor, length, rotate, scale, sub, unit, unrotate, Quaternion,
     Vector,

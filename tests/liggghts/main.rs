@@ -4,23 +4,28 @@
 //! ELLGRAN_TEST_LIGGGHTS names the patched binary (`cargo xtask path liggghts`), ELLGRAN_TEST_MPIRUN the launcher. One test also
 //! runs LAMMPS, see `tests/lammps`.
 
+#[path = "../support/engines/mod.rs"]
+mod engines;
 mod harness;
 #[allow(dead_code)]
 #[path = "../lammps/harness.rs"]
 mod lammps;
-#[allow(dead_code)]
-#[path = "../lammps/shapes.rs"]
-mod shapes;
 #[path = "../support/mod.rs"]
 mod support;
+
+use engines::shapes;
 
 mod bounce;
 mod cylinder;
 mod decomposition;
 mod golden_pairs;
 mod installer;
+mod mesh_edges;
+mod mesh_ranks;
 mod meshes;
 mod misuse;
+mod moving_walls;
+mod pair_loops;
 mod restart;
 mod same_motion;
 mod spheres;

@@ -4,8 +4,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, ELASTIC};
-use crate::lammps::{Grain, Scene};
+use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Scene, ELASTIC};
 use crate::shapes::{about, length, sub, surface_point, Quaternion, IDENTITY};
 
 pub const HALF: f64 = 0.06;
@@ -149,5 +148,6 @@ fn sliding_over_triangles_is_sliding_on_a_plane() {
     let speed = length(sub(plane.velocity, mesh.velocity)) / length(plane.velocity);
     println!("slid {way:.4} m over {:.0} triangles' width; positions apart by {apart:.1e}, velocities by {speed:.1e}", way / (2.0 * HALF / 48.0));
     assert!(way > 3.0 * 2.0 * HALF / 48.0);
-    assert!(apart < 1e-6 && speed < 1e-6);
+    // what a triangle forgets of the tangential displacement shows at 1e-7
+    assert!(apart < 1e-11 && speed < 1e-11);
 }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Does everything that cannot be right stop with a message that names it?
 
-use crate::harness::{attempt, Deck, Engine, ELASTIC};
-use crate::lammps::{last_lines, Grain, Scene};
+use crate::harness::{attempt, last_lines, Deck, Engine, Grain, Scene, ELASTIC};
 
 fn pair() -> Scene {
     let grain = |z: f64| Grain {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Do the same collisions of two grains end with the same velocities and spins in LIGGGHTS and in LAMMPS?
 
-use crate::harness::{run, Deck, Engine, Material, ELASTIC};
+use crate::harness::{run, Deck, Engine, Grain, Material, Scene, ELASTIC};
 use crate::lammps;
-use crate::lammps::{Grain, Scene};
 use crate::shapes::{add, length, scale, sub, surface_point, unit, Random, Vector};
 
 /// Two grains of this aspect ratio that are about to touch at random surface points.

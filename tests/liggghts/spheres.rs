@@ -2,8 +2,7 @@
 //! Do our models give the same collision of spheres under `surface default` and `surface ellipsoid`, and is LIGGGHTS' own
 //! Hertz on our geometry the same as on its own spheres?
 
-use crate::harness::{run, Deck, Engine, Material, ELASTIC};
-use crate::lammps::{Frame, Grain, Scene};
+use crate::harness::{run, Deck, Engine, Frame, Grain, Material, Scene, ELASTIC};
 use crate::shapes::{length, sub};
 
 fn scene() -> Scene {

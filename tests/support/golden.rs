@@ -6,6 +6,7 @@ use ellgran::pairs::Body;
 
 const ASPECT_10: &str = include_str!("../../validation/reference/pairs_aspect_10.csv");
 const ASPECT_100: &str = include_str!("../../validation/reference/pairs_aspect_100.csv");
+const ASPECT_1000: &str = include_str!("../../validation/reference/pairs_aspect_1000.csv");
 const FACTORS: &str = include_str!("../../validation/reference/hertz_factors.csv");
 
 /// A table with named columns.
@@ -99,11 +100,12 @@ pub struct GoldenPair {
     pub conservative: Wrench,
 }
 
-/// Pairs of aspect ratio up to 10 or up to 100.
+/// Pairs of aspect ratio up to 10, 100 or 1000.
 pub fn pairs(aspect: usize) -> Vec<GoldenPair> {
     let table = read(match aspect {
         10 => ASPECT_10,
         100 => ASPECT_100,
+        1000 => ASPECT_1000,
         _ => panic!("no table for aspect ratio {aspect}"),
     });
     let convert = |row: &Vec<f64>| {

@@ -12,31 +12,68 @@ use crate::process::{ninja, output_of, run_logged};
 use crate::progress::say;
 use crate::{apt_source, cache, setup, tarball, workspace};
 
-const VERSION: &str = "3.8.0";
+pub const VERSION: &str = "3.8.0";
 const SUITES: [&str; 3] = ["bookworm", "trixie", "sid"];
 const SOURCE_VARIABLE: &str = "ELLGRAN_LIGGGHTS_SOURCE";
 
-/// Its own makefile's optimisation. The sources are older than C++11, and warn by the thousand. VTK and JPEG are
-/// left out, so that the same binary comes out everywhere.
-const CONFIGURATION: [&str; 5] = [
+/// VTK and JPEG are left out, so that the same binary comes out everywhere.
+const CONFIGURATION: [&str; 4] = [
     "-DCMAKE_BUILD_TYPE=None",
-    "-DCMAKE_CXX_FLAGS=-O2 -funroll-loops -std=gnu++98 -w -fPIC",
     "-DCMAKE_DISABLE_FIND_PACKAGE_VTK=on",
     "-DCMAKE_DISABLE_FIND_PACKAGE_JPEG=on",
     // Its CMakeLists.txt asks for a CMake older than new ones will imitate unasked.
     "-DCMAKE_POLICY_VERSION_MINIMUM=3.5",
 ];
 
+/// How the compiler optimises. Each has a build tree and a binary of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Optimisation {
+    /// That of LIGGGHTS' own makefile.
+    O2,
+    /// For comparisons of speed.
+    O3,
+}
+
+impl Optimisation {
+    pub fn flag(self) -> &'static str {
+        match self {
+            Optimisation::O2 => "-O2",
+            Optimisation::O3 => "-O3",
+        }
+    }
+
+    /// The sources are older than C++11, and warn by the thousand.
+    fn compiler_flags(self) -> String {
+        format!(
+            "-DCMAKE_CXX_FLAGS={} -funroll-loops -std=gnu++98 -w -fPIC",
+            self.flag()
+        )
+    }
+
+    /// Appended to the names of build tree and binary.
+    fn suffix(self) -> &'static str {
+        match self {
+            Optimisation::O2 => "",
+            Optimisation::O3 => "-O3",
+        }
+    }
+}
+
+/// The patched binary, as the makefile of LIGGGHTS optimises it.
+pub fn binary() -> Result<PathBuf> {
+    binary_with(Optimisation::O2)
+}
+
 /// The patched binary. The tree that it is built in is kept, so that a change of ours costs a few files' compilation;
 /// the binary is copied out of it, so that another checkout's build does not change it underfoot.
-pub fn binary() -> Result<PathBuf> {
+pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
     setup::setup()?;
     let (source, name) = source()?;
     let library = library()?;
     let _lock = cache::lock(&format!("liggghts-build-{name}"))?;
     let home = cache::directory()?.join(format!("liggghts-{name}"));
     let tree = home.join("patched");
-    let build = home.join("build");
+    let build = home.join(format!("build{}", optimisation.suffix()));
     fs::create_dir_all(&build)?;
     cache::need_space(&build, 1000)?;
     copy_tree(&source, &tree)?;
@@ -53,7 +90,8 @@ pub fn binary() -> Result<PathBuf> {
         .context("the contact models cannot be installed")?;
     if !build.join("liggghts").is_file() {
         say(format!(
-            "Building LIGGGHTS {name} in {} (once; 5 minutes on two cores)",
+            "Building LIGGGHTS {name} with {} in {} (once; 5 minutes on two cores)",
+            optimisation.flag(),
             build.display()
         ));
     }
@@ -65,6 +103,7 @@ pub fn binary() -> Result<PathBuf> {
         .arg(&build)
         .args(["-G", "Ninja"])
         .args(CONFIGURATION)
+        .arg(optimisation.compiler_flags())
         .arg(format!(
             "-DELLGRAN_LIBRARY={}",
             ours.join("libellgran.a").display()
@@ -80,7 +119,7 @@ pub fn binary() -> Result<PathBuf> {
     .context("LIGGGHTS cannot be built")?;
     let directory = workspace::target_directory()?.join("liggghts");
     fs::create_dir_all(&directory)?;
-    let binary = directory.join("liggghts");
+    let binary = directory.join(format!("liggghts{}", optimisation.suffix()));
     copy_changed(&build.join("liggghts"), &binary)?;
     Ok(binary)
 }

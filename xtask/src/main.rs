@@ -5,14 +5,17 @@ mod apt_source;
 mod bench;
 mod cache;
 mod demo;
+mod engine_forces;
 mod header;
 mod install;
 mod lammps;
 mod library;
 mod liggghts;
+mod packed_grains;
 mod plugin;
 mod process;
 mod progress;
+mod report;
 mod setup;
 mod tarball;
 mod test;
@@ -58,6 +61,8 @@ enum Task {
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
     Bench(bench::Options),
+    /// Error against run time: Hertz factors, contact search, whole force, time step
+    Report(report::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -96,6 +101,7 @@ fn run(task: Task) -> Result<()> {
         Task::Install(options) => install::install(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
+        Task::Report(options) => report::report(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())

@@ -111,9 +111,17 @@ pub fn output_of(command: &mut Command) -> Result<String> {
         .output()
         .with_context(|| format!("cannot start: {described}"))?;
     if !output.status.success() {
+        // Engines say what is wrong on standard output.
+        let said = String::from_utf8_lossy(&output.stdout);
+        let last: Vec<&str> = said.lines().rev().take(TAIL_LINES).collect();
         bail!(
-            "{}: {described}\n{}",
+            "{}: {described}\n{}{}",
             output.status,
+            last.into_iter()
+                .rev()
+                .filter(|line| line.starts_with("ERROR"))
+                .map(|line| format!("{line}\n"))
+                .collect::<String>(),
             String::from_utf8_lossy(&output.stderr).trim_end()
         );
     }

@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{bench, demo, header, install, lammps, liggghts, plugin, setup};
+use crate::{bench, demo, header, install, lammps, liggghts, plugin, report, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -87,9 +87,13 @@ pub fn test(options: &Options) -> Result<()> {
     }
     steps.run("core, C and CMake consumers", || run_open(&mut core))?;
     if options.filter.is_none() {
-        steps.run("bench, quick", || {
+        steps.run("bench, quick kernels", || {
             let output = tempfile::tempdir()?;
             bench::quick_kernels(output.path())
+        })?;
+        steps.run("report, quick, without engines", || {
+            let output = tempfile::tempdir()?;
+            report::quick(output.path(), false)
         })?;
     }
     if !options.quick {
@@ -144,6 +148,14 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         })?;
     }
     if filter.is_empty() {
+        steps.run("bench, quick, through both engines", || {
+            let output = tempfile::tempdir()?;
+            bench::quick_scene(output.path())
+        })?;
+        steps.run("report, quick, through both engines", || {
+            let output = tempfile::tempdir()?;
+            report::quick(output.path(), true)
+        })?;
         steps.run("demo", || {
             let output = tempfile::tempdir()?;
             demo::run(demo::Which::Lammps, output.path())

@@ -14,7 +14,7 @@ pub struct Bar {
 }
 
 const LINE: f64 = 22.0;
-const LEFT: f64 = 230.0;
+const LEFT: f64 = 350.0;
 const WIDTH: f64 = 520.0;
 
 /// `title` is the conclusion to draw from the picture; `unit` names what the bars measure.

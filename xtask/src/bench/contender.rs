@@ -1,15 +1,35 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The pair styles that are compared, and their words for the same material.
+//! The pair styles and contact models that are compared, and their words for the same material.
 
 use super::packing::{CONTACT_RADIUS, MATERIAL, VOLUME};
+use crate::liggghts::Optimisation;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contender {
-    /// On an instruction set.
+    /// In LAMMPS, on an instruction set.
     Ours(&'static str),
     Superellipsoid,
     Spheres,
+    Liggghts(Model, Optimisation),
 }
+
+/// Contact models of LIGGGHTS.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Model {
+    /// Ours.
+    Nfd,
+    /// LIGGGHTS' own Hertz on our geometry.
+    HertzOnEllipsoids,
+    Superquadric,
+    MeanCurvature,
+    GaussianCurvature,
+    Spheres,
+}
+
+/// Of the contact models that take one; NFD takes viscosities.
+const RESTITUTION: f64 = 0.9;
+/// Beyond every radius of curvature of the scenes: without it LIGGGHTS takes the radius of the sphere of equal volume.
+const CURVATURE_LIMIT: f64 = 1e3;
 
 impl Contender {
     pub fn label(self) -> String {
@@ -17,6 +37,9 @@ impl Contender {
             Contender::Ours(set) => format!("gran/ellipsoid, {set}"),
             Contender::Superellipsoid => "granular/superellipsoid".into(),
             Contender::Spheres => "granular, spheres".into(),
+            Contender::Liggghts(model, optimisation) => {
+                format!("LIGGGHTS {}, {}", optimisation.flag(), model.label())
+            }
         }
     }
 
@@ -28,18 +51,29 @@ impl Contender {
     }
 
     pub fn spheres(self) -> bool {
-        self == Contender::Spheres
+        matches!(
+            self,
+            Contender::Spheres | Contender::Liggghts(Model::Spheres, _)
+        )
+    }
+
+    /// Seconds that a step of a grain of a dense packing may take: the length of runs is guessed by it.
+    pub fn cost(self) -> f64 {
+        match self {
+            Contender::Ours("scalar") => 2.5e-6,
+            Contender::Ours(_) => 1e-6,
+            Contender::Superellipsoid => 15e-6,
+            Contender::Spheres => 0.5e-6,
+            Contender::Liggghts(Model::Spheres, _) => 1e-6,
+            Contender::Liggghts(Model::Nfd | Model::HertzOnEllipsoids, _) => 5e-6,
+            Contender::Liggghts(..) => 10e-6,
+        }
     }
 
     /// Variables of run.lmp.
     pub fn variables(self) -> Vec<(&'static str, String)> {
         let mass = Some(MATERIAL.mass(VOLUME));
         let (atoms, style, law) = match self {
-            Contender::Ours(_) => (
-                "ellipsoid",
-                "gran/ellipsoid",
-                MATERIAL.with_friction(&MATERIAL.viscoelastic()),
-            ),
             Contender::Superellipsoid => (
                 "superellipsoid",
                 "granular/superellipsoid",
@@ -49,6 +83,11 @@ impl Contender {
                 "sphere",
                 "granular",
                 MATERIAL.granular(mass, MATERIAL.friction),
+            ),
+            Contender::Ours(_) | Contender::Liggghts(..) => (
+                "ellipsoid",
+                "gran/ellipsoid",
+                MATERIAL.with_friction(&MATERIAL.viscoelastic()),
             ),
         };
         vec![
@@ -72,5 +111,63 @@ impl Contender {
             }
         }
         sets
+    }
+}
+
+impl Model {
+    pub fn label(self) -> &'static str {
+        match self {
+            Model::Nfd => "nfd, tfd, surface ellipsoid",
+            Model::HertzOnEllipsoids => "hertz, history, surface ellipsoid",
+            Model::Superquadric => "superquadric",
+            Model::MeanCurvature => "superquadric, mean curvature",
+            Model::GaussianCurvature => "superquadric, Gaussian curvature",
+            Model::Spheres => "spheres",
+        }
+    }
+
+    pub fn atoms(self) -> &'static str {
+        match self {
+            Model::Spheres => "sphere",
+            _ => "superquadric",
+        }
+    }
+
+    /// After `pair_style gran model`.
+    pub fn words(self) -> String {
+        let hertz = "hertz tangential history surface";
+        match self {
+            Model::Nfd => "nfd tangential tfd surface ellipsoid".into(),
+            Model::HertzOnEllipsoids => format!("{hertz} ellipsoid"),
+            Model::Superquadric => format!("{hertz} superquadric"),
+            Model::MeanCurvature => format!(
+                "{hertz} superquadric meanCurvature yes curvatureLimitFactor {CURVATURE_LIMIT}"
+            ),
+            Model::GaussianCurvature => format!(
+                "{hertz} superquadric gaussianCurvature yes curvatureLimitFactor {CURVATURE_LIMIT}"
+            ),
+            Model::Spheres => format!("{hertz} default"),
+        }
+    }
+
+    /// The same for a force that is to be compared with Hertz' alone.
+    pub fn normal_words(self) -> String {
+        match self {
+            Model::Nfd => format!("{} conservative off", self.words()),
+            _ => self.words(),
+        }
+    }
+
+    /// Variables of run.lig.
+    pub fn variables(self) -> Vec<(&'static str, String)> {
+        vec![
+            ("atoms", self.atoms().into()),
+            ("model", self.words()),
+            ("e", MATERIAL.youngs_modulus.to_string()),
+            ("nu", MATERIAL.poissons_ratio.to_string()),
+            ("eta", MATERIAL.viscosity.to_string()),
+            ("mu", MATERIAL.friction.to_string()),
+            ("r", RESTITUTION.to_string()),
+        ]
     }
 }

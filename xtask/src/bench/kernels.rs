@@ -32,7 +32,10 @@ impl Row {
     }
 }
 
-pub fn run(output: &Path, effort: &Effort) -> Result<Vec<Row>> {
+pub fn run(effort: &Effort) -> Result<Vec<Row>> {
+    // What criterion leaves is nothing for a reader.
+    let output = workspace::target_directory()?.join("bench");
+    fs::create_dir_all(&output)?;
     let facts = output.join("kernel-facts.csv");
     let home = output.join("criterion");
     // Nothing of an earlier run may be taken for this one's.
@@ -116,7 +119,7 @@ pub fn tables(rows: &[Row]) -> Vec<Table> {
 fn laws(rows: &[Row]) -> Table {
     const PREFIX: &str = "pairs, ";
     let sets = Contender::instruction_sets();
-    let mut head = vec!["law".to_string(), "history per pair (bytes)".to_string()];
+    let mut head = vec!["law".to_string(), "history per contact (bytes)".to_string()];
     for set in &sets {
         head.push(format!("{set} (ns per touching pair)"));
         head.push(format!("{set}, saved (%)"));

@@ -11,8 +11,8 @@ use crate::progress::say;
 use crate::{lammps, plugin, setup, workspace};
 
 pub struct Lammps {
-    binary: PathBuf,
-    plugin: PathBuf,
+    pub binary: PathBuf,
+    pub plugin: PathBuf,
     /// The release, as LAMMPS spells it.
     pub release: String,
     /// Has it `pair_style granular/superellipsoid`, which came in 2026?
@@ -78,15 +78,8 @@ impl Lammps {
     ) -> Result<String> {
         let deck = workspace::root().join("examples/lammps/bench").join(deck);
         let directory = tempfile::tempdir()?;
-        let mut command = match (&self.taskset, ranks) {
-            (Some(taskset), 1) => {
-                let mut command = Command::new(taskset);
-                // Not the first core, which serves most interrupts.
-                let core = usize::from(crate::process::jobs() > 1);
-                command.args(["-c", &core.to_string()]).arg(&self.binary);
-                command
-            }
-            (None, 1) => Command::new(&self.binary),
+        let mut command = match ranks {
+            1 => on_one_core(self.taskset.as_deref(), &self.binary),
             _ => {
                 let mut command = Command::new(setup::mpirun()?);
                 command
@@ -112,6 +105,18 @@ impl Lammps {
         }
         output_of(&mut command).with_context(|| format!("LAMMPS stopped in {}", deck.display()))
     }
+}
+
+/// Pinned to a core with `taskset`, where there is one.
+pub fn on_one_core(taskset: Option<&Path>, binary: &Path) -> Command {
+    let Some(taskset) = taskset else {
+        return Command::new(binary);
+    };
+    let mut command = Command::new(taskset);
+    // Not the first core, which serves most interrupts.
+    let core = usize::from(crate::process::jobs() > 1);
+    command.args(["-c", &core.to_string()]).arg(binary);
+    command
 }
 
 /// The words of variables that name a file.

@@ -1,46 +1,67 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Speed: kernels, scenes in LAMMPS beside the built-in styles, ranks and sizes; tables, CSV and pictures.
+//! Speed: kernels, scenes in LAMMPS and LIGGGHTS beside the built-in styles, ranks and sizes; tables, CSV and pictures.
 
 mod bars;
-mod contender;
+pub mod contender;
+mod force_error;
 mod kernels;
-mod lammps_run;
-mod machine;
-mod packing;
+pub mod lammps_run;
+pub mod liggghts_run;
+pub mod machine;
+pub mod packing;
 mod scaling;
-mod scenes;
-mod statistics;
+pub mod scenes;
+pub mod statistics;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{bail, Context, Result};
 
 use self::bars::Bar;
-use self::contender::Contender;
-use self::scenes::{Scene, QUICK_SCENES, SCENES};
-use crate::demo::chart::{GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID};
+use self::contender::{Contender, Model};
+use self::scenes::{Engines, Scene, QUICK_SCENES, SCENES};
+use crate::demo::chart::{GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT};
 use crate::demo::table::Table;
+use crate::liggghts::Optimisation;
 use crate::progress::{human_time, say};
 use crate::{setup, workspace};
 
 #[derive(clap::Args)]
 pub struct Options {
-    /// Small scenes, short runs: under two minutes once engine and packings are there
+    /// Small scenes, short runs: under two minutes once engines and packings are there
     #[arg(long)]
     quick: bool,
     /// Only this: kernels, scaling, or a scene by its name (repeat for more)
     #[arg(long)]
     scene: Vec<String>,
+    /// Only this engine's pair styles in the scenes [default: both; packings are always made by LAMMPS]
+    #[arg(long)]
+    engine: Option<Engine>,
     /// Where tables, CSV and pictures go [default: bench-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
 }
 
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum Engine {
+    Lammps,
+    Liggghts,
+}
+
+/// What is measured.
+#[derive(Default)]
+struct Choice<'a> {
+    quick: bool,
+    only: &'a [String],
+    engine: Option<Engine>,
+}
+
 /// How long measurements take.
 pub struct Effort {
     pub quick: bool,
-    /// Runs of each pair style, in turns.
+    /// Runs of each contender, in turns.
     pub rounds: usize,
     /// A run's wished length, s.
     pub seconds: f64,
@@ -48,20 +69,90 @@ pub struct Effort {
 
 const KERNELS: &str = "kernels";
 const SCALING: &str = "scaling";
+const SCENES_FILE: &str = "scenes";
+const SCENES_PICTURE: &str = "scenes.svg";
+const GRAINS_PICTURE: &str = "grains.svg";
 
 pub fn bench(options: &Options) -> Result<()> {
     let output = match &options.output {
         Some(output) => output.clone(),
         None => workspace::root().join("bench-output"),
     };
-    run(&output, options.quick, &options.scene)
+    run(
+        &output,
+        &Choice {
+            quick: options.quick,
+            only: &options.scene,
+            engine: options.engine,
+        },
+    )
 }
 
 /// The kernels alone, shortly: for the tests.
 pub fn quick_kernels(output: &Path) -> Result<()> {
-    run(output, true, &[KERNELS.to_string()])?;
-    let table = fs::read_to_string(output.join("table.md"))?;
-    for word in ["full law", "elastic, no friction", "one contact at a time"] {
+    run(
+        output,
+        &Choice {
+            quick: true,
+            only: &[KERNELS.to_string()],
+            ..Choice::default()
+        },
+    )?;
+    holds_words(
+        output,
+        &["full law", "elastic, no friction", "one contact at a time"],
+    )
+}
+
+/// The small dense scene through both engines, shortly: for the tests.
+pub fn quick_scene(output: &Path) -> Result<()> {
+    run(
+        output,
+        &Choice {
+            quick: true,
+            only: &[QUICK_SCENES[0].name.to_string()],
+            ..Choice::default()
+        },
+    )?;
+    holds_words(
+        output,
+        &[
+            "gran/ellipsoid, scalar",
+            "granular, spheres",
+            "superquadric",
+        ],
+    )?;
+    let csv = fs::read_to_string(output.join("scenes.csv"))?;
+    check_errors(&csv)
+}
+
+/// What claims to be exact must be.
+fn check_errors(csv: &str) -> Result<()> {
+    const EXACT: f64 = 1e-6;
+    let mut checked = 0;
+    for line in csv.lines() {
+        if !line.contains("gran/ellipsoid") && !line.contains("surface ellipsoid") {
+            continue;
+        }
+        let error: f64 = line
+            .rsplit(',')
+            .next()
+            .and_then(|word| word.parse().ok())
+            .with_context(|| format!("no force error in {line}"))?;
+        if error.is_nan() || error >= EXACT {
+            bail!("a force error of {error} where {EXACT} is allowed: {line}");
+        }
+        checked += 1;
+    }
+    if checked == 0 {
+        bail!("no force error was found");
+    }
+    Ok(())
+}
+
+fn holds_words(output: &Path, words: &[&str]) -> Result<()> {
+    let table = fs::read_to_string(output.join(Report::TEXT))?;
+    for word in words {
         if !table.contains(word) {
             bail!("the table has no '{word}'");
         }
@@ -69,45 +160,155 @@ pub fn quick_kernels(output: &Path) -> Result<()> {
     Ok(())
 }
 
-fn run(output: &Path, quick: bool, only: &[String]) -> Result<()> {
-    let started = std::time::Instant::now();
-    let effort = if quick {
-        Effort {
-            quick,
-            rounds: 2,
-            seconds: 0.3,
+/// What is written, again after every part, so that a run that is cut short leaves what it has.
+struct Report {
+    directory: PathBuf,
+    head: String,
+    summary: Option<Table>,
+    tables: Vec<Table>,
+    pictures: Vec<&'static str>,
+    started: Instant,
+}
+
+impl Report {
+    const TEXT: &str = "table.md";
+
+    /// Adds tables, and (over)writes the numbers they come from.
+    fn add(
+        &mut self,
+        name: &str,
+        tables: impl IntoIterator<Item = Table>,
+        csv: &str,
+    ) -> Result<()> {
+        self.tables.extend(tables);
+        let file = self.directory.join(format!("{name}.csv"));
+        fs::write(&file, csv).with_context(|| format!("cannot write {}", file.display()))?;
+        self.write()
+    }
+
+    fn picture(&mut self, name: &'static str) -> PathBuf {
+        if !self.pictures.contains(&name) {
+            self.pictures.push(name);
         }
-    } else {
-        Effort {
-            quick,
-            rounds: 5,
-            seconds: 1.0,
+        self.directory.join(name)
+    }
+
+    fn write(&self) -> Result<()> {
+        let mut text = self.head.clone();
+        for table in self.summary.iter().chain(&self.tables) {
+            text += "\n";
+            text += &table.markdown();
         }
+        text += "\n";
+        for picture in &self.pictures {
+            text += &format!("![{picture}]({picture})\n");
+        }
+        text += &format!("\nTaken in {}", human_time(self.started.elapsed()));
+        if let Some(load) = machine::load() {
+            text += &format!("; load at the end {load}");
+        }
+        text += ".\n";
+        let path = self.directory.join(Self::TEXT);
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    }
+}
+
+fn run(output: &Path, choice: &Choice) -> Result<()> {
+    let quick = choice.quick;
+    let effort = Effort {
+        quick,
+        rounds: if quick { 2 } else { 5 },
+        seconds: if quick { 0.2 } else { 1.0 },
     };
     let all: &[Scene] = if quick { &QUICK_SCENES } else { &SCENES };
     let names: Vec<&str> = [KERNELS, SCALING]
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
-    if let Some(unknown) = only.iter().find(|name| !names.contains(&name.as_str())) {
+    if let Some(unknown) = choice
+        .only
+        .iter()
+        .find(|name| !names.contains(&name.as_str()))
+    {
         bail!(
             "--scene {unknown}: there are {} (others with or without --quick)",
             names.join(", ")
         );
     }
-    let wanted = |name: &str| only.is_empty() || only.iter().any(|one| one == name);
+    let named = |name: &str| choice.only.iter().any(|one| one == name);
+    let wanted = |name: &str| choice.only.is_empty() || named(name);
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
-    let output = output.canonicalize()?;
-    let command = format!(
-        "cargo xtask bench{}{}",
-        if quick { " --quick" } else { "" },
-        only.iter()
-            .map(|name| format!(" --scene {name}"))
-            .collect::<String>()
-    );
-    let mut text = format!("## Speed\n\n`{command}`\n\n");
-    let busy = machine::load().unwrap_or(0.0) > 0.5;
-    if busy {
+    remove_earlier(output)?;
+    let mut report = Report {
+        directory: output.canonicalize()?,
+        head: head(choice),
+        summary: None,
+        tables: Vec::new(),
+        pictures: Vec::new(),
+        started: Instant::now(),
+    };
+    if named(KERNELS) || (wanted(KERNELS) && choice.engine.is_none()) {
+        let rows = kernels::run(&effort)?;
+        report.add(KERNELS, kernels::tables(&rows), &kernels::csv(&rows))?;
+    }
+    let scenes: Vec<&Scene> = all.iter().filter(|scene| wanted(scene.name)).collect();
+    let scaling = wanted(SCALING) && choice.engine != Some(Engine::Liggghts);
+    if !scenes.is_empty() || scaling {
+        let engines = engines(choice, !scenes.is_empty())?;
+        scenes::announce(&engines);
+        report.head += &about_engines(&engines);
+        let mut rows = Vec::new();
+        for scene in scenes {
+            let found = scenes::run(&engines, scene, &effort)?;
+            let table = scenes::table(&found);
+            rows.extend(found);
+            report.summary = Some(scenes::summary(&rows));
+            draw_scenes(&report.picture(SCENES_PICTURE), &rows)?;
+            report.add(SCENES_FILE, table, &scenes::csv(&rows))?;
+        }
+        if scaling {
+            let found = scaling::run(&engines.lammps, &effort)?;
+            scaling::picture(&report.picture(GRAINS_PICTURE), &found)?;
+            report.add(SCALING, scaling::tables(&found), &scaling::csv(&found))?;
+        }
+    }
+    let path = report.directory.join(Report::TEXT);
+    println!("{}", fs::read_to_string(&path)?);
+    say(format!(
+        "tables, CSV and pictures are in {}",
+        report.directory.display()
+    ));
+    Ok(())
+}
+
+/// Nothing of an earlier run may stand beside this one's.
+fn remove_earlier(output: &Path) -> Result<()> {
+    let csv = [KERNELS, SCENES_FILE, SCALING].map(|name| format!("{name}.csv"));
+    let names = csv.iter().map(String::as_str);
+    for name in names.chain([Report::TEXT, SCENES_PICTURE, GRAINS_PICTURE]) {
+        let path = output.join(name);
+        if path.is_file() {
+            fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Command, machine, and how to read the numbers.
+fn head(choice: &Choice) -> String {
+    let mut text = String::from("## Speed\n\n`cargo xtask bench");
+    if choice.quick {
+        text += " --quick";
+    }
+    for name in choice.only {
+        text += &format!(" --scene {name}");
+    }
+    text += match choice.engine {
+        None => "`\n\n",
+        Some(Engine::Lammps) => " --engine lammps`\n\n",
+        Some(Engine::Liggghts) => " --engine liggghts`\n\n",
+    };
+    if machine::load().unwrap_or(0.0) > 0.5 {
         say("this machine is busy: times are processor times, but caches and ranks are disturbed");
     }
     for line in machine::describe() {
@@ -115,88 +316,59 @@ fn run(output: &Path, quick: bool, only: &[String]) -> Result<()> {
     }
     text += "\nTimes of one rank are processor times; after ± half the distance between the smallest and the largest of the \
              runs, for kernels the median absolute deviation.\n";
+    text
+}
 
-    let mut written = Vec::new();
-    let mut add = |name: &str, tables: &[Table], csv: String, text: &mut String| -> Result<()> {
-        for table in tables {
-            *text += "\n";
-            *text += &table.markdown();
-        }
-        let file = format!("{name}.csv");
-        fs::write(output.join(&file), csv)?;
-        written.push(file);
-        Ok(())
+fn engines(choice: &Choice, scenes: bool) -> Result<Engines> {
+    setup::setup()?;
+    let lammps = lammps_run::Lammps::prepare()?;
+    let both = [Optimisation::O2, Optimisation::O3];
+    let liggghts = if scenes && choice.engine != Some(Engine::Lammps) {
+        // A second build of five minutes is too much for a quick look.
+        let optimisations = if choice.quick { &both[..1] } else { &both };
+        Some(liggghts_run::Liggghts::prepare(optimisations)?)
+    } else {
+        None
     };
-    if wanted(KERNELS) {
-        let rows = kernels::run(&output, &effort)?;
-        add(
-            KERNELS,
-            &kernels::tables(&rows),
-            kernels::csv(&rows),
-            &mut text,
-        )?;
-    }
-    let scenes: Vec<Scene> = all
-        .iter()
-        .filter(|scene| wanted(scene.name))
-        .copied()
-        .collect();
-    let mut pictures = Vec::new();
-    if !scenes.is_empty() || wanted(SCALING) {
-        setup::setup()?;
-        let lammps = lammps_run::Lammps::prepare()?;
-        scenes::announce(&lammps);
+    Ok(Engines {
+        lammps,
+        time_lammps: choice.engine != Some(Engine::Liggghts),
+        liggghts,
+    })
+}
+
+fn about_engines(engines: &Engines) -> String {
+    let mut text = format!(
+        "\nLAMMPS {}, one core, newton off unless it says otherwise.",
+        engines.lammps.release
+    );
+    if engines.liggghts.is_some() {
         text += &format!(
-            "\nLAMMPS {}, one core, newton off unless it says otherwise.\n",
-            lammps.release
-        );
-        if !scenes.is_empty() {
-            let rows = scenes::run(&lammps, &scenes, &effort)?;
-            add(
-                "scenes",
-                &scenes::tables(&rows),
-                scenes::csv(&rows),
-                &mut text,
-            )?;
-            draw_scenes(&output.join("scenes.svg"), &rows)?;
-            pictures.push("scenes.svg");
-        }
-        if wanted(SCALING) {
-            let found = scaling::run(&lammps, &effort)?;
-            add(
-                SCALING,
-                &scaling::tables(&found),
-                scaling::csv(&found),
-                &mut text,
-            )?;
-            scaling::picture(&output.join("grains.svg"), &found)?;
-            pictures.push("grains.svg");
-        }
-    }
-    text += "\n";
-    for picture in &pictures {
-        text += &format!("![{picture}]({picture})\n");
-    }
-    if let Some(load) = machine::load() {
-        text += &format!(
-            "\nTaken in {}; load at the end {load}.\n",
-            human_time(started.elapsed())
+            " LIGGGHTS-PUBLIC {}, built with each compiler option that a row names, newton off; its wall-clock times are \
+             scaled to processor time by the share of the processor that the process had.",
+            crate::liggghts::VERSION
         );
     }
-    fs::write(output.join("table.md"), &text)?;
-    println!("{text}");
-    say(format!(
-        "tables, {} and pictures are in {}",
-        written.join(", "),
-        output.display()
-    ));
-    Ok(())
+    text += " Pair times are the engine's own. A contact across a periodic boundary counts once, though newton off computes it \
+             twice. The force error is of the elastic force without friction, as a vector, against elliptical Hertz, over \
+             contacts of the packing; a contact that is missed counts as 100 %.\n";
+    text
+}
+
+/// The others differ little from these; the table has them.
+fn in_picture(contender: Contender) -> bool {
+    use self::contender::Model::{GaussianCurvature, MeanCurvature};
+    !matches!(
+        contender,
+        Contender::Liggghts(_, Optimisation::O3)
+            | Contender::Liggghts(MeanCurvature | GaussianCurvature, _)
+    )
 }
 
 fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
     let bars: Vec<Bar> = rows
         .iter()
-        .filter(|row| !row.newton)
+        .filter(|row| !row.newton && in_picture(row.contender))
         .map(|row| Bar {
             group: row.scene.name.into(),
             label: row.contender.label(),
@@ -204,8 +376,10 @@ fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
             colour: match row.contender {
                 Contender::Ours("scalar") => OURS_LIGHT,
                 Contender::Ours(_) => OURS,
+                Contender::Liggghts(Model::Nfd | Model::HertzOnEllipsoids, _) => OURS_LIGHT,
                 Contender::Superellipsoid => SUPERELLIPSOID,
-                Contender::Spheres => GRANULAR,
+                Contender::Spheres | Contender::Liggghts(Model::Spheres, _) => GRANULAR,
+                Contender::Liggghts(..) => SUPERELLIPSOID_LIGHT,
             },
         })
         .collect();
@@ -215,4 +389,21 @@ fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
         "ns per grain and step",
         &bars,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_errors;
+
+    #[test]
+    fn an_error_that_is_none_must_not_be_seen() {
+        let csv = |error: &str| {
+            format!("scene,force_error_95\nx,\"gran/ellipsoid, avx2\",{error}\nx,\"superquadric\",0.2\n")
+        };
+        assert!(check_errors(&csv("1e-12")).is_ok());
+        assert!(check_errors(&csv("1e-3")).is_err());
+        assert!(check_errors(&csv("nan")).is_err());
+        assert!(check_errors(&csv("")).is_err());
+        assert!(check_errors("x,\"superquadric\",0.2\n").is_err());
+    }
 }

@@ -35,8 +35,8 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug)]
 pub struct Packing {
     pub kind: Kind,
-    /// Lattice points of type 1 along each side, before large grains take the place of some.
-    pub side: usize,
+    /// Lattice points of type 1 in each direction, before large grains take the place of some.
+    pub lattice: [usize; 3],
     pub spheres: bool,
 }
 
@@ -59,6 +59,15 @@ impl Kind {
         }
     }
 
+    /// How much more than in a dense packing of aspect ratio 2 a step of a grain costs, roughly.
+    pub fn weight(self) -> f64 {
+        match self {
+            Kind::Dense | Kind::Mixture => 1.0,
+            Kind::Needles => 4.0,
+            Kind::Gas => 0.2,
+        }
+    }
+
     /// Aspect ratio of the ellipsoids.
     fn aspect(self) -> f64 {
         match self {
@@ -72,9 +81,9 @@ impl Packing {
     fn variables(&self) -> Vec<(&'static str, String)> {
         let b = 1e-3 / self.kind.aspect().cbrt();
         let mut words = vec![
-            ("nx", self.side.to_string()),
-            ("ny", self.side.to_string()),
-            ("nz", self.side.to_string()),
+            ("nx", self.lattice[0].to_string()),
+            ("ny", self.lattice[1].to_string()),
+            ("nz", self.lattice[2].to_string()),
             ("a", format!("{:.6e}", self.kind.aspect() * b)),
             ("b", format!("{b:.6e}")),
             ("c", format!("{b:.6e}")),
@@ -86,7 +95,7 @@ impl Packing {
                 ("spacing", "9.5e-3".to_string()),
                 ("shrink", "12000".to_string()),
             ]),
-            Kind::Mixture => words.push(("large", (self.side / 6).to_string())),
+            Kind::Mixture => words.push(("large", (self.lattice[0] / 6).to_string())),
             Kind::Gas => words.extend([
                 ("spacing", "4.376e-3".to_string()),
                 ("shrink", "0".to_string()),
@@ -131,9 +140,9 @@ impl Packing {
         }
         let what = if self.spheres { "spheres, " } else { "" };
         let progress = Progress::start(format!(
-            "Packing {what}{} ({}^3 lattice points)",
+            "Packing {what}{} ({} lattice points)",
             self.kind.title(),
-            self.side
+            self.lattice.iter().product::<usize>()
         ));
         // Under another name until it is whole.
         let fresh = home.join(format!("{key}.new"));

@@ -95,7 +95,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
         .map(|point| {
             Packing {
                 kind: Kind::Dense,
-                side: point.side,
+                lattice: [point.side; 3],
                 spheres: point.spheres,
             }
             .file(lammps)
@@ -114,7 +114,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
                 Some((round * list.len() + k) as f64 / (effort.rounds.min(3) * list.len()) as f64),
                 &format!("{count} grains, {} ranks", point.ranks),
             );
-            let steps = steps_for(contender, count, 2.0 * effort.seconds);
+            let steps = steps_for(contender, Kind::Dense, count, 2.0 * effort.seconds);
             let mut words = run_variables(&files[k], contender, point.copies, 5, steps)?;
             words.push(("newton", "on".to_string()));
             let output = lammps.run("run.lmp", point.ranks, contender.instruction_set(), &words)?;
@@ -181,14 +181,22 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
             "grains",
             "pair time per grain and step (ns)",
             "whole step per grain (ns)",
+            "pair time against the second size (%)",
         ],
     );
     for row in found.iter().filter(|row| row.what == SIZE) {
+        // The smallest fits into the innermost caches.
+        let base = found
+            .iter()
+            .filter(|other| other.what == SIZE && other.spheres == row.spheres)
+            .nth(1)
+            .unwrap_or(row);
         sizes.row(vec![
             label(row.spheres).into(),
             row.grains.to_string(),
             row.pair.show(),
             row.step.scaled(1e6 / row.grains).show(),
+            format!("{:+.0}", 100.0 * (row.pair.median / base.pair.median - 1.0)),
         ]);
     }
     vec![ranks, sizes]

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Scenes in LAMMPS: our pair style on each instruction set beside the built-in ones, in turns, on one core.
+//! Scenes in both engines: ours beside the built-in pair styles and contact models, in turns, on one core.
+
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::contender::Contender;
+use super::contender::{Contender, Model};
+use super::force_error::{ForceError, Reference};
 use super::lammps_run::{path_word, timing, touching, Lammps, Timing};
+use super::liggghts_run::{Files, Liggghts};
 use super::packing::{for_superellipsoids, Kind, Packing};
 use super::statistics::{short, Measured};
 use super::Effort;
 use crate::demo::table::Table;
+use crate::liggghts::Optimisation;
 use crate::progress::{say, Progress};
 
 /// Grains from which a run is long enough for fewer of everything.
@@ -19,9 +24,9 @@ pub struct Scene {
     /// What `--scene` names it by.
     pub name: &'static str,
     kind: Kind,
-    side: usize,
+    lattice: [usize; 3],
     /// Copies in each direction.
-    copies: [usize; 3],
+    copies: usize,
     /// Are spheres of the same solid fraction a comparison?
     spheres: bool,
 }
@@ -32,8 +37,8 @@ pub const SCENES: [Scene; 5] = [
     Scene {
         // Spheres as dilute as a packing of needles hardly touch.
         spheres: false,
-        side: 10,
-        ..scene("needles", Kind::Needles, 10, 1)
+        lattice: [16, 8, 8],
+        ..scene("needles", Kind::Needles, 0, 1)
     },
     scene("mixture", Kind::Mixture, 18, 1),
     scene("gas", Kind::Gas, 16, 1),
@@ -49,13 +54,22 @@ const fn scene(name: &'static str, kind: Kind, side: usize, copies: usize) -> Sc
     Scene {
         name,
         kind,
-        side,
-        copies: [copies; 3],
+        lattice: [side; 3],
+        copies,
         spheres: true,
     }
 }
 
-/// One pair style on one scene.
+/// The engines that take part.
+pub struct Engines {
+    /// Makes the packings too.
+    pub lammps: Lammps,
+    /// Are the pair styles of LAMMPS timed?
+    pub time_lammps: bool,
+    pub liggghts: Option<Liggghts>,
+}
+
+/// One contender on one scene.
 pub struct Row {
     pub scene: Scene,
     pub grains: f64,
@@ -63,11 +77,12 @@ pub struct Row {
     pub newton: bool,
     /// Entries of the neighbour list per grain.
     pub pairs: f64,
-    /// Share of the entries that touch.
-    pub touching: Option<f64>,
+    /// Contacts per grain, each counted once; nobody counts those of the spheres of LIGGGHTS alone.
+    pub contacts: Option<f64>,
     /// Nanoseconds per grain and step.
     pub pair: Measured,
     pub step: Measured,
+    pub error: Option<ForceError>,
 }
 
 impl Row {
@@ -75,16 +90,16 @@ impl Row {
         self.pair.scaled(1.0 / self.pairs.max(1e-300))
     }
 
-    fn per_touching(&self) -> Option<Measured> {
+    fn per_contact(&self) -> Option<Measured> {
         // Where hardly any pair touches the time is not theirs.
-        let touching = self.touching.filter(|share| *share > 0.02)?;
-        Some(self.per_pair().scaled(1.0 / touching))
+        let contacts = self.contacts.filter(|count| *count > 0.005 * self.pairs)?;
+        Some(self.pair.scaled(1.0 / contacts))
     }
 }
 
 /// Variables of a run of some copies of a packing.
 pub fn run_variables(
-    file: &std::path::Path,
+    file: &Path,
     contender: Contender,
     copies: [usize; 3],
     warm: usize,
@@ -103,109 +118,186 @@ pub fn run_variables(
     Ok(words)
 }
 
-/// As many steps as take about so many seconds, if a step of a grain costs what is guessed here.
-pub fn steps_for(contender: Contender, grains: usize, seconds: f64) -> usize {
-    let guess = match contender {
-        Contender::Ours("scalar") => 2.5e-6,
-        Contender::Ours(_) => 1e-6,
-        Contender::Superellipsoid => 15e-6,
-        Contender::Spheres => 0.5e-6,
-    };
-    ((seconds / (guess * grains as f64)) as usize).clamp(10, 500)
+/// As many steps as take about so many seconds, if a step of a grain costs what is guessed.
+pub fn steps_for(contender: Contender, kind: Kind, grains: usize, seconds: f64) -> usize {
+    let step = contender.cost() * kind.weight() * grains as f64;
+    ((seconds / step) as usize).clamp(10, 500)
 }
 
-pub fn run(lammps: &Lammps, scenes: &[Scene], effort: &Effort) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for scene in scenes {
-        rows.extend(one(lammps, scene, effort)?);
+/// Contenders, and whether Newton's third law holds across ranks.
+fn contenders(engines: &Engines, scene: &Scene) -> Vec<(Contender, bool)> {
+    let mut list: Vec<(Contender, bool)> = Vec::new();
+    if engines.time_lammps {
+        let sets = Contender::instruction_sets();
+        let widest = sets[sets.len() - 1];
+        list.extend(sets.iter().map(|set| (Contender::Ours(set), false)));
+        if engines.lammps.superellipsoid {
+            list.push((Contender::Superellipsoid, false));
+        }
+        if scene.spheres {
+            list.push((Contender::Spheres, false));
+        }
+        // granular/superellipsoid cannot have it.
+        if scene.kind == Kind::Dense {
+            list.push((Contender::Ours(widest), true));
+            list.push((Contender::Spheres, true));
+        }
     }
-    Ok(rows)
-}
-
-fn contenders(lammps: &Lammps, scene: &Scene) -> Vec<(Contender, bool)> {
-    let sets = Contender::instruction_sets();
-    let widest = sets[sets.len() - 1];
-    let mut list: Vec<(Contender, bool)> = sets
-        .iter()
-        .map(|set| (Contender::Ours(set), false))
-        .collect();
-    if lammps.superellipsoid {
-        list.push((Contender::Superellipsoid, false));
-    }
-    if scene.spheres {
-        list.push((Contender::Spheres, false));
-    }
-    // Newton's third law across ranks, which granular/superellipsoid cannot have.
-    if scene.kind == Kind::Dense {
-        list.push((Contender::Ours(widest), true));
-        list.push((Contender::Spheres, true));
+    // Its quaternions are set by a command each, which is too slow for large scenes.
+    if let Some(liggghts) = engines.liggghts.as_ref().filter(|_| scene.copies == 1) {
+        for optimisation in liggghts.optimisations() {
+            let mut models = vec![Model::Nfd, Model::HertzOnEllipsoids, Model::Superquadric];
+            if optimisation == Optimisation::O2 {
+                models.extend([Model::MeanCurvature, Model::GaussianCurvature]);
+            }
+            if scene.spheres {
+                models.push(Model::Spheres);
+            }
+            list.extend(
+                models
+                    .into_iter()
+                    .map(|model| (Contender::Liggghts(model, optimisation), false)),
+            );
+        }
     }
     list
 }
 
-fn one(lammps: &Lammps, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
-    let file = |spheres: bool| {
-        Packing {
-            kind: scene.kind,
-            side: scene.side,
+/// The packing of a scene in the words of each reader.
+struct Inputs {
+    ellipsoids: PathBuf,
+    superellipsoids: PathBuf,
+    spheres: PathBuf,
+    liggghts: Option<[Files; 2]>,
+}
+
+impl Inputs {
+    fn prepare(engines: &Engines, scene: &Scene) -> Result<Self> {
+        let file = |spheres: bool| {
+            Packing {
+                kind: scene.kind,
+                lattice: scene.lattice,
+                spheres,
+            }
+            .file(&engines.lammps)
+        };
+        let ellipsoids = file(false)?;
+        let spheres = if scene.spheres {
+            file(true)?
+        } else {
+            ellipsoids.clone()
+        };
+        Ok(Inputs {
+            superellipsoids: if engines.lammps.superellipsoid {
+                for_superellipsoids(&ellipsoids)?
+            } else {
+                ellipsoids.clone()
+            },
+            liggghts: match &engines.liggghts {
+                Some(_) => Some([Files::of(&ellipsoids)?, Files::of(&spheres)?]),
+                None => None,
+            },
+            ellipsoids,
             spheres,
+        })
+    }
+
+    fn of_lammps(&self, contender: Contender) -> &Path {
+        match contender {
+            Contender::Superellipsoid => &self.superellipsoids,
+            Contender::Spheres => &self.spheres,
+            Contender::Ours(_) | Contender::Liggghts(..) => &self.ellipsoids,
         }
-        .file(lammps)
-    };
-    let ellipsoids = file(false)?;
-    let spheres = if scene.spheres {
-        file(true)?
-    } else {
-        ellipsoids.clone()
-    };
-    let exponents = if lammps.superellipsoid {
-        for_superellipsoids(&ellipsoids)?
-    } else {
-        ellipsoids.clone()
-    };
-    let of = |contender: Contender| match contender {
-        Contender::Ours(_) => &ellipsoids,
-        Contender::Superellipsoid => &exponents,
-        Contender::Spheres => &spheres,
-    };
-    let list = contenders(lammps, scene);
+    }
+}
+
+fn run_once(
+    engines: &Engines,
+    scene: &Scene,
+    inputs: &Inputs,
+    (contender, newton): (Contender, bool),
+    seconds: f64,
+) -> Result<Timing> {
+    let grains = scene.lattice.iter().product::<usize>() * scene.copies.pow(3);
+    let steps = steps_for(contender, scene.kind, grains, seconds);
+    let warm = if grains > LARGE { 4 } else { 20 };
+    if let Contender::Liggghts(model, optimisation) = contender {
+        let files = inputs
+            .liggghts
+            .as_ref()
+            .map(|[ellipsoids, spheres]| match model {
+                Model::Spheres => spheres,
+                _ => ellipsoids,
+            })
+            .context("no input was made for LIGGGHTS")?;
+        let engine = engines.liggghts.as_ref().context("LIGGGHTS is not there")?;
+        return engine.run(optimisation, model, files, warm, steps);
+    }
+    let mut words = run_variables(
+        inputs.of_lammps(contender),
+        contender,
+        [scene.copies; 3],
+        warm,
+        steps,
+    )?;
+    words.push(("newton", if newton { "on" } else { "off" }.to_string()));
+    let output = engines
+        .lammps
+        .run("run.lmp", 1, contender.instruction_set(), &words)?;
+    timing(&output)
+}
+
+pub fn run(engines: &Engines, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
+    let inputs = Inputs::prepare(engines, scene)?;
+    let list = contenders(engines, scene);
     let mut progress = Progress::start(format!("Scene {}", scene.name));
-    let share = |contender: Contender| -> Result<f64> {
+    progress.update(None, "contacts");
+    let contacts = |contender: Contender| -> Result<f64> {
         // Every pair once: with Newton's third law on.
-        let mut words = run_variables(of(contender), contender, [1; 3], 5, 20)?;
+        let mut words = run_variables(inputs.of_lammps(contender), contender, [1; 3], 5, 20)?;
         words.extend([("count", "1".to_string()), ("newton", "on".to_string())]);
-        let output = lammps.run("run.lmp", 1, None, &words)?;
-        Ok(touching(&output)? / timing(&output)?.pairs)
+        let output = engines.lammps.run("run.lmp", 1, None, &words)?;
+        Ok(touching(&output)? / timing(&output)?.atoms)
     };
-    let ours = share(Contender::Ours("scalar"))?;
-    let theirs = if scene.spheres {
-        Some(share(Contender::Spheres)?)
+    let of_ellipsoids = contacts(Contender::Ours("scalar"))?;
+    let of_spheres = if scene.spheres {
+        Some(contacts(Contender::Spheres)?)
     } else {
         None
     };
-    let grains = scene.side.pow(3) * scene.copies.iter().product::<usize>();
+    progress.update(None, "forces");
+    let reference = Reference::of(&inputs.ellipsoids, &engines.lammps, effort)?;
+    let errors = list
+        .iter()
+        .map(|(contender, _)| reference.error_of(*contender, engines))
+        .collect::<Result<Vec<_>>>()?;
     let mut taken: Vec<Vec<Timing>> = list.iter().map(|_| Vec::new()).collect();
-    let rounds = if grains > LARGE {
-        effort.rounds.min(3)
-    } else {
-        effort.rounds
-    };
-    for round in 0..rounds {
-        for (k, (contender, newton)) in list.iter().enumerate() {
-            let done = (round * list.len() + k) as f64 / (rounds * list.len()) as f64;
-            progress.update(Some(done), &contender.label());
-            let steps = steps_for(*contender, grains, effort.seconds);
-            let warm = if grains > LARGE { 4 } else { 20 };
-            let mut words = run_variables(of(*contender), *contender, scene.copies, warm, steps)?;
-            words.push(("newton", if *newton { "on" } else { "off" }.to_string()));
-            let output = lammps.run("run.lmp", 1, contender.instruction_set(), &words)?;
-            taken[k].push(timing(&output)?);
+    let large = scene.copies > 1;
+    for round in 0..effort.rounds {
+        for (k, contender) in list.iter().enumerate() {
+            // LIGGGHTS has many models here, and its runs vary little.
+            let of_liggghts = matches!(contender.0, Contender::Liggghts(..));
+            if round >= 3 && (large || of_liggghts) {
+                continue;
+            }
+            progress.update(
+                Some((round * list.len() + k) as f64 / (effort.rounds * list.len()) as f64),
+                &contender.0.label(),
+            );
+            taken[k].push(run_once(
+                engines,
+                scene,
+                &inputs,
+                *contender,
+                effort.seconds,
+            )?);
         }
     }
     progress.finish();
     list.iter()
         .zip(&taken)
-        .map(|((contender, newton), times)| {
+        .zip(errors)
+        .map(|(((contender, newton), times), error)| {
             let of = |seconds: &dyn Fn(&Timing) -> f64| {
                 let values: Vec<f64> = times.iter().map(|t| t.per_grain(seconds(t))).collect();
                 Measured::of(&values).context("no round was run")
@@ -217,110 +309,200 @@ fn one(lammps: &Lammps, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
                 contender: *contender,
                 newton: *newton,
                 pairs: last.pairs / last.atoms,
-                touching: if contender.spheres() {
-                    theirs
+                contacts: if contender.spheres() {
+                    of_spheres
                 } else {
-                    Some(ours)
+                    Some(of_ellipsoids)
                 },
                 pair: of(&|t| t.pair)?,
                 step: of(&|t| t.step)?,
+                error,
             })
         })
         .collect()
 }
 
-/// One table a scene.
-pub fn tables(rows: &[Row]) -> Vec<Table> {
-    let mut tables: Vec<Table> = Vec::new();
-    let mut name = "";
+/// One scene's.
+pub fn table(rows: &[Row]) -> Option<Table> {
+    let first = rows.first()?;
+    let mut table = Table::new(
+        &format!(
+            "{}: {} grains, solid fraction {}, {} contacts per grain",
+            first.scene.kind.title(),
+            first.grains,
+            first.scene.kind.fraction(),
+            rows.iter()
+                .find(|row| !row.contender.spheres())
+                .and_then(|row| row.contacts)
+                .map_or(String::new(), short),
+        ),
+        &[
+            "pair style or contact models",
+            "pair time per grain and step (ns)",
+            "pairs listed per grain",
+            "ns per listed pair",
+            "ns per contact",
+            "whole step per grain (ns)",
+            "force error, median (%)",
+            "95 % below (%)",
+            "pair time over that of LAMMPS' spheres",
+            "granular/superellipsoid takes",
+            "LIGGGHTS superquadrics take",
+        ],
+    );
     for row in rows {
-        if row.scene.name != name {
-            name = row.scene.name;
-            tables.push(Table::new(
-                &format!(
-                    "{}: {} grains, solid fraction {}",
-                    row.scene.kind.title(),
-                    row.grains,
-                    row.scene.kind.fraction()
-                ),
-                &[
-                    "pair style",
-                    "pair time per grain and step (ns)",
-                    "pairs listed per grain",
-                    "of them touch (%)",
-                    "ns per listed pair",
-                    "ns per touching pair",
-                    "whole step per grain (ns)",
-                    "pair time over that of spheres",
-                    "granular/superellipsoid takes",
-                ],
-            ));
-        }
-        let Some(table) = tables.last_mut() else {
-            continue;
+        let other = |contender: Contender, newton: bool| time_of(rows, contender, newton);
+        let superquadric =
+            |o: Optimisation| other(Contender::Liggghts(Model::Superquadric, o), false);
+        let over_spheres = match row.contender {
+            Contender::Spheres => None,
+            _ => other(Contender::Spheres, row.newton),
         };
-        let other = |contender: Contender| {
-            rows.iter().find(|other| {
-                other.scene.name == row.scene.name
-                    && other.contender == contender
-                    && other.newton == row.newton
-            })
+        let superellipsoid = match row.contender {
+            Contender::Superellipsoid => None,
+            _ => other(Contender::Superellipsoid, false),
         };
-        let ratio = |other: Option<&Row>, inverse: bool| match other {
-            Some(other) if other.contender != row.contender => {
-                let ratio = row.pair.median / other.pair.median;
-                format!("{} times", short(if inverse { 1.0 / ratio } else { ratio }))
-            }
-            _ => String::new(),
+        // The same compiler options against each other; LAMMPS against the faster.
+        let superquadrics = match row.contender {
+            Contender::Liggghts(Model::Superquadric, _) => None,
+            Contender::Liggghts(_, optimisation) => superquadric(optimisation),
+            _ => fastest_superquadric(rows),
         };
+        let own = row.pair.median;
         let newton = if row.newton { ", newton on" } else { "" };
+        let optional = |cell: Option<String>| cell.unwrap_or_default();
         table.row(vec![
             format!("{}{newton}", row.contender.label()),
             row.pair.show(),
             short(row.pairs),
-            row.touching.map_or(String::new(), |t| short(100.0 * t)),
             row.per_pair().show(),
-            row.per_touching().map_or(String::new(), |m| m.show()),
+            optional(row.per_contact().map(|m| m.show())),
             row.step.show(),
-            ratio(other(Contender::Spheres), false),
-            ratio(other(Contender::Superellipsoid), true),
+            optional(row.error.map(|error| percent(error.median))),
+            optional(row.error.map(|error| percent(error.high))),
+            optional(over_spheres.map(|time| times(own / time))),
+            optional(superellipsoid.map(|time| times(time / own))),
+            optional(superquadrics.map(|time| times(time / own))),
         ]);
     }
-    tables
+    Some(table)
+}
+
+fn times(value: f64) -> String {
+    format!("{} times", short(value))
+}
+
+fn time_of(rows: &[Row], contender: Contender, newton: bool) -> Option<f64> {
+    rows.iter()
+        .find(|row| row.contender == contender && row.newton == newton)
+        .map(|row| row.pair.median)
+}
+
+/// Of LIGGGHTS' compiler options.
+fn fastest_superquadric(rows: &[Row]) -> Option<f64> {
+    [Optimisation::O2, Optimisation::O3]
+        .into_iter()
+        .filter_map(|o| time_of(rows, Contender::Liggghts(Model::Superquadric, o), false))
+        .min_by(f64::total_cmp)
+}
+
+/// A line a scene: the ratios that matter. `rows` of any number of scenes.
+pub fn summary(rows: &[Row]) -> Table {
+    let mut table = Table::new(
+        "In short: pair time of the built-in styles over ours",
+        &[
+            "scene",
+            "granular/superellipsoid over gran/ellipsoid, widest lanes",
+            "the same over scalar",
+            "LIGGGHTS superquadrics over gran/ellipsoid, widest lanes",
+            "gran/ellipsoid, widest lanes, over LAMMPS' spheres",
+            "in LIGGGHTS -O2: superquadric over nfd",
+            "in LIGGGHTS -O3: superquadric over nfd",
+        ],
+    );
+    let sets = Contender::instruction_sets();
+    let widest = Contender::Ours(sets[sets.len() - 1]);
+    for scene in rows.chunk_by(|a, b| a.scene.name == b.scene.name) {
+        let of = |contender: Contender| time_of(scene, contender, false);
+        let ratio = |above: Option<f64>, below: Option<f64>| match (above, below) {
+            (Some(above), Some(below)) => times(above / below),
+            _ => String::new(),
+        };
+        let in_liggghts = |o: Optimisation| {
+            ratio(
+                of(Contender::Liggghts(Model::Superquadric, o)),
+                of(Contender::Liggghts(Model::Nfd, o)),
+            )
+        };
+        table.row(vec![
+            scene[0].scene.name.into(),
+            ratio(of(Contender::Superellipsoid), of(widest)),
+            ratio(of(Contender::Superellipsoid), of(Contender::Ours("scalar"))),
+            ratio(fastest_superquadric(scene), of(widest)),
+            ratio(of(widest), of(Contender::Spheres)),
+            in_liggghts(Optimisation::O2),
+            in_liggghts(Optimisation::O3),
+        ]);
+    }
+    table
+}
+
+/// Of a share; what is nothing but rounding reads as a power of ten.
+fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    if value > 0.0 && value < 0.005 {
+        format!("{value:.0e}")
+    } else {
+        short(value)
+    }
 }
 
 pub fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "scene,grains,pair_style,newton,pairs_per_grain,touching_share,pair_ns_per_grain_step,spread,ns_per_pair,ns_per_touching_pair,step_ns_per_grain,step_spread\n",
+        "scene,grains,pair_style,newton,pairs_per_grain,contacts_per_grain,pair_ns_per_grain_step,spread,ns_per_pair,ns_per_contact,step_ns_per_grain,step_spread,force_error_median,force_error_95\n",
     );
     for row in rows {
-        let per_touching = row.per_touching().map(|m| m.median);
         let optional = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.5}"));
+        let error = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.3e}"));
         text += &format!(
-            "{},{},\"{}\",{},{:.4},{},{:.2},{:.2},{:.3},{},{:.2},{:.2}\n",
+            "{},{},\"{}\",{},{:.4},{},{:.2},{:.2},{:.3},{},{:.2},{:.2},{},{}\n",
             row.scene.name,
             row.grains,
             row.contender.label(),
             if row.newton { "on" } else { "off" },
             row.pairs,
-            optional(row.touching),
+            optional(row.contacts),
             row.pair.median,
             row.pair.spread,
             row.per_pair().median,
-            optional(per_touching),
+            optional(row.per_contact().map(|m| m.median)),
             row.step.median,
-            row.step.spread
+            row.step.spread,
+            error(row.error.map(|e| e.median)),
+            error(row.error.map(|e| e.high)),
         );
     }
     text
 }
 
 /// Says what is not there.
-pub fn announce(lammps: &Lammps) {
-    if !lammps.superellipsoid {
+pub fn announce(engines: &Engines) {
+    if engines.time_lammps && !engines.lammps.superellipsoid {
         say(format!(
             "LAMMPS {} has no granular/superellipsoid: it is left out",
-            lammps.release
+            engines.lammps.release
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent;
+
+    #[test]
+    fn rounding_reads_as_a_power_of_ten() {
+        assert_eq!(percent(0.1234), "12.3");
+        assert_eq!(percent(0.0), "0");
+        assert_eq!(percent(1e-12), "1e-10");
     }
 }

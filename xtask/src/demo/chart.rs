@@ -88,7 +88,7 @@ type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 fn draw_panel(area: &Area, panel: &Panel) -> Drawn {
     let x = range(panel, |point| point.0);
-    let y = range(panel, |point| point.1);
+    let y = with_zero(range(panel, |point| point.1));
     let mut chart = ChartBuilder::on(area)
         .margin(12 * FINE)
         .margin_right(20 * FINE)
@@ -174,6 +174,15 @@ fn range(panel: &Panel, of: impl Fn(&(f64, f64)) -> f64) -> std::ops::Range<f64>
     low - margin..high + margin
 }
 
+/// From zero where the values are of one size, so that what hardly varies looks so.
+fn with_zero(range: std::ops::Range<f64>) -> std::ops::Range<f64> {
+    if range.start > 0.0 && range.start < 0.6 * range.end {
+        0.0..range.end
+    } else {
+        range
+    }
+}
+
 /// An axis number without the noise of binary fractions.
 fn number(value: f64) -> String {
     let text = format!("{value:.3}");
@@ -188,6 +197,13 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_axis_begins_at_zero_where_that_leaves_the_curves_apart() {
+        assert_eq!(with_zero(240.0..650.0), 0.0..650.0);
+        assert_eq!(with_zero(600.0..650.0), 600.0..650.0);
+        assert_eq!(with_zero(-1.0..650.0), -1.0..650.0);
+    }
 
     #[test]
     fn axis_numbers_are_short() {

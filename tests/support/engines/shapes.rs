@@ -268,7 +268,7 @@ impl Random {
 
 #[test]
 fn both_versions_force_factor_is_that_of_the_reference() {
-    let table = include_str!("../../validation/reference/hertz_factors.csv");
+    let table = include_str!("../../../validation/reference/hertz_factors.csv");
     let mut rows = 0;
     for line in table.lines().skip(1) {
         let values: Vec<f64> = line.split(',').map(|w| w.parse().unwrap()).collect();

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the tests through LAMMPS and through LIGGGHTS share: scenes, runs, and what they wrote.
+
+// Each test target takes what it needs.
+#![allow(dead_code)]
+
+pub mod frames;
+pub mod process;
+pub mod scene;
+pub mod shapes;
