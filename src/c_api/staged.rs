@@ -129,14 +129,7 @@ impl EllgranStagedContact {
         hale_failure(self.identifiers.0, self.identifiers.1, ratio.0)
     }
 
-    fn keep(
-        &mut self,
-        found: Option<StagedContact>,
-        centre_i: Vector3,
-        share_i: f64,
-        out: &mut EllgranStagedGeometry,
-    ) {
-        self.contact = found;
+    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut EllgranStagedGeometry) {
         out.touching = self.contact.is_some() as i32;
         if let Some(contact) = &self.contact {
             out.penetration = contact.penetration();
@@ -249,10 +242,15 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
         };
         let particles = staged.workspace.particles();
         let (position, mut normal) = (particles[i].position, Vector3::from_array(*cache));
-        let found = StagedContact::of_pair(&particles[i], &particles[j], &mut normal);
+        StagedContact::of_pair(
+            &particles[i],
+            &particles[j],
+            &mut normal,
+            &mut staged.contact,
+        );
         *cache = normal.to_array();
         staged.identifiers = (name_i, Some(name_j));
-        staged.keep(found, position, share_i, out);
+        staged.write(position, share_i, out);
         Ok(())
     })
 }
@@ -287,10 +285,10 @@ pub unsafe extern "C" fn ellgran_staged_pair(
         let share_i = checked_share(share_i)?;
         let (i, j) = (bi.to_core(None)?, bj.to_core(None)?);
         let mut normal = Vector3::from_array(*cache);
-        let found = StagedContact::of_pair(&i, &j, &mut normal);
+        StagedContact::of_pair(&i, &j, &mut normal, &mut staged.contact);
         *cache = normal.to_array();
         staged.identifiers = (bi.identifier, Some(bj.identifier));
-        staged.keep(found, i.position, share_i, out);
+        staged.write(i.position, share_i, out);
         Ok(())
     })
 }
@@ -318,9 +316,9 @@ pub unsafe extern "C" fn ellgran_staged_wall(
         let (bi, wall) = unsafe { (required(i, "i")?, required(wall, "wall")?) };
         let share_i = checked_share(share_i)?;
         let i = bi.to_core(None)?;
-        let found = StagedContact::of_wall(&i, &wall.to_core()?);
+        staged.contact = StagedContact::of_wall(&i, &wall.to_core()?);
         staged.identifiers = (bi.identifier, None);
-        staged.keep(found, i.position, share_i, out);
+        staged.write(i.position, share_i, out);
         Ok(())
     })
 }

@@ -130,7 +130,7 @@ impl Pair<'_> {
                     at,
                     tangent,
                     converged: definite,
-                    smallest_radius: radii.eigen().0,
+                    smallest_radius: smaller_eigenvalue(radii),
                 });
             }
             let mut y;
@@ -178,7 +178,7 @@ impl Pair<'_> {
             at = next;
         }
         let tangent = Tangent::new(at.n);
-        let smallest_radius = self.radii(&at, &tangent).eigen().0;
+        let smallest_radius = smaller_eigenvalue(self.radii(&at, &tangent));
         Descent::Minimum(Minimum {
             at,
             tangent,
@@ -357,6 +357,14 @@ fn along_any(d: Vector3) -> Vector3 {
     } else {
         Vector3::new(1.0, 0.0, 0.0)
     }
+}
+
+/// Of a positive definite matrix, without the eigenvector.
+#[inline(always)]
+fn smaller_eigenvalue(m: Symmetric2) -> f64 {
+    let half_difference = 0.5 * (m.uu - m.vv);
+    let radius = (half_difference * half_difference + m.uv * m.uv).sqrt();
+    m.determinant() / (0.5 * m.trace() + radius)
 }
 
 /// Eigenvalues (smaller, larger) and the unit eigenvector of the smaller, for a matrix that may be indefinite.

@@ -80,16 +80,17 @@ pub fn touch_cylinder(
     let step = 2.0 * half / count as f64;
     let mut values = [0.0; MOST_DIRECTIONS + 2];
     // One more at either end, so that each place has two neighbours.
-    for (k, v) in values[..count + 2].iter_mut().enumerate() {
-        *v = search.value(-half + (k as f64 - 0.5) * step);
-    }
+    search.sample(-half - 0.5 * step, step, &mut values[..count + 2]);
     let mut best: Option<(f64, f64)> = None;
     for k in 1..=count {
         // Of two equals the later.
         if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
             continue;
         }
-        let angle = search.maximum(-half + (k as f64 - 0.5) * step, step);
+        // the top of the parabola through the three
+        let [before, at, after] = [values[k - 1], values[k], values[k + 1]];
+        let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
+        let angle = search.maximum(-half + (k as f64 - 0.5) * step, aside * step, step);
         let value = search.value(angle);
         if within {
             if value > cylinder.radius {
@@ -131,6 +132,25 @@ impl Search<'_> {
         u.dot(self.x) + self.side * scaled.norm()
     }
 
+    /// `value` at equal steps from an angle on, to the digits that a search for a bracket needs.
+    fn sample(&self, start: f64, step: f64, values: &mut [f64]) {
+        let scaled = self
+            .basis
+            .map(|e| self.body.semi_axes.componentwise(self.body.to_body(e)));
+        let along = self.basis.map(|e| e.dot(self.x));
+        let squares = scaled.map(|p| p.norm_squared());
+        let mixed = 2.0 * scaled[0].dot(scaled[1]);
+        let ((mut sin, mut cos), (step_sin, step_cos)) = (start.sin_cos(), step.sin_cos());
+        for value in values {
+            let square = cos * cos * squares[0] + cos * sin * mixed + sin * sin * squares[1];
+            *value = cos * along[0] + sin * along[1] + self.side * square.max(0.0).sqrt();
+            (sin, cos) = (
+                sin * step_cos + cos * step_sin,
+                cos * step_cos - sin * step_sin,
+            );
+        }
+    }
+
     /// First and second derivative.
     fn slopes(&self, angle: f64) -> (f64, f64) {
         let u = self.direction(angle);
@@ -146,10 +166,11 @@ impl Search<'_> {
         )
     }
 
-    /// The maximum within a step of an angle: Newton's method, and bisection where it leaves the bracket.
-    fn maximum(&self, start: f64, step: f64) -> f64 {
+    /// The maximum within a step of an angle, perhaps so far aside of it: Newton's method, and bisection where it leaves the
+    /// bracket.
+    fn maximum(&self, start: f64, aside: f64, step: f64) -> f64 {
         let (mut low, mut high) = (start - step, start + step);
-        let mut angle = start;
+        let mut angle = start + aside;
         for _ in 0..60 {
             let (first, second) = self.slopes(angle);
             if first > 0.0 {
@@ -158,14 +179,16 @@ impl Search<'_> {
                 high = angle;
             }
             let newton = angle - first / second;
-            let next = if second < 0.0 && newton > low && newton < high {
+            let converging = second < 0.0 && newton > low && newton < high;
+            let next = if converging {
                 newton
             } else {
                 0.5 * (low + high)
             };
             let change = (next - angle).abs();
             angle = next;
-            if change < 1e-14 {
+            // the error that such a step of Newton's leaves is beneath rounding
+            if change < if converging { 1e-9 } else { 1e-14 } {
                 break;
             }
         }

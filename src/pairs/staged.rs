@@ -56,30 +56,33 @@ pub struct StagedContact {
 }
 
 impl StagedContact {
-    /// Two ellipsoids: the contact, or `None` when they do not touch. `cached_normal` is the normal of the last step, not
-    /// a unit vector if there is none, and is written.
-    pub fn of_pair(i: &Particle, j: &Particle, cached_normal: &mut Vector3) -> Option<Self> {
+    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most pairs do
+    /// not touch). `cached_normal` is the normal of the last step, not a unit vector if there is none, and is written.
+    pub fn of_pair(
+        i: &Particle,
+        j: &Particle,
+        cached_normal: &mut Vector3,
+        found: &mut Option<Self>,
+    ) {
+        *found = None;
         let d = j.position - i.position;
         let reach = i.radius + j.radius;
         if d.norm_squared() >= reach * reach {
-            return None;
+            return;
         }
         let start = Some(*cached_normal).filter(|n| (n.norm_squared() - 1.0).abs() < 1e-6);
         match touch(i, j, d, start) {
-            Outcome::Touching(found) if found.penetration > 0.0 => {
-                *cached_normal = found.normal;
-                let x = contact_of(&found, d, i, j);
-                Some(StagedContact {
+            Outcome::Touching(contact) if contact.penetration > 0.0 => {
+                *cached_normal = contact.normal;
+                let x = contact_of(&contact, d, i, j);
+                *found = Some(StagedContact {
                     curvature: relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
                     x,
                     wall: None,
-                })
+                });
             }
-            Outcome::Separated(n) => {
-                *cached_normal = n;
-                None
-            }
-            Outcome::Touching(_) => None,
+            Outcome::Separated(n) => *cached_normal = n,
+            Outcome::Touching(_) => {}
         }
     }
 

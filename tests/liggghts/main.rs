@@ -18,6 +18,7 @@ use engines::shapes;
 mod bounce;
 mod cylinder;
 mod decomposition;
+mod examples;
 mod golden_pairs;
 mod installer;
 mod mesh_edges;
