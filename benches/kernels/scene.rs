@@ -45,7 +45,6 @@ struct Frame {
 pub struct Scene {
     semi_axes: [f64; 3],
     types: Vec<i32>,
-    type_count: usize,
     frames: Vec<Frame>,
     /// The list, row after row: row `k` is `neighbours[starts[k]..starts[k + 1]]`.
     starts: Vec<usize>,
@@ -99,7 +98,6 @@ impl Scene {
         Scene {
             semi_axes: [aspect, 1.0, 1.0],
             types: (0..count).map(|k| 1 + (k % type_count) as i32).collect(),
-            type_count,
             frames,
             starts,
             neighbours,

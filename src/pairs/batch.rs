@@ -72,9 +72,10 @@ impl BatchResult {
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
 /// Square of the last Newton step: what is left after it is of the order of its square, and one correction follows.
-const SETTLED: f64 = 1e-12;
-/// Square of that correction: the curvature is off by this share.
-const LARGEST_CORRECTION: f64 = 1e-20;
+const SETTLED: f64 = 1e-15;
+/// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
+/// times the square of the aspect ratio at most.
+const LARGEST_CORRECTION: f64 = 1e-24;
 
 /// One side of the pairs: centre, bounding radius, shape, and motion.
 struct Side<S: Registers> {

@@ -101,7 +101,6 @@ impl Candidates {
     ) {
         self.valid = false;
         self.pairs.clear();
-        self.listed = 0;
         self.poses.clear();
         self.poses.reserve(arrays.positions.len());
         let mut sum = 0.0;
@@ -139,10 +138,16 @@ impl Candidates {
         }
     }
 
+    /// Room for all pairs of a list of this length, so that nothing is allocated before the list grows.
+    pub fn reserve(&mut self, listed: usize) {
+        self.listed = listed as u64;
+        self.near.clear();
+        self.near.reserve(listed);
+        self.pairs.reserve(listed);
+    }
+
     /// Ends what [`Candidates::begin`] began, once all pairs are there.
     pub fn end(&mut self) {
-        self.near.clear();
-        self.near.reserve(self.pairs.len());
         self.participants.clear();
         self.takes_part.clear();
         self.takes_part.resize(self.poses.len(), false);

@@ -136,41 +136,33 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let pass = &mut self;
         if !candidates.are_valid() {
             let records = &particles.records[..];
-            set.run(
-                FindCandidates {
-                    pass: &mut *pass,
-                    records,
-                    candidates: &mut *candidates,
-                },
-            );
+            set.run(FindCandidates {
+                pass: &mut *pass,
+                records,
+                candidates: &mut *candidates,
+            });
         }
         if let Some(t) = pass.tallies.as_deref_mut() {
             t.pairs += candidates.listed;
         }
-        set.run(
-            Reject {
-                pass: &mut *pass,
-                records: &particles.records,
-                candidates: &mut *candidates,
-            },
-        );
+        set.run(Reject {
+            pass: &mut *pass,
+            records: &particles.records,
+            candidates: &mut *candidates,
+        });
         if candidates.spheres {
             // The conservative law adds nothing to a force between spheres.
-            set.run(
-                Contacts::<R, FRICTION, RATE, false, true> {
-                    pass: &mut *pass,
-                    particles: &mut *particles,
-                    candidates,
-                },
-            );
+            set.run(Contacts::<R, FRICTION, RATE, false, true> {
+                pass: &mut *pass,
+                particles: &mut *particles,
+                candidates,
+            });
         } else {
-            set.run(
-                Contacts::<R, FRICTION, RATE, CONSERVATIVE, false> {
-                    pass: &mut *pass,
-                    particles: &mut *particles,
-                    candidates,
-                },
-            );
+            set.run(Contacts::<R, FRICTION, RATE, CONSERVATIVE, false> {
+                pass: &mut *pass,
+                particles: &mut *particles,
+                candidates,
+            });
         }
         pass.add_sums(particles, candidates);
         self.many_starts
@@ -196,6 +188,10 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             i: 0,
             j: 0,
         };
+        let listed = (0..self.rows.count())
+            .map(|row| self.rows.row(row).neighbours.len())
+            .sum();
+        candidates.reserve(listed);
         let mut waiting = [nowhere; MOST_LANES];
         let mut stay = 0u32;
         let mut pending = Pending::new(&records[0]);
@@ -206,7 +202,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 touching,
                 history,
             } = self.rows.row(row);
-            candidates.listed += neighbours.len() as u64;
             let i = &records[central];
             let (centre, radius) = (i.position(), i.radius());
             for (entry, &named) in neighbours.iter().enumerate() {
@@ -421,9 +416,12 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 if !SPHERES {
                     // Without a normal from the last step the search begins with the safeguards. It is read from where
                     // it is remembered: a line just written would have to be waited for.
-                    let n = history;
-                    let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-                    if layout.normal.is_none() || !((square - 1.0).abs() < 1e-6) {
+                    let known = layout.normal.is_some() && {
+                        let n = history;
+                        let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+                        (square - 1.0).abs() < 1e-6
+                    };
+                    if !known {
                         self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(place, single);
                         continue;
                     }

@@ -31,7 +31,7 @@ fn run(test: &str, choice: &str) {
 
 #[test]
 fn the_choice_is_obeyed_or_refused() {
-    for choice in ["scalar", "avx2", "avx512", "mmx", ""] {
+    for choice in ["scalar", "baseline", "avx2", "avx512", "mmx", ""] {
         run("instruction_sets::the_choice_of_this_process", choice);
     }
 }
