@@ -12,7 +12,7 @@ use crate::meshes::{sheet, HALF};
 use crate::shapes::{length, sub, Random, Vector};
 
 /// Acceleration that presses the grains on the sheet.
-const WEIGHT: f64 = 200.0;
+pub const WEIGHT: f64 = 200.0;
 
 /// Four grains on a sheet of 128 triangles, too far apart to touch: two slide, two roll about their axis of symmetry. The
 /// first goes over the corner where four ranks meet.
