@@ -130,7 +130,8 @@ fn triangles_of_a_turning_mesh_change_rank() {
     }
     let mut deck = sheet_deck();
     // a quarter of a turn; the corners of the sheet stay in the box
-    deck.steps = 300;
+    deck.time_step = 2e-5;
+    deck.steps = 150;
     deck.fixes.push(
         "fix turn all move/mesh mesh sheet rotate origin 0. 0. 0. axis 0. 0. 1. period 0.012"
             .into(),
