@@ -182,7 +182,8 @@ pub fn section(output: &Path) -> Result<Section> {
          them by 1e-3. Points of a line: tolerances from 0.1 to 1e-11. Upper rows: error against the least overlap and its normal, which is \
          the model's and the iteration's together (root mean square); lowest row: the iteration's alone, against the method's own converged \
          normal. The overlap along Perram and Wertheim's normal is h_i + h_j - n.d, which errs in the second order only; that of the midway point \
-         is the distance between both surfaces on the line through it. Preparation per grain (axes; shape matrices and their inverses) is not \
+         is the distance between both surfaces on the line through it. The methods: J.W. Perram and M.S. Wertheim, J. Comput. Phys. 58 (1985) 409; \
+         G.T. Houlsby, Comput. Geotech. 36 (2009) 953, and A. Podlozhnyuk et al., Comput. Part. Mech. 4 (2017) 101, as for superquadrics. Preparation per grain (axes; shape matrices and their inverses) is not \
          counted for any of them.\n",
         scientific(normal("2")?),
         scientific(normal("10")?),
