@@ -11,6 +11,7 @@
 #include "contact_models.h"
 #include "ellgran_contact.h"
 #include "error.h"
+#include "fix_contact_history_mesh.h"
 #include "fix_neighlist_mesh.h"
 #include "fix_property_atom.h"
 #include "force.h"
@@ -209,6 +210,10 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     EllgranContact::acting_wall = &contact.surface;
     if (impl->checkSurfaceIntersect(sidata)) {
       sidata.is_non_spherical = true;
+      if (counts_contacts() && mesh) {
+        double *unused;
+        fix_mesh->contactHistory()->handleContact(particle, mesh->id(contact.triangle), unused, true, false);
+      }
       impl->compute_force(this, sidata, true, contact.surface.velocity, fix_mesh, contact.mesh, mesh, contact.triangle);
     } else
       now[c * length] = 0.0;
@@ -259,9 +264,17 @@ void FixWallGranEllipsoid::post_force_primitive(int)
   }
 }
 
+// LIGGGHTS counts the contacts with a mesh in its own history of them, and compute wall/gran/local makes room for as many.
+bool FixWallGranEllipsoid::counts_contacts() const
+{
+  return computeflag_ && cwl_;
+}
+
 void FixWallGranEllipsoid::post_force_mesh(int)
 {
   const int nlocal = atom->nlocal;
+  if (counts_contacts())
+    for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->markAllContacts();
   // triangles near each particle, of all meshes together: meshes that meet at an edge are one surface
   if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
   for (int i = 0; i < nlocal; i++) near_[i].clear();
@@ -315,4 +328,6 @@ void FixWallGranEllipsoid::post_force_mesh(int)
     else
       act(i, contacts);
   }
+  if (counts_contacts())
+    for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->cleanUpContacts();
 }

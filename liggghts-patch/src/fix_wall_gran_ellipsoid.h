@@ -69,6 +69,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   void act(int particle, std::vector<Contact> &contacts);
   void forget(int particle);
   bool in_group(int particle) const;
+  bool counts_contacts() const;
 };
 
 }

@@ -10,7 +10,7 @@ use crate::shapes::{about, Vector};
 #[test]
 fn energy_is_kept_to_the_order_of_the_integrator() {
     let engine = Engine::from_environment();
-    let cases: [(&str, &str, Vector, Vector); 4] = [
+    let cases: [(&str, &str, Vector, Vector); 5] = [
         (
             "plane",
             "primitive type 1 zplane 0.0",
@@ -34,6 +34,12 @@ fn energy_is_kept_to_the_order_of_the_integrator() {
             "primitive type 1 zcylinder 0.0052 0.0 0.0",
             [0.0, 0.0005, 0.0],
             [0.1, -0.4, 0.1],
+        ),
+        (
+            "pillar",
+            "primitive type 1 zcylinder 0.006 0.0 0.0",
+            [0.011, 0.001, 0.0],
+            [-0.4, 0.05, 0.1],
         ),
     ];
     for (name, wall, position, velocity) in cases {

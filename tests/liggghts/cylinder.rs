@@ -151,3 +151,32 @@ fn needles_inside_a_cylinder_feel_every_tip() {
         assert!(f < 1e-5 && t < 1e-5, "{name}");
     }
 }
+
+/// From without: a sphere, for which Hertz' law with the curvatures of the two is known in closed form.
+#[test]
+fn a_sphere_beside_a_cylinder_is_pushed_as_hertz_says() {
+    let engine = Engine::from_environment();
+    let (radius, depth) = (3e-3, 1e-5);
+    for across in [2e-3, RADIUS] {
+        let away: Vector = [0.6, 0.8, 0.0];
+        let position = add(scale(across + radius - depth, away), [0.0, 0.0, 0.001]);
+        let deck = Deck {
+            time_step: 1e-12,
+            walls: vec![format!("primitive type 1 zcylinder {across} 0.0 0.0")],
+            ..Deck::new(ELASTIC, 0.0)
+        };
+        let scene = Scene::open(0.1, vec![Grain::sphere(radius, position)]);
+        let outcome = run(&engine, &format!("{across}"), &scene, &deck, 1);
+        let (small, large) = (0.5 / radius, 0.5 / radius + 0.5 / across);
+        let modulus = ELASTIC[0] / (2.0 * (1.0 - ELASTIC[1] * ELASTIC[1]));
+        let size = 4.0 / 3.0
+            * modulus
+            * (0.5 / (small * large).sqrt()).sqrt()
+            * force_factor(large / small)
+            * depth.powf(1.5);
+        let error = length(sub(outcome.last().states[0].force, scale(size, away))) / size;
+        println!("cylinder of radius {across} m: force {size:.6} N, off by {error:.1e}");
+        // the reference's factor is good to 1e-6
+        assert!(error < 1e-6);
+    }
+}

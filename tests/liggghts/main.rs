@@ -30,3 +30,4 @@ mod pair_loops;
 mod restart;
 mod same_motion;
 mod spheres;
+mod wall_outputs;

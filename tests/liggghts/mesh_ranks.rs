@@ -8,11 +8,11 @@ use crate::decomposition::difference;
 use crate::harness::{
     fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, State, ELASTIC,
 };
-use crate::meshes::sheet;
+use crate::meshes::{sheet, HALF};
 use crate::shapes::{length, sub, Random, Vector};
 
 /// Acceleration that presses the grains on the sheet.
-const WEIGHT: f64 = 200.0;
+pub const WEIGHT: f64 = 200.0;
 
 /// Four grains on a sheet of 128 triangles, too far apart to touch: two slide, two roll about their axis of symmetry. The
 /// first goes over the corner where four ranks meet.
@@ -130,7 +130,8 @@ fn triangles_of_a_turning_mesh_change_rank() {
     }
     let mut deck = sheet_deck();
     // a quarter of a turn; the corners of the sheet stay in the box
-    deck.steps = 300;
+    deck.time_step = 2e-5;
+    deck.steps = 150;
     deck.fixes.push(
         "fix turn all move/mesh mesh sheet rotate origin 0. 0. 0. axis 0. 0. 1. period 0.012"
             .into(),
@@ -150,6 +151,45 @@ fn triangles_of_a_turning_mesh_change_rank() {
     println!("{dragged} of 4 grains dragged along; four ranks and one apart by {velocities:.1e} in velocities, {forces:.1e} in forces");
     assert_eq!(dragged, 4);
     assert!(velocities < 1e-12 && forces < 1e-11);
+}
+
+#[test]
+fn a_mesh_goes_on_across_periodic_boundaries() {
+    let engine = Engine::from_environment();
+    let mut scene = on_a_sheet();
+    // each leaves over another side; the first over a corner of the box
+    for (grain, [x, y]) in scene.grains.iter_mut().zip([
+        [0.057, 0.0575],
+        [0.03, -0.056],
+        [-0.03, -0.0588],
+        [0.0, -0.055],
+    ]) {
+        grain.position[0] = x;
+        grain.position[1] = y;
+    }
+    scene.low = [-HALF, -HALF, -0.02];
+    scene.high = [HALF, HALF, 0.02];
+    scene.boundary = "p p f".into();
+    let mesh = sheet_deck();
+    let plane = Deck {
+        before: vec![],
+        walls: vec!["primitive type 1 zplane 0.0".into()],
+        ..sheet_deck()
+    };
+    let resting = on_ranks(&engine, &scene, &plane, "", 1);
+    let out = resting
+        .last()
+        .states
+        .iter()
+        .filter(|s| s.position[..2].iter().any(|x| x.abs() > HALF))
+        .count();
+    for ranks in [1, 4] {
+        let outcome = on_ranks(&engine, &scene, &mesh, &sheet(8), ranks);
+        let (velocities, forces) = apart(&outcome, &resting);
+        println!("{out} of 4 grains left the box; mesh on {ranks} ranks and plane apart by {velocities:.1e} in velocities, {forces:.1e} in forces");
+        assert_eq!(out, 4);
+        assert!(velocities < 1e-9 && forces < 1e-9);
+    }
 }
 
 /// The hopper of the examples, with grains thrown in. Grains that collide make the rounding of a sum grow, whatever the cause: the

@@ -68,3 +68,39 @@ fn a_restart_in_the_middle_of_contacts_with_a_mesh() {
         assert!(apart < 1e-12);
     }
 }
+
+/// The same on a plane that moves along itself, and in a wide cylinder that turns.
+#[test]
+fn a_restart_in_the_middle_of_contacts_with_primitive_walls() {
+    let engine = Engine::from_environment();
+    for (name, wall) in [
+        ("plane", "zplane 0.0 shear x 1.0"),
+        ("cylinder", "ycylinder 1000.0 1000.0 0.0 shear z 0.001"),
+    ] {
+        let directory = fresh_directory(name);
+        let whole = Deck {
+            before: vec![],
+            walls: vec![format!("primitive type 1 {wall}")],
+            runs: vec![
+                "run 120".into(),
+                "write_restart half".into(),
+                "run 80".into(),
+            ],
+            ..sheet_deck()
+        };
+        let through = run_in(&engine, &directory, &on_a_sheet(), &whole, 1);
+        let rest = Deck {
+            source: vec!["read_restart half".into()],
+            runs: vec!["run 80".into()],
+            ..whole
+        };
+        let again = run_in(&engine, &directory, &on_a_sheet(), &rest, 1);
+        let middle = again.first();
+        let rubbed = |s: &&State| s.force[0].hypot(s.force[1]) > 0.0;
+        let apart = difference(again.last(), through.last());
+        println!("{name}: velocities after the restart apart by {apart:.1e}");
+        assert_eq!((middle.step, again.last().step), (120, 200));
+        assert!(middle.states.iter().filter(rubbed).count() >= 3);
+        assert!(apart < 1e-12);
+    }
+}

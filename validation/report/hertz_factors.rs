@@ -193,7 +193,9 @@ fn write(directory: &Path, points: &[Point], methods: &[Method]) -> Outcome {
                 method.time.spread
             )?;
         }
-        for (error, point) in errors.iter().zip(points).step_by(4) {
+        // A method may have no value at some.
+        let finite = errors.iter().zip(points).filter(|(e, _)| e.is_finite());
+        for (error, point) in finite.step_by(4) {
             writeln!(
                 curves,
                 "{},{},{:.5e},{:.5e},{:.3e}",

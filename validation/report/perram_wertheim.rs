@@ -71,7 +71,8 @@ pub fn search(pair: &Pair, start: f64, tolerance: f64) -> Option<(Vector3, f64, 
         let curvature = -2.0 * (1.0 - l) * qi - 2.0 * l * qj
             + 2.0 * ((1.0 - l) * (1.0 - l) * du.dot(ui) - l * l * du.dot(uj));
         let mut next = l - slope / curvature;
-        if !(next > low && next < high) {
+        // At the end rounding may put the step across a bound.
+        if !(next > low && next < high) && (next - l).abs() >= tolerance {
             next = 0.5 * (low + high);
         }
         let moved = (next - l).abs();

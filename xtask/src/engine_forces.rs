@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Contact forces as an engine computes them: each pair alone, in one run of no steps, so that the force on a grain is
+//! Contact forces as an engine computes them: each pair alone, in a run of two tiny steps, so that the force on a grain is
 //! that of one contact. Grains at rest: damping and friction have nothing to act on.
 
 use std::fmt::Write;
@@ -67,7 +67,18 @@ pub fn thinned<T>(all: Vec<T>, wanted: usize) -> Vec<T> {
     all.into_iter().step_by(stride).collect()
 }
 
+/// On our pair style's widest instruction set.
 pub fn in_lammps(binary: &Path, style: &LammpsStyle, pairs: &[Pair]) -> Result<Vec<Wrench>> {
+    in_lammps_on(binary, style, None, pairs)
+}
+
+/// `instruction_set` is what our pair style is told by ELLGRAN_INSTRUCTION_SET.
+pub fn in_lammps_on(
+    binary: &Path,
+    style: &LammpsStyle,
+    instruction_set: Option<&str>,
+    pairs: &[Pair],
+) -> Result<Vec<Wrench>> {
     let (grains, edge) = apart(pairs);
     let mut data = format!(
         "pairs\n\n{} atoms\n{} ellipsoids\n1 atom types\n0 {edge:e} xlo xhi\n0 {edge:e} ylo yhi\n0 {edge:e} zlo zhi\n\nAtoms # ellipsoid\n\n",
@@ -104,7 +115,7 @@ pub fn in_lammps(binary: &Path, style: &LammpsStyle, pairs: &[Pair]) -> Result<V
         style.atoms
     };
     let deck = format!(
-        "units si\natom_style {atoms}\nboundary f f f\nnewton off\ncomm_modify vel yes\nread_data pairs.data\n{}pair_style {}\npair_coeff * * {}\nneighbor {:e} bin\nfix move all nve/asphere\ntimestep 1e-12\nrun 0\nwrite_dump all custom forces id fx fy fz tqx tqy tqz modify sort id format float %.17g\n",
+        "units si\natom_style {atoms}\nboundary f f f\nnewton off\ncomm_modify vel yes\nread_data pairs.data\n{}pair_style {}\npair_coeff * * {}\nneighbor {:e} bin\nfix move all nve/asphere\ntimestep 1e-12\nrun {STEPS}\nwrite_dump all custom forces id fx fy fz tqx tqy tqz modify sort id format float %.17g\n",
         if style.atoms == "ellipsoid" {
             format!("plugin load {}\n", style.plugin.display())
         } else {
@@ -114,7 +125,12 @@ pub fn in_lammps(binary: &Path, style: &LammpsStyle, pairs: &[Pair]) -> Result<V
         style.coefficients,
         SKIN
     );
-    wrenches(binary, "pairs.data", &data, &deck, pairs.len())
+    let mut command = Command::new(binary);
+    match instruction_set {
+        Some(set) => command.env("ELLGRAN_INSTRUCTION_SET", set),
+        None => command.env_remove("ELLGRAN_INSTRUCTION_SET"),
+    };
+    wrenches(command, &data, &deck, pairs.len())
         .with_context(|| format!("pair_style {} {}", style.style, style.coefficients))
 }
 
@@ -128,14 +144,13 @@ pub fn in_liggghts(binary: &Path, model: &LiggghtsModel, pairs: &[Pair]) -> Resu
         spheres: false,
     };
     let deck = format!(
-        "atom_style superquadric\natom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\nunits si\nread_data pairs.data\n{}neighbor {SKIN:e} bin\nneigh_modify delay 0\nsoft_particles yes\n{}pair_style gran model {}\npair_coeff * *\nfix move all nve/superquadric\ntimestep 1e-12\ndump forces all custom 1 forces id fx fy fz tqx tqy tqz\ndump_modify forces sort id first yes format \"%d %.17g %.17g %.17g %.17g %.17g %.17g\"\nrun 0\n",
+        "atom_style superquadric\natom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\nunits si\nread_data pairs.data\n{}neighbor {SKIN:e} bin\nneigh_modify delay 0\nsoft_particles yes\n{}pair_style gran model {}\npair_coeff * *\nfix move all nve/superquadric\ntimestep 1e-12\ndump forces all custom {STEPS} forces id fx fy fz tqx tqy tqz\ndump_modify forces sort id first yes format \"%d %.17g %.17g %.17g %.17g %.17g %.17g\"\nrun {STEPS}\n",
         packing.liggghts_orientations(),
         constants(model),
         model.model
     );
     wrenches(
-        binary,
-        "pairs.data",
+        Command::new(binary),
         &packing.liggghts_data(),
         &deck,
         pairs.len(),
@@ -143,6 +158,8 @@ pub fn in_liggghts(binary: &Path, model: &LiggghtsModel, pairs: &[Pair]) -> Resu
     .with_context(|| format!("pair_style gran model {}", model.model))
 }
 
+/// After the first step a search begins from the contact that it found, as in a running simulation. The grains hardly move.
+const STEPS: usize = 2;
 /// Neighbour skin, m.
 const SKIN: f64 = 1e-4;
 
@@ -190,19 +207,13 @@ fn apart(pairs: &[Pair]) -> (Vec<PackedGrain>, f64) {
     (grains, side as f64 * cell)
 }
 
-/// Runs a deck that leaves the dump `forces`.
-fn wrenches(
-    binary: &Path,
-    data_name: &str,
-    data: &str,
-    deck: &str,
-    pairs: usize,
-) -> Result<Vec<Wrench>> {
+/// Runs a deck that reads `pairs.data` and leaves the dump `forces`.
+fn wrenches(mut command: Command, data: &str, deck: &str, pairs: usize) -> Result<Vec<Wrench>> {
     let directory = tempfile::tempdir()?;
-    fs::write(directory.path().join(data_name), data)?;
+    fs::write(directory.path().join("pairs.data"), data)?;
     fs::write(directory.path().join("deck"), deck)?;
     output_of(
-        Command::new(binary)
+        command
             .current_dir(directory.path())
             .env("OMP_NUM_THREADS", "1")
             .args(["-log", "none", "-in", "deck"]),
@@ -225,10 +236,13 @@ fn wrenches(
         .collect())
 }
 
-/// Force and torque of each grain of a dump.
+/// Force and torque of each grain in the last frame of a dump.
 fn forces(dump: &str) -> Result<Vec<([f64; 3], [f64; 3])>> {
-    dump.lines()
-        .skip_while(|line| !line.starts_with("ITEM: ATOMS"))
+    let (_, frame) = dump
+        .rsplit_once("ITEM: ATOMS")
+        .context("the dump holds no frame")?;
+    frame
+        .lines()
         .skip(1)
         .map(|line| {
             let numbers: Vec<f64> = line
@@ -301,6 +315,14 @@ mod tests {
         };
         assert_eq!(relative_error(&none, &some), 1.0);
         assert_eq!(relative_error(&some, &some), 0.0);
+    }
+
+    #[test]
+    fn the_last_frame_of_a_dump_counts() {
+        let dump =
+            "ITEM: ATOMS id\n1 0 0 0 0 0 0\nITEM: TIMESTEP\n2\nITEM: ATOMS id\n1 1 2 3 4 5 6\n";
+        assert_eq!(forces(dump).unwrap(), [([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])]);
+        assert!(forces("nothing").is_err());
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
     ninja(
         &build,
         &["liggghts_bin"],
-        &format!("Building LIGGGHTS {name}"),
+        &format!("Building LIGGGHTS {name} with {}", optimisation.flag()),
     )
     .context("LIGGGHTS cannot be built")?;
     let directory = workspace::target_directory()?.join("liggghts");

@@ -12,8 +12,8 @@ use super::packing::{CONTACT_RADIUS, MATERIAL};
 use super::scenes::Engines;
 use super::Effort;
 use crate::engine_forces::{
-    in_lammps, in_liggghts, length, pairs_in_reach, relative_error, thinned, LammpsStyle,
-    LiggghtsModel, Pair, Wrench,
+    in_lammps, in_lammps_on, in_liggghts, length, pairs_in_reach, relative_error, thinned,
+    LammpsStyle, LiggghtsModel, Pair, Wrench,
 };
 use crate::packed_grains::PackedGrains;
 
@@ -41,13 +41,17 @@ impl Reference {
             (20_000, 1000)
         };
         let pairs = pairs_in_reach(&PackedGrains::read(&text)?, reach);
-        let forces = of_ours(lammps, &hertz(), &pairs)?;
-        let touching: Vec<(Pair, Wrench)> = pairs
+        let ours = |pairs: &[Pair]| of_ours(lammps, "scalar", &hertz(), pairs);
+        let forces = ours(&pairs)?;
+        let touching: Vec<Pair> = pairs
             .into_iter()
             .zip(forces)
             .filter(|(_, wrench)| length(wrench.force) > 0.0)
+            .map(|(pair, _)| pair)
             .collect();
-        let (contacts, forces) = thinned(touching, wanted).into_iter().unzip();
+        let contacts = thinned(touching, wanted);
+        // Again, where the contenders see them: elsewhere the coordinates are rounded differently.
+        let forces = ours(&contacts)?;
         Ok(Reference { contacts, forces })
     }
 
@@ -58,12 +62,12 @@ impl Reference {
         }
         let lammps = &engines.lammps;
         let found = match contender {
-            Contender::Ours(_) => {
+            Contender::Ours(set) => {
                 let law = format!(
                     "nfd {} {} 0 0 conservative no",
                     MATERIAL.youngs_modulus, MATERIAL.poissons_ratio
                 );
-                of_ours(lammps, &law, &self.contacts)?
+                of_ours(lammps, set, &law, &self.contacts)?
             }
             Contender::Superellipsoid => in_lammps(
                 &lammps.binary,
@@ -99,8 +103,13 @@ fn hertz() -> String {
     format!("{} conservative no", MATERIAL.elastic())
 }
 
-fn of_ours(lammps: &Lammps, law: &str, pairs: &[Pair]) -> Result<Vec<Wrench>> {
-    in_lammps(
+fn of_ours(
+    lammps: &Lammps,
+    instruction_set: &str,
+    law: &str,
+    pairs: &[Pair],
+) -> Result<Vec<Wrench>> {
+    in_lammps_on(
         &lammps.binary,
         &LammpsStyle {
             atoms: "ellipsoid",
@@ -108,6 +117,7 @@ fn of_ours(lammps: &Lammps, law: &str, pairs: &[Pair]) -> Result<Vec<Wrench>> {
             coefficients: law,
             plugin: &lammps.plugin,
         },
+        Some(instruction_set),
         pairs,
     )
 }

@@ -203,7 +203,7 @@ fn draw(path: &Path, table: &Table, curves: &Table) -> Result<()> {
     ];
     chart::draw(
         path,
-        "The fitted Hertz factor is exact to rounding at the price of the crudest closed form",
+        "The fitted Hertz factor is exact to rounding at about the price of the crudest closed form",
         &[panels],
     )
 }

@@ -61,12 +61,12 @@ pub fn section(output: &Path) -> Result<Section> {
         "**Conclusion.** The energy error of an elastic collision falls with the square of the step and faster when the law is a gradient: {} of it is \
          lost or gained at T/20, {} at T/100. With the force along the normal alone, as in the engines' own styles, it stops at {} whatever the step. The viscoelastic \
          law converges in the first order, because velocities are known at the half step; its error at T/50 ({}) is smaller than that of the plain force. \
-         Time is steps: no law is cheaper than another by more than {} %, the linear spring included, which at the same step errs more than Hertz, since its \
+         Time is steps: no law's step costs more than {} % above the cheapest; the linear spring saves nothing, and at the same step errs more than Hertz, since its \
          stiffness begins with a jump.\n\n\
          The stability limit, measured on a grain that rests on a wall under a load that gives the same overlap: {} T for Hertz (velocity Verlet's 2 over the angular \
          frequency of the contact), {} T with viscosity, {} T with friction, whose tangential and rolling motion is faster. Rayleigh's time of a sphere of this volume is {} T \
          at this overlap; it does not know the speed of the impact, and the usual 10 to 30 % of it is on the safe side here, as are T/20 to T/50.\n\n\
-         Collisions of two grains of aspect ratio 2, oblique, at random orientations and with first touch anywhere within a step; largest overlap about 2 % of the small \
+         Collisions of two grains of aspect ratio 2, oblique, at random orientations and with first touch anywhere within a step; largest overlap, head-on, 2 % of the small \
          semi-axis; T is the Hertzian contact time of a head-on collision. Energy error: of the kinetic energy after the collision, over that before, root mean square; \
          for the viscous laws \
          the error is taken against T/16000 (T/4000 with `--quick`). Forces by the library's one-contact path, motion by velocity Verlet with a \

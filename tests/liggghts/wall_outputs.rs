@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What LIGGGHTS tells of the forces between a mesh and grains: is it what moves the grains, on one rank and on four?
+
+use std::fs;
+use std::path::Path;
+
+use crate::harness::{fresh_directory, run_in, Deck, Engine};
+use crate::mesh_ranks::{on_a_sheet, sheet_deck, WEIGHT};
+use crate::meshes::sheet;
+use crate::shapes::{add, cross, length, sub, Vector};
+
+const STEPS: u64 = 120;
+
+fn deck() -> Deck {
+    Deck {
+        steps: STEPS,
+        dump_every: STEPS,
+        ..sheet_deck()
+    }
+}
+
+fn vector(numbers: &[f64]) -> Vector {
+    std::array::from_fn(|k| numbers[k])
+}
+
+/// The rows of the last table of a dump.
+fn last_rows(file: &Path) -> Vec<Vec<f64>> {
+    let text = fs::read_to_string(file).unwrap();
+    text.lines()
+        .skip_while(|line| *line != STEPS.to_string())
+        .skip_while(|line| !line.starts_with("ITEM: ATOMS") && !line.starts_with("ITEM: ENTRIES"))
+        .skip(1)
+        .filter(|line| !line.trim().is_empty())
+        .map(|line| {
+            line.split_whitespace()
+                .map(|word| word.parse().unwrap())
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn the_force_on_a_mesh_and_the_stored_forces() {
+    let engine = Engine::from_environment();
+    let scene = on_a_sheet();
+    for ranks in [1, 4] {
+        let directory = fresh_directory(&format!("{ranks}"));
+        fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+        let mut deck = Deck {
+            before: vec![
+                "fix sheet all mesh/surface/stress file sheet.stl type 1 reference_point 0. 0. 0."
+                    .into(),
+            ],
+            thermo: "step f_sheet[1] f_sheet[2] f_sheet[3] f_sheet[4] f_sheet[5] f_sheet[6]".into(),
+            ..deck()
+        };
+        deck.walls[0] += " store_force yes";
+        deck.fixes.extend([
+            format!("dump stored all custom {STEPS} stored id f_force_wall0[1] f_force_wall0[2] f_force_wall0[3]"),
+            "dump_modify stored sort id format \"%d %.17g %.17g %.17g\"".into(),
+        ]);
+        let outcome = run_in(&engine, &directory, &scene, &deck, ranks);
+        let stored = last_rows(&directory.join("stored"));
+        let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
+        let mut worst = 0.0f64;
+        for ((grain, state), row) in scene.grains.iter().zip(&outcome.last().states).zip(&stored) {
+            let wall = sub(state.force, [0.0, 0.0, -WEIGHT * grain.mass()]);
+            worst = worst.max(length(sub(vector(&row[1..]), wall)) / length(wall));
+            force = add(force, wall);
+            torque = add(torque, add(cross(state.position, wall), state.torque));
+        }
+        let rows = outcome.thermo();
+        let told = |from: usize| -> Vector {
+            std::array::from_fn(|k| rows[rows.len() - 1][&format!("sheet[{}]", from + k)])
+        };
+        let (f, t) = (
+            length(add(told(1), force)) / length(force),
+            length(add(told(4), torque)) / length(torque),
+        );
+        println!("{ranks} ranks: stored forces off by {worst:.1e}, force on the mesh by {f:.1e}, its torque by {t:.1e}");
+        assert_eq!(stored.len(), 4);
+        assert!(worst < 1e-12 && f < 1e-12);
+        // LIGGGHTS lets the force act where the wall is deepest in the grain, not where the two share the penetration
+        assert!(t < 1e-3);
+    }
+}
+
+#[test]
+fn contacts_with_a_mesh_one_by_one() {
+    let engine = Engine::from_environment();
+    let scene = on_a_sheet();
+    for ranks in [1, 4] {
+        let directory = fresh_directory(&format!("{ranks}"));
+        fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+        let mut deck = deck();
+        let columns: String = (1..=12).map(|k| format!(" c_contacts[{k}]")).collect();
+        deck.fixes.extend([
+            "compute contacts all wall/gran/local pos id force".into(),
+            format!("dump contacts all local {STEPS} contacts{columns}"),
+        ]);
+        let outcome = run_in(&engine, &directory, &scene, &deck, ranks);
+        let contacts = last_rows(&directory.join("contacts"));
+        assert_eq!(contacts.len(), 4);
+        for contact in contacts {
+            let k = contact[8] as usize - 1;
+            let state = &outcome.last().states[k];
+            let wall = sub(state.force, [0.0, 0.0, -WEIGHT * scene.grains[k].mass()]);
+            // the compute takes the velocities of the end of the step, the step those of its middle
+            let force = length(sub(vector(&contact[9..]), wall)) / length(wall);
+            println!("{ranks} ranks, grain {}: force off by {force:.1e}", k + 1);
+            assert!(force < 1e-2 && contact[2].abs() < 1e-9);
+            assert!(length(sub(vector(&contact[3..]), state.position)) < 1e-6);
+        }
+    }
+}
