@@ -71,8 +71,11 @@ impl BatchResult {
 
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
-/// Square of the last Newton step: what is left after it is of the order of its square, and one correction follows.
-const SETTLED: f64 = 1e-15;
+/// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
+/// that t^3/s^2 is left after t.
+const SETTLED: f64 = 1e-26;
+/// Square of the step that the first one is compared with: a first step of 1e-7 is the last.
+const STEP_BEFORE: f64 = 1e-8;
 /// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
 /// times the square of the aspect ratio at most.
 const LARGEST_CORRECTION: f64 = 1e-24;
@@ -244,6 +247,7 @@ fn search<S: Registers>(
     let mut hard = zero.less(zero);
     let mut active = registers.and_not(zero.less(one), apart);
     let mut step = 0;
+    let mut last = Lanes::splat(registers, STEP_BEFORE);
     loop {
         let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
         let change = at.hessian.adjugate().apply(at.gradient) * (zero - determinant.reciprocal());
@@ -259,7 +263,9 @@ fn search<S: Registers>(
             Lanes::select(active, y.u + change.u, y.u),
             Lanes::select(active, y.v + change.v, y.v),
         );
-        active = registers.and(active, Lanes::splat(registers, SETTLED).less(square));
+        let moving = (last * last * SETTLED).less(square * square * square);
+        active = registers.and(active, moving);
+        last = square;
         step += 1;
         if registers.bits(active) == 0 || step == NEWTON_STEPS {
             break;
