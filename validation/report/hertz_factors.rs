@@ -147,7 +147,6 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
             }
         };
         for (set, name) in [
-            (InstructionSet::Baseline, "ours, baseline"),
             (InstructionSet::Avx2, "ours, avx2"),
             (InstructionSet::Avx512, "ours, avx512"),
         ] {

@@ -96,7 +96,6 @@ pub fn each(
 ) {
     for steps in 1..=3 {
         for (set, lanes, name) in [
-            (InstructionSet::Baseline, 2, "support baseline"),
             (InstructionSet::Avx2, 4, "support avx2"),
             (InstructionSet::Avx512, 8, "support avx512"),
         ] {

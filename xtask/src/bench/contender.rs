@@ -100,7 +100,7 @@ impl Contender {
     /// Instruction sets of this machine, narrowest first, as ELLGRAN_INSTRUCTION_SET takes them.
     pub fn instruction_sets() -> Vec<&'static str> {
         #[allow(unused_mut)]
-        let mut sets = vec!["scalar"];
+        let mut sets = vec!["scalar", "baseline"];
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {

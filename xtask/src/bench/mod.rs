@@ -374,7 +374,7 @@ fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
             label: row.contender.label(),
             value: row.pair.median,
             colour: match row.contender {
-                Contender::Ours("scalar") => OURS_LIGHT,
+                Contender::Ours("scalar" | "baseline") => OURS_LIGHT,
                 Contender::Ours(_) => OURS,
                 Contender::Liggghts(Model::Nfd | Model::HertzOnEllipsoids, _) => OURS_LIGHT,
                 Contender::Superellipsoid => SUPERELLIPSOID,

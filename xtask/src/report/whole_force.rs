@@ -69,6 +69,7 @@ fn ways(lammps: &Lammps) -> Vec<Way> {
     for set in &sets[..sets.len() - 1] {
         let name = match *set {
             "scalar" => "ours scalar",
+            "baseline" => "ours baseline",
             _ => "ours avx2",
         };
         ways.push(ours(name, set, "conservative no", true));
@@ -102,9 +103,16 @@ fn ways(lammps: &Lammps) -> Vec<Way> {
 }
 
 /// Name in the measurements, in the legend, colour, shape, filled.
-const LOOKS: [(&str, &str, RGBColor, Shape, bool); 12] = [
+const LOOKS: [(&str, &str, RGBColor, Shape, bool); 13] = [
     ("ours", "ours, widest lanes", BLUE, Shape::Diamond, true),
     ("ours avx2", "ours, AVX2", BLUE, Shape::Triangle, true),
+    (
+        "ours baseline",
+        "ours, two lanes (SSE2)",
+        BLUE,
+        Shape::Square,
+        true,
+    ),
     ("ours scalar", "ours, scalar", BLUE, Shape::Circle, true),
     (
         "ours elastic no friction",
