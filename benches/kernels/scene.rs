@@ -203,6 +203,15 @@ impl NeighbourRows for Rows<'_> {
     }
 
     #[inline(always)]
+    fn pair(&mut self, central: usize, entry: usize) -> (Option<&mut i32>, &mut [f64]) {
+        let at = self.scene.starts[central] + entry;
+        (
+            self.touching.get_mut(at),
+            &mut self.history[at * self.length..(at + 1) * self.length],
+        )
+    }
+
+    #[inline(always)]
     fn entries(&self) -> Entries {
         Entries::PLAIN
     }

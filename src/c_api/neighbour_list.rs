@@ -95,6 +95,28 @@ impl NeighbourRows for Rows<'_> {
     }
 
     #[inline(always)]
+    fn pair(&mut self, central: usize, entry: usize) -> (Option<&mut i32>, &mut [f64]) {
+        if self.length == 0 {
+            return (None, &mut []);
+        }
+        // SAFETY: as above, for one entry of the row of a central particle, which is tested to be there; nothing of a row
+        // is borrowed twice at a time (`&mut self`).
+        unsafe {
+            assert!(
+                (entry as i64) < i64::from(*self.counts.add(central)),
+                "a row has become shorter in an unchanged list"
+            );
+            (
+                Some(&mut *(*self.touching.add(central)).add(entry)),
+                core::slice::from_raw_parts_mut(
+                    (*self.history.add(central)).add(entry * self.length),
+                    self.length,
+                ),
+            )
+        }
+    }
+
+    #[inline(always)]
     fn entries(&self) -> Entries {
         self.entries
     }

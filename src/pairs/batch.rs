@@ -73,7 +73,7 @@ impl BatchResult {
 const NEWTON_STEPS: usize = 6;
 /// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
 /// that t^3/s^2 is left after t.
-const SETTLED: f64 = 1e-26;
+const SETTLED: f64 = 1e-30;
 /// Square of the step that the first one is compared with: a first step of 1e-7 is the last.
 const STEP_BEFORE: f64 = 1e-8;
 /// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,

@@ -11,18 +11,20 @@ use super::registers::Line;
 /// A pair of the list.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
-    /// Number of the central particle's row.
-    pub row: u32,
-    /// Place in the row.
-    pub entry: u32,
     /// Central particle.
     pub i: u32,
+    /// Place in its row.
+    pub entry: u32,
     /// Its neighbour.
     pub j: u32,
 }
 
-/// The margin in units of the mean smallest semi-axis: a few dozen steps of a moderate flow.
-const RELATIVE_MARGIN: f64 = 0.1;
+/// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
+const FIRST_MARGIN: f64 = 0.03;
+const SMALLEST_MARGIN: f64 = 0.01;
+const LARGEST_MARGIN: f64 = 0.2;
+/// Steps that candidates should last: with fewer the margin doubles, with four times as many it halves.
+const FEW_STEPS: u32 = 25;
 
 /// Candidates, and the poses for which they were found.
 #[derive(Debug, Default)]
@@ -39,6 +41,10 @@ pub(super) struct Candidates {
     poses: Vec<Line>,
     /// Length, the same for all pairs.
     pub margin: f64,
+    /// In units of the mean smallest semi-axis; 0 before the first time.
+    relative_margin: f64,
+    /// Steps since the candidates were found.
+    steps: u32,
     /// Whether all of the list's particles are spheres.
     pub spheres: bool,
     valid: bool,
@@ -70,6 +76,20 @@ impl Candidates {
 
     /// Whether no particle has moved by more than half of the margin since the candidates were found.
     pub fn hold_for<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+    ) -> bool {
+        let hold = self.holds(arrays);
+        self.steps = self.steps.saturating_add(1);
+        if !hold && self.steps < FEW_STEPS {
+            self.relative_margin = (self.relative_margin * 2.0).min(LARGEST_MARGIN);
+        } else if !hold && self.steps > 4 * FEW_STEPS {
+            self.relative_margin = (self.relative_margin * 0.5).max(SMALLEST_MARGIN);
+        }
+        hold
+    }
+
+    fn holds<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, S, I>,
     ) -> bool {
@@ -124,7 +144,11 @@ impl Candidates {
                 length / (4.0 * 2.1 * spread).powi(2),
             ]));
         }
-        self.margin = RELATIVE_MARGIN * sum / arrays.positions.len().max(1) as f64;
+        if self.relative_margin == 0.0 {
+            self.relative_margin = FIRST_MARGIN;
+        }
+        self.steps = 0;
+        self.margin = self.relative_margin * sum / arrays.positions.len().max(1) as f64;
         let square = self.margin * self.margin;
         for pose in &mut self.poses {
             // At most a rotation by one radian; a sphere may turn as it likes.

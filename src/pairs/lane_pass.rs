@@ -183,7 +183,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let spheres = records.iter().all(Record::is_sphere);
         candidates.spheres = spheres;
         let nowhere = Candidate {
-            row: 0,
             entry: 0,
             i: 0,
             j: 0,
@@ -217,7 +216,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                     continue;
                 }
                 let candidate = Candidate {
-                    row: row as u32,
                     entry: entry as u32,
                     i: central as u32,
                     j: other as u32,
@@ -265,7 +263,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         candidates: &mut Candidates,
     ) {
         let layout = self.layout;
-        let length = layout.length;
+
         let Candidates {
             pairs,
             near,
@@ -276,31 +274,28 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let mut places = [0usize; MOST_LANES];
         let mut pending = Pending::new(&records[0]);
         for (number, c) in pairs.iter().enumerate() {
-            let NeighbourRow {
-                touching, history, ..
-            } = self.rows.row(c.row as usize);
-            let entry = c.entry as usize;
+            if let Some(c) = pairs.get(number + AHEAD) {
+                if let Some(first) = self.rows.pair(c.i as usize, c.entry as usize).1.first() {
+                    registers.prefetch(first);
+                }
+            }
+            let (touching, history) = self.rows.pair(c.i as usize, c.entry as usize);
             let (i, j) = (&records[c.i as usize], &records[c.j as usize]);
-            let touched = touching.get(entry).is_some_and(|t| *t != 0);
+            let touched = touching.as_ref().is_some_and(|t| **t != 0);
             if *spheres {
                 let reach = i.pose.0[7] + j.pose.0[7];
                 let d = j.position() - i.position();
                 if d.norm_squared() < reach * reach {
                     near.push(number as u32);
-                } else if touched {
-                    touching[entry] = 0;
-                    super::neighbour_list::forget(
-                        &layout,
-                        &mut history[entry * length..(entry + 1) * length],
-                    );
+                } else if let Some(touching) = touching.filter(|_| touched) {
+                    *touching = 0;
+                    super::neighbour_list::forget(&layout, history);
                 }
                 continue;
             }
             if !touched {
                 places[pending.count] = near.len();
-                let start = layout
-                    .normal
-                    .map(|at| &history[entry * length + at..entry * length + at + 3]);
+                let start = layout.normal.map(|at| &history[at..at + 3]);
                 pending.push(i, j, start);
             }
             near.push(number as u32);
@@ -346,7 +341,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         } = particles;
         let laws = self.laws;
         let layout = self.layout;
-        let length = layout.length;
         let one_type = laws.types() == 1;
         let common = Common {
             layout,
@@ -368,7 +362,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         };
         let mut result = BatchResult::EMPTY;
         let mut places = [Place {
-            row: 0,
             entry: 0,
             i: 0,
             j: 0,
@@ -390,8 +383,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 let number = near[next];
                 if let Some(ahead) = near.get(next + AHEAD).filter(|n| **n != REJECTED) {
                     let c = candidates.pairs[*ahead as usize];
-                    let row = self.rows.row(c.row as usize);
-                    if let Some(first) = row.history.get(c.entry as usize * length) {
+                    if let Some(first) = self.rows.pair(c.i as usize, c.entry as usize).1.first() {
                         registers.prefetch(first);
                     }
                     registers.prefetch(&records[c.j as usize].pose.0[0]);
@@ -403,21 +395,17 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 }
                 let c = candidates.pairs[number as usize];
                 let place = Place {
-                    row: c.row as usize,
                     entry: c.entry as usize,
                     i: c.i as usize,
                     j: c.j as usize,
                 };
-                let NeighbourRow {
-                    touching, history, ..
-                } = self.rows.row(place.row);
-                let touched = touching.get(place.entry).is_some_and(|t| *t != 0);
-                let history = &history[place.entry * length..(place.entry + 1) * length];
+                let (touching, history) = self.rows.pair(place.i, place.entry);
+                let touched = touching.is_some_and(|t| *t != 0);
                 if !SPHERES {
                     // Without a normal from the last step the search begins with the safeguards. It is read from where
                     // it is remembered: a line just written would have to be waited for.
                     let known = layout.normal.is_some() && {
-                        let n = history;
+                        let n = &*history;
                         let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
                         (square - 1.0).abs() < 1e-6
                     };

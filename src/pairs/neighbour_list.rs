@@ -33,6 +33,9 @@ pub trait NeighbourRows {
     fn count(&self) -> usize;
     /// The row of the `k`-th central particle.
     fn row(&mut self, k: usize) -> NeighbourRow<'_>;
+    /// What is remembered of one pair: its flag (`None` without history) and its doubles, by the index of the central
+    /// particle and the place in its row.
+    fn pair(&mut self, central: usize, entry: usize) -> (Option<&mut i32>, &mut [f64]);
     /// How to read an entry.
     fn entries(&self) -> Entries;
 }
@@ -340,10 +343,9 @@ pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
     pub many_starts: u64,
 }
 
-/// Where a pair stands: its row, its place in the row, its particles.
+/// Where a pair stands: its particles, the first with the row, and its place in the row.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    pub row: usize,
     pub entry: usize,
     pub i: usize,
     pub j: usize,
@@ -399,7 +401,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let named = self.rows.row(row).neighbours[entry];
         let other = self.rows.entries().index(named)?;
         let place = Place {
-            row,
             entry,
             i: central,
             j: other,
@@ -418,12 +419,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     /// What is remembered of a pair: whether it touched, and the doubles.
     #[inline(always)]
     pub(super) fn memory(&mut self, place: Place) -> (Option<&mut i32>, &mut [f64]) {
-        let length = self.layout.length;
-        let row = self.rows.row(place.row);
-        (
-            row.touching.get_mut(place.entry),
-            &mut row.history[place.entry * length..(place.entry + 1) * length],
-        )
+        self.rows.pair(place.i, place.entry)
     }
 
     /// A pair that does not touch: forgets the tangential part, keeps the separating normal.
