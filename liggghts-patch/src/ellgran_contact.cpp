@@ -15,6 +15,7 @@
 #include "modify.h"
 #include "neigh_list.h"
 #include "neighbor.h"
+#include "neighbor.h"
 #include "pair_gran.h"
 #include "property_registry.h"
 #include "update.h"
@@ -83,7 +84,8 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     youngs_modulus(NULL),
     poissons_ratio(NULL),
     list_laws(NULL),
-    workspace(NULL)
+    workspace(NULL),
+    lists_before(-1)
 {
   memset(&geometry, 0, sizeof(geometry));
   memset(&past, 0, sizeof(past));
@@ -293,7 +295,11 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
     pair->evflag = pair->vflag_fdotr = 0;
   if (atom->nlocal + atom->nghost == 0) return true;
   if (!workspace) check(ellgran_workspace_new(&workspace));
+  // the library is told when it sees what it saw before, but for the motion
+  const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_before &&
+                    same_shapes();
   if (!list_laws) build_list_laws();
+  lists_before = -1;
   const EllgranParticles all = particles();
 
   EllgranNeighbourList neighbours;
@@ -306,12 +312,22 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   neighbours.touching = pair->listgranhistory->firstneigh;
   neighbours.history = pair->listgranhistory->firstdouble;
   neighbours.newton = lmp->force->newton_pair;
+  neighbours.unchanged = seen;
   // LIGGGHTS counts the steps since it last built the list
   neighbours.unchanged = (lmp->neighbor->ago > 0) ? 1 : 0;
 
   const EllgranStep now = step(pair->shearupdate());
   check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));
+  if (!seen) shapes.assign(atom->shape[0], atom->shape[0] + 3 * all.count);
+  lists_before = lmp->neighbor->ncalls;
   return true;
+}
+
+bool EllgranContact::same_shapes() const
+{
+  const Atom *const atom = lmp->atom;
+  const size_t count = 3 * (atom->nlocal + atom->nghost);
+  return count == shapes.size() && (count == 0 || memcmp(atom->shape[0], &shapes[0], count * sizeof(double)) == 0);
 }
 
 }

@@ -79,6 +79,7 @@ private:
 
   void check_blockiness(int i) const;
   EllgranParticles particles() const;
+  bool same_shapes() const;
   void build_list_laws();
 
   LAMMPS_NS::LAMMPS *lmp;
@@ -87,6 +88,8 @@ private:
   std::vector<double> shares;
   EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
   EllgranWorkspace *workspace;
+  int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
+  std::vector<double> shapes;      // semi-axes then
 };
 
 }
