@@ -573,9 +573,9 @@ typedef struct EllgranNeighbourList {
    */
   int32_t newton;
   /*
-   1: since the last call with this workspace that succeeded, the laws, particles, their number and order, their types, semi-axes
-   and the list's entries have not changed (positions, rotations and the history may have): most pairs that do not
-   touch are then left out without looking at them. 0: they may have. When in doubt, 0.
+   1: since the last call with this workspace that succeeded, the laws, the particles and their order, and the list's
+   entries have not changed (positions, rotations, shapes, types and the history may have): most pairs that do not touch
+   are then left out without being looked at. 0: they may have. When in doubt, 0.
    */
   int32_t unchanged;
 } EllgranNeighbourList;

@@ -296,8 +296,7 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   if (atom->nlocal + atom->nghost == 0) return true;
   if (!workspace) check(ellgran_workspace_new(&workspace));
   // the library is told when it sees what it saw before, but for the motion
-  const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_before &&
-                    same_shapes();
+  const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_before;
   if (!list_laws) build_list_laws();
   lists_before = -1;
   const EllgranParticles all = particles();
@@ -313,21 +312,11 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   neighbours.history = pair->listgranhistory->firstdouble;
   neighbours.newton = lmp->force->newton_pair;
   neighbours.unchanged = seen;
-  // LIGGGHTS counts the steps since it last built the list
-  neighbours.unchanged = (lmp->neighbor->ago > 0) ? 1 : 0;
 
   const EllgranStep now = step(pair->shearupdate());
   check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));
-  if (!seen) shapes.assign(atom->shape[0], atom->shape[0] + 3 * all.count);
   lists_before = lmp->neighbor->ncalls;
   return true;
-}
-
-bool EllgranContact::same_shapes() const
-{
-  const Atom *const atom = lmp->atom;
-  const size_t count = 3 * (atom->nlocal + atom->nghost);
-  return count == shapes.size() && (count == 0 || memcmp(atom->shape[0], &shapes[0], count * sizeof(double)) == 0);
 }
 
 }

@@ -79,7 +79,6 @@ private:
 
   void check_blockiness(int i) const;
   EllgranParticles particles() const;
-  bool same_shapes() const;
   void build_list_laws();
 
   LAMMPS_NS::LAMMPS *lmp;
@@ -89,7 +88,6 @@ private:
   EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
   EllgranWorkspace *workspace;
   int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
-  std::vector<double> shapes;      // semi-axes then
 };
 
 }

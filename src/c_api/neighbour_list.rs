@@ -40,9 +40,9 @@ pub struct EllgranNeighbourList {
     /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
     /// with a ghost appears on both ranks.
     pub newton: i32,
-    /// 1: since the last call with this workspace that succeeded, the laws, particles, their number and order, their types, semi-axes
-    /// and the list's entries have not changed (positions, rotations and the history may have): most pairs that do not
-    /// touch are then left out without looking at them. 0: they may have. When in doubt, 0.
+    /// 1: since the last call with this workspace that succeeded, the laws, the particles and their order, and the list's
+    /// entries have not changed (positions, rotations, shapes, types and the history may have): most pairs that do not touch
+    /// are then left out without being looked at. 0: they may have. When in doubt, 0.
     pub unchanged: i32,
 }
 

@@ -39,6 +39,8 @@ pub(super) struct Candidates {
     takes_part: Vec<bool>,
     /// Position, quaternion as the engine has it, square of the change of the quaternion that is allowed.
     poses: Vec<Line>,
+    /// Semi-axes.
+    shapes: Vec<[f64; 3]>,
     /// Length, the same for all pairs.
     pub margin: f64,
     /// In units of the mean smallest semi-axis; 0 before the first time.
@@ -72,9 +74,10 @@ impl Candidates {
             + (self.near.capacity() + self.participants.capacity()) * core::mem::size_of::<u32>()
             + self.takes_part.capacity()
             + self.poses.capacity() * core::mem::size_of::<Line>()
+            + self.shapes.capacity() * core::mem::size_of::<[f64; 3]>()
     }
 
-    /// Whether no particle has moved by more than half of the margin since the candidates were found.
+    /// Whether no particle has another shape or has moved by more than half of the margin since the candidates were found.
     pub fn hold_for<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
@@ -97,8 +100,9 @@ impl Candidates {
             return false;
         }
         let farthest = self.margin * self.margin * (1.0 / 16.0);
-        for (k, (x, pose)) in arrays.positions.iter().zip(&self.poses).enumerate() {
-            let Some((_, q)) = (arrays.shape)(k) else {
+        let known = self.poses.iter().zip(&self.shapes);
+        for (k, (x, (pose, shape))) in arrays.positions.iter().zip(known).enumerate() {
+            let Some((a, q)) = (arrays.shape)(k) else {
                 return false;
             };
             let p = &pose.0;
@@ -107,7 +111,7 @@ impl Candidates {
             let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
             let turned = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3;
             // Not a number holds for nothing.
-            if !(moved <= farthest && turned <= p[7]) {
+            if !(moved <= farthest && turned <= p[7] && a == *shape) {
                 return false;
             }
         }
@@ -123,10 +127,13 @@ impl Candidates {
         self.pairs.clear();
         self.poses.clear();
         self.poses.reserve(arrays.positions.len());
+        self.shapes.clear();
+        self.shapes.reserve(arrays.positions.len());
         let mut sum = 0.0;
         for (k, x) in arrays.positions.iter().enumerate() {
             // They were checked before.
             let (a, q) = (arrays.shape)(k).unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
+            self.shapes.push(a);
             let least = a[0].min(a[1]).min(a[2]);
             sum += least;
             // The support function of a body that turns by an angle changes by at most the angle times this.

@@ -12,3 +12,4 @@ mod paths;
 mod scene;
 mod stages;
 mod threads;
+mod unchanged;

@@ -172,7 +172,8 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
         let mut virials = vec![[0.0; 6]; count];
         tallies.particle_energies = energies.as_mut_ptr();
         tallies.particle_virials = virials.as_mut_ptr().cast();
-        let (particles, view) = (arrays.particles(), list.view(newton));
+        let (particles, mut view) = (arrays.particles(), list.view(newton));
+        view.unchanged = i32::from(n > 0);
         // SAFETY: all arrays live to the end of the step.
         ok(unsafe {
             ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &step, &mut tallies)

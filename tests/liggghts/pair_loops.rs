@@ -33,7 +33,7 @@ fn both_loops_move_the_grains_alike() {
                 runs: vec![
                     format!("thermo {every}"),
                     format!("run {}", STEPS / 2),
-                    "set type 2 shape 0.6e-2 0.58e-2 0.55e-2".into(),
+                    "set type 2 shape 1.2e-2 1.1e-2 0.6e-2".into(),
                     format!("run {} pre no", STEPS / 2),
                 ],
                 ..deck(STEPS)

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A list that is said to be unchanged: what is left out of it without being looked at never touches.
+
+use std::ptr::null_mut;
+
+use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
+
+use crate::scene::*;
+
+const DECK: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
+const OWNED: usize = 44;
+const STEPS: usize = 60;
+/// Of the largest force; a contact followed from another start ends at the same normal to rounding.
+const TOLERANCE: f64 = 1e-9;
+
+/// Both runs step after step, one with a new workspace and a new list each time, and how often they touched.
+fn compare(motion: impl Fn(usize, &mut [ellgran::c_api::contact::EllgranBody])) -> (usize, usize) {
+    let laws = Laws::new(&[DECK, DECK]);
+    let kept = WorkspaceHandle::new();
+    let mut bodies = random_bodies(11);
+    // All pairs are listed: nothing is missed for want of an entry.
+    let rows: Vec<Vec<i32>> = (0..OWNED)
+        .map(|i| (i as i32 + 1..bodies.len() as i32).collect())
+        .collect();
+    let mut list = List::new(rows.clone(), laws.length());
+    let mut other = List::new(rows, laws.length());
+    let (mut touching, mut changes) = (0, 0);
+    for step in 0..STEPS {
+        motion(step, &mut bodies);
+        let before = list.touching.clone();
+        let mut forces = Vec::new();
+        let fresh = WorkspaceHandle::new();
+        for (workspace, list, unchanged) in [
+            (&kept, &mut list, i32::from(step > 0)),
+            (&fresh, &mut other, 0),
+        ] {
+            let mut arrays = Arrays::new(&bodies, OWNED);
+            arrays.forces.fill([0.0; 3]);
+            arrays.torques.fill([0.0; 3]);
+            let (particles, mut view) = (arrays.particles(), list.view(true));
+            view.unchanged = unchanged;
+            // SAFETY: all arrays are valid.
+            ok(unsafe {
+                ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, null_mut())
+            });
+            forces.push((arrays.forces.clone(), arrays.torques.clone()));
+        }
+        assert_eq!(list.touching, other.touching, "step {step}");
+        let largest = forces[1]
+            .0
+            .iter()
+            .flatten()
+            .fold(0.0f64, |m, f| m.max(f.abs()));
+        for (a, b) in [(&forces[0].0, &forces[1].0), (&forces[0].1, &forces[1].1)] {
+            for (k, (a, b)) in a.iter().flatten().zip(b.iter().flatten()).enumerate() {
+                assert!(
+                    (a - b).abs() <= TOLERANCE * largest,
+                    "step {step}: component {k}: {a} and {b}"
+                );
+            }
+        }
+        touching += list.touching.iter().flatten().filter(|t| **t != 0).count();
+        changes += usize::from(before != list.touching);
+    }
+    (touching, changes)
+}
+
+#[test]
+fn slow_motion() {
+    let (touching, changes) = compare(|_, bodies| advance(bodies, 2e-3));
+    assert!(touching > 1000 && changes > 3, "{touching} {changes}");
+}
+
+#[test]
+fn fast_motion() {
+    let (touching, changes) = compare(|_, bodies| advance(bodies, 2e-2));
+    assert!(touching > 500 && changes > 20, "{touching} {changes}");
+}
+
+#[test]
+fn one_particle_jumps_and_one_turns() {
+    let (touching, changes) = compare(|step, bodies| {
+        let mut random = Random(100 + step as u64);
+        let there = bodies[(step * 7 + 3) % OWNED].position;
+        let shift: [f64; 3] = random.vector(-0.4, 0.4);
+        bodies[step % OWNED].position = std::array::from_fn(|k| there[k] + shift[k]);
+        bodies[(step + 5) % OWNED].quaternion = random.vector(-1.0, 1.0);
+    });
+    assert!(touching > 500 && changes > 20, "{touching} {changes}");
+}
+
+#[test]
+fn shapes_change() {
+    let (touching, changes) = compare(|step, bodies| {
+        let body = &mut bodies[(step * 5) % OWNED];
+        let factor = if step % 2 == 0 { 1.3 } else { 0.8 };
+        body.semi_axes = body.semi_axes.map(|a| a * factor);
+    });
+    assert!(touching > 500 && changes > 10, "{touching} {changes}");
+}
