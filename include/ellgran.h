@@ -912,7 +912,7 @@ int32_t ellgran_compute_pairs(const struct EllgranLaws *laws,
 
 /*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
- environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `avx2` or `avx512`.
+ environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`.
 
  # Safety
  `workspace` is NULL or valid for writes.

@@ -69,7 +69,7 @@ pub struct EllgranWorkspace {
 }
 
 /// A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
-/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `avx2` or `avx512`.
+/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`.
 ///
 /// # Safety
 /// `workspace` is NULL or valid for writes.

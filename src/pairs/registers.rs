@@ -753,3 +753,132 @@ impl Registers for Portable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pairs::instruction_set::{InstructionSet, Stage};
+    use crate::pairs::lanes::Lanes;
+    use crate::real::Real;
+
+    /// Everything that a register does, against single numbers.
+    struct Check;
+
+    impl Stage for Check {
+        fn run<S: Registers>(self, registers: S) {
+            let a = Line([1.5, 3e-7, 12.25, 7e99, 1.0, 2.0, 1e-120, 0.3]);
+            let b = Line([-2.0, 4e-7, 12.25, 5e98, 3.0, -7.0, 2e-120, 0.2]);
+            let c = Line([0.5, -1e-13, 2.0, 1e99, 1e-3, 4.0, 1e-200, 0.1]);
+            let [x, y, z] = [&a, &b, &c].map(|line| Lanes::load(registers, line));
+            let check = |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> f64| {
+                let mut line = Line::ZERO;
+                found.store(&mut line);
+                for k in 0..S::LANES {
+                    let wanted = expected(a.0[k], b.0[k], c.0[k]);
+                    assert!(
+                        (line.0[k] - wanted).abs() <= 8e-16 * wanted.abs(),
+                        "{what}: {} and {wanted}",
+                        line.0[k]
+                    );
+                }
+            };
+            check("sum", x + y, &|x, y, _| x + y);
+            check("difference", x - z, &|x, _, z| x - z);
+            check("product", x * y, &|x, y, _| x * y);
+            check("quotient", x / y, &|x, y, _| x / y);
+            check("negative", -x, &|x, _, _| -x);
+            check("root", x.sqrt(), &|x, _, _| x.sqrt());
+            check("root of zero", x.constant(0.0).sqrt(), &|_, _, _| 0.0);
+            check("inverse", y.reciprocal(), &|_, y, _| 1.0 / y);
+            check("inverse root", x.reciprocal_sqrt(), &|x, _, _| {
+                1.0 / x.sqrt()
+            });
+            check("larger", Real::max(x, y), &|x, y, _| f64::max(x, y));
+            check("smaller", Real::min(x, y), &|x, y, _| f64::min(x, y));
+            check(
+                "number for NaN",
+                Real::max(x.constant(f64::NAN), y),
+                &|_, y, _| y,
+            );
+            // With or without a rounding in between.
+            let tolerant =
+                |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> (f64, f64)| {
+                    let mut line = Line::ZERO;
+                    found.store(&mut line);
+                    for k in 0..S::LANES {
+                        let (wanted, scale) = expected(a.0[k], b.0[k], c.0[k]);
+                        assert!((line.0[k] - wanted).abs() <= 4e-16 * scale, "{what}");
+                    }
+                };
+            let size = |x: f64, y: f64, z: f64| (x * y).abs() + z.abs();
+            tolerant("x y + z", x.multiply_add(y, z), &|x, y, z| {
+                (x * y + z, size(x, y, z))
+            });
+            tolerant("x y - z", x.multiply_subtract(y, z), &|x, y, z| {
+                (x * y - z, size(x, y, z))
+            });
+            tolerant("z - x y", x.negative_multiply_add(y, z), &|x, y, z| {
+                (z - x * y, size(x, y, z))
+            });
+            let above_one = Real::max(x, x.constant(1.0));
+            tolerant("logarithm", above_one.ln(), &|x, _, _| {
+                (x.max(1.0).ln(), x.max(1.0).ln().abs() + 1e-300)
+            });
+
+            let less = x.less(y);
+            check("choice", Lanes::select(less, x, z), &|x, y, z| {
+                if x < y {
+                    x
+                } else {
+                    z
+                }
+            });
+            let other = z.less(x);
+            let bits = |k: fn(bool, bool) -> bool| {
+                (0..S::LANES).fold(0u32, |bits, lane| {
+                    let (p, q) = (a.0[lane] < b.0[lane], c.0[lane] < a.0[lane]);
+                    bits | u32::from(k(p, q)) << lane
+                })
+            };
+            assert_eq!(
+                registers.bits(registers.and(less, other)),
+                bits(|p, q| p & q)
+            );
+            assert_eq!(
+                registers.bits(registers.or(less, other)),
+                bits(|p, q| p | q)
+            );
+            assert_eq!(
+                registers.bits(registers.and_not(less, other)),
+                bits(|p, q| p & !q)
+            );
+
+            let mut lines = [Line::ZERO; MOST_LANES];
+            for (k, line) in lines.iter_mut().enumerate() {
+                line.0 = core::array::from_fn(|entry| (10 * k + entry) as f64);
+            }
+            let refs = core::array::from_fn(|k| &lines[k]);
+            let columns = registers.columns(refs);
+            for (entry, column) in columns.into_iter().enumerate() {
+                let mut line = Line::ZERO;
+                registers.store(column, &mut line);
+                for lane in 0..S::LANES {
+                    assert_eq!(line.0[lane], (10 * lane + entry) as f64);
+                }
+            }
+            let mut back = [Line::ZERO; MOST_LANES];
+            registers.lines(columns, &mut back);
+            assert_eq!(back[..S::LANES], lines[..S::LANES]);
+        }
+    }
+
+    #[test]
+    fn registers_do_what_numbers_do() {
+        Check.run(Portable);
+        for set in InstructionSet::ALL {
+            if set.is_available() {
+                set.run(Check);
+            }
+        }
+    }
+}
