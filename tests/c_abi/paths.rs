@@ -193,8 +193,6 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
             touching: 0.0,
         };
         let mut memory_scale = vec![0.0f64; length];
-        let mut amplification: Vec<Vec<f64>> =
-            alone.rows.iter().map(|row| vec![1.0; row.len()]).collect();
         for i in 0..OWNED {
             for (m, j) in alone.rows[i].iter().map(|j| *j as usize).enumerate() {
                 let mut force = Untouched::<EllgranContactForce>::new();
@@ -231,7 +229,6 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
                     .map(|(a, b)| d[a] * f.force[b]);
                 // Of a small overlap of large bodies, rounding is the larger part.
                 let amplified = 1.0 + ROUNDING / TOLERANCE * size(&d) / penetration.abs();
-                amplification[i][m] = amplified;
                 let energy = 0.5 * (f.elastic_energy + f.tangential_energy);
                 for (k, sign, torque) in [(i, -1.0, f.torque_i), (j, 1.0, f.torque_j)] {
                     if k == j && !reacts {
@@ -263,13 +260,7 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
             assert_eq!(list.touching, alone.touching, "{at}");
         }
         // What is remembered of a pair that does not touch is a start for the search, not a result.
-        for (i, ((a, b), flags)) in list
-            .history
-            .iter()
-            .zip(&alone.history)
-            .zip(&list.touching)
-            .enumerate()
-        {
+        for ((a, b), flags) in list.history.iter().zip(&alone.history).zip(&list.touching) {
             for (k, (x, y)) in a.iter().zip(b).enumerate() {
                 if flags[k / length] == 0 {
                     continue;
@@ -277,9 +268,7 @@ fn compare(decks: &[String; 2], options: u32, newton: bool, steps: usize, seen: 
                 close(
                     &[*x],
                     &[*y],
-                    HISTORY_TOLERANCE / TOLERANCE
-                        * memory_scale[k % length]
-                        * amplification[i][k / length],
+                    HISTORY_TOLERANCE / TOLERANCE * memory_scale[k % length],
                     &format!("{at}: history {}", k % length),
                 );
             }
