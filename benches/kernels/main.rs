@@ -74,6 +74,7 @@ impl<'a> Run<'a> {
             energies: energies.then(|| (vec![0.0; count], vec![[0.0; 6]; count])),
             step: 0,
         };
+        run.workspace.keeps_history = std::env::var_os("NOKEEP").is_none();
         for _ in 0..WARM_UP_STEPS {
             run.advance();
         }

@@ -49,7 +49,7 @@ pub struct TangentPoint<T> {
     pub value: T,
     /// `sqrt(1 + y.y)` times the gradient of `f`: zero where `f` is stationary.
     pub gradient: Vector2<T>,
-    /// Its derivative, up to terms that vanish with the gradient and with `y^2`.
+    /// Its derivative, up to terms that vanish with the gradient.
     pub hessian: Symmetric2<T>,
 }
 
@@ -82,6 +82,19 @@ impl<T: Real> TangentModel<T> {
         }
     }
 
+    /// At the base, `y = 0`.
+    #[inline(always)]
+    pub fn at_base(&self) -> TangentPoint<T> {
+        let (h_i, gradient_i, hessian_i) = body_at_base(&self.i);
+        let (h_j, gradient_j, hessian_j) = body_at_base(&self.j);
+        let value = h_i + h_j - self.along;
+        TangentPoint {
+            value,
+            gradient: gradient_i + gradient_j - self.across,
+            hessian: (hessian_i + hessian_j).shifted(-value),
+        }
+    }
+
     /// At `y`.
     #[inline(always)]
     pub fn at(&self, y: Vector2<T>) -> TangentPoint<T> {
@@ -89,11 +102,18 @@ impl<T: Real> TangentModel<T> {
         let (h_i, gradient_i, hessian_i) = body_at(&self.i, y);
         let (h_j, gradient_j, hessian_j) = body_at(&self.j, y);
         let value = h_i + h_j - self.along - self.across.dot(y);
-        let scale = value / (y.dot(y) + one);
+        let inverse = (y.dot(y) + one).reciprocal();
+        let scale = value * inverse;
+        let turned = y * (scale * inverse);
+        let h = (hessian_i + hessian_j).shifted(-scale);
         TangentPoint {
             value,
             gradient: y.scale_add(-scale, gradient_i + gradient_j - self.across),
-            hessian: (hessian_i + hessian_j).shifted(-scale),
+            hessian: Symmetric2::new(
+                turned.u.multiply_add(y.u, h.uu),
+                turned.u.multiply_add(y.v, h.uv),
+                turned.v.multiply_add(y.v, h.vv),
+            ),
         }
     }
 }
@@ -103,6 +123,21 @@ impl<T: Real> TangentModel<T> {
 fn body_at<T: Real>(body: &SquaredSupport<T>, y: Vector2<T>) -> (T, Vector2<T>, Symmetric2<T>) {
     let half_slope = body.linear + body.quadratic.apply(y);
     let square = (body.linear + half_slope).dot(y) + body.constant;
+    root(body, square, half_slope)
+}
+
+/// The same at `y = 0`.
+#[inline(always)]
+fn body_at_base<T: Real>(body: &SquaredSupport<T>) -> (T, Vector2<T>, Symmetric2<T>) {
+    root(body, body.constant, body.linear)
+}
+
+#[inline(always)]
+fn root<T: Real>(
+    body: &SquaredSupport<T>,
+    square: T,
+    half_slope: Vector2<T>,
+) -> (T, Vector2<T>, Symmetric2<T>) {
     let inverse = square.reciprocal_sqrt();
     let gradient = half_slope * inverse;
     let a = body.quadratic;
@@ -148,8 +183,39 @@ mod tests {
                 assert!((gradient / rho - difference).abs() < 1e-9, "{y:?}");
             }
         }
+        // Newton's method ends where the gradient does; there the Hessian is the gradient's derivative.
+        let mut y = Vector2::new(0.1, -0.1);
+        for _ in 0..60 {
+            let at = model.at(y);
+            y = y + at.hessian.adjugate().apply(at.gradient) * (-1.0 / at.hessian.determinant());
+        }
+        let at = model.at(y);
+        assert!(
+            at.gradient.dot(at.gradient) < 1e-28 && y.dot(y) > 1e-3,
+            "{y:?}"
+        );
+        let step = 1e-5;
+        for (along, row) in [
+            (Vector2::new(step, 0.0), (at.hessian.uu, at.hessian.uv)),
+            (Vector2::new(0.0, step), (at.hessian.uv, at.hessian.vv)),
+        ] {
+            let difference =
+                (model.at(y + along).gradient - model.at(y - along).gradient) * (0.5 / step);
+            assert!(
+                (difference.u - row.0).abs() < 1e-8,
+                "{difference:?} {row:?}"
+            );
+            assert!(
+                (difference.v - row.1).abs() < 1e-8,
+                "{difference:?} {row:?}"
+            );
+        }
         // The Hessian of f at the base, where y = 0: that of the sphere, the gradient's part apart.
-        let at = model.at(Vector2::new(0.0, 0.0));
+        let at = model.at_base();
+        let general = model.at(Vector2::new(0.0, 0.0));
+        assert_eq!(at.value, general.value);
+        assert_eq!(at.gradient, general.gradient);
+        assert_eq!(at.hessian, general.hessian);
         let step = 1e-4;
         let (u, v) = (Vector2::new(step, 0.0), Vector2::new(0.0, step));
         let second =

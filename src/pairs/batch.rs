@@ -4,8 +4,8 @@
 //! A lane that misbehaves - a Hessian that is not safely positive, a long step, no descent, a deep contact, a curvature
 //! ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
 
+use super::batches::{LaneBits, Numbers};
 use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembered};
-use super::history::HistoryLayout;
 use super::lanes::Lanes;
 use super::particles::Record;
 use super::registers::{Line, Registers, MOST_LANES};
@@ -21,18 +21,18 @@ pub(super) struct Batch<'a> {
     pub i: [&'a Record; MOST_LANES],
     pub j: [&'a Record; MOST_LANES],
     pub laws: [&'a PairLaw; MOST_LANES],
-    /// What is remembered of each pair, as the layout has it.
-    pub history: [Line; MOST_LANES],
-    /// 1 where the pair touched at the last step.
-    pub continued: Line,
     /// Inverse of the effective mass, where a law reads masses.
     pub inverse_effective_mass: Line,
+    /// Where the sums of the first particles stand, and those of the second.
+    pub at_i: [usize; MOST_LANES],
+    pub at_j: [usize; MOST_LANES],
 }
 
 /// What the whole pass has in common.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
-    pub layout: HistoryLayout,
+    /// Whether the engine remembers normals.
+    pub remembers_normals: bool,
     /// Time over which the history advances.
     pub time: f64,
     /// The law, where there is only one.
@@ -41,34 +41,24 @@ pub(super) struct Common<'a> {
     pub tally: bool,
 }
 
-/// What the lanes give back, a line per pair.
-pub(super) struct BatchResult {
-    /// Bits of lanes whose bodies are apart; their line in `history` begins with the separating normal.
-    pub separated: u32,
-    /// Bits of lanes for the scalar path.
-    pub hard: u32,
-    /// Force on `i`, torque on `i`, two zeros.
-    pub on_i: [Line; MOST_LANES],
-    /// Force on `j`, torque on `j`, two zeros.
-    pub on_j: [Line; MOST_LANES],
-    /// What is to be remembered, as the layout has it.
-    pub history: [Line; MOST_LANES],
+/// What the lanes give back, a line per pair, where energies are asked for.
+pub(super) struct BatchTallies {
+    /// Force on `j`.
+    pub forces: [Line; MOST_LANES],
     /// Normal and tangential elastic energy, viscous and tangential power, vector between the centres.
     pub energies: [Line; MOST_LANES],
 }
 
-impl BatchResult {
+impl BatchTallies {
     /// Nothing yet.
-    pub const EMPTY: BatchResult = BatchResult {
-        separated: 0,
-        hard: 0,
-        on_i: [Line::ZERO; MOST_LANES],
-        on_j: [Line::ZERO; MOST_LANES],
-        history: [Line::ZERO; MOST_LANES],
+    pub const EMPTY: BatchTallies = BatchTallies {
+        forces: [Line::ZERO; MOST_LANES],
         energies: [Line::ZERO; MOST_LANES],
     };
 }
 
+/// Steps towards a separating plane when the candidates are chosen.
+const IMPROVEMENTS: usize = 2;
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
 /// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
@@ -78,7 +68,7 @@ const SETTLED: f64 = 1e-30;
 const STEP_BEFORE: f64 = 1e-8;
 /// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
 /// times the square of the aspect ratio at most.
-const LARGEST_CORRECTION: f64 = 1e-24;
+const LARGEST_CORRECTION: f64 = 1e-26;
 
 /// One side of the pairs: centre, bounding radius, shape, and motion.
 struct Side<S: Registers> {
@@ -149,48 +139,48 @@ fn starts<S: Registers>(
 }
 
 /// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal, or one of those that
-/// `improvements` steps lead to, each along the line between the last witnesses.
-///
-/// `starts` are lines that begin with a normal; one that is no unit vector stands for the direction between the centres.
+/// `IMPROVEMENTS` steps lead to, each along the line between the last witnesses. `starts` are lines that begin with a
+/// normal; one that is no unit vector stands for the direction between the centres. Leaves there the normals with the
+/// widest gaps.
 #[inline(always)]
 pub(super) fn separated_by<S: Registers>(
     registers: S,
     i: &[&Record; MOST_LANES],
     j: &[&Record; MOST_LANES],
-    start: [&Line; MOST_LANES],
+    lines: &mut [Line; MOST_LANES],
     margin: f64,
-    improvements: usize,
 ) -> u32 {
     let (i, j) = (Side::load(registers, i), Side::load(registers, j));
     let d = j.centre - i.centre;
+    let s = &*lines;
+    let start = [&s[0], &s[1], &s[2], &s[3], &s[4], &s[5], &s[6], &s[7]];
     let mut n = starts(registers, start, d);
+    let zero = Lanes::splat(registers, 0.0);
     let margin = Lanes::splat(registers, margin);
     let all = (1u32 << S::LANES) - 1;
     let mut apart = 0;
-    for left in (0..=improvements).rev() {
-        if left == 0 {
-            // Without the witnesses.
-            let h_i = i.body.semi_axes.componentwise(i.body.to_body(n)).norm();
-            let h_j = j.body.semi_axes.componentwise(j.body.to_body(n)).norm();
-            return apart | registers.bits(margin.less(n.dot(d) - h_i - h_j));
-        }
+    let mut best = n;
+    let mut widest = zero.constant(f64::NEG_INFINITY);
+    for left in (0..=IMPROVEMENTS).rev() {
         let (support_i, support_j) = (i.body.support(n), j.body.support(n));
         let gap = n.dot(d) - support_i.h - support_j.h;
         apart |= registers.bits(margin.less(gap));
-        if apart == all {
+        best = select3(widest.less(gap), n, best);
+        widest = widest.max(gap);
+        if apart == all || left == 0 {
             break;
         }
         let between = d - support_i.point - support_j.point;
         let square = between.norm_squared();
         let longer = d.norm_squared() * 1e-20;
-        let usable = longer.less(square);
         let next = between * square.max(longer).reciprocal_sqrt();
-        n = Vector3::new(
-            Lanes::select(usable, next.x, n.x),
-            Lanes::select(usable, next.y, n.y),
-            Lanes::select(usable, next.z, n.z),
-        );
+        n = select3(longer.less(square), next, n);
     }
+    put(
+        registers,
+        [best.x, best.y, best.z, zero, zero, zero, zero, zero],
+        lines,
+    );
     apart
 }
 
@@ -227,7 +217,8 @@ struct Found<S: Registers> {
     hard: S::Mask,
 }
 
-/// Newton's method from the start normals in the tangent plane, and one evaluation at its end.
+/// Newton's method from the start normals in the tangent plane, and one evaluation at its end. `apart`: pairs that the
+/// plane of the start normal separates.
 #[inline(always)]
 fn search<S: Registers>(
     registers: S,
@@ -235,15 +226,15 @@ fn search<S: Registers>(
     j: &Ellipsoid<Lanes<S>>,
     d: Vector3<Lanes<S>>,
     start: Vector3<Lanes<S>>,
+    apart: S::Mask,
 ) -> Found<S> {
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let base = Tangent::new(start);
     let model = TangentModel::new(i, j, d, start, &base);
     let mut y = Vector2::new(zero, zero);
-    let mut at = model.at(y);
+    let mut at = model.at_base();
     let first = at.value;
-    let apart = first.less(zero);
     let mut hard = zero.less(zero);
     let mut active = registers.and_not(zero.less(one), apart);
     let mut step = 0;
@@ -391,7 +382,16 @@ fn select3<S: Registers>(
     )
 }
 
-/// Takes a batch through search and law. All its laws are of the same kinds.
+/// Bits of the lanes that need more.
+pub(super) struct Left {
+    /// Pairs that touch.
+    pub touching: u32,
+    /// Pairs for the scalar path.
+    pub hard: u32,
+}
+
+/// Takes a batch through search and law: forces and torques onto the `sums`, what is remembered into the `numbers`. All
+/// its laws are of the same kinds. What a hard pair had remembered stays as it was.
 #[inline(always)]
 pub(super) fn run<
     S: Registers,
@@ -402,28 +402,47 @@ pub(super) fn run<
 >(
     registers: S,
     batch: &Batch<'_>,
+    bits: LaneBits,
+    numbers: &mut Numbers<'_>,
     common: &Common<'_>,
-    result: &mut BatchResult,
-) {
+    sums: &mut [Line],
+    tallies: &mut BatchTallies,
+) -> Left {
     let kinds = match common.only_law {
         Some(law) => &law.kinds,
         None => &batch.laws[0].kinds,
     };
+    let layout = numbers.layout;
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let i = Side::load(registers, &batch.i);
     let j = Side::load(registers, &batch.j);
     let d = j.centre - i.centre;
-    let h = &batch.history;
-    let history_lines = [&h[0], &h[1], &h[2], &h[3], &h[4], &h[5], &h[6], &h[7]];
-    let history = Lanes::all(registers, registers.columns(history_lines));
+    let null = Vector3::new(zero, zero, zero);
+    let start = match layout.normal {
+        Some(at) => vector(registers, numbers, at),
+        None => null,
+    };
+    let all = (1u32 << S::LANES) - 1;
+    let present = registers.mask(u32::from(bits.present));
     let found = if SPHERES {
         search_spheres(registers, &i.body, &j.body, d)
     } else {
-        // Only pairs with a cached normal come here.
-        let start = Vector3::new(history[0], history[1], history[2]);
-        search(registers, &i.body, &j.body, d, start)
+        // The search begins with the same numbers.
+        let z_i = i.body.semi_axes.componentwise(i.body.to_body(start));
+        let z_j = j.body.semi_axes.componentwise(j.body.to_body(start));
+        let (square_i, square_j) = (z_i.norm_squared(), z_j.norm_squared());
+        let h_i = square_i * square_i.reciprocal_sqrt();
+        let h_j = square_j * square_j.reciprocal_sqrt();
+        let apart = (h_i + h_j).less(start.dot(d));
+        if registers.bits(apart) == all {
+            return all_apart::<S, FRICTION>(registers, bits, numbers);
+        }
+        search(registers, &i.body, &j.body, d, start, apart)
     };
+    if SPHERES && registers.bits(found.separated) == all {
+        return all_apart::<S, FRICTION>(registers, bits, numbers);
+    }
     let n = found.normal;
     let mut hard = found.hard;
 
@@ -471,7 +490,6 @@ pub(super) fn run<
     } else {
         zero
     };
-    let null = Vector3::new(zero, zero, zero);
     let x = Contact {
         normal: n,
         tangent: found.tangent,
@@ -495,41 +513,42 @@ pub(super) fn run<
         effective_mass,
         inverse_hessian: Some(found.inverse_hessian),
     };
-    let layout = common.layout;
     let time = Lanes::splat(registers, common.time);
-    let remembered = if FRICTION {
-        let continues = zero.less(Lanes::load(registers, &batch.continued));
-        let (was, memory, stiffness) = if layout.normal.is_some() {
-            (
-                Vector3::new(history[0], history[1], history[2]),
-                Vector3::new(history[3], history[4], history[5]),
-                history[6],
-            )
-        } else {
-            // For two spheres the last normal follows from the motion.
-            let before = d - (j.velocity - i.velocity) * time;
-            let square = before.norm_squared().max(zero.constant(1e-290));
-            (
-                before * square.reciprocal_sqrt(),
-                Vector3::new(history[0], history[1], history[2]),
-                history[3],
-            )
-        };
-        Remembered {
-            continued: continues,
-            normal: select3(continues, was, n),
-            memory: select3(continues, memory, null),
-            stiffness: Lanes::select(continues, stiffness, zero),
-            time,
+    let remembered = match layout.memory {
+        Some(at) if FRICTION => {
+            let continues = registers.mask(u32::from(bits.touching));
+            let was = if common.remembers_normals {
+                start
+            } else {
+                // For two spheres the last normal follows from the motion.
+                let before = d - (j.velocity - i.velocity) * time;
+                let square = before.norm_squared().max(zero.constant(1e-290));
+                let before = before * square.reciprocal_sqrt();
+                if SPHERES {
+                    before
+                } else {
+                    let spheres = registers.and(round(registers, &i), round(registers, &j));
+                    select3(spheres, before, n)
+                }
+            };
+            Remembered {
+                continued: continues,
+                normal: select3(continues, was, n),
+                memory: select3(continues, vector(registers, numbers, at), null),
+                stiffness: match layout.stiffness {
+                    Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
+                    None => zero,
+                },
+                time,
+            }
         }
-    } else {
-        Remembered {
+        _ => Remembered {
             continued: one.less(zero),
             normal: n,
             memory: null,
             stiffness: zero,
             time: zero,
-        }
+        },
     };
     let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
         kinds,
@@ -540,69 +559,59 @@ pub(super) fn run<
         &remembered,
     );
 
-    result.separated = registers.bits(found.separated);
-    result.hard = registers.bits(hard);
-    put(
-        registers,
-        [
-            zero - f.force.x,
-            zero - f.force.y,
-            zero - f.force.z,
-            f.torque_i.x,
-            f.torque_i.y,
-            f.torque_i.z,
+    let hard = registers.and(hard, present);
+    let touching = registers.and_not(present, registers.or(found.separated, hard));
+    let force = select3(touching, f.force, null);
+    let torque_i = select3(touching, f.torque_i, null);
+    let torque_j = select3(touching, f.torque_j, null);
+    registers.add_to_lines(
+        values([
+            zero - force.x,
+            zero - force.y,
+            zero - force.z,
+            torque_i.x,
+            torque_i.y,
+            torque_i.z,
             zero,
             zero,
-        ],
-        &mut result.on_i,
+        ]),
+        &batch.at_i,
+        values([
+            force.x, force.y, force.z, torque_j.x, torque_j.y, torque_j.z, zero, zero,
+        ]),
+        &batch.at_j,
+        sums,
     );
-    put(
-        registers,
-        [
-            f.force.x,
-            f.force.y,
-            f.force.z,
-            f.torque_j.x,
-            f.torque_j.y,
-            f.torque_j.z,
-            zero,
-            zero,
-        ],
-        &mut result.on_j,
-    );
-    let memory = f.memory;
-    if layout.normal.is_some() {
-        put(
-            registers,
-            [
-                n.x,
-                n.y,
-                n.z,
-                memory.x,
-                memory.y,
-                memory.z,
-                f.stiffness,
-                zero,
-            ],
-            &mut result.history,
-        );
-    } else if FRICTION {
-        put(
-            registers,
-            [
-                memory.x,
-                memory.y,
-                memory.z,
-                f.stiffness,
-                zero,
-                zero,
-                zero,
-                zero,
-            ],
-            &mut result.history,
-        );
+    // Lanes without a pair of their own go along; nothing of them is used.
+    let left = Left {
+        touching: registers.bits(touching),
+        hard: registers.bits(hard),
+    };
+    if left.hard == 0 {
+        if let Some(at) = layout.normal {
+            put_vector(registers, numbers, at, n);
+        }
+    } else if let Some(at) = layout.normal {
+        put_vector(registers, numbers, at, select3(hard, start, n));
+    }
+    if let Some(at) = layout.memory.filter(|_| FRICTION) {
+        let mut memory = select3(touching, f.memory, null);
+        if left.hard != 0 {
+            memory = select3(hard, remembered.memory, memory);
+        }
+        put_vector(registers, numbers, at, memory);
+        if let Some(at) = layout.stiffness {
+            let mut stiffness = Lanes::select(touching, f.stiffness, zero);
+            stiffness = Lanes::select(hard, remembered.stiffness, stiffness);
+            put_number(registers, numbers, at, stiffness);
+        }
     }
     if RATE && common.tally {
+        put(
+            registers,
+            [force.x, force.y, force.z, zero, zero, zero, zero, zero],
+            &mut tallies.forces,
+        );
         put(
             registers,
             [
@@ -615,20 +624,85 @@ pub(super) fn run<
                 zero,
                 zero,
             ],
-            &mut result.energies,
+            &mut tallies.energies,
         );
+    }
+    left
+}
+
+/// Whether the semi-axes are the same number.
+#[inline(always)]
+fn round<S: Registers>(registers: S, side: &Side<S>) -> S::Mask {
+    let a = side.body.semi_axes;
+    let different = |a: Lanes<S>, b: Lanes<S>| registers.or(a.less(b), b.less(a));
+    let any = registers.or(different(a.x, a.y), different(a.y, a.z));
+    registers.and_not(a.x.less(a.x.constant(f64::INFINITY)), any)
+}
+
+/// No pair touches: no tangential part any more.
+#[inline(always)]
+fn all_apart<S: Registers, const FRICTION: bool>(
+    registers: S,
+    bits: LaneBits,
+    numbers: &mut Numbers<'_>,
+) -> Left {
+    if let Some(at) = numbers.layout.memory {
+        if FRICTION && bits.touching != 0 {
+            let zero = Lanes::splat(registers, 0.0);
+            put_vector(registers, numbers, at, Vector3::new(zero, zero, zero));
+            if let Some(at) = numbers.layout.stiffness {
+                put_number(registers, numbers, at, zero);
+            }
+        }
+    }
+    Left {
+        touching: 0,
+        hard: 0,
     }
 }
 
 #[inline(always)]
+fn number<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Lanes<S> {
+    Lanes::new(registers, registers.load_numbers(numbers.get(k, S::LANES)))
+}
+
+#[inline(always)]
+fn vector<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        number(registers, numbers, k),
+        number(registers, numbers, k + 1),
+        number(registers, numbers, k + 2),
+    )
+}
+
+#[inline(always)]
+fn put_number<S: Registers>(registers: S, numbers: &mut Numbers<'_>, k: usize, a: Lanes<S>) {
+    registers.store_numbers(a.value, numbers.get_mut(k, S::LANES));
+}
+
+#[inline(always)]
+fn put_vector<S: Registers>(
+    registers: S,
+    numbers: &mut Numbers<'_>,
+    k: usize,
+    v: Vector3<Lanes<S>>,
+) {
+    put_number(registers, numbers, k, v.x);
+    put_number(registers, numbers, k + 1, v.y);
+    put_number(registers, numbers, k + 2, v.z);
+}
+
+#[inline(always)]
+fn values<S: Registers>(v: [Lanes<S>; 8]) -> [S::Vector; 8] {
+    [
+        v[0].value, v[1].value, v[2].value, v[3].value, v[4].value, v[5].value, v[6].value,
+        v[7].value,
+    ]
+}
+
+#[inline(always)]
 fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
-    registers.lines(
-        [
-            v[0].value, v[1].value, v[2].value, v[3].value, v[4].value, v[5].value, v[6].value,
-            v[7].value,
-        ],
-        lines,
-    );
+    registers.lines(values(v), lines);
 }
 
 /// `V^-1 = adj V (a1 a2 a3)^2/h^4`.

@@ -5,19 +5,9 @@
 //! pair whose bodies a plane separates by more than the margin is left out until one of the particles has moved by half
 //! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
 
+use super::batches::Batches;
 use super::particles::ParticleArrays;
 use super::registers::Line;
-
-/// A pair of the list.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
-    /// Central particle.
-    pub i: u32,
-    /// Place in its row.
-    pub entry: u32,
-    /// Its neighbour.
-    pub j: u32,
-}
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
 const FIRST_MARGIN: f64 = 0.03;
@@ -29,9 +19,7 @@ const FEW_STEPS: u32 = 25;
 /// Candidates, and the poses for which they were found.
 #[derive(Debug, Default)]
 pub(super) struct Candidates {
-    pub pairs: Vec<Candidate>,
-    /// Places in `pairs` of what is left after the rejection of one step.
-    pub near: Vec<u32>,
+    pub batches: Batches,
     /// Pairs of the list.
     pub listed: u64,
     /// Particles that have a candidate, in rising order.
@@ -70,8 +58,8 @@ impl Candidates {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * core::mem::size_of::<Candidate>()
-            + (self.near.capacity() + self.participants.capacity()) * core::mem::size_of::<u32>()
+        self.batches.bytes()
+            + self.participants.capacity() * core::mem::size_of::<u32>()
             + self.takes_part.capacity()
             + self.poses.capacity() * core::mem::size_of::<Line>()
             + self.shapes.capacity() * core::mem::size_of::<[f64; 3]>()
@@ -124,7 +112,6 @@ impl Candidates {
         arrays: &ParticleArrays<'_, S, I>,
     ) {
         self.valid = false;
-        self.pairs.clear();
         self.poses.clear();
         self.poses.reserve(arrays.positions.len());
         self.shapes.clear();
@@ -169,20 +156,14 @@ impl Candidates {
         }
     }
 
-    /// Room for all pairs of a list of this length, so that nothing is allocated before the list grows.
-    pub fn reserve(&mut self, listed: usize) {
+    /// Ends what [`Candidates::begin`] began, once all pairs of a list of this length are there.
+    pub fn end(&mut self, listed: usize) {
         self.listed = listed as u64;
-        self.near.clear();
-        self.near.reserve(listed);
-        self.pairs.reserve(listed);
-    }
-
-    /// Ends what [`Candidates::begin`] began, once all pairs are there.
-    pub fn end(&mut self) {
+        self.batches.reserve(listed);
         self.participants.clear();
         self.takes_part.clear();
         self.takes_part.resize(self.poses.len(), false);
-        for pair in &self.pairs {
+        for pair in self.batches.pairs() {
             self.takes_part[pair.i as usize] = true;
             self.takes_part[pair.j as usize] = true;
         }

@@ -3,26 +3,25 @@
 //!
 //! The order in which forces are added up is that of the list, whatever was left out on the way.
 
-use super::batch::{run as run_batch, separated_by, Batch, BatchResult, Common};
-use super::candidates::{Candidate, Candidates};
+use super::batch::{run as run_batch, separated_by, Batch, BatchTallies, Common};
+use super::batches::Candidate;
+use super::candidates::Candidates;
 use super::instruction_set::Stage;
+use super::laws::Laws;
 use super::neighbour_list::{NeighbourRow, NeighbourRows, Pass, Place};
 use super::particles::{Record, Records, Workspace};
 use super::registers::{Line, Registers, MOST_LANES};
 use super::tallies::Contribution;
 use crate::geometry::Vector3;
 
-/// Steps towards a separating plane when the candidates are chosen.
-const IMPROVEMENTS: usize = 2;
-/// Pairs between the one that is loaded and the one whose memory is asked for.
-const AHEAD: usize = 16;
-/// Marks a candidate that this step rejected.
-const REJECTED: u32 = u32::MAX;
+/// Batches between the one that is computed and the one whose particles are asked for.
+const AHEAD: usize = 2;
 
 /// See [`Pass::find_candidates`].
 struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows> {
     pass: &'p mut Pass<'a, 'b, 'c, R>,
     records: &'p [Record],
+    types: &'p [u32],
     candidates: &'p mut Candidates,
 }
 
@@ -30,21 +29,7 @@ impl<R: NeighbourRows> Stage for FindCandidates<'_, '_, '_, '_, R> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         self.pass
-            .find_candidates(registers, self.records, self.candidates);
-    }
-}
-
-/// See [`Pass::reject`].
-struct Reject<'p, 'a, 'b, 'c, R: NeighbourRows> {
-    pass: &'p mut Pass<'a, 'b, 'c, R>,
-    records: &'p [Record],
-    candidates: &'p mut Candidates,
-}
-
-impl<R: NeighbourRows> Stage for Reject<'_, '_, '_, '_, R> {
-    #[inline(always)]
-    fn run<S: Registers>(self, registers: S) {
-        self.pass.reject(registers, self.records, self.candidates);
+            .find_candidates(registers, self.records, self.types, self.candidates);
     }
 }
 
@@ -62,7 +47,7 @@ struct Contacts<
 > {
     pass: &'p mut Pass<'a, 'b, 'c, R>,
     particles: &'p mut Records,
-    candidates: &'p Candidates,
+    candidates: &'p mut Candidates,
 }
 
 impl<R: NeighbourRows, const F: bool, const V: bool, const C: bool, const B: bool> Stage
@@ -80,45 +65,57 @@ struct Pending<'a> {
     i: [&'a Record; MOST_LANES],
     j: [&'a Record; MOST_LANES],
     start: [Line; MOST_LANES],
+    waiting: [Candidate; MOST_LANES],
+    /// What the engine remembers of them.
+    history: [Line; MOST_LANES],
+    /// Bits of pairs that touched: they are looked at in any case, for their history ends when the contact does.
+    stay: u32,
     count: usize,
 }
 
 impl<'a> Pending<'a> {
     fn new(any: &'a Record) -> Self {
+        let nowhere = Candidate {
+            entry: 0,
+            i: 0,
+            j: 0,
+        };
         Pending {
             i: [any; MOST_LANES],
             j: [any; MOST_LANES],
             start: [Line::ZERO; MOST_LANES],
+            waiting: [nowhere; MOST_LANES],
+            history: [Line::ZERO; MOST_LANES],
+            stay: 0,
             count: 0,
         }
     }
 
-    /// `start`: a normal, or anything else for the direction between the centres.
     #[inline(always)]
-    fn push(&mut self, i: &'a Record, j: &'a Record, start: Option<&[f64]>) {
+    fn push(
+        &mut self,
+        pair: Candidate,
+        (i, j): (&'a Record, &'a Record),
+        touched: bool,
+        history: &[f64],
+        normal: Option<usize>,
+    ) {
         let k = self.count;
         self.i[k] = i;
         self.j[k] = j;
-        let line = &mut self.start[k].0;
-        match start {
-            // One by one: a copy of unknown length is a call.
-            Some(n) => {
-                line[0] = n[0];
-                line[1] = n[1];
-                line[2] = n[2];
-            }
-            None => line[..3].fill(0.0),
+        self.waiting[k] = pair;
+        self.stay |= u32::from(touched) << k;
+        // One by one: a copy of unknown length is a call.
+        for (to, from) in self.history[k].0.iter_mut().zip(history) {
+            *to = *from;
+        }
+        // No unit vector stands for the direction between the centres.
+        let start = &mut self.start[k].0;
+        match normal {
+            Some(at) => start[..3].copy_from_slice(&history[at..at + 3]),
+            None => start[..3].fill(0.0),
         }
         self.count = k + 1;
-    }
-
-    /// Bits of the pairs that are apart. Lanes beyond the pairs hold what was there before.
-    #[inline(always)]
-    fn separated<S: Registers>(&mut self, registers: S, margin: f64, improvements: usize) -> u32 {
-        let s = &self.start;
-        let start = [&s[0], &s[1], &s[2], &s[3], &s[4], &s[5], &s[6], &s[7]];
-        self.count = 0;
-        separated_by(registers, &self.i, &self.j, start, margin, improvements)
     }
 }
 
@@ -129,42 +126,44 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         workspace: &mut Workspace,
     ) -> u64 {
         let set = workspace.instruction_set;
+        let keeps_history = workspace.keeps_history;
         let (particles, candidates) = (&mut workspace.records, &mut workspace.candidates);
         if particles.records.is_empty() {
             return 0;
         }
         let pass = &mut self;
         if !candidates.are_valid() {
+            candidates.batches.write(pass.rows);
             let records = &particles.records[..];
             set.run(FindCandidates {
                 pass: &mut *pass,
                 records,
+                types: &particles.types,
                 candidates: &mut *candidates,
             });
         }
         if let Some(t) = pass.tallies.as_deref_mut() {
             t.pairs += candidates.listed;
         }
-        set.run(Reject {
-            pass: &mut *pass,
-            records: &particles.records,
-            candidates: &mut *candidates,
-        });
+        candidates.batches.advanced();
         if candidates.spheres {
             // The conservative law adds nothing to a force between spheres.
             set.run(Contacts::<R, FRICTION, RATE, false, true> {
                 pass: &mut *pass,
                 particles: &mut *particles,
-                candidates,
+                candidates: &mut *candidates,
             });
         } else {
             set.run(Contacts::<R, FRICTION, RATE, CONSERVATIVE, false> {
                 pass: &mut *pass,
                 particles: &mut *particles,
-                candidates,
+                candidates: &mut *candidates,
             });
         }
         pass.add_sums(particles, candidates);
+        if !keeps_history {
+            candidates.batches.write(pass.rows);
+        }
         self.many_starts
     }
 
@@ -174,25 +173,17 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         &mut self,
         registers: S,
         records: &[Record],
+        types: &[u32],
         candidates: &mut Candidates,
     ) {
         let entries = self.rows.entries();
-        let layout = self.layout;
+        let (laws, layout) = (self.laws, self.layout);
         let length = layout.length;
         let margin = candidates.margin;
         let spheres = records.iter().all(Record::is_sphere);
         candidates.spheres = spheres;
-        let nowhere = Candidate {
-            entry: 0,
-            i: 0,
-            j: 0,
-        };
-        let listed = (0..self.rows.count())
-            .map(|row| self.rows.row(row).neighbours.len())
-            .sum();
-        candidates.reserve(listed);
-        let mut waiting = [nowhere; MOST_LANES];
-        let mut stay = 0u32;
+        candidates.batches.begin(S::LANES, layout, !spheres);
+        let mut listed = 0;
         let mut pending = Pending::new(&records[0]);
         for row in 0..self.rows.count() {
             let NeighbourRow {
@@ -201,6 +192,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 touching,
                 history,
             } = self.rows.row(row);
+            listed += neighbours.len();
             let i = &records[central];
             let (centre, radius) = (i.position(), i.radius());
             for (entry, &named) in neighbours.iter().enumerate() {
@@ -215,111 +207,27 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 if !near && !touched {
                     continue;
                 }
-                let candidate = Candidate {
+                let pair = Candidate {
                     entry: entry as u32,
                     i: central as u32,
                     j: other as u32,
                 };
-                if spheres {
-                    candidates.pairs.push(candidate);
-                    continue;
-                }
-                // One that touched is looked at in any case: its history ends when it ends.
-                stay |= u32::from(touched) << pending.count;
-                waiting[pending.count] = candidate;
-                let start = layout
-                    .normal
-                    .map(|at| &history[entry * length + at..entry * length + at + 3]);
-                pending.push(i, j, start);
+                let history = history
+                    .get(entry * length..(entry + 1) * length)
+                    .unwrap_or(&[]);
+                pending.push(pair, (i, j), touched, history, layout.normal);
                 if pending.count == S::LANES {
-                    let apart = pending.separated(registers, margin, IMPROVEMENTS) & !stay;
-                    stay = 0;
-                    for (k, &candidate) in waiting[..S::LANES].iter().enumerate() {
-                        if apart >> k & 1 == 0 {
-                            candidates.pairs.push(candidate);
-                        }
-                    }
+                    settle(registers, &mut pending, laws, types, candidates);
                 }
             }
         }
-        let left = pending.count;
-        if left > 0 {
-            let apart = pending.separated(registers, margin, IMPROVEMENTS) & !stay;
-            for (k, &candidate) in waiting[..left].iter().enumerate() {
-                if apart >> k & 1 == 0 {
-                    candidates.pairs.push(candidate);
-                }
-            }
+        if pending.count > 0 {
+            settle(registers, &mut pending, laws, types, candidates);
         }
-        candidates.end();
+        candidates.end(listed);
     }
 
-    /// Leaves in `near` the candidates that touched at the last step or that no plane at hand separates.
-    #[inline(always)]
-    fn reject<S: Registers>(
-        &mut self,
-        registers: S,
-        records: &[Record],
-        candidates: &mut Candidates,
-    ) {
-        let layout = self.layout;
-
-        let Candidates {
-            pairs,
-            near,
-            spheres,
-            ..
-        } = candidates;
-        near.clear();
-        let mut places = [0usize; MOST_LANES];
-        let mut pending = Pending::new(&records[0]);
-        for (number, c) in pairs.iter().enumerate() {
-            if let Some(c) = pairs.get(number + AHEAD) {
-                if let Some(first) = self.rows.pair(c.i as usize, c.entry as usize).1.first() {
-                    registers.prefetch(first);
-                }
-            }
-            let (touching, history) = self.rows.pair(c.i as usize, c.entry as usize);
-            let (i, j) = (&records[c.i as usize], &records[c.j as usize]);
-            let touched = touching.as_ref().is_some_and(|t| **t != 0);
-            if *spheres {
-                let reach = i.pose.0[7] + j.pose.0[7];
-                let d = j.position() - i.position();
-                if d.norm_squared() < reach * reach {
-                    near.push(number as u32);
-                } else if let Some(touching) = touching.filter(|_| touched) {
-                    *touching = 0;
-                    super::neighbour_list::forget(&layout, history);
-                }
-                continue;
-            }
-            if !touched {
-                places[pending.count] = near.len();
-                let start = layout.normal.map(|at| &history[at..at + 3]);
-                pending.push(i, j, start);
-            }
-            near.push(number as u32);
-            if pending.count == S::LANES {
-                let apart = pending.separated(registers, 0.0, 0);
-                for (k, &place) in places[..S::LANES].iter().enumerate() {
-                    if apart >> k & 1 != 0 {
-                        near[place] = REJECTED;
-                    }
-                }
-            }
-        }
-        let left = pending.count;
-        if left > 0 {
-            let apart = pending.separated(registers, 0.0, 0);
-            for (k, &place) in places[..left].iter().enumerate() {
-                if apart >> k & 1 != 0 {
-                    near[place] = REJECTED;
-                }
-            }
-        }
-    }
-
-    /// Search, law and scatter of what is near.
+    /// Search, law and scatter of the candidates.
     #[inline(always)]
     fn contacts<
         S: Registers,
@@ -331,7 +239,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         &mut self,
         registers: S,
         particles: &mut Records,
-        candidates: &Candidates,
+        candidates: &mut Candidates,
     ) {
         let Records {
             records,
@@ -339,11 +247,11 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             inverse_masses,
             sums,
         } = particles;
+        let records = &records[..];
         let laws = self.laws;
-        let layout = self.layout;
         let one_type = laws.types() == 1;
         let common = Common {
-            layout,
+            remembers_normals: self.layout.normal.is_some(),
             time: if self.step.advance_history {
                 self.step.time_step
             } else {
@@ -356,171 +264,91 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             i: [&records[0]; MOST_LANES],
             j: [&records[0]; MOST_LANES],
             laws: [laws.get(1, 1); MOST_LANES],
-            history: [Line::ZERO; MOST_LANES],
-            continued: Line::ZERO,
             inverse_effective_mass: Line::ZERO,
+            at_i: [0; MOST_LANES],
+            at_j: [0; MOST_LANES],
         };
-        let mut result = BatchResult::EMPTY;
-        let mut places = [Place {
-            entry: 0,
-            i: 0,
-            j: 0,
-        }; MOST_LANES];
+        let mut tallies = BatchTallies::EMPTY;
         let single = Single {
             records,
             types,
             inverse_masses,
         };
-        let mut open = Open {
-            particle: 0,
-            sum: Line::ZERO,
-        };
-        let near = &candidates.near[..];
-        let mut next = 0;
-        loop {
-            let mut count = 0;
-            while count < S::LANES && next < near.len() {
-                let number = near[next];
-                if let Some(ahead) = near.get(next + AHEAD).filter(|n| **n != REJECTED) {
-                    let c = candidates.pairs[*ahead as usize];
-                    if let Some(first) = self.rows.pair(c.i as usize, c.entry as usize).1.first() {
-                        registers.prefetch(first);
-                    }
-                    registers.prefetch(&records[c.j as usize].pose.0[0]);
-                    registers.prefetch(&records[c.j as usize].motion.0[0]);
+        let batches = &mut candidates.batches;
+        for number in 0..batches.count() {
+            let (pairs, bits, mut numbers) = batches.batch(number);
+            for k in 0..S::LANES {
+                let pair = pairs[k];
+                let (i, j) = (pair.i as usize, pair.j as usize);
+                batch.at_i[k] = i;
+                batch.at_j[k] = j;
+                batch.i[k] = &records[i];
+                batch.j[k] = &records[j];
+                if let Some(ahead) = pairs.get(AHEAD * S::LANES + k) {
+                    let record = &records[ahead.j as usize];
+                    registers.prefetch(&record.pose.0[0]);
+                    registers.prefetch(&record.motion.0[0]);
                 }
-                next += 1;
-                if number == REJECTED {
-                    continue;
-                }
-                let c = candidates.pairs[number as usize];
-                let place = Place {
-                    entry: c.entry as usize,
-                    i: c.i as usize,
-                    j: c.j as usize,
-                };
-                let (touching, history) = self.rows.pair(place.i, place.entry);
-                let touched = touching.is_some_and(|t| *t != 0);
-                if !SPHERES {
-                    // Without a normal from the last step the search begins with the safeguards. It is read from where
-                    // it is remembered: a line just written would have to be waited for.
-                    let known = layout.normal.is_some() && {
-                        let n = &*history;
-                        let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-                        (square - 1.0).abs() < 1e-6
-                    };
-                    if !known {
-                        self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(place, single);
-                        continue;
-                    }
-                }
-                if !one_type {
-                    let law = laws.get(types[place.i] as usize, types[place.j] as usize);
-                    if count > 0 && batch.laws[0].kinds != law.kinds {
-                        // A batch has one kind of law; this pair begins the next.
-                        next -= 1;
-                        break;
-                    }
-                    batch.laws[count] = law;
-                }
-                batch.i[count] = &records[place.i];
-                batch.j[count] = &records[place.j];
-                batch.history[count] = line_of(history);
-                if FRICTION {
-                    batch.continued.0[count] = f64::from(u8::from(touched));
-                }
-                if let (Some(a), Some(b)) =
-                    (inverse_masses.get(place.i), inverse_masses.get(place.j))
-                {
-                    batch.inverse_effective_mass.0[count] = a + b;
-                }
-                places[count] = place;
-                count += 1;
             }
-            if count == 0 {
-                break;
+            if !one_type {
+                for k in 0..S::LANES {
+                    let (i, j) = (types[batch.at_i[k]], types[batch.at_j[k]]);
+                    batch.laws[k] = laws.get(i as usize, j as usize);
+                }
             }
-            // The last pair fills the lanes that are left over; its copies are not used.
-            for k in count..S::LANES {
-                batch.i[k] = batch.i[count - 1];
-                batch.j[k] = batch.j[count - 1];
-                batch.laws[k] = batch.laws[count - 1];
-                batch.history[k] = batch.history[count - 1];
+            if !inverse_masses.is_empty() {
+                for k in 0..S::LANES {
+                    batch.inverse_effective_mass.0[k] =
+                        inverse_masses[batch.at_i[k]] + inverse_masses[batch.at_j[k]];
+                }
             }
-            run_batch::<S, FRICTION, RATE, CONSERVATIVE, SPHERES>(
+            let left = run_batch::<S, FRICTION, RATE, CONSERVATIVE, SPHERES>(
                 registers,
                 &batch,
+                *bits,
+                &mut numbers,
                 &common,
-                &mut result,
+                sums,
+                &mut tallies,
             );
-            self.finish::<FRICTION, RATE>(&places[..count], &result, sums, &mut open, common.time);
-            let mut hard = result.hard & ((1 << count) - 1);
+            bits.touching = left.touching as u8 | bits.touching & left.hard as u8;
+            if RATE && common.tally {
+                self.tally(&batch, left.touching, &tallies, common.time);
+            }
+            let mut hard = left.hard;
             while hard != 0 {
-                let place = places[hard.trailing_zeros() as usize];
+                let lane = hard.trailing_zeros() as usize;
                 hard &= hard - 1;
-                self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(place, single);
+                let pair = batches.pairs()[number * S::LANES + lane];
+                batches.write_one(self.rows, number, lane);
+                self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(pair, single);
+                batches.read_one(self.rows, number, lane);
             }
         }
-        add(&mut sums[open.particle], &open.sum);
     }
 
-    /// Scatter of a batch, the hard lanes apart.
-    #[inline(always)]
-    fn finish<const FRICTION: bool, const RATE: bool>(
-        &mut self,
-        places: &[Place],
-        result: &BatchResult,
-        sums: &mut [Line],
-        open: &mut Open,
-        time: f64,
-    ) {
-        let layout = self.layout;
-        let aside = result.hard | result.separated;
-        for (k, &place) in places.iter().enumerate() {
-            if aside >> k & 1 != 0 {
-                if result.separated >> k & 1 != 0 {
-                    let n = &result.history[k].0;
-                    let normal = layout.normal.map(|_| Vector3::new(n[0], n[1], n[2]));
-                    self.separated(place, normal);
-                }
+    /// Energies and virial of a batch.
+    fn tally(&mut self, batch: &Batch<'_>, touching: u32, tallies: &BatchTallies, time: f64) {
+        let Some(t) = self.tallies.as_deref_mut() else {
+            return;
+        };
+        for k in 0..MOST_LANES {
+            if touching >> k & 1 == 0 {
                 continue;
             }
-            let (touching, history) = self.memory(place);
-            if let Some(t) = touching {
-                *t = 1;
-            }
-            copy(&result.history[k], history);
-            // Consecutive pairs mostly have the same first particle: its sum stays at hand.
-            if open.particle != place.i {
-                add(&mut sums[open.particle], &open.sum);
-                *open = Open {
-                    particle: place.i,
-                    sum: result.on_i[k],
-                };
-            } else {
-                add(&mut open.sum, &result.on_i[k]);
-            }
-            let reaction = place.j < self.accumulators.reaction_below;
-            if reaction {
-                add(&mut sums[place.j], &result.on_j[k]);
-            }
-            if RATE {
-                if let Some(t) = self.tallies.as_deref_mut() {
-                    let (e, f) = (&result.energies[k].0, &result.on_j[k].0);
-                    t.add(
-                        place.i,
-                        Some(place.j),
-                        reaction,
-                        &Contribution {
-                            normal_energy: e[0],
-                            tangential_energy: e[1],
-                            work: time * e[2],
-                            d: Vector3::new(e[3], e[4], e[5]),
-                            force: Vector3::new(f[0], f[1], f[2]),
-                        },
-                    );
-                }
-            }
+            let (e, f) = (&tallies.energies[k].0, &tallies.forces[k].0);
+            t.add(
+                batch.at_i[k],
+                Some(batch.at_j[k]),
+                batch.at_j[k] < self.accumulators.reaction_below,
+                &Contribution {
+                    normal_energy: e[0],
+                    tangential_energy: e[1],
+                    work: time * e[2],
+                    d: Vector3::new(e[3], e[4], e[5]),
+                    force: Vector3::new(f[0], f[1], f[2]),
+                },
+            );
         }
     }
 
@@ -528,9 +356,14 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     #[cold]
     fn scalar_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         &mut self,
-        place: Place,
+        pair: Candidate,
         single: Single<'_>,
     ) {
+        let place = Place {
+            entry: pair.entry as usize,
+            i: pair.i as usize,
+            j: pair.j as usize,
+        };
         let (i, j) = (single.particle(place.i), single.particle(place.j));
         let d = j.position - i.position;
         let reach = i.radius + j.radius;
@@ -560,10 +393,45 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     }
 }
 
-/// The sum of the particle whose row is being gone through.
-struct Open {
-    particle: usize,
-    sum: Line,
+/// Makes candidates of the pending pairs that no plane separates.
+#[inline(always)]
+fn settle<S: Registers>(
+    registers: S,
+    pending: &mut Pending<'_>,
+    laws: &Laws,
+    types: &[u32],
+    candidates: &mut Candidates,
+) {
+    let apart = if candidates.spheres {
+        0
+    } else {
+        let Pending { i, j, start, .. } = &mut *pending;
+        separated_by(registers, i, j, start, candidates.margin) & !pending.stay
+    };
+    let law = |pair: &Candidate| {
+        laws.get(
+            types[pair.i as usize] as usize,
+            types[pair.j as usize] as usize,
+        )
+    };
+    let batches = &mut candidates.batches;
+    for k in 0..pending.count {
+        if apart >> k & 1 != 0 {
+            continue;
+        }
+        let pair = pending.waiting[k];
+        let &[x, y, z, ..] = &pending.start[k].0;
+        // A batch has one kind of law.
+        let other_kinds = laws.types() > 1
+            && batches
+                .last()
+                .is_some_and(|last| law(last).kinds != law(&pair).kinds);
+        let touched = pending.stay >> k & 1 != 0;
+        let history = &pending.history[k].0;
+        batches.push(pair, touched, history, [x, y, z], other_kinds);
+    }
+    pending.stay = 0;
+    pending.count = 0;
 }
 
 /// Where the particles of a single pair are read.
@@ -578,42 +446,5 @@ impl Single<'_> {
     fn particle(&self, k: usize) -> super::particles::Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
         self.records[k].particle(self.types[k], inverse_mass)
-    }
-}
-
-/// A history in a line. Lengths are written out: a copy of unknown length is a call, and one of single doubles is waited
-/// for when the line is loaded.
-#[inline(always)]
-fn line_of(history: &[f64]) -> Line {
-    if let Ok(&[a, b, c, d, e, f]) = <&[f64; 6]>::try_from(history) {
-        return Line([a, b, c, d, e, f, 0.0, 0.0]);
-    }
-    if let Ok(&[a, b, c]) = <&[f64; 3]>::try_from(history) {
-        return Line([a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    }
-    let mut line = Line::ZERO;
-    for (l, h) in line.0.iter_mut().zip(history) {
-        *l = *h;
-    }
-    line
-}
-
-/// The reverse of [`line_of`].
-#[inline(always)]
-fn copy(line: &Line, history: &mut [f64]) {
-    if let Ok(history) = <&mut [f64; 6]>::try_from(&mut *history) {
-        let &[a, b, c, d, e, f, ..] = &line.0;
-        *history = [a, b, c, d, e, f];
-        return;
-    }
-    for (h, l) in history.iter_mut().zip(&line.0) {
-        *h = *l;
-    }
-}
-
-#[inline(always)]
-fn add(sum: &mut Line, line: &Line) {
-    for (s, l) in sum.0.iter_mut().zip(&line.0) {
-        *s += l;
     }
 }

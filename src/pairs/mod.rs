@@ -2,6 +2,7 @@
 //! Geometry and force brought together: one contact, a whole neighbour list, plane walls; the history of a contact.
 
 mod batch;
+mod batches;
 mod candidates;
 pub mod contact;
 pub mod history;

@@ -141,6 +141,8 @@ pub struct Workspace {
     pub walls: Vec<super::MovingPlane>,
     /// What the pairs are computed on.
     pub instruction_set: InstructionSet,
+    /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
+    pub keeps_history: bool,
     /// Contacts so far that took the slow search from many starts.
     pub many_starts: u64,
 }
@@ -174,6 +176,7 @@ impl Workspace {
             candidates: Candidates::default(),
             walls: Vec::new(),
             instruction_set,
+            keeps_history: false,
             many_starts: 0,
         }
     }
@@ -228,16 +231,19 @@ impl Workspace {
         let r = &mut self.records;
         let same_masses = arrays.contact_masses.is_empty() == r.inverse_masses.is_empty();
         if unchanged && same_masses && self.candidates.hold_for(arrays) {
+            let mut same_types = true;
             for &k in self.candidates.participants() {
                 let k = k as usize;
                 let p = prepare_record(arrays, k, types).map_err(named(k))?;
                 r.records[k] = p.record;
-                r.types[k] = p.kind;
+                same_types &= r.types[k] == p.kind;
                 if let Some(inverse) = r.inverse_masses.get_mut(k) {
                     *inverse = p.inverse_mass;
                 }
             }
-            return Ok(());
+            if same_types {
+                return Ok(());
+            }
         }
         self.candidates.forget();
         r.records.clear();

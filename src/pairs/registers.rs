@@ -18,6 +18,13 @@ impl Line {
     pub const ZERO: Line = Line([0.0; 8]);
 }
 
+#[cfg(target_arch = "x86_64")]
+#[cold]
+#[inline(never)]
+fn too_short() -> ! {
+    panic!("fewer numbers than lanes")
+}
+
 /// An instruction set: `self`, of size zero, is the proof that the machine has it.
 pub trait Registers: Copy {
     /// Numbers in a register.
@@ -82,6 +89,59 @@ pub trait Registers: Copy {
     fn prefetch(self, number: &f64);
     /// The reverse: entry `k` of the first lines is register `k`.
     fn lines(self, columns: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]);
+    /// Adds lane `l` of the registers `a`, as a line, to line `at_a[l]`, and that of `b` to line `at_b[l]`; lane after lane,
+    /// so that a line that is named twice gets both.
+    fn add_to_lines(
+        self,
+        a: [Self::Vector; 8],
+        at_a: &[usize; MOST_LANES],
+        b: [Self::Vector; 8],
+        at_b: &[usize; MOST_LANES],
+        lines: &mut [Line],
+    );
+    /// The first numbers, as many as there are lanes.
+    fn load_numbers(self, numbers: &[f64]) -> Self::Vector;
+    /// The reverse of `load_numbers`.
+    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]);
+    /// The reverse of `bits`.
+    fn mask(self, bits: u32) -> Self::Mask;
+}
+
+/// Rows of eight columns.
+#[cfg(target_arch = "x86_64")]
+macro_rules! transposed_eight {
+    ($avx:expr, $c:expr) => {{
+        let (avx, c) = ($avx, $c);
+        // Pairs of columns interleaved, then quarters of registers exchanged twice.
+        macro_rules! quarters {
+            ($p:expr, $q:expr, $r:expr, $s:expr) => {{
+                let (p, q, r, s) = ($p, $q, $r, $s);
+                let u0 = avx._mm512_shuffle_f64x2::<0x88>(p, q);
+                let u1 = avx._mm512_shuffle_f64x2::<0xdd>(p, q);
+                let u2 = avx._mm512_shuffle_f64x2::<0x88>(r, s);
+                let u3 = avx._mm512_shuffle_f64x2::<0xdd>(r, s);
+                (
+                    avx._mm512_shuffle_f64x2::<0x88>(u0, u2),
+                    avx._mm512_shuffle_f64x2::<0x88>(u1, u3),
+                    avx._mm512_shuffle_f64x2::<0xdd>(u0, u2),
+                    avx._mm512_shuffle_f64x2::<0xdd>(u1, u3),
+                )
+            }};
+        }
+        let (r0, r2, r4, r6) = quarters!(
+            avx._mm512_unpacklo_pd(c[0], c[1]),
+            avx._mm512_unpacklo_pd(c[2], c[3]),
+            avx._mm512_unpacklo_pd(c[4], c[5]),
+            avx._mm512_unpacklo_pd(c[6], c[7])
+        );
+        let (r1, r3, r5, r7) = quarters!(
+            avx._mm512_unpackhi_pd(c[0], c[1]),
+            avx._mm512_unpackhi_pd(c[2], c[3]),
+            avx._mm512_unpackhi_pd(c[4], c[5]),
+            avx._mm512_unpackhi_pd(c[6], c[7])
+        );
+        (r0, r1, r2, r3, r4, r5, r6, r7)
+    }};
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -252,42 +312,61 @@ impl Registers for pulp::x86::V4 {
     }
     #[inline(always)]
     fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
-        let avx = self.avx512f;
-        // Pairs of columns interleaved, then quarters of registers exchanged twice.
-        macro_rules! quarters {
-            ($a:expr, $b:expr, $c:expr, $d:expr) => {{
-                let u0 = avx._mm512_shuffle_f64x2::<0x88>($a, $b);
-                let u1 = avx._mm512_shuffle_f64x2::<0xdd>($a, $b);
-                let u2 = avx._mm512_shuffle_f64x2::<0x88>($c, $d);
-                let u3 = avx._mm512_shuffle_f64x2::<0xdd>($c, $d);
-                (
-                    avx._mm512_shuffle_f64x2::<0x88>(u0, u2),
-                    avx._mm512_shuffle_f64x2::<0x88>(u1, u3),
-                    avx._mm512_shuffle_f64x2::<0xdd>(u0, u2),
-                    avx._mm512_shuffle_f64x2::<0xdd>(u1, u3),
-                )
-            }};
+        let rows = transposed_eight!(self.avx512f, c);
+        lines[0].0 = pulp::cast(rows.0);
+        lines[1].0 = pulp::cast(rows.1);
+        lines[2].0 = pulp::cast(rows.2);
+        lines[3].0 = pulp::cast(rows.3);
+        lines[4].0 = pulp::cast(rows.4);
+        lines[5].0 = pulp::cast(rows.5);
+        lines[6].0 = pulp::cast(rows.6);
+        lines[7].0 = pulp::cast(rows.7);
+    }
+    #[inline(always)]
+    fn add_to_lines(
+        self,
+        a: [Self::Vector; 8],
+        at_a: &[usize; MOST_LANES],
+        b: [Self::Vector; 8],
+        at_b: &[usize; MOST_LANES],
+        lines: &mut [Line],
+    ) {
+        let rows_a = transposed_eight!(self.avx512f, a);
+        let rows_b = transposed_eight!(self.avx512f, b);
+        macro_rules! lane {
+            ($k:tt) => {
+                let line = &mut lines[at_a[$k]].0;
+                *line = pulp::cast(self.add(pulp::cast(*line), rows_a.$k));
+                let line = &mut lines[at_b[$k]].0;
+                *line = pulp::cast(self.add(pulp::cast(*line), rows_b.$k));
+            };
         }
-        let (r0, r2, r4, r6) = quarters!(
-            avx._mm512_unpacklo_pd(c[0], c[1]),
-            avx._mm512_unpacklo_pd(c[2], c[3]),
-            avx._mm512_unpacklo_pd(c[4], c[5]),
-            avx._mm512_unpacklo_pd(c[6], c[7])
-        );
-        let (r1, r3, r5, r7) = quarters!(
-            avx._mm512_unpackhi_pd(c[0], c[1]),
-            avx._mm512_unpackhi_pd(c[2], c[3]),
-            avx._mm512_unpackhi_pd(c[4], c[5]),
-            avx._mm512_unpackhi_pd(c[6], c[7])
-        );
-        lines[0].0 = pulp::cast(r0);
-        lines[1].0 = pulp::cast(r1);
-        lines[2].0 = pulp::cast(r2);
-        lines[3].0 = pulp::cast(r3);
-        lines[4].0 = pulp::cast(r4);
-        lines[5].0 = pulp::cast(r5);
-        lines[6].0 = pulp::cast(r6);
-        lines[7].0 = pulp::cast(r7);
+        lane!(0);
+        lane!(1);
+        lane!(2);
+        lane!(3);
+        lane!(4);
+        lane!(5);
+        lane!(6);
+        lane!(7);
+    }
+    #[inline(always)]
+    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+        match numbers.first_chunk::<8>() {
+            Some(numbers) => pulp::cast(*numbers),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+        match numbers.first_chunk_mut::<8>() {
+            Some(numbers) => *numbers = pulp::cast(a),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> u8 {
+        bits as u8
     }
 }
 
@@ -463,6 +542,59 @@ impl Registers for pulp::x86::V3 {
         put!(1, a1, b1);
         put!(2, a2, b2);
         put!(3, a3, b3);
+    }
+    #[inline(always)]
+    fn add_to_lines(
+        self,
+        a: [Self::Vector; 8],
+        at_a: &[usize; MOST_LANES],
+        b: [Self::Vector; 8],
+        at_b: &[usize; MOST_LANES],
+        lines: &mut [Line],
+    ) {
+        // Half a line after the other: no more registers than there are.
+        macro_rules! half {
+            ($half:literal, $k:literal) => {
+                let rows_a = transposed_four!(self.avx, a[$k], a[$k + 1], a[$k + 2], a[$k + 3]);
+                let rows_b = transposed_four!(self.avx, b[$k], b[$k + 1], b[$k + 2], b[$k + 3]);
+                half!(@lane $half, rows_a, rows_b, 0);
+                half!(@lane $half, rows_a, rows_b, 1);
+                half!(@lane $half, rows_a, rows_b, 2);
+                half!(@lane $half, rows_a, rows_b, 3);
+            };
+            (@lane $half:literal, $a:ident, $b:ident, $k:tt) => {
+                let line: &mut [[f64; 4]; 2] =
+                    pulp::bytemuck::cast_mut(&mut lines[at_a[$k]].0);
+                line[$half] = pulp::cast(self.add(pulp::cast(line[$half]), $a.$k));
+                let line: &mut [[f64; 4]; 2] =
+                    pulp::bytemuck::cast_mut(&mut lines[at_b[$k]].0);
+                line[$half] = pulp::cast(self.add(pulp::cast(line[$half]), $b.$k));
+            };
+        }
+        half!(0, 0);
+        half!(1, 4);
+    }
+    #[inline(always)]
+    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+        match numbers.first_chunk::<4>() {
+            Some(numbers) => pulp::cast(*numbers),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+        match numbers.first_chunk_mut::<4>() {
+            Some(numbers) => *numbers = pulp::cast(a),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::Mask {
+        let avx2 = self.avx2;
+        let lanes = self.avx._mm256_setr_epi64x(1, 2, 4, 8);
+        let bits = avx2._mm256_and_si256(self.avx._mm256_set1_epi64x(i64::from(bits)), lanes);
+        self.avx
+            ._mm256_castsi256_pd(avx2._mm256_cmpeq_epi64(bits, lanes))
     }
 }
 
@@ -640,6 +772,55 @@ impl Registers for pulp::x86::V1 {
         pair!(2);
         pair!(3);
     }
+    #[inline(always)]
+    fn add_to_lines(
+        self,
+        a: [Self::Vector; 8],
+        at_a: &[usize; MOST_LANES],
+        b: [Self::Vector; 8],
+        at_b: &[usize; MOST_LANES],
+        lines: &mut [Line],
+    ) {
+        macro_rules! quarter {
+            ($k:literal, $at:expr, $row:expr) => {
+                let line: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut lines[$at].0);
+                line[$k] = pulp::cast(self.add(pulp::cast(line[$k]), $row));
+            };
+            ($k:literal) => {
+                let (sse2, a0, a1) = (self.sse2, a[2 * $k], a[2 * $k + 1]);
+                let (b0, b1) = (b[2 * $k], b[2 * $k + 1]);
+                quarter!($k, at_a[0], sse2._mm_unpacklo_pd(a0, a1));
+                quarter!($k, at_b[0], sse2._mm_unpacklo_pd(b0, b1));
+                quarter!($k, at_a[1], sse2._mm_unpackhi_pd(a0, a1));
+                quarter!($k, at_b[1], sse2._mm_unpackhi_pd(b0, b1));
+            };
+        }
+        quarter!(0);
+        quarter!(1);
+        quarter!(2);
+        quarter!(3);
+    }
+    #[inline(always)]
+    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+        match numbers.first_chunk::<2>() {
+            Some(numbers) => pulp::cast(*numbers),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+        match numbers.first_chunk_mut::<2>() {
+            Some(numbers) => *numbers = pulp::cast(a),
+            None => too_short(),
+        }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::Mask {
+        let bits = i64::from(bits);
+        let all = |bit: i64| -(bit & 1);
+        self.sse2
+            ._mm_castsi128_pd(self.sse2._mm_set_epi64x(all(bits >> 1), all(bits)))
+    }
 }
 
 /// Two lanes as the compiler makes them, on any machine.
@@ -751,6 +932,35 @@ impl Registers for Portable {
             lines[0].0[k] = c[0];
             lines[1].0[k] = c[1];
         }
+    }
+    #[inline(always)]
+    fn add_to_lines(
+        self,
+        a: [[f64; 2]; 8],
+        at_a: &[usize; MOST_LANES],
+        b: [[f64; 2]; 8],
+        at_b: &[usize; MOST_LANES],
+        lines: &mut [Line],
+    ) {
+        for lane in 0..2 {
+            for (columns, at) in [(&a, at_a[lane]), (&b, at_b[lane])] {
+                for (sum, column) in lines[at].0.iter_mut().zip(columns) {
+                    *sum += column[lane];
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn load_numbers(self, numbers: &[f64]) -> [f64; 2] {
+        [numbers[0], numbers[1]]
+    }
+    #[inline(always)]
+    fn store_numbers(self, a: [f64; 2], numbers: &mut [f64]) {
+        numbers[..2].copy_from_slice(&a);
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> [bool; 2] {
+        [bits & 1 != 0, bits & 2 != 0]
     }
 }
 
@@ -869,6 +1079,28 @@ mod tests {
             let mut back = [Line::ZERO; MOST_LANES];
             registers.lines(columns, &mut back);
             assert_eq!(back[..S::LANES], lines[..S::LANES]);
+
+            let (at_a, at_b) = ([3, 1, 3, 0, 2, 5, 5, 5], [0, 3, 3, 2, 1, 1, 4, 5]);
+            let mut sums = [Line([0.5; 8]); 6];
+            let mut expected = sums;
+            let twice = columns.map(|c| registers.add(c, c));
+            registers.add_to_lines(columns, &at_a, twice, &at_b, &mut sums);
+            for lane in 0..S::LANES {
+                for entry in 0..8 {
+                    expected[at_a[lane]].0[entry] += lines[lane].0[entry];
+                    expected[at_b[lane]].0[entry] += 2.0 * lines[lane].0[entry];
+                }
+            }
+            assert_eq!(sums, expected);
+
+            for bits in 0..1 << S::LANES {
+                assert_eq!(registers.bits(registers.mask(bits)), bits);
+            }
+            let numbers: Vec<f64> = (0..9).map(f64::from).collect();
+            let mut copy = vec![-1.0; 9];
+            registers.store_numbers(registers.load_numbers(&numbers[1..]), &mut copy[1..]);
+            assert_eq!(copy[1..=S::LANES], numbers[1..=S::LANES]);
+            assert!(copy[S::LANES + 1..].iter().all(|n| *n == -1.0));
         }
     }
 

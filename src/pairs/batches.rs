@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The candidates in batches of as many pairs as there are lanes, with what is remembered of them as the lanes load it.
+//!
+//! A batch stays as it is until the candidates are chosen anew: a step reads and writes its histories in the order in
+//! which it goes through them, and looks nothing up. The engine's own arrays are brought up to date in every step, or,
+//! where the caller asks for it, only when it needs them.
+
+use super::history::HistoryLayout;
+use super::neighbour_list::NeighbourRows;
+use super::registers::Line;
+use crate::geometry::Vector3;
+
+/// A pair of the list.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// Central particle.
+    pub i: u32,
+    /// Place in its row.
+    pub entry: u32,
+    /// Its neighbour.
+    pub j: u32,
+}
+
+/// Which lanes of a batch hold a pair, and which of these touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LaneBits {
+    /// Lanes with a pair; the others repeat the last one.
+    pub present: u8,
+    /// Lanes whose pair touched at the last step.
+    pub touching: u8,
+}
+
+/// All batches.
+#[derive(Debug)]
+pub(super) struct Batches {
+    /// Pairs of a batch.
+    lanes: usize,
+    /// `lanes` entries a batch.
+    pairs: Vec<Candidate>,
+    bits: Vec<LaneBits>,
+    /// Numbers of each pair that are remembered here: those of the engine's layout, and always the normal of a pair that
+    /// is searched.
+    here: HistoryLayout,
+    /// The layout of the engine's arrays.
+    there: HistoryLayout,
+    /// Batch after batch, within it number after number, within these lane after lane.
+    numbers: Vec<Line>,
+    /// Whether the engine's arrays are behind.
+    unwritten: bool,
+}
+
+impl Default for Batches {
+    fn default() -> Self {
+        let none = HistoryLayout::new(false, false, false);
+        Batches {
+            lanes: 1,
+            pairs: Vec::new(),
+            bits: Vec::new(),
+            here: none,
+            there: none,
+            numbers: Vec::new(),
+            unwritten: false,
+        }
+    }
+}
+
+impl Batches {
+    /// None, of this many lanes, with the normals remembered where they are searched for.
+    pub fn begin(&mut self, lanes: usize, there: HistoryLayout, searched: bool) {
+        self.lanes = lanes;
+        self.there = there;
+        self.here = HistoryLayout::new(
+            searched || there.normal.is_some(),
+            there.memory.is_some(),
+            there.stiffness.is_some(),
+        );
+        self.pairs.clear();
+        self.bits.clear();
+        self.numbers.clear();
+        self.unwritten = false;
+    }
+
+    /// Room for twice as many pairs as there are, of at most `listed`, so that nothing is allocated when others touch.
+    pub fn reserve(&mut self, listed: usize) {
+        let batches = (2 * self.pairs.len()).min(listed + self.lanes) / self.lanes + 1;
+        let reserve = |length: usize, wanted: usize| wanted.saturating_sub(length);
+        self.pairs
+            .reserve(reserve(self.pairs.len(), batches * self.lanes));
+        self.bits.reserve(reserve(self.bits.len(), batches));
+        let lines = self.lines(batches);
+        self.numbers.reserve(reserve(self.numbers.len(), lines));
+    }
+
+    /// Lines that hold the numbers of this many batches.
+    fn lines(&self, batches: usize) -> usize {
+        (batches * self.here.length * self.lanes).div_ceil(8)
+    }
+
+    /// One pair more, in a new batch if `apart`. `history` is what the engine remembers of it; `start` is the normal to
+    /// begin with where that is none.
+    pub fn push(
+        &mut self,
+        pair: Candidate,
+        touching: bool,
+        history: &[f64],
+        start: [f64; 3],
+        apart: bool,
+    ) {
+        let last = self.bits.len().wrapping_sub(1);
+        let full = match self.bits.get(last) {
+            Some(bits) => apart || bits.present >> (self.lanes - 1) & 1 != 0,
+            None => true,
+        };
+        let (batch, lane) = if full {
+            self.bits.push(LaneBits::default());
+            // Lanes without a pair of their own compute the first one again.
+            self.pairs.resize(self.pairs.len() + self.lanes, pair);
+            let lines = self.lines(self.bits.len());
+            self.numbers.resize(lines, Line::ZERO);
+            (self.bits.len() - 1, 0)
+        } else {
+            (last, self.bits[last].present.trailing_ones() as usize)
+        };
+        self.pairs[batch * self.lanes + lane] = pair;
+        let bits = &mut self.bits[batch];
+        bits.present |= 1 << lane;
+        bits.touching |= u8::from(touching) << lane;
+        let (here, there) = (self.here, self.there);
+        if let Some(at) = here.normal {
+            let known = there
+                .normal
+                .map(|k| Vector3::new(history[k], history[k + 1], history[k + 2]))
+                .filter(|n| (n.norm_squared() - 1.0).abs() < 1e-6);
+            let n = known.map_or(start, Vector3::to_array);
+            let lanes = if lane == 0 {
+                0..self.lanes
+            } else {
+                lane..lane + 1
+            };
+            for lane in lanes {
+                for (k, n) in n.into_iter().enumerate() {
+                    *self.number(batch, lane, at + k) = n;
+                }
+            }
+        }
+        if touching {
+            let tangential = there.memory.unwrap_or(there.length)..there.length;
+            let to = here.memory.unwrap_or(here.length);
+            for (k, from) in tangential.enumerate() {
+                *self.number(batch, lane, to + k) = history[from];
+            }
+        }
+    }
+
+    fn number(&mut self, batch: usize, lane: usize, k: usize) -> &mut f64 {
+        let at = (batch * self.here.length + k) * self.lanes + lane;
+        &mut self.numbers[at / 8].0[at % 8]
+    }
+
+    /// What is remembered here of one pair.
+    fn remembered(&self, batch: usize, lane: usize, k: usize) -> f64 {
+        let at = (batch * self.here.length + k) * self.lanes + lane;
+        self.numbers[at / 8].0[at % 8]
+    }
+
+    /// Batches.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.bits.len()
+    }
+
+    /// The pair that came last.
+    pub fn last(&self) -> Option<&Candidate> {
+        let lane = self.bits.last()?.present.trailing_ones() as usize - 1;
+        self.pairs.get(self.pairs.len() - self.lanes + lane)
+    }
+
+    /// All lanes of all batches, those without a pair of their own too.
+    pub fn pairs(&self) -> &[Candidate] {
+        &self.pairs
+    }
+
+    /// Pairs, bits and numbers of one batch.
+    #[inline(always)]
+    pub fn batch(&mut self, batch: usize) -> (&[Candidate], &mut LaneBits, Numbers<'_>) {
+        (
+            &self.pairs[batch * self.lanes..],
+            &mut self.bits[batch],
+            Numbers {
+                layout: self.here,
+                at: batch * self.here.length * self.lanes,
+                lines: &mut self.numbers,
+            },
+        )
+    }
+
+    /// Writes what is remembered of one pair to the engine's arrays.
+    pub fn write_one<R: NeighbourRows>(&self, rows: &mut R, batch: usize, lane: usize) {
+        let pair = self.pairs[batch * self.lanes + lane];
+        let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
+        if let Some(touching) = touching {
+            *touching = i32::from(self.bits[batch].touching >> lane & 1);
+        }
+        let offset = self.here.length - self.there.length;
+        for (k, to) in history.iter_mut().enumerate() {
+            *to = self.remembered(batch, lane, offset + k);
+        }
+    }
+
+    /// The reverse of [`Batches::write_one`].
+    pub fn read_one<R: NeighbourRows>(&mut self, rows: &mut R, batch: usize, lane: usize) {
+        let pair = self.pairs[batch * self.lanes + lane];
+        let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
+        if let Some(touching) = touching {
+            let bits = &mut self.bits[batch].touching;
+            *bits = *bits & !(1 << lane) | u8::from(*touching != 0) << lane;
+        }
+        let offset = self.here.length - self.there.length;
+        for (k, from) in history.iter().enumerate() {
+            *self.number(batch, lane, offset + k) = *from;
+        }
+    }
+
+    /// Brings the engine's arrays up to date, if they are behind.
+    pub fn write<R: NeighbourRows>(&mut self, rows: &mut R) {
+        if !self.unwritten {
+            return;
+        }
+        self.unwritten = false;
+        if self.there.length == 0 {
+            return;
+        }
+        for batch in 0..self.bits.len() {
+            for lane in 0..self.bits[batch].present.count_ones() as usize {
+                self.write_one(rows, batch, lane);
+            }
+        }
+    }
+
+    /// A step has gone by: the engine's arrays are behind.
+    pub fn advanced(&mut self) {
+        self.unwritten = true;
+    }
+
+    /// Whether the engine's arrays are behind.
+    pub fn are_unwritten(&self) -> bool {
+        self.unwritten && self.there.length > 0
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.pairs.capacity() * core::mem::size_of::<Candidate>()
+            + self.bits.capacity() * core::mem::size_of::<LaneBits>()
+            + self.numbers.capacity() * core::mem::size_of::<Line>()
+    }
+}
+
+/// The numbers of one batch.
+pub(super) struct Numbers<'a> {
+    pub layout: HistoryLayout,
+    at: usize,
+    lines: &'a mut [Line],
+}
+
+impl Numbers<'_> {
+    /// Number `k` of all lanes, and what comes after it in the line.
+    #[inline(always)]
+    pub fn get(&self, k: usize, lanes: usize) -> &[f64] {
+        let at = self.at + k * lanes;
+        &self.lines[at / 8].0[at % 8..]
+    }
+
+    /// See [`Numbers::get`].
+    #[inline(always)]
+    pub fn get_mut(&mut self, k: usize, lanes: usize) -> &mut [f64] {
+        let at = self.at + k * lanes;
+        &mut self.lines[at / 8].0[at % 8..]
+    }
+}
