@@ -22,7 +22,7 @@ pub(super) struct Batch<'a> {
     pub j: [&'a Record; MOST_LANES],
     pub laws: [&'a PairLaw; MOST_LANES],
     /// Inverse of the effective mass, where a law reads masses.
-    pub inverse_effective_mass: Line,
+    pub inverse_effective_mass: [f64; MOST_LANES],
     /// Where the sums of the first particles stand, and those of the second.
     pub at_i: [usize; MOST_LANES],
     pub at_j: [usize; MOST_LANES],
@@ -78,18 +78,27 @@ struct Side<S: Registers> {
     omega: Vector3<Lanes<S>>,
 }
 
+/// References, one by one: a closure is not always inlined.
 macro_rules! lines {
-    ($records:expr, $field:ident) => {{
+    ($records:expr $(, $field:ident)?) => {{
         let r = $records;
         [
-            &r[0].$field,
-            &r[1].$field,
-            &r[2].$field,
-            &r[3].$field,
-            &r[4].$field,
-            &r[5].$field,
-            &r[6].$field,
-            &r[7].$field,
+            &r[0]$(.$field)?,
+            &r[1]$(.$field)?,
+            &r[2]$(.$field)?,
+            &r[3]$(.$field)?,
+            &r[4]$(.$field)?,
+            &r[5]$(.$field)?,
+            &r[6]$(.$field)?,
+            &r[7]$(.$field)?,
+            &r[8]$(.$field)?,
+            &r[9]$(.$field)?,
+            &r[10]$(.$field)?,
+            &r[11]$(.$field)?,
+            &r[12]$(.$field)?,
+            &r[13]$(.$field)?,
+            &r[14]$(.$field)?,
+            &r[15]$(.$field)?,
         ]
     }};
 }
@@ -97,8 +106,8 @@ macro_rules! lines {
 impl<S: Registers> Side<S> {
     #[inline(always)]
     fn load(registers: S, records: &[&Record; MOST_LANES]) -> Self {
-        let a = Lanes::all(registers, registers.columns(lines!(records, pose)));
-        let b = Lanes::all(registers, registers.columns(lines!(records, motion)));
+        let a = Lanes::all(registers, registers.columns(&lines!(records, pose)));
+        let b = Lanes::all(registers, registers.columns(&lines!(records, motion)));
         let semi_axes = Vector3::new(a[7], b[0], b[1]);
         let product = semi_axes.y * semi_axes.z;
         let inverse = (semi_axes.x * product).reciprocal();
@@ -123,10 +132,10 @@ impl<S: Registers> Side<S> {
 #[inline(always)]
 fn starts<S: Registers>(
     registers: S,
-    lines: [&Line; MOST_LANES],
+    lines: &[Line; MOST_LANES],
     d: Vector3<Lanes<S>>,
 ) -> Vector3<Lanes<S>> {
-    let c = Lanes::all(registers, registers.columns(lines));
+    let c = Lanes::all(registers, registers.columns(&lines!(lines)));
     let n = Vector3::new(c[0], c[1], c[2]);
     let tiny = d.x.constant(1e-290);
     let towards = d * d.norm_squared().max(tiny).reciprocal_sqrt();
@@ -152,9 +161,7 @@ pub(super) fn separated_by<S: Registers>(
 ) -> u32 {
     let (i, j) = (Side::load(registers, i), Side::load(registers, j));
     let d = j.centre - i.centre;
-    let s = &*lines;
-    let start = [&s[0], &s[1], &s[2], &s[3], &s[4], &s[5], &s[6], &s[7]];
-    let mut n = starts(registers, start, d);
+    let mut n = starts(registers, lines, d);
     let zero = Lanes::splat(registers, 0.0);
     let margin = Lanes::splat(registers, margin);
     let all = (1u32 << S::LANES) - 1;
@@ -192,11 +199,11 @@ macro_rules! load_constants {
         } else {
             LawConstants {
                 $($field: {
-                    let mut line = Line::ZERO;
+                    let mut numbers = [0.0; MOST_LANES];
                     for k in 0..S::LANES {
-                        line.0[k] = $laws[k].constants.$field;
+                        numbers[k] = $laws[k].constants.$field;
                     }
-                    Lanes::load($registers, &line)
+                    Lanes::load($registers, &numbers)
                 }),*
             }
         }
@@ -589,21 +596,21 @@ pub(super) fn run<
     };
     if left.hard == 0 {
         if let Some(at) = layout.normal {
-            put_vector(registers, numbers, at, n);
+            put_vector(numbers, at, n);
         }
     } else if let Some(at) = layout.normal {
-        put_vector(registers, numbers, at, select3(hard, start, n));
+        put_vector(numbers, at, select3(hard, start, n));
     }
     if let Some(at) = layout.memory.filter(|_| FRICTION) {
         let mut memory = select3(touching, f.memory, null);
         if left.hard != 0 {
             memory = select3(hard, remembered.memory, memory);
         }
-        put_vector(registers, numbers, at, memory);
+        put_vector(numbers, at, memory);
         if let Some(at) = layout.stiffness {
             let mut stiffness = Lanes::select(touching, f.stiffness, zero);
             stiffness = Lanes::select(hard, remembered.stiffness, stiffness);
-            put_number(registers, numbers, at, stiffness);
+            put_number(numbers, at, stiffness);
         }
     }
     if RATE && common.tally {
@@ -649,9 +656,9 @@ fn all_apart<S: Registers, const FRICTION: bool>(
     if let Some(at) = numbers.layout.memory {
         if FRICTION && bits.touching != 0 {
             let zero = Lanes::splat(registers, 0.0);
-            put_vector(registers, numbers, at, Vector3::new(zero, zero, zero));
+            put_vector(numbers, at, Vector3::new(zero, zero, zero));
             if let Some(at) = numbers.layout.stiffness {
-                put_number(registers, numbers, at, zero);
+                put_number(numbers, at, zero);
             }
         }
     }
@@ -663,7 +670,7 @@ fn all_apart<S: Registers, const FRICTION: bool>(
 
 #[inline(always)]
 fn number<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Lanes<S> {
-    Lanes::new(registers, registers.load_numbers(numbers.get(k, S::LANES)))
+    Lanes::load(registers, numbers.get(k, S::LANES))
 }
 
 #[inline(always)]
@@ -676,20 +683,15 @@ fn vector<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Vector
 }
 
 #[inline(always)]
-fn put_number<S: Registers>(registers: S, numbers: &mut Numbers<'_>, k: usize, a: Lanes<S>) {
-    registers.store_numbers(a.value, numbers.get_mut(k, S::LANES));
+fn put_number<S: Registers>(numbers: &mut Numbers<'_>, k: usize, a: Lanes<S>) {
+    a.store(numbers.get_mut(k, S::LANES));
 }
 
 #[inline(always)]
-fn put_vector<S: Registers>(
-    registers: S,
-    numbers: &mut Numbers<'_>,
-    k: usize,
-    v: Vector3<Lanes<S>>,
-) {
-    put_number(registers, numbers, k, v.x);
-    put_number(registers, numbers, k + 1, v.y);
-    put_number(registers, numbers, k + 2, v.z);
+fn put_vector<S: Registers>(numbers: &mut Numbers<'_>, k: usize, v: Vector3<Lanes<S>>) {
+    put_number(numbers, k, v.x);
+    put_number(numbers, k + 1, v.y);
+    put_number(numbers, k + 2, v.z);
 }
 
 #[inline(always)]

@@ -7,8 +7,10 @@
 
 use super::history::HistoryLayout;
 use super::neighbour_list::NeighbourRows;
-use super::registers::Line;
 use crate::geometry::Vector3;
+
+/// Doubles of a cache line.
+const LINE: usize = 8;
 
 /// A pair of the list.
 #[derive(Clone, Copy, Debug)]
@@ -25,9 +27,9 @@ pub(super) struct Candidate {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LaneBits {
     /// Lanes with a pair; the others repeat the last one.
-    pub present: u8,
+    pub present: u16,
     /// Lanes whose pair touched at the last step.
-    pub touching: u8,
+    pub touching: u16,
 }
 
 /// All batches.
@@ -43,8 +45,10 @@ pub(super) struct Batches {
     here: HistoryLayout,
     /// The layout of the engine's arrays.
     there: HistoryLayout,
-    /// Batch after batch, within it number after number, within these lane after lane.
-    numbers: Vec<Line>,
+    /// Batch after batch, within it number after number, within these lane after lane; from `first` on, where a cache
+    /// line begins.
+    numbers: Vec<f64>,
+    first: usize,
     /// Whether the engine's arrays are behind.
     unwritten: bool,
 }
@@ -59,6 +63,7 @@ impl Default for Batches {
             here: none,
             there: none,
             numbers: Vec::new(),
+            first: 0,
             unwritten: false,
         }
     }
@@ -77,6 +82,7 @@ impl Batches {
         self.pairs.clear();
         self.bits.clear();
         self.numbers.clear();
+        self.align();
         self.unwritten = false;
     }
 
@@ -87,13 +93,23 @@ impl Batches {
         self.pairs
             .reserve(reserve(self.pairs.len(), batches * self.lanes));
         self.bits.reserve(reserve(self.bits.len(), batches));
-        let lines = self.lines(batches);
-        self.numbers.reserve(reserve(self.numbers.len(), lines));
+        let numbers = LINE + batches * self.here.length * self.lanes;
+        self.numbers.reserve(reserve(self.numbers.len(), numbers));
+        self.align();
     }
 
-    /// Lines that hold the numbers of this many batches.
-    fn lines(&self, batches: usize) -> usize {
-        (batches * self.here.length * self.lanes).div_ceil(8)
+    /// Moves the numbers to where a cache line begins.
+    fn align(&mut self) {
+        let used = self.first..self.numbers.len().max(self.first);
+        let length = used.len();
+        // An offset that cannot be told costs speed alone.
+        let first = self.numbers.as_ptr().align_offset(LINE * size_of::<f64>()) % LINE;
+        self.numbers.resize((first + length).max(used.end), 0.0);
+        if length > 0 {
+            self.numbers.copy_within(used, first);
+        }
+        self.numbers.truncate(first + length);
+        self.first = first;
     }
 
     /// One pair more, in a new batch if `apart`. `history` is what the engine remembers of it; `start` is the normal to
@@ -115,8 +131,8 @@ impl Batches {
             self.bits.push(LaneBits::default());
             // Lanes without a pair of their own compute the first one again.
             self.pairs.resize(self.pairs.len() + self.lanes, pair);
-            let lines = self.lines(self.bits.len());
-            self.numbers.resize(lines, Line::ZERO);
+            let more = self.here.length * self.lanes;
+            self.numbers.resize(self.numbers.len() + more, 0.0);
             (self.bits.len() - 1, 0)
         } else {
             (last, self.bits[last].present.trailing_ones() as usize)
@@ -124,7 +140,7 @@ impl Batches {
         self.pairs[batch * self.lanes + lane] = pair;
         let bits = &mut self.bits[batch];
         bits.present |= 1 << lane;
-        bits.touching |= u8::from(touching) << lane;
+        bits.touching |= u16::from(touching) << lane;
         let (here, there) = (self.here, self.there);
         if let Some(at) = here.normal {
             let known = there
@@ -154,13 +170,13 @@ impl Batches {
 
     fn number(&mut self, batch: usize, lane: usize, k: usize) -> &mut f64 {
         let at = (batch * self.here.length + k) * self.lanes + lane;
-        &mut self.numbers[at / 8].0[at % 8]
+        &mut self.numbers[self.first + at]
     }
 
     /// What is remembered here of one pair.
     fn remembered(&self, batch: usize, lane: usize, k: usize) -> f64 {
         let at = (batch * self.here.length + k) * self.lanes + lane;
-        self.numbers[at / 8].0[at % 8]
+        self.numbers[self.first + at]
     }
 
     /// Batches.
@@ -180,16 +196,17 @@ impl Batches {
         &self.pairs
     }
 
-    /// Pairs, bits and numbers of one batch.
+    /// Pairs (from this batch on), bits and numbers of one batch.
     #[inline(always)]
     pub fn batch(&mut self, batch: usize) -> (&[Candidate], &mut LaneBits, Numbers<'_>) {
+        let length = self.here.length * self.lanes;
+        let at = self.first + batch * length;
         (
             &self.pairs[batch * self.lanes..],
             &mut self.bits[batch],
             Numbers {
                 layout: self.here,
-                at: batch * self.here.length * self.lanes,
-                lines: &mut self.numbers,
+                numbers: &mut self.numbers[at..at + length],
             },
         )
     }
@@ -213,7 +230,7 @@ impl Batches {
         let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
         if let Some(touching) = touching {
             let bits = &mut self.bits[batch].touching;
-            *bits = *bits & !(1 << lane) | u8::from(*touching != 0) << lane;
+            *bits = *bits & !(1 << lane) | u16::from(*touching != 0) << lane;
         }
         let offset = self.here.length - self.there.length;
         for (k, from) in history.iter().enumerate() {
@@ -249,31 +266,28 @@ impl Batches {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * core::mem::size_of::<Candidate>()
-            + self.bits.capacity() * core::mem::size_of::<LaneBits>()
-            + self.numbers.capacity() * core::mem::size_of::<Line>()
+        self.pairs.capacity() * size_of::<Candidate>()
+            + self.bits.capacity() * size_of::<LaneBits>()
+            + self.numbers.capacity() * size_of::<f64>()
     }
 }
 
 /// The numbers of one batch.
 pub(super) struct Numbers<'a> {
     pub layout: HistoryLayout,
-    at: usize,
-    lines: &'a mut [Line],
+    numbers: &'a mut [f64],
 }
 
 impl Numbers<'_> {
-    /// Number `k` of all lanes, and what comes after it in the line.
+    /// Number `k` of all lanes, and what comes after it.
     #[inline(always)]
     pub fn get(&self, k: usize, lanes: usize) -> &[f64] {
-        let at = self.at + k * lanes;
-        &self.lines[at / 8].0[at % 8..]
+        &self.numbers[k * lanes..]
     }
 
     /// See [`Numbers::get`].
     #[inline(always)]
     pub fn get_mut(&mut self, k: usize, lanes: usize) -> &mut [f64] {
-        let at = self.at + k * lanes;
-        &mut self.lines[at / 8].0[at % 8..]
+        &mut self.numbers[k * lanes..]
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which instruction set the neighbour-list path runs on: chosen when a workspace is made, never in a step.
 
-use super::registers::Registers;
+use super::registers::{Registers, Twice};
 
 /// A piece of work that is compiled for each instruction set.
 pub trait Stage {
@@ -68,20 +68,26 @@ impl InstructionSet {
             use pulp::x86::{V1, V3, V4};
             if self == InstructionSet::Avx512 {
                 if let Some(registers) = V4::try_new() {
-                    return registers.vectorize(InLanes { registers, stage });
+                    return registers.vectorize(InLanes {
+                        registers: Twice(registers),
+                        stage,
+                    });
                 }
             }
             if self == InstructionSet::Avx2 {
                 if let Some(registers) = V3::try_new() {
-                    return registers.vectorize(InLanes { registers, stage });
+                    return registers.vectorize(InLanes {
+                        registers: Twice(registers),
+                        stage,
+                    });
                 }
             }
             // Every machine of this target has it.
             let registers = V1::try_new().expect("SSE2 is part of x86-64");
-            stage.run(registers)
+            stage.run(Twice(registers))
         }
         #[cfg(not(target_arch = "x86_64"))]
-        stage.run(super::registers::Portable)
+        stage.run(Twice(super::registers::Portable))
     }
 
     /// Whether this machine has it.

@@ -264,7 +264,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             i: [&records[0]; MOST_LANES],
             j: [&records[0]; MOST_LANES],
             laws: [laws.get(1, 1); MOST_LANES],
-            inverse_effective_mass: Line::ZERO,
+            inverse_effective_mass: [0.0; MOST_LANES],
             at_i: [0; MOST_LANES],
             at_j: [0; MOST_LANES],
         };
@@ -298,7 +298,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             }
             if !inverse_masses.is_empty() {
                 for k in 0..S::LANES {
-                    batch.inverse_effective_mass.0[k] =
+                    batch.inverse_effective_mass[k] =
                         inverse_masses[batch.at_i[k]] + inverse_masses[batch.at_j[k]];
                 }
             }
@@ -311,7 +311,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 sums,
                 &mut tallies,
             );
-            bits.touching = left.touching as u8 | bits.touching & left.hard as u8;
+            bits.touching = left.touching as u16 | bits.touching & left.hard as u16;
             if RATE && common.tally {
                 self.tally(&batch, left.touching, &tallies, common.time);
             }

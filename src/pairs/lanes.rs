@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A register of numbers: the contact law's [`Real`] in the lanes of whatever instruction set was chosen.
 
-use super::registers::{Line, Registers};
+use super::registers::Registers;
 use crate::real::Real;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -49,18 +49,18 @@ impl<S: Registers> Lanes<S> {
             value: registers.splat(value),
         }
     }
-    /// The first lanes of a line.
+    /// The first numbers.
     #[inline(always)]
-    pub fn load(registers: S, line: &Line) -> Self {
+    pub fn load(registers: S, numbers: &[f64]) -> Self {
         Lanes {
             registers,
-            value: registers.load(line),
+            value: registers.load(numbers),
         }
     }
-    /// Writes the first lanes of a line.
+    /// Writes the first numbers.
     #[inline(always)]
-    pub fn store(self, line: &mut Line) {
-        self.registers.store(self.value, line);
+    pub fn store(self, numbers: &mut [f64]) {
+        self.registers.store(self.value, numbers);
     }
 }
 

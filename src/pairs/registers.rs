@@ -5,8 +5,8 @@
 //! or where the target always has them. Macros, not closures: a closure is not always inlined into the code of the
 //! chosen instruction set, and then costs a call and a trip through memory.
 
-/// Rows of eight doubles, and the most lanes of any instruction set here (AVX-512).
-pub const MOST_LANES: usize = 8;
+/// The most lanes of any instruction set here: two registers of AVX-512.
+pub const MOST_LANES: usize = 16;
 
 /// Eight doubles, one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,10 +36,10 @@ pub trait Registers: Copy {
 
     /// `value` in every lane.
     fn splat(self, value: f64) -> Self::Vector;
-    /// The first lanes of a line.
-    fn load(self, line: &Line) -> Self::Vector;
+    /// The first numbers, as many as there are lanes.
+    fn load(self, numbers: &[f64]) -> Self::Vector;
     /// The reverse of `load`.
-    fn store(self, a: Self::Vector, line: &mut Line);
+    fn store(self, a: Self::Vector, numbers: &mut [f64]);
     /// `a + b`.
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a - b`.
@@ -84,25 +84,21 @@ pub trait Registers: Copy {
     /// Mantissa from 1 up to 2 and exponent of positive normal numbers.
     fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector);
     /// Entry `k` of the first lines, for `k` from 0 to 7.
-    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8];
+    fn columns(self, lines: &[&Line]) -> [Self::Vector; 8];
     /// Brings the cache line of a number closer, if the machine can be told so.
     fn prefetch(self, number: &f64);
     /// The reverse: entry `k` of the first lines is register `k`.
-    fn lines(self, columns: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]);
+    fn lines(self, columns: [Self::Vector; 8], lines: &mut [Line]);
     /// Adds lane `l` of the registers `a`, as a line, to line `at_a[l]`, and that of `b` to line `at_b[l]`; lane after lane,
     /// so that a line that is named twice gets both.
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize; MOST_LANES],
+        at_a: &[usize],
         b: [Self::Vector; 8],
-        at_b: &[usize; MOST_LANES],
+        at_b: &[usize],
         lines: &mut [Line],
     );
-    /// The first numbers, as many as there are lanes.
-    fn load_numbers(self, numbers: &[f64]) -> Self::Vector;
-    /// The reverse of `load_numbers`.
-    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]);
     /// The reverse of `bits`.
     fn mask(self, bits: u32) -> Self::Mask;
 }
@@ -153,14 +149,6 @@ impl Registers for pulp::x86::V4 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self::Vector {
         self.avx512f._mm512_set1_pd(value)
-    }
-    #[inline(always)]
-    fn load(self, line: &Line) -> Self::Vector {
-        pulp::cast(line.0)
-    }
-    #[inline(always)]
-    fn store(self, a: Self::Vector, line: &mut Line) {
-        line.0 = pulp::cast(a);
     }
     #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
@@ -270,7 +258,7 @@ impl Registers for pulp::x86::V4 {
             );
     }
     #[inline(always)]
-    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+    fn columns(self, lines: &[&Line]) -> [Self::Vector; 8] {
         let avx = self.avx512f;
         // Lines k and k+4 share a register of halves: the exchange of halves is done by the loads.
         macro_rules! halves {
@@ -311,7 +299,7 @@ impl Registers for pulp::x86::V4 {
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
     #[inline(always)]
-    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
         let rows = transposed_eight!(self.avx512f, c);
         lines[0].0 = pulp::cast(rows.0);
         lines[1].0 = pulp::cast(rows.1);
@@ -326,9 +314,9 @@ impl Registers for pulp::x86::V4 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize; MOST_LANES],
+        at_a: &[usize],
         b: [Self::Vector; 8],
-        at_b: &[usize; MOST_LANES],
+        at_b: &[usize],
         lines: &mut [Line],
     ) {
         let rows_a = transposed_eight!(self.avx512f, a);
@@ -351,14 +339,14 @@ impl Registers for pulp::x86::V4 {
         lane!(7);
     }
     #[inline(always)]
-    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+    fn load(self, numbers: &[f64]) -> Self::Vector {
         match numbers.first_chunk::<8>() {
             Some(numbers) => pulp::cast(*numbers),
             None => too_short(),
         }
     }
     #[inline(always)]
-    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+    fn store(self, a: Self::Vector, numbers: &mut [f64]) {
         match numbers.first_chunk_mut::<8>() {
             Some(numbers) => *numbers = pulp::cast(a),
             None => too_short(),
@@ -394,16 +382,6 @@ impl Registers for pulp::x86::V3 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self::Vector {
         self.avx._mm256_set1_pd(value)
-    }
-    #[inline(always)]
-    fn load(self, line: &Line) -> Self::Vector {
-        let halves: &[[f64; 4]; 2] = pulp::bytemuck::cast_ref(&line.0);
-        pulp::cast(halves[0])
-    }
-    #[inline(always)]
-    fn store(self, a: Self::Vector, line: &mut Line) {
-        let halves: &mut [[f64; 4]; 2] = pulp::bytemuck::cast_mut(&mut line.0);
-        halves[0] = pulp::cast(a);
     }
     #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
@@ -511,7 +489,7 @@ impl Registers for pulp::x86::V3 {
             );
     }
     #[inline(always)]
-    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+    fn columns(self, lines: &[&Line]) -> [Self::Vector; 8] {
         macro_rules! four {
             ($at:literal) => {{
                 macro_rules! row {
@@ -528,7 +506,7 @@ impl Registers for pulp::x86::V3 {
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
     #[inline(always)]
-    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
         let (a0, a1, a2, a3) = transposed_four!(self.avx, c[0], c[1], c[2], c[3]);
         let (b0, b1, b2, b3) = transposed_four!(self.avx, c[4], c[5], c[6], c[7]);
         macro_rules! put {
@@ -547,9 +525,9 @@ impl Registers for pulp::x86::V3 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize; MOST_LANES],
+        at_a: &[usize],
         b: [Self::Vector; 8],
-        at_b: &[usize; MOST_LANES],
+        at_b: &[usize],
         lines: &mut [Line],
     ) {
         // Half a line after the other: no more registers than there are.
@@ -575,14 +553,14 @@ impl Registers for pulp::x86::V3 {
         half!(1, 4);
     }
     #[inline(always)]
-    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+    fn load(self, numbers: &[f64]) -> Self::Vector {
         match numbers.first_chunk::<4>() {
             Some(numbers) => pulp::cast(*numbers),
             None => too_short(),
         }
     }
     #[inline(always)]
-    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+    fn store(self, a: Self::Vector, numbers: &mut [f64]) {
         match numbers.first_chunk_mut::<4>() {
             Some(numbers) => *numbers = pulp::cast(a),
             None => too_short(),
@@ -640,15 +618,6 @@ impl Registers for pulp::x86::V1 {
     #[inline(always)]
     fn splat(self, value: f64) -> Self::Vector {
         self.sse2._mm_set1_pd(value)
-    }
-    #[inline(always)]
-    fn load(self, line: &Line) -> Self::Vector {
-        self.sse2._mm_set_pd(line.0[1], line.0[0])
-    }
-    #[inline(always)]
-    fn store(self, a: Self::Vector, line: &mut Line) {
-        let [first, ..]: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut line.0);
-        *first = pulp::cast(a);
     }
     #[inline(always)]
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
@@ -740,7 +709,7 @@ impl Registers for pulp::x86::V1 {
             );
     }
     #[inline(always)]
-    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+    fn columns(self, lines: &[&Line]) -> [Self::Vector; 8] {
         let a: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[0].0);
         let b: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[1].0);
         macro_rules! pair {
@@ -757,8 +726,8 @@ impl Registers for pulp::x86::V1 {
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
     #[inline(always)]
-    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
-        let [a, b, ..] = lines;
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
+        let [a, b, ..] = lines else { too_short() };
         let a: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut a.0);
         let b: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut b.0);
         macro_rules! pair {
@@ -776,9 +745,9 @@ impl Registers for pulp::x86::V1 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize; MOST_LANES],
+        at_a: &[usize],
         b: [Self::Vector; 8],
-        at_b: &[usize; MOST_LANES],
+        at_b: &[usize],
         lines: &mut [Line],
     ) {
         macro_rules! quarter {
@@ -801,14 +770,14 @@ impl Registers for pulp::x86::V1 {
         quarter!(3);
     }
     #[inline(always)]
-    fn load_numbers(self, numbers: &[f64]) -> Self::Vector {
+    fn load(self, numbers: &[f64]) -> Self::Vector {
         match numbers.first_chunk::<2>() {
             Some(numbers) => pulp::cast(*numbers),
             None => too_short(),
         }
     }
     #[inline(always)]
-    fn store_numbers(self, a: Self::Vector, numbers: &mut [f64]) {
+    fn store(self, a: Self::Vector, numbers: &mut [f64]) {
         match numbers.first_chunk_mut::<2>() {
             Some(numbers) => *numbers = pulp::cast(a),
             None => too_short(),
@@ -835,15 +804,6 @@ impl Registers for Portable {
     #[inline(always)]
     fn splat(self, value: f64) -> [f64; 2] {
         [value; 2]
-    }
-    #[inline(always)]
-    fn load(self, line: &Line) -> [f64; 2] {
-        [line.0[0], line.0[1]]
-    }
-    #[inline(always)]
-    fn store(self, a: [f64; 2], line: &mut Line) {
-        line.0[0] = a[0];
-        line.0[1] = a[1];
     }
     #[inline(always)]
     fn add(self, a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -923,11 +883,11 @@ impl Registers for Portable {
     #[inline(always)]
     fn prefetch(self, _: &f64) {}
     #[inline(always)]
-    fn columns(self, lines: [&Line; MOST_LANES]) -> [[f64; 2]; 8] {
+    fn columns(self, lines: &[&Line]) -> [[f64; 2]; 8] {
         core::array::from_fn(|k| [lines[0].0[k], lines[1].0[k]])
     }
     #[inline(always)]
-    fn lines(self, c: [[f64; 2]; 8], lines: &mut [Line; MOST_LANES]) {
+    fn lines(self, c: [[f64; 2]; 8], lines: &mut [Line]) {
         for (k, c) in c.iter().enumerate() {
             lines[0].0[k] = c[0];
             lines[1].0[k] = c[1];
@@ -937,9 +897,9 @@ impl Registers for Portable {
     fn add_to_lines(
         self,
         a: [[f64; 2]; 8],
-        at_a: &[usize; MOST_LANES],
+        at_a: &[usize],
         b: [[f64; 2]; 8],
-        at_b: &[usize; MOST_LANES],
+        at_b: &[usize],
         lines: &mut [Line],
     ) {
         for lane in 0..2 {
@@ -951,16 +911,149 @@ impl Registers for Portable {
         }
     }
     #[inline(always)]
-    fn load_numbers(self, numbers: &[f64]) -> [f64; 2] {
+    fn load(self, numbers: &[f64]) -> [f64; 2] {
         [numbers[0], numbers[1]]
     }
     #[inline(always)]
-    fn store_numbers(self, a: [f64; 2], numbers: &mut [f64]) {
+    fn store(self, a: [f64; 2], numbers: &mut [f64]) {
         numbers[..2].copy_from_slice(&a);
     }
     #[inline(always)]
     fn mask(self, bits: u32) -> [bool; 2] {
         [bits & 1 != 0, bits & 2 != 0]
+    }
+}
+
+/// Two registers side by side, so that one of them computes while the other waits.
+#[derive(Clone, Copy, Debug)]
+pub struct Twice<S>(pub S);
+
+/// The registers of one side.
+macro_rules! side {
+    ($v:ident, $k:literal) => {
+        [
+            $v[0][$k], $v[1][$k], $v[2][$k], $v[3][$k], $v[4][$k], $v[5][$k], $v[6][$k], $v[7][$k],
+        ]
+    };
+}
+macro_rules! twice {
+    ($($name:ident($($arg:ident),*);)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($arg: Self::Vector),*) -> Self::Vector {
+            [self.0.$name($($arg[0]),*), self.0.$name($($arg[1]),*)]
+        }
+    )*};
+}
+
+impl<S: Registers> Registers for Twice<S> {
+    const LANES: usize = 2 * S::LANES;
+    type Vector = [S::Vector; 2];
+    type Mask = [S::Mask; 2];
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self::Vector {
+        [self.0.splat(value); 2]
+    }
+    twice! {
+        add(a, b);
+        subtract(a, b);
+        multiply(a, b);
+        multiply_add(a, b, c);
+        multiply_subtract(a, b, c);
+        negative_multiply_add(a, b, c);
+        reciprocal(a);
+        divide(a, b);
+        reciprocal_sqrt(a);
+        sqrt(a);
+        max(a, b);
+        min(a, b);
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
+        [self.0.less(a[0], b[0]), self.0.less(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        [
+            self.0.select(mask[0], a[0], b[0]),
+            self.0.select(mask[1], a[1], b[1]),
+        ]
+    }
+    #[inline(always)]
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        [self.0.and(a[0], b[0]), self.0.and(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        [self.0.or(a[0], b[0]), self.0.or(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        [self.0.and_not(a[0], b[0]), self.0.and_not(a[1], b[1])]
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::Mask) -> u32 {
+        self.0.bits(mask[0]) | self.0.bits(mask[1]) << S::LANES
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector) {
+        let (m0, e0) = self.0.mantissa_and_exponent(a[0]);
+        let (m1, e1) = self.0.mantissa_and_exponent(a[1]);
+        ([m0, m1], [e0, e1])
+    }
+    #[inline(always)]
+    fn prefetch(self, number: &f64) {
+        self.0.prefetch(number);
+    }
+    #[inline(always)]
+    fn columns(self, lines: &[&Line]) -> [Self::Vector; 8] {
+        let (a, b) = (self.0.columns(lines), self.0.columns(&lines[S::LANES..]));
+        [
+            [a[0], b[0]],
+            [a[1], b[1]],
+            [a[2], b[2]],
+            [a[3], b[3]],
+            [a[4], b[4]],
+            [a[5], b[5]],
+            [a[6], b[6]],
+            [a[7], b[7]],
+        ]
+    }
+    #[inline(always)]
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
+        self.0.lines(side!(c, 0), lines);
+        self.0.lines(side!(c, 1), &mut lines[S::LANES..]);
+    }
+    #[inline(always)]
+    fn add_to_lines(
+        self,
+        a: [Self::Vector; 8],
+        at_a: &[usize],
+        b: [Self::Vector; 8],
+        at_b: &[usize],
+        lines: &mut [Line],
+    ) {
+        self.0
+            .add_to_lines(side!(a, 0), at_a, side!(b, 0), at_b, lines);
+        let (at_a, at_b) = (&at_a[S::LANES..], &at_b[S::LANES..]);
+        self.0
+            .add_to_lines(side!(a, 1), at_a, side!(b, 1), at_b, lines);
+    }
+    #[inline(always)]
+    fn load(self, numbers: &[f64]) -> Self::Vector {
+        [self.0.load(numbers), self.0.load(&numbers[S::LANES..])]
+    }
+    #[inline(always)]
+    fn store(self, a: Self::Vector, numbers: &mut [f64]) {
+        self.0.store(a[0], numbers);
+        self.0.store(a[1], &mut numbers[S::LANES..]);
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::Mask {
+        [
+            self.0.mask(bits & ((1 << S::LANES) - 1)),
+            self.0.mask(bits >> S::LANES),
+        ]
     }
 }
 
@@ -979,10 +1072,10 @@ mod tests {
             let a = Line([1.5, 3e-7, 12.25, 7e99, 1.0, 2.0, 1e-120, 0.3]);
             let b = Line([-2.0, 4e-7, 12.25, 5e98, 3.0, -7.0, 2e-120, 0.2]);
             let c = Line([0.5, -1e-13, 2.0, 1e99, 1e-3, 4.0, 1e-200, 0.1]);
-            let [x, y, z] = [&a, &b, &c].map(|line| Lanes::load(registers, line));
+            let [x, y, z] = [&a, &b, &c].map(|line| Lanes::load(registers, &line.0));
             let check = |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> f64| {
                 let mut line = Line::ZERO;
-                found.store(&mut line);
+                found.store(&mut line.0);
                 for k in 0..S::LANES {
                     let wanted = expected(a.0[k], b.0[k], c.0[k]);
                     assert!(
@@ -1014,7 +1107,7 @@ mod tests {
             let tolerant =
                 |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> (f64, f64)| {
                     let mut line = Line::ZERO;
-                    found.store(&mut line);
+                    found.store(&mut line.0);
                     for k in 0..S::LANES {
                         let (wanted, scale) = expected(a.0[k], b.0[k], c.0[k]);
                         assert!((line.0[k] - wanted).abs() <= 4e-16 * scale, "{what}");
@@ -1071,7 +1164,7 @@ mod tests {
             let columns = registers.columns(refs);
             for (entry, column) in columns.into_iter().enumerate() {
                 let mut line = Line::ZERO;
-                registers.store(column, &mut line);
+                registers.store(column, &mut line.0);
                 for lane in 0..S::LANES {
                     assert_eq!(line.0[lane], (10 * lane + entry) as f64);
                 }
@@ -1098,7 +1191,7 @@ mod tests {
             }
             let numbers: Vec<f64> = (0..9).map(f64::from).collect();
             let mut copy = vec![-1.0; 9];
-            registers.store_numbers(registers.load_numbers(&numbers[1..]), &mut copy[1..]);
+            registers.store(registers.load(&numbers[1..]), &mut copy[1..]);
             assert_eq!(copy[1..=S::LANES], numbers[1..=S::LANES]);
             assert!(copy[S::LANES + 1..].iter().all(|n| *n == -1.0));
         }
