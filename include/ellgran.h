@@ -578,6 +578,11 @@ typedef struct EllgranNeighbourList {
    are then left out without being looked at. 0: they may have. When in doubt, 0.
    */
   int32_t unchanged;
+  /*
+   1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
+   changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
+   */
+  int32_t keep_history;
 } EllgranNeighbourList;
 
 /*
@@ -909,6 +914,16 @@ int32_t ellgran_compute_pairs(const struct EllgranLaws *laws,
                               const struct EllgranNeighbourList *list,
                               const struct EllgranStep *step,
                               struct EllgranTallies *tallies);
+
+/*
+ Writes to `touching` and `history` of the list of the last call what calls with `keep_history` = 1 left behind; does
+ nothing where they are up to date.
+
+ # Safety
+ `workspace` is valid; `list` is that of the last call of `ellgran_compute_pairs` with it, unchanged since.
+ */
+int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
+                              const struct EllgranNeighbourList *list);
 
 /*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the

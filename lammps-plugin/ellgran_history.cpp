@@ -13,6 +13,12 @@ FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
 {
 }
 
+void FixEllgranHistory::pre_exchange()
+{
+  if (before_reading) before_reading();
+  FixNeighHistory::pre_exchange();
+}
+
 void FixEllgranHistory::setup(int)
 {
   list_is_current = true;

@@ -7,6 +7,7 @@
 
 #include "fix_neigh_history.h"
 
+#include <functional>
 #include <string>
 
 namespace LAMMPS_NS {
@@ -19,6 +20,10 @@ class FixEllgranHistory : public FixNeighHistory {
  public:
   FixEllgranHistory(class LAMMPS *, int, char **);
 
+  // Brings firstflag and firstvalue up to date.
+  std::function<void()> before_reading;
+
+  void pre_exchange() override;
   void setup(int) override;
   void min_setup(int) override;
   void post_run() override;

@@ -148,11 +148,8 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
 }
 
-void PairGranEllipsoid::add_forces()
+EllgranNeighbourList PairGranEllipsoid::view_list() const
 {
-  EllgranParticles particles = atoms.view();
-  if (contact_mass_differs) particles.contact_masses = contact_masses.data();
-
   EllgranNeighbourList neighbours{};
   neighbours.count = list->inum;
   neighbours.central = list->ilist;
@@ -166,6 +163,25 @@ void PairGranEllipsoid::add_forces()
   neighbours.newton = force->newton_pair;
   // LAMMPS counts the calls since it last built the list; what init() resolves comes with a new list.
   neighbours.unchanged = (neighbor->ago > 0) ? 1 : 0;
+  // In a run the fix that owns the arrays asks for what they miss before it reads them, and before the
+  // list is built anew. Elsewhere (set-up, minimisation, rerun) a new list may come unannounced.
+  neighbours.keep_history = (fix_history && update->setupflag == 0 && update->whichflag == 1) ? 1 : 0;
+  return neighbours;
+}
+
+void PairGranEllipsoid::write_history()
+{
+  if (!fix_history || !list) return;
+  const EllgranNeighbourList neighbours = view_list();
+  if (ellgran_write_history(workspace, &neighbours) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
+void PairGranEllipsoid::add_forces()
+{
+  EllgranParticles particles = atoms.view();
+  if (contact_mass_differs) particles.contact_masses = contact_masses.data();
+  const EllgranNeighbourList neighbours = view_list();
 
   // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
   // not pass then. Nor does it in a minimisation.
@@ -430,6 +446,7 @@ void PairGranEllipsoid::place_history_fix()
     error->all(FLERR, "{}: the fix {} that keeps the history of contacts was deleted", CALLER,
                id_history);
   fix_history->pair = this;
+  fix_history->before_reading = [this] { write_history(); };
 }
 
 void PairGranEllipsoid::find_mass_sources()
@@ -621,6 +638,7 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   const EllgranBody body_i = atoms.body(i, contact_mass(i));
   const EllgranBody body_j = atoms.body(j, contact_mass(j));
   int touching = 0;
+  write_history();
   copy_history(i, j, &touching);
 
   EllgranStep step{};

@@ -79,6 +79,8 @@ class PairGranEllipsoid : public Pair {
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
   void allocate();
+  EllgranNeighbourList view_list() const;
+  void write_history();
   void add_forces();
   void find_largest_semi_axes();
   void build_laws();

@@ -7,7 +7,7 @@ use super::particles::{
     Purpose,
 };
 use super::status::{
-    at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
 use super::tallies::{borrow, write_back, EllgranTallies};
@@ -44,6 +44,9 @@ pub struct EllgranNeighbourList {
     /// entries have not changed (positions, rotations, shapes, types and the history may have): most pairs that do not touch
     /// are then left out without being looked at. 0: they may have. When in doubt, 0.
     pub unchanged: i32,
+    /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
+    /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
+    pub keep_history: i32,
 }
 
 struct Rows<'a> {
@@ -54,6 +57,25 @@ struct Rows<'a> {
     history: *const *mut f64,
     length: usize,
     entries: Entries,
+}
+
+impl<'a> Rows<'a> {
+    fn new(
+        list: &EllgranNeighbourList,
+        central: &'a [i32],
+        length: usize,
+        entries: Entries,
+    ) -> Self {
+        Rows {
+            central,
+            counts: list.neighbour_counts,
+            neighbours: list.neighbours,
+            touching: list.touching,
+            history: list.history,
+            length,
+            entries,
+        }
+    }
 }
 
 impl NeighbourRows for Rows<'_> {
@@ -144,6 +166,13 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         let list = unsafe { required(list, "list") }?;
         let step = unsafe { required(step, "step") }?.to_core()?;
         let length = laws.layout().length;
+        if list.unchanged == 0 && workspace.has_unwritten_history() {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                "the list may have changed (unchanged = 0), but the history that the workspace keeps of the last list was \
+                 not written: call ellgran_write_history before the list changes",
+            ));
+        }
         let central = unsafe { slice(list.central, list.count, "central") }?;
         if list.count > 0 {
             for (is_null, name) in [
@@ -211,19 +240,13 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             unchanged: list.unchanged != 0,
         };
         unsafe { prepare(p, p.count, Some(laws), workspace, purpose) }?;
-        let mut rows = Rows {
-            central,
-            counts: list.neighbour_counts,
-            neighbours: list.neighbours,
-            touching: list.touching,
-            history: list.history,
-            length,
-            entries: Entries {
-                mask: list.index_mask,
-                shift,
-                excluded,
-            },
+        workspace.keeps_history = list.keep_history != 0;
+        let entries = Entries {
+            mask: list.index_mask,
+            shift,
+            excluded,
         };
+        let mut rows = Rows::new(list, central, length, entries);
         let mut accumulators = Accumulators {
             forces,
             torques,
@@ -247,6 +270,41 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
             write_back(out, &sums);
         }
+        Ok(())
+    })
+}
+
+/// Writes to `touching` and `history` of the list of the last call what calls with `keep_history` = 1 left behind; does
+/// nothing where they are up to date.
+///
+/// # Safety
+/// `workspace` is valid; `list` is that of the last call of `ellgran_compute_pairs` with it, unchanged since.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_write_history(
+    workspace: *mut EllgranWorkspace,
+    list: *const EllgranNeighbourList,
+) -> i32 {
+    at_border("ellgran_write_history", || {
+        // SAFETY: promised by the caller.
+        let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        let list = unsafe { required(list, "list") }?;
+        if !workspace.has_unwritten_history() {
+            return Ok(());
+        }
+        for (is_null, name) in [
+            (list.neighbour_counts.is_null(), "neighbour_counts"),
+            (list.touching.is_null(), "touching"),
+            (list.history.is_null(), "history"),
+        ] {
+            if is_null {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_NULL_POINTER,
+                    format!("{name} must not be NULL"),
+                ));
+            }
+        }
+        let length = workspace.kept_history_length();
+        workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
         Ok(())
     })
 }

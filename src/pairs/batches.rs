@@ -264,6 +264,11 @@ impl Batches {
         self.unwritten && self.there.length > 0
     }
 
+    /// Doubles that the engine's arrays have for a pair.
+    pub fn written_length(&self) -> usize {
+        self.there.length
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.pairs.capacity() * size_of::<Candidate>()

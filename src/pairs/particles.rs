@@ -272,6 +272,21 @@ impl Workspace {
         self.instruction_set != InstructionSet::Scalar && !laws.features().hale
     }
 
+    /// Whether the list's own histories are behind those that are kept here.
+    pub fn has_unwritten_history(&self) -> bool {
+        self.candidates.batches.are_unwritten()
+    }
+
+    /// Doubles that the list of the last call remembers of a pair.
+    pub fn kept_history_length(&self) -> usize {
+        self.candidates.batches.written_length()
+    }
+
+    /// Brings the histories of the list of the last call up to date.
+    pub fn write_history<R: super::NeighbourRows>(&mut self, rows: &mut R) {
+        self.candidates.batches.write(rows);
+    }
+
     /// Forgets the particles; keeps the memory.
     pub fn clear(&mut self) {
         self.particles.clear();

@@ -1064,24 +1064,29 @@ mod tests {
     use crate::pairs::lanes::Lanes;
     use crate::real::Real;
 
+    fn sixteen(numbers: [f64; 8]) -> [f64; MOST_LANES] {
+        // The upper eight in another order.
+        core::array::from_fn(|k| numbers[if k < 8 { k } else { 3 * k % 8 }])
+    }
+
     /// Everything that a register does, against single numbers.
     struct Check;
 
     impl Stage for Check {
         fn run<S: Registers>(self, registers: S) {
-            let a = Line([1.5, 3e-7, 12.25, 7e99, 1.0, 2.0, 1e-120, 0.3]);
-            let b = Line([-2.0, 4e-7, 12.25, 5e98, 3.0, -7.0, 2e-120, 0.2]);
-            let c = Line([0.5, -1e-13, 2.0, 1e99, 1e-3, 4.0, 1e-200, 0.1]);
-            let [x, y, z] = [&a, &b, &c].map(|line| Lanes::load(registers, &line.0));
+            let a = sixteen([1.5, 3e-7, 12.25, 7e99, 1.0, 2.0, 1e-120, 0.3]);
+            let b = sixteen([-2.0, 4e-7, 12.25, 5e98, 3.0, -7.0, 2e-120, 0.2]);
+            let c = sixteen([0.5, -1e-13, 2.0, 1e99, 1e-3, 4.0, 1e-200, 0.1]);
+            let [x, y, z] = [&a, &b, &c].map(|numbers| Lanes::load(registers, numbers));
             let check = |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> f64| {
-                let mut line = Line::ZERO;
-                found.store(&mut line.0);
+                let mut line = [0.0; MOST_LANES];
+                found.store(&mut line);
                 for k in 0..S::LANES {
-                    let wanted = expected(a.0[k], b.0[k], c.0[k]);
+                    let wanted = expected(a[k], b[k], c[k]);
                     assert!(
-                        (line.0[k] - wanted).abs() <= 8e-16 * wanted.abs(),
+                        (line[k] - wanted).abs() <= 8e-16 * wanted.abs(),
                         "{what}: {} and {wanted}",
-                        line.0[k]
+                        line[k]
                     );
                 }
             };
@@ -1106,11 +1111,11 @@ mod tests {
             // With or without a rounding in between.
             let tolerant =
                 |what: &str, found: Lanes<S>, expected: &dyn Fn(f64, f64, f64) -> (f64, f64)| {
-                    let mut line = Line::ZERO;
-                    found.store(&mut line.0);
+                    let mut line = [0.0; MOST_LANES];
+                    found.store(&mut line);
                     for k in 0..S::LANES {
-                        let (wanted, scale) = expected(a.0[k], b.0[k], c.0[k]);
-                        assert!((line.0[k] - wanted).abs() <= 4e-16 * scale, "{what}");
+                        let (wanted, scale) = expected(a[k], b[k], c[k]);
+                        assert!((line[k] - wanted).abs() <= 4e-16 * scale, "{what}");
                     }
                 };
             let size = |x: f64, y: f64, z: f64| (x * y).abs() + z.abs();
@@ -1139,7 +1144,7 @@ mod tests {
             let other = z.less(x);
             let bits = |k: fn(bool, bool) -> bool| {
                 (0..S::LANES).fold(0u32, |bits, lane| {
-                    let (p, q) = (a.0[lane] < b.0[lane], c.0[lane] < a.0[lane]);
+                    let (p, q) = (a[lane] < b[lane], c[lane] < a[lane]);
                     bits | u32::from(k(p, q)) << lane
                 })
             };
@@ -1160,20 +1165,21 @@ mod tests {
             for (k, line) in lines.iter_mut().enumerate() {
                 line.0 = core::array::from_fn(|entry| (10 * k + entry) as f64);
             }
-            let refs = core::array::from_fn(|k| &lines[k]);
-            let columns = registers.columns(refs);
+            let refs: [&Line; MOST_LANES] = core::array::from_fn(|k| &lines[k]);
+            let columns = registers.columns(&refs);
             for (entry, column) in columns.into_iter().enumerate() {
-                let mut line = Line::ZERO;
-                registers.store(column, &mut line.0);
+                let mut line = [0.0; MOST_LANES];
+                registers.store(column, &mut line);
                 for lane in 0..S::LANES {
-                    assert_eq!(line.0[lane], (10 * lane + entry) as f64);
+                    assert_eq!(line[lane], (10 * lane + entry) as f64);
                 }
             }
             let mut back = [Line::ZERO; MOST_LANES];
             registers.lines(columns, &mut back);
             assert_eq!(back[..S::LANES], lines[..S::LANES]);
 
-            let (at_a, at_b) = ([3, 1, 3, 0, 2, 5, 5, 5], [0, 3, 3, 2, 1, 1, 4, 5]);
+            let at_a = [3, 1, 3, 0, 2, 5, 5, 5, 1, 1, 1, 0, 4, 4, 2, 2];
+            let at_b = [0, 3, 3, 2, 1, 1, 4, 5, 5, 1, 2, 3, 4, 2, 2, 0];
             let mut sums = [Line([0.5; 8]); 6];
             let mut expected = sums;
             let twice = columns.map(|c| registers.add(c, c));
@@ -1189,8 +1195,8 @@ mod tests {
             for bits in 0..1 << S::LANES {
                 assert_eq!(registers.bits(registers.mask(bits)), bits);
             }
-            let numbers: Vec<f64> = (0..9).map(f64::from).collect();
-            let mut copy = vec![-1.0; 9];
+            let numbers: Vec<f64> = (0..=MOST_LANES as i32).map(f64::from).collect();
+            let mut copy = vec![-1.0; MOST_LANES + 1];
             registers.store(registers.load(&numbers[1..]), &mut copy[1..]);
             assert_eq!(copy[1..=S::LANES], numbers[1..=S::LANES]);
             assert!(copy[S::LANES + 1..].iter().all(|n| *n == -1.0));

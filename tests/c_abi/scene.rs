@@ -352,6 +352,7 @@ impl List {
             history: self.history_pointers.as_ptr(),
             newton: newton as i32,
             unchanged: 0,
+            keep_history: 0,
         }
     }
 }

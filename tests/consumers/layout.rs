@@ -75,7 +75,7 @@ fn claims() -> Claims {
         }
         EllgranNeighbourList {
             count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, touching, history,
-            newton, unchanged,
+            newton, unchanged, keep_history,
         }
         EllgranParticles {
             owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
