@@ -103,6 +103,8 @@ macro_rules! lines {
     }};
 }
 
+pub(super) use lines;
+
 impl<S: Registers> Side<S> {
     #[inline(always)]
     fn load(registers: S, records: &[&Record; MOST_LANES]) -> Self {
@@ -703,7 +705,7 @@ fn values<S: Registers>(v: [Lanes<S>; 8]) -> [S::Vector; 8] {
 }
 
 #[inline(always)]
-fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
+pub(super) fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
     registers.lines(values(v), lines);
 }
 

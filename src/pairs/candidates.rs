@@ -65,45 +65,36 @@ impl Candidates {
             + self.shapes.capacity() * core::mem::size_of::<[f64; 3]>()
     }
 
-    /// Whether no particle has another shape or has moved by more than half of the margin since the candidates were found.
-    pub fn hold_for<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
-        &mut self,
-        arrays: &ParticleArrays<'_, S, I>,
-    ) -> bool {
-        let hold = self.holds(arrays);
+    /// Whether there are candidates for as many particles.
+    pub fn are_for(&self, count: usize) -> bool {
+        self.valid && self.poses.len() == count
+    }
+
+    /// Whether a particle has the same shape and has moved by no more than half of the margin since the candidates were
+    /// found, and whether it takes part in a candidate.
+    #[inline(always)]
+    pub fn hold_for(&self, k: usize, x: &[f64; 3], a: &[f64; 3], q: &[f64; 4]) -> (bool, bool) {
+        let p = &self.poses[k].0;
+        let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
+        let moved = dx * dx + dy * dy + dz * dz;
+        let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
+        let turned = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3;
+        // Not a number holds for nothing.
+        let farthest = self.margin * self.margin * (1.0 / 16.0);
+        (
+            moved <= farthest && turned <= p[7] && *a == self.shapes[k],
+            self.takes_part[k],
+        )
+    }
+
+    /// Lets the margin follow the motion.
+    pub fn count_step(&mut self, hold: bool) {
         self.steps = self.steps.saturating_add(1);
         if !hold && self.steps < FEW_STEPS {
             self.relative_margin = (self.relative_margin * 2.0).min(LARGEST_MARGIN);
         } else if !hold && self.steps > 4 * FEW_STEPS {
             self.relative_margin = (self.relative_margin * 0.5).max(SMALLEST_MARGIN);
         }
-        hold
-    }
-
-    fn holds<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
-        &self,
-        arrays: &ParticleArrays<'_, S, I>,
-    ) -> bool {
-        if !self.valid || self.poses.len() != arrays.positions.len() {
-            return false;
-        }
-        let farthest = self.margin * self.margin * (1.0 / 16.0);
-        let known = self.poses.iter().zip(&self.shapes);
-        for (k, (x, (pose, shape))) in arrays.positions.iter().zip(known).enumerate() {
-            let Some((a, q)) = (arrays.shape)(k) else {
-                return false;
-            };
-            let p = &pose.0;
-            let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
-            let moved = dx * dx + dy * dy + dz * dz;
-            let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
-            let turned = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3;
-            // Not a number holds for nothing.
-            if !(moved <= farthest && turned <= p[7] && a == *shape) {
-                return false;
-            }
-        }
-        true
     }
 
     /// Begins anew for these particles: the margin, and the poses.

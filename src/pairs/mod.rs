@@ -14,6 +14,7 @@ pub mod neighbour_list;
 pub mod one_contact;
 pub mod particles;
 pub mod planes;
+mod preparation;
 pub mod registers;
 pub mod staged;
 pub mod tallies;

@@ -2,6 +2,7 @@
 //! An engine's particle arrays, and what is made of them once a step.
 
 use super::candidates::Candidates;
+use super::preparation::{Prepare, Prepared};
 use super::registers::Line;
 use super::InstructionSet;
 use crate::geometry::ellipsoid::rotation_columns;
@@ -84,6 +85,11 @@ pub struct Record {
 }
 
 impl Record {
+    /// Nothing yet.
+    pub(super) const NONE: Record = Record {
+        pose: Line::ZERO,
+        motion: Line::ZERO,
+    };
     /// Semi-axes.
     #[inline(always)]
     pub fn semi_axes(&self) -> [f64; 3] {
@@ -222,44 +228,46 @@ impl Workspace {
             return self.prepare(arrays, types);
         }
         let count = arrays.positions.len();
-        let named = |k: usize| {
-            move |what: String| ParticleError {
-                identifier: (arrays.identifier)(k),
-                what,
+        let with_masses = !arrays.contact_masses.is_empty();
+        let same_masses = with_masses != self.records.inverse_masses.is_empty();
+        let mut outcome = Prepared::default();
+        if unchanged && same_masses {
+            let mut hold = self.candidates.are_for(count);
+            if hold {
+                self.instruction_set.run(Prepare {
+                    arrays,
+                    candidates: Some(&self.candidates),
+                    types,
+                    records: &mut self.records,
+                    outcome: &mut outcome,
+                });
+                hold = !outcome.moved;
             }
-        };
-        let r = &mut self.records;
-        let same_masses = arrays.contact_masses.is_empty() == r.inverse_masses.is_empty();
-        if unchanged && same_masses && self.candidates.hold_for(arrays) {
-            let mut same_types = true;
-            for &k in self.candidates.participants() {
-                let k = k as usize;
-                let p = prepare_record(arrays, k, types).map_err(named(k))?;
-                r.records[k] = p.record;
-                same_types &= r.types[k] == p.kind;
-                if let Some(inverse) = r.inverse_masses.get_mut(k) {
-                    *inverse = p.inverse_mass;
-                }
+            self.candidates.count_step(hold);
+            // Batches are made of pairs of one kind of law.
+            if hold && !outcome.types_changed {
+                return named(arrays, outcome);
             }
-            if same_types {
-                return Ok(());
-            }
+            outcome = Prepared::default();
         }
         self.candidates.forget();
+        let r = &mut self.records;
         r.records.clear();
+        r.records.resize(count, Record::NONE);
         r.types.clear();
+        r.types.resize(count, 0);
         r.inverse_masses.clear();
-        r.records.reserve(count);
-        r.types.reserve(count);
-        let with_masses = !arrays.contact_masses.is_empty();
-        for k in 0..count {
-            let p = prepare_record(arrays, k, types).map_err(named(k))?;
-            r.records.push(p.record);
-            r.types.push(p.kind);
-            if with_masses {
-                r.inverse_masses.push(p.inverse_mass);
-            }
+        if with_masses {
+            r.inverse_masses.resize(count, 0.0);
         }
+        self.instruction_set.run(Prepare {
+            arrays,
+            candidates: None,
+            types,
+            records: &mut *r,
+            outcome: &mut outcome,
+        });
+        named(arrays, outcome)?;
         r.sums.clear();
         r.sums.resize(count, Line::ZERO);
         self.candidates.begin(arrays);
@@ -307,98 +315,45 @@ impl Workspace {
     }
 }
 
-/// What one particle's preparation gives for the lanes.
-struct PreparedRecord {
-    record: Record,
-    kind: u32,
-    inverse_mass: f64,
+/// The failure, with the name of its particle.
+fn named<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    arrays: &ParticleArrays<'_, S, I>,
+    outcome: Prepared,
+) -> Result<(), ParticleError> {
+    match outcome.failure {
+        None => Ok(()),
+        Some((k, what)) => Err(ParticleError {
+            identifier: (arrays.identifier)(k),
+            what,
+        }),
+    }
 }
 
-#[inline(always)]
-fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+/// One particle for the lanes: its record, type, and the inverse of its mass.
+pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
-) -> Result<PreparedRecord, String> {
+) -> Result<(Record, u32, f64), String> {
+    let p = prepare_one(arrays, k, types)?;
     let (x, v) = (arrays.positions[k], arrays.velocities[k]);
-    let kind = arrays.types[k];
-    let Some((a, q)) = (arrays.shape)(k) else {
-        return Err(no_shape());
+    let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
+    let w = p.omega;
+    let record = Record {
+        pose: Line([
+            x[0],
+            x[1],
+            x[2],
+            q[0] * s,
+            q[1] * s,
+            q[2] * s,
+            q[3] * s,
+            a[0],
+        ]),
+        motion: Line([a[1], a[2], v[0], v[1], v[2], w.x, w.y, w.z]),
     };
-    let (spin, mass) = match arrays.rotation {
-        Rotation::Velocity(w) => (w[k], None),
-        Rotation::Momentum(l, masses) => (l[k], Some(masses[k])),
-    };
-    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    // One comparison for all sums: Inf * 0 and NaN * 0 are NaN.
-    let finite =
-        (x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + spin[0] + spin[1] + spin[2]) * 0.0 == 0.0;
-    let in_range = |a: f64| a > 1e-45 && a < 1e45;
-    let sound = finite
-        && in_range(a[0])
-        && in_range(a[1])
-        && in_range(a[2])
-        && square > 1e-280
-        && square < 1e280
-        && kind >= 1
-        && kind as usize <= types
-        && mass.is_none_or(|m| m > 0.0 && m < f64::INFINITY);
-    if !sound {
-        // The one path that finds out what is wrong; a sum of finite numbers may overflow too.
-        let p = prepare_one(arrays, k, types)?;
-        return Ok(PreparedRecord {
-            record: Record::new(x, q, square, a, v, p.omega.to_array()),
-            kind: p.kind,
-            inverse_mass: p.inverse_mass,
-        });
-    }
-    let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
-    let omega = match mass {
-        None => spin,
-        Some(mass) => {
-            let axes = rotation_columns(q, 2.0 / square);
-            let (xx, yy, zz) = (a[0] * a[0], a[1] * a[1], a[2] * a[2]);
-            let (yz, xz, xy) = (yy + zz, xx + zz, xx + yy);
-            let scale = 5.0 / (mass * yz * xz * xy);
-            let l = Vector3::from_array(spin);
-            (axes[0] * (axes[0].dot(l) * (xz * xy * scale))
-                + axes[1] * (axes[1].dot(l) * (yz * xy * scale))
-                + axes[2] * (axes[2].dot(l) * (yz * xz * scale)))
-                .to_array()
-        }
-    };
-    Ok(PreparedRecord {
-        record: Record::new(x, q, square, a, v, omega),
-        kind: kind as u32,
-        inverse_mass,
-    })
-}
-
-impl Record {
-    #[inline(always)]
-    fn new(
-        x: [f64; 3],
-        q: [f64; 4],
-        square: f64,
-        a: [f64; 3],
-        v: [f64; 3],
-        omega: [f64; 3],
-    ) -> Self {
-        let s = 1.0 / square.sqrt();
-        Record {
-            pose: Line([
-                x[0],
-                x[1],
-                x[2],
-                q[0] * s,
-                q[1] * s,
-                q[2] * s,
-                q[3] * s,
-                a[0],
-            ]),
-            motion: Line([a[1], a[2], v[0], v[1], v[2], omega[0], omega[1], omega[2]]),
-        }
-    }
+    Ok((record, p.kind, p.inverse_mass))
 }
 
 #[cold]

@@ -72,10 +72,7 @@ fn polynomials<T: Real, const N: usize>(p: &[f64; N], q: &[f64; N], x: T) -> (T,
     }
     p_even = p_even.multiply_add(square, x.constant(p[0]));
     q_even = q_even.multiply_add(square, x.constant(q[0]));
-    (
-        p_odd.multiply_add(x, p_even),
-        q_odd.multiply_add(x, q_even),
-    )
+    (p_odd.multiply_add(x, p_even), q_odd.multiply_add(x, q_even))
 }
 
 /// The factors for any curvature, one contact: the fit, and iteration beyond it.
