@@ -30,7 +30,7 @@ impl<S: Registers, T: Stage> pulp::NullaryFnOnce for InLanes<S, T> {
 pub enum InstructionSet {
     /// One number at a time; any machine.
     Scalar,
-    /// Two lanes, which every machine has (SSE2 on x86-64).
+    /// Two lanes, which every machine has (SSE2 on x86-64, NEON on AArch64).
     Baseline,
     /// Four lanes with fused multiply-add (x86-64-v3).
     Avx2,
@@ -80,7 +80,12 @@ impl InstructionSet {
             let registers = V1::try_new().expect("SSE2 is part of x86-64");
             stage.run(registers)
         }
-        #[cfg(not(target_arch = "x86_64"))]
+        #[cfg(target_arch = "aarch64")]
+        {
+            let registers = pulp::aarch64::Neon::try_new().expect("NEON is part of AArch64");
+            stage.run(registers)
+        }
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
         stage.run(super::registers::Portable)
     }
 

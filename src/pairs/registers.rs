@@ -469,6 +469,7 @@ impl Registers for pulp::x86::V3 {
 /// Bits of a double: its mantissa, those of 1 and of 2^52.
 const MANTISSA: i64 = 0x000f_ffff_ffff_ffff;
 const ONE: i64 = 0x3ff0_0000_0000_0000;
+#[cfg(target_arch = "x86_64")]
 const TWO_TO_52: i64 = 0x4330_0000_0000_0000;
 
 /// Products and sums apart: a fused operation is a library call on a machine that may not have it.
@@ -642,6 +643,155 @@ impl Registers for pulp::x86::V1 {
     }
 }
 
+#[cfg(target_arch = "aarch64")]
+impl Registers for pulp::aarch64::Neon {
+    const LANES: usize = 2;
+    type Vector = core::arch::aarch64::float64x2_t;
+    type Mask = core::arch::aarch64::uint64x2_t;
+
+    #[inline(always)]
+    fn splat(self, value: f64) -> Self::Vector {
+        self.neon.vdupq_n_f64(value)
+    }
+    #[inline(always)]
+    fn load(self, line: &Line) -> Self::Vector {
+        let [first, ..]: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&line.0);
+        pulp::cast(*first)
+    }
+    #[inline(always)]
+    fn store(self, a: Self::Vector, line: &mut Line) {
+        let [first, ..]: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut line.0);
+        *first = pulp::cast(a);
+    }
+    #[inline(always)]
+    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.neon.vaddq_f64(a, b)
+    }
+    #[inline(always)]
+    fn subtract(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.neon.vsubq_f64(a, b)
+    }
+    #[inline(always)]
+    fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.neon.vmulq_f64(a, b)
+    }
+    // The addend comes first here.
+    #[inline(always)]
+    fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.neon.vfmaq_f64(c, a, b)
+    }
+    #[inline(always)]
+    fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+        self.neon.vfmaq_f64(self.neon.vnegq_f64(c), a, b)
+    }
+    #[inline(always)]
+    fn negative_multiply_add(
+        self,
+        a: Self::Vector,
+        b: Self::Vector,
+        c: Self::Vector,
+    ) -> Self::Vector {
+        self.neon.vfmsq_f64(c, a, b)
+    }
+    #[inline(always)]
+    fn reciprocal(self, a: Self::Vector) -> Self::Vector {
+        self.neon.vdivq_f64(self.splat(1.0), a)
+    }
+    #[inline(always)]
+    fn divide(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.neon.vdivq_f64(a, b)
+    }
+    #[inline(always)]
+    fn reciprocal_sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.reciprocal(self.neon.vsqrtq_f64(a))
+    }
+    #[inline(always)]
+    fn sqrt(self, a: Self::Vector) -> Self::Vector {
+        self.neon.vsqrtq_f64(a)
+    }
+    // FMAX gives NaN for a NaN on either side, FMAXNM never: all sets give what is on the right.
+    #[inline(always)]
+    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.select(self.less(b, a), a, b)
+    }
+    #[inline(always)]
+    fn min(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.select(self.less(a, b), a, b)
+    }
+    #[inline(always)]
+    fn less(self, a: Self::Vector, b: Self::Vector) -> Self::Mask {
+        self.neon.vcltq_f64(a, b)
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.neon.vbslq_f64(mask, a, b)
+    }
+    #[inline(always)]
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.neon.vandq_u64(a, b)
+    }
+    #[inline(always)]
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.neon.vorrq_u64(a, b)
+    }
+    #[inline(always)]
+    fn and_not(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        self.neon.vbicq_u64(a, b)
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::Mask) -> u32 {
+        let neon = self.neon;
+        (neon.vgetq_lane_u64::<0>(mask) & 1 | neon.vgetq_lane_u64::<1>(mask) & 2) as u32
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector) {
+        let neon = self.neon;
+        let bits = neon.vreinterpretq_u64_f64(a);
+        let mantissa = neon.vorrq_u64(
+            neon.vandq_u64(bits, neon.vdupq_n_u64(MANTISSA as u64)),
+            neon.vdupq_n_u64(ONE as u64),
+        );
+        let exponent = neon.vcvtq_f64_u64(neon.vshrq_n_u64::<52>(bits));
+        (
+            neon.vreinterpretq_f64_u64(mantissa),
+            self.subtract(exponent, self.splat(1023.0)),
+        )
+    }
+    // Rust has no stable intrinsic for it here.
+    #[inline(always)]
+    fn prefetch(self, _: &f64) {}
+    #[inline(always)]
+    fn columns(self, lines: [&Line; MOST_LANES]) -> [Self::Vector; 8] {
+        let a: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[0].0);
+        let b: &[[f64; 2]; 4] = pulp::bytemuck::cast_ref(&lines[1].0);
+        macro_rules! pair {
+            ($k:literal) => {{
+                let (a, b) = (pulp::cast(a[$k]), pulp::cast(b[$k]));
+                (self.neon.vzip1q_f64(a, b), self.neon.vzip2q_f64(a, b))
+            }};
+        }
+        let ((c0, c1), (c2, c3)) = (pair!(0), pair!(1));
+        let ((c4, c5), (c6, c7)) = (pair!(2), pair!(3));
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+    #[inline(always)]
+    fn lines(self, c: [Self::Vector; 8], lines: &mut [Line; MOST_LANES]) {
+        let [a, b, ..] = lines;
+        let a: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut a.0);
+        let b: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut b.0);
+        macro_rules! pair {
+            ($k:literal) => {
+                a[$k] = pulp::cast(self.neon.vzip1q_f64(c[2 * $k], c[2 * $k + 1]));
+                b[$k] = pulp::cast(self.neon.vzip2q_f64(c[2 * $k], c[2 * $k + 1]));
+            };
+        }
+        pair!(0);
+        pair!(1);
+        pair!(2);
+        pair!(3);
+    }
+}
+
 /// Two lanes as the compiler makes them, on any machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
@@ -799,6 +949,12 @@ mod tests {
                 "number for NaN",
                 Real::max(x.constant(f64::NAN), y),
                 &|_, y, _| y,
+            );
+            let not_a_number = Real::max(y, y.constant(f64::NAN));
+            assert_eq!(
+                registers.bits(not_a_number.less(y.constant(f64::INFINITY))),
+                0,
+                "NaN for NaN"
             );
             // With or without a rounding in between.
             let tolerant =
