@@ -128,31 +128,28 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
         false
     )
     .phi);
-    #[cfg(target_arch = "x86_64")]
-    {
-        let lanes = |name: &str, vectorise: &dyn Fn(Lanes)| {
-            let mut values = vec![0.0; points.len()];
-            let time = nanoseconds(effort, points.len(), || {
-                vectorise(Lanes {
-                    points: black_box(&points),
-                    values: &mut values,
-                });
-                black_box(&mut values);
+    let lanes = |name: &str, vectorise: &dyn Fn(Lanes)| {
+        let mut values = vec![0.0; points.len()];
+        let time = nanoseconds(effort, points.len(), || {
+            vectorise(Lanes {
+                points: black_box(&points),
+                values: &mut values,
             });
-            Method {
-                name: name.to_string(),
-                steps: 0,
-                values,
-                time,
-            }
-        };
-        for (set, name) in [
-            (InstructionSet::Avx2, "ours, avx2"),
-            (InstructionSet::Avx512, "ours, avx512"),
-        ] {
-            if set.is_available() {
-                methods.push(lanes(name, &|work| set.run(work)));
-            }
+            black_box(&mut values);
+        });
+        Method {
+            name: name.to_string(),
+            steps: 0,
+            values,
+            time,
+        }
+    };
+    for (set, name) in [
+        (InstructionSet::Avx2, "ours, avx2"),
+        (InstructionSet::Avx512, "ours, avx512"),
+    ] {
+        if set.is_available() {
+            methods.push(lanes(name, &|work| set.run(work)));
         }
     }
     write(directory, &points, &methods)
