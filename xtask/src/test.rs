@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -97,11 +97,33 @@ pub fn test(options: &Options) -> Result<()> {
         })?;
     }
     if !options.quick {
+        if options.filter.is_none() {
+            on_aarch64(steps)?;
+        }
         engines(steps, &filter)?;
     }
     steps.summary();
     say("all steps passed");
     Ok(())
+}
+
+/// Left out, and said, where its compilers are not to be had: they are no part of what a user needs.
+fn on_aarch64(steps: &mut Steps) -> Result<()> {
+    if std::env::consts::ARCH == "aarch64" {
+        return Ok(());
+    }
+    let mut lacking = None;
+    steps.run("compilers and emulator for AArch64", || {
+        lacking = aarch64::prepare().err();
+        Ok(())
+    })?;
+    match lacking {
+        Some(error) => {
+            say(format!("NOT TESTED: AArch64: {error:#}"));
+            Ok(())
+        }
+        None => steps.run("core, C and CMake consumers on AArch64", aarch64::quick),
+    }
 }
 
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
