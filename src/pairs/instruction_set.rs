@@ -9,6 +9,16 @@ pub trait Stage {
     fn run<S: Registers>(self, registers: S);
 }
 
+/// Counts the lanes.
+struct CountLanes<'a>(&'a mut usize);
+
+impl Stage for CountLanes<'_> {
+    #[inline(always)]
+    fn run<S: Registers>(self, _: S) {
+        *self.0 = S::LANES;
+    }
+}
+
 /// What `pulp` calls with the instructions of a set turned on.
 #[cfg(target_arch = "x86_64")]
 struct InLanes<S, T> {
@@ -30,11 +40,11 @@ impl<S: Registers, T: Stage> pulp::NullaryFnOnce for InLanes<S, T> {
 pub enum InstructionSet {
     /// One number at a time; any machine.
     Scalar,
-    /// Two lanes, which every machine has (SSE2 on x86-64).
+    /// Registers of two numbers, which every machine has (SSE2 on x86-64, NEON on AArch64).
     Baseline,
-    /// Four lanes with fused multiply-add (x86-64-v3).
+    /// Registers of four numbers, with fused multiply-add (x86-64-v3).
     Avx2,
-    /// Eight lanes (x86-64-v4).
+    /// Registers of eight numbers (x86-64-v4).
     Avx512,
 }
 
@@ -60,7 +70,7 @@ impl InstructionSet {
         }
     }
 
-    /// Runs a stage on this instruction set; on two lanes where this is none for lanes, or where the machine does not have it.
+    /// Runs a stage on this instruction set; on `Baseline` where this is none for lanes, or where the machine does not have it.
     #[inline]
     pub fn run<T: Stage>(self, stage: T) {
         #[cfg(target_arch = "x86_64")]
@@ -86,8 +96,22 @@ impl InstructionSet {
             let registers = V1::try_new().expect("SSE2 is part of x86-64");
             stage.run(Twice(registers))
         }
-        #[cfg(not(target_arch = "x86_64"))]
+        #[cfg(target_arch = "aarch64")]
+        {
+            let registers = pulp::aarch64::Neon::try_new().expect("NEON is part of AArch64");
+            stage.run(Twice(registers))
+        }
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
         stage.run(Twice(super::registers::Portable))
+    }
+
+    /// Pairs that are computed at a time: two registers of them, one of which computes while the other waits.
+    pub fn lanes(self) -> usize {
+        let mut lanes = 1;
+        if self != InstructionSet::Scalar {
+            self.run(CountLanes(&mut lanes));
+        }
+        lanes
     }
 
     /// Whether this machine has it.

@@ -258,7 +258,8 @@ fn a_description_is_cut_to_its_buffer() {
         let bytes: Vec<u8> = text
             .iter()
             .take_while(|c| **c != 0)
-            .map(|c| *c as u8)
+            // Signed on some machines only.
+            .flat_map(|c| c.to_ne_bytes())
             .collect();
         String::from_utf8(bytes).unwrap()
     };

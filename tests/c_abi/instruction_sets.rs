@@ -2,13 +2,14 @@
 //! The choice of an instruction set by the environment. Each runs in a process of its own: an environment is for all threads.
 
 use std::ffi::CStr;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::ptr::null;
 
 use ellgran::c_api::particles::*;
 use ellgran::c_api::status::*;
 use ellgran::pairs::InstructionSet;
 
+use crate::emulator;
 use crate::scene::*;
 
 const VARIABLE: &str = "ELLGRAN_INSTRUCTION_SET";
@@ -16,7 +17,7 @@ const VARIABLE: &str = "ELLGRAN_INSTRUCTION_SET";
 /// Runs a test of this program with a choice.
 fn run(test: &str, choice: &str) {
     let program = std::env::current_exe().expect("this test");
-    let output = Command::new(program)
+    let output = emulator::program(&program)
         .args(["--exact", test])
         .env(VARIABLE, choice)
         .stdin(Stdio::null())

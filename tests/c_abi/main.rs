@@ -3,6 +3,8 @@
 
 #![allow(unsafe_code)]
 
+#[path = "../support/emulator.rs"]
+mod emulator;
 mod errors;
 mod friction;
 mod instruction_sets;

@@ -3,8 +3,8 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 
+use crate::emulator;
 use crate::harness::{build, root, scratch, succeed, Language};
 use crate::two_grains;
 
@@ -50,7 +50,7 @@ fn assert_same(printed: &str, expected: &str, what: &str) {
 fn printed(name: &str, language: Language) -> String {
     let program = scratch(name).join("program");
     succeed(&mut build(language, &source(name), &program, &[]));
-    succeed(&mut Command::new(program))
+    succeed(&mut emulator::program(&program))
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn the_c_program_of_the_readme() {
     fs::write(&source, readme_block("c")).expect("a source");
     let program = directory.join("program");
     succeed(&mut build(Language::C99, &source, &program, &[]));
-    let text = succeed(&mut Command::new(program));
+    let text = succeed(&mut emulator::program(&program));
     let force = text
         .strip_prefix("normal force ")
         .and_then(|rest| rest.split(' ').next())

@@ -59,7 +59,11 @@ pub fn installed() -> &'static Installed {
 /// A prefix must work wherever it is moved to.
 fn install_and_move(target: &Path, system_libraries: &str) -> PathBuf {
     let first = scratch("first prefix");
-    let library = target.join(prefix::TEST_PROFILE).join("libellgran.a");
+    let built = match std::env::var_os("CARGO_BUILD_TARGET") {
+        Some(triple) => target.join(triple),
+        None => target.to_owned(),
+    };
+    let library = built.join(prefix::TEST_PROFILE).join("libellgran.a");
     let package = prefix::Package {
         version: env!("CARGO_PKG_VERSION"),
         description: env!("CARGO_PKG_DESCRIPTION"),
@@ -124,7 +128,11 @@ pub fn compiler(language: Language) -> Command {
     let mut command = cc::Build::new()
         .cpp(language == Language::Cxx11)
         .opt_level(1)
-        .target(host)
+        .target(
+            std::env::var("CARGO_BUILD_TARGET")
+                .as_deref()
+                .unwrap_or(host),
+        )
         .host(host)
         .out_dir(temporary())
         .cargo_metadata(false)

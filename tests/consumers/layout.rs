@@ -19,6 +19,7 @@ use ellgran::c_api::tallies::EllgranTallies;
 use ellgran::c_api::version::ELLGRAN_ABI_VERSION;
 use ellgran::c_api::walls::EllgranWallContact;
 
+use crate::emulator;
 use crate::harness::{build, compiler, fail, header, installed, scratch, succeed, Language};
 
 /// What must hold, as C expressions.
@@ -222,5 +223,5 @@ fn every_declared_function_is_in_the_library() {
     fs::write(&source, program).expect("a source");
     let linked = directory.join("functions");
     succeed(&mut build(Language::C99, &source, &linked, &[]));
-    succeed(&mut Command::new(linked));
+    succeed(&mut emulator::program(&linked));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What C, C++, CMake and pkg-config projects see of an installed library: they are built and run.
 
+#[path = "../support/emulator.rs"]
+mod emulator;
 mod examples;
 mod harness;
 mod layout;

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::emulator;
 use crate::harness::{
     compiler, fail, header, installed, installed_text, root, scratch, succeed, tool, Language,
 };
@@ -103,7 +104,7 @@ fn a_pkg_config_project() {
 }
 
 fn prints_the_overlap(program: &Path) {
-    let text = succeed(&mut Command::new(program));
+    let text = succeed(&mut emulator::program(program));
     let expected = format!("ellgran {}: 1 0.5", env!("CARGO_PKG_VERSION"));
     assert!(text.starts_with(&expected), "{text}");
 }
@@ -120,6 +121,11 @@ fn configure(cmake: &Path, build: &Path, version: &str) -> Command {
             "-DCMAKE_PREFIX_PATH={}",
             installed().prefix.display()
         ));
+    for (variable, language) in [("C", Language::C99), ("CXX", Language::Cxx11)] {
+        let found = compiler(language);
+        let name = found.get_program().to_string_lossy();
+        command.arg(format!("-DCMAKE_{variable}_COMPILER={name}"));
+    }
     command
 }
 

@@ -309,21 +309,18 @@ fn rows(effort: &Effort, cases: &[Case]) -> Vec<Row> {
     row!("library", "cold", 0.0, nothing(), |pair: &Pair, _: &()| {
         touching(search(&pair.i, &pair.j, pair.d, None))
     });
-    #[cfg(target_arch = "x86_64")]
-    {
-        let pairs: Vec<(Pair, Vector3)> = cases
-            .iter()
-            .map(|case| (case.now, last_normal(case)))
-            .collect();
-        crate::search_lanes::each(effort, &pairs, |method, steps, time, found| {
-            rows.push(Row {
-                method,
-                start: "warm",
-                tolerance: steps as f64,
-                time,
-                found,
-            });
+    let pairs: Vec<(Pair, Vector3)> = cases
+        .iter()
+        .map(|case| (case.now, last_normal(case)))
+        .collect();
+    crate::search_lanes::each(effort, &pairs, |method, steps, time, found| {
+        rows.push(Row {
+            method,
+            start: "warm",
+            tolerance: steps as f64,
+            time,
+            found,
         });
-    }
+    });
     rows
 }

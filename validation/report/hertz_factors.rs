@@ -8,7 +8,7 @@ use std::path::Path;
 use ellgran::force::elliptic_integrals::ellipse_integrals;
 use ellgran::force::hertz_factors;
 use ellgran::pairs::instruction_set::Stage;
-use ellgran::pairs::registers::{Line, Registers};
+use ellgran::pairs::registers::{Registers, MOST_LANES};
 use ellgran::pairs::InstructionSet;
 
 use crate::literature;
@@ -58,23 +58,24 @@ impl Stage for Lanes<'_> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         use ellgran::pairs::lanes::Lanes as Register;
-        let (mut trace, mut determinant) = (Line([1.0; 8]), Line([1.0; 8]));
-        let mut value = Line::ZERO;
+        let mut trace = [1.0; MOST_LANES];
+        let mut determinant = [1.0; MOST_LANES];
+        let mut value = [0.0; MOST_LANES];
         for (points, values) in self
             .points
             .chunks_exact(S::LANES)
             .zip(self.values.chunks_exact_mut(S::LANES))
         {
             for (lane, point) in points.iter().enumerate() {
-                trace.0[lane] = point.trace;
-                determinant.0[lane] = point.determinant;
+                trace[lane] = point.trace;
+                determinant[lane] = point.determinant;
             }
             let w = hertz_factors::fit_variable(
                 Register::load(registers, &trace),
                 Register::load(registers, &determinant),
             );
             hertz_factors::fitted(w, false).phi.store(&mut value);
-            values.copy_from_slice(&value.0[..S::LANES]);
+            values.copy_from_slice(&value[..S::LANES]);
         }
     }
 }
@@ -128,31 +129,28 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
         false
     )
     .phi);
-    #[cfg(target_arch = "x86_64")]
-    {
-        let lanes = |name: &str, vectorise: &dyn Fn(Lanes)| {
-            let mut values = vec![0.0; points.len()];
-            let time = nanoseconds(effort, points.len(), || {
-                vectorise(Lanes {
-                    points: black_box(&points),
-                    values: &mut values,
-                });
-                black_box(&mut values);
+    let lanes = |name: &str, vectorise: &dyn Fn(Lanes)| {
+        let mut values = vec![0.0; points.len()];
+        let time = nanoseconds(effort, points.len(), || {
+            vectorise(Lanes {
+                points: black_box(&points),
+                values: &mut values,
             });
-            Method {
-                name: name.to_string(),
-                steps: 0,
-                values,
-                time,
-            }
-        };
-        for (set, name) in [
-            (InstructionSet::Avx2, "ours, avx2"),
-            (InstructionSet::Avx512, "ours, avx512"),
-        ] {
-            if set.is_available() {
-                methods.push(lanes(name, &|work| set.run(work)));
-            }
+            black_box(&mut values);
+        });
+        Method {
+            name: name.to_string(),
+            steps: 0,
+            values,
+            time,
+        }
+    };
+    for (set, name) in [
+        (InstructionSet::Avx2, "ours, avx2"),
+        (InstructionSet::Avx512, "ours, avx512"),
+    ] {
+        if set.is_available() {
+            methods.push(lanes(name, &|work| set.run(work)));
         }
     }
     write(directory, &points, &methods)

@@ -11,7 +11,6 @@ mod literature;
 mod midway_point;
 mod numbers;
 mod perram_wertheim;
-#[cfg(target_arch = "x86_64")]
 mod search_lanes;
 mod support_newton;
 mod timing;

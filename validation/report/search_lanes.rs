@@ -7,7 +7,7 @@ use std::hint::black_box;
 use ellgran::geometry::{Ellipsoid, Vector3};
 use ellgran::pairs::instruction_set::Stage;
 use ellgran::pairs::lanes::Lanes;
-use ellgran::pairs::registers::{Line, Registers};
+use ellgran::pairs::registers::{Registers, MOST_LANES};
 use ellgran::pairs::InstructionSet;
 
 use crate::contact_search::{Finding, Pair};
@@ -18,13 +18,15 @@ use crate::Effort;
 /// Numbers of a pair: axes, semi-axes and their inverses of both bodies, `d`, and the start.
 const COLUMNS: usize = 36;
 
-type Block = [Line; COLUMNS];
+/// One number of all lanes.
+type Numbers = [f64; MOST_LANES];
+type Block = [Numbers; COLUMNS];
 
 fn blocks(pairs: &[(Pair, Vector3)], lanes: usize) -> Vec<Block> {
     pairs
         .chunks_exact(lanes)
         .map(|chunk| {
-            let mut block = [Line([1.0; 8]); COLUMNS];
+            let mut block = [[1.0; MOST_LANES]; COLUMNS];
             for (lane, (pair, start)) in chunk.iter().enumerate() {
                 let vectors = [pair.i, pair.j]
                     .into_iter()
@@ -39,7 +41,7 @@ fn blocks(pairs: &[(Pair, Vector3)], lanes: usize) -> Vec<Block> {
                     })
                     .chain([pair.d, *start]);
                 for (at, number) in vectors.flat_map(|v| v.to_array()).enumerate() {
-                    block[at].0[lane] = number;
+                    block[at][lane] = number;
                 }
             }
             block
@@ -50,7 +52,7 @@ fn blocks(pairs: &[(Pair, Vector3)], lanes: usize) -> Vec<Block> {
 struct Search<'a> {
     blocks: &'a [Block],
     steps: usize,
-    found: &'a mut [[Line; 4]],
+    found: &'a mut [[Numbers; 4]],
 }
 
 impl Stage for Search<'_> {
@@ -95,11 +97,12 @@ pub fn each(
     mut take: impl FnMut(&'static str, usize, Nanoseconds, Vec<Finding>),
 ) {
     for steps in 1..=3 {
-        for (set, lanes, name) in [
-            (InstructionSet::Avx2, 4, "support avx2"),
-            (InstructionSet::Avx512, 8, "support avx512"),
+        for (set, name) in [
+            (InstructionSet::Avx2, "support avx2"),
+            (InstructionSet::Avx512, "support avx512"),
         ] {
             if set.is_available() {
+                let lanes = set.lanes();
                 let (time, found) = one(effort, pairs, lanes, steps, |work| set.run(work));
                 take(name, steps, time, found);
             }
@@ -115,7 +118,7 @@ fn one(
     run: impl Fn(Search),
 ) -> (Nanoseconds, Vec<Finding>) {
     let blocks = blocks(pairs, lanes);
-    let mut found = vec![[Line::ZERO; 4]; blocks.len()];
+    let mut found = vec![[[0.0; MOST_LANES]; 4]; blocks.len()];
     let time = nanoseconds(effort, blocks.len() * lanes, || {
         run(Search {
             blocks: black_box(&blocks),
@@ -128,8 +131,8 @@ fn one(
         .iter()
         .flat_map(|block| {
             (0..lanes).map(|lane| {
-                let n = Vector3::new(block[0].0[lane], block[1].0[lane], block[2].0[lane]);
-                Some((n, block[3].0[lane]))
+                let n = Vector3::new(block[0][lane], block[1][lane], block[2][lane]);
+                Some((n, block[3][lane]))
             })
         })
         .collect();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `cargo xtask`: the one door for set-up, demo and tests. Results on standard output, progress on standard error.
 
+mod aarch64;
 mod apt_source;
 mod bench;
 mod cache;
@@ -63,6 +64,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Test the core and its C consumers on AArch64, in an emulator
+    Aarch64(aarch64::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -102,6 +105,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())

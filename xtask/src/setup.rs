@@ -58,9 +58,32 @@ const NEEDS: &[Need] = &[
     },
 ];
 
+/// To build and run C and C++ programs of AArch64 on another machine.
+const AARCH64_NEEDS: &[Need] = &[
+    Need {
+        what: "aarch64-linux-gnu-g++",
+        package: "g++-aarch64-linux-gnu",
+        present: || find_program("aarch64-linux-gnu-g++").is_some(),
+    },
+    Need {
+        what: "qemu-aarch64",
+        package: "qemu-user",
+        present: || find_program("qemu-aarch64").is_some(),
+    },
+];
+
 /// Installs what is missing as root; otherwise fails with the command for the user to run.
 pub fn setup() -> Result<()> {
-    let missing: Vec<&Need> = NEEDS.iter().filter(|need| !(need.present)()).collect();
+    provide(NEEDS)
+}
+
+/// The same for the cross compiler and the emulator.
+pub fn aarch64() -> Result<()> {
+    provide(AARCH64_NEEDS)
+}
+
+fn provide(needs: &[Need]) -> Result<()> {
+    let missing: Vec<&Need> = needs.iter().filter(|need| !(need.present)()).collect();
     if missing.is_empty() {
         return Ok(());
     }
@@ -91,7 +114,7 @@ pub fn setup() -> Result<()> {
             .args(["install", "-y", "--no-install-recommends"])
             .args(packages.split(' ')),
     )?;
-    match NEEDS.iter().find(|need| !(need.present)()) {
+    match needs.iter().find(|need| !(need.present)()) {
         None => Ok(()),
         Some(need) => bail!(
             "{} is still missing after {} was installed",

@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -97,11 +97,38 @@ pub fn test(options: &Options) -> Result<()> {
         })?;
     }
     if !options.quick {
+        if options.filter.is_none() {
+            on_aarch64(steps)?;
+        }
         engines(steps, &filter)?;
     }
     steps.summary();
     say("all steps passed");
     Ok(())
+}
+
+/// Left out, and said, where its compilers are not to be had: they are no part of what a user needs. A test does not change
+/// which targets this machine's Rust has; `cargo xtask aarch64` does.
+fn on_aarch64(steps: &mut Steps) -> Result<()> {
+    if std::env::consts::ARCH == "aarch64" {
+        return Ok(());
+    }
+    let mut lacking = None;
+    steps.run("compilers and emulator for AArch64", || {
+        lacking = if aarch64::has_standard_library()? {
+            aarch64::prepare().err().map(|e| format!("{e:#}"))
+        } else {
+            Some("rustc cannot compile for it here; `cargo xtask aarch64` installs what it needs and tests it".into())
+        };
+        Ok(())
+    })?;
+    match lacking {
+        Some(why) => {
+            say(format!("NOT TESTED: AArch64: {why}"));
+            Ok(())
+        }
+        None => steps.run("core, C and CMake consumers on AArch64", aarch64::quick),
+    }
 }
 
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {

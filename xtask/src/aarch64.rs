@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The core and its C consumers on AArch64: built by cross compilers, run in an emulator.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{bail, Context, Result};
+
+use crate::process::{find_program, output_of, run_open, run_visible};
+use crate::setup;
+use crate::workspace::{cargo, root};
+
+const TARGET: &str = "aarch64-unknown-linux-gnu";
+const C_COMPILER: &str = "aarch64-linux-gnu-gcc";
+
+/// Tests that take minutes in the emulator, and of which others try a part.
+const LONG: &str = "every_combination";
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Leave out what takes minutes in the emulator
+    #[arg(long)]
+    quick: bool,
+}
+
+pub fn aarch64(options: &Options) -> Result<()> {
+    setup::setup()?;
+    prepare()?;
+    if !has_standard_library()? {
+        install_standard_library()?;
+    }
+    if options.quick {
+        quick()
+    } else {
+        whole()
+    }
+}
+
+fn whole() -> Result<()> {
+    lints(&["--all-targets", "--all-features"])?;
+    tests(&["--test", "properties"], &[])?;
+    consumers()
+}
+
+/// Without the properties, the longest tests, and the lints of tests. `prepare` comes first.
+pub fn quick() -> Result<()> {
+    lints(&["--lib"])?;
+    tests(&[], &["--skip", LONG])?;
+    consumers()
+}
+
+/// The cross compiler and the emulator, installed when missing.
+pub fn prepare() -> Result<()> {
+    setup::aarch64()
+}
+
+/// Whether rustc can compile for the target.
+pub fn has_standard_library() -> Result<bool> {
+    Ok(standard_library()?.is_dir())
+}
+
+fn install_standard_library() -> Result<()> {
+    if find_program("rustup").is_none() {
+        bail!("rustc has no standard library for {TARGET}, and there is no rustup here: install this system's own package of it");
+    }
+    run_visible(
+        Command::new("rustup")
+            .args(["target", "add", TARGET])
+            .current_dir(root()),
+    )
+    .with_context(|| {
+        format!("rustc has no standard library for {TARGET}. Run\n  rustup target add {TARGET}\nwhere the network allows it")
+    })
+}
+
+/// Where rustc would have it.
+fn standard_library() -> Result<PathBuf> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let printed = output_of(
+        Command::new(rustc)
+            .args(["--print", "target-libdir", "--target", TARGET])
+            .current_dir(root()),
+    )?;
+    Ok(PathBuf::from(printed.trim_end()))
+}
+
+fn lints(targets: &[&str]) -> Result<()> {
+    run_open(
+        cross_cargo("clippy")?
+            .args(targets)
+            .args(["--", "-Dwarnings"]),
+    )
+}
+
+fn tests(more: &[&str], harness: &[&str]) -> Result<()> {
+    run_open(
+        cross_cargo("test")?
+            .args(["--lib", "--test", "theory", "--test", "c_abi"])
+            .args(["--test", "allocations"])
+            .args(more)
+            .arg("--")
+            .args(harness),
+    )
+}
+
+fn consumers() -> Result<()> {
+    run_open(
+        cross_cargo("test")?
+            .args(["--test", "consumers"])
+            // LeakSanitizer does not run in the emulator.
+            .args(["--", "--skip", "sanitizer"]),
+    )
+}
+
+fn cross_cargo(task: &str) -> Result<Command> {
+    let mut command = cargo();
+    command
+        .args([task, "--package", "ellgran"])
+        // In the environment, not as an option: tests that build and run programs see them too.
+        .env("CARGO_BUILD_TARGET", TARGET)
+        .env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", C_COMPILER)
+        .env(
+            "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER",
+            "qemu-aarch64",
+        )
+        .env("QEMU_LD_PREFIX", system_libraries()?)
+        .env("ELLGRAN_REQUIRE_TOOLS", "1");
+    Ok(command)
+}
+
+/// The directory whose lib/ holds the target's C library, which the emulator takes for the root: its compiler knows.
+fn system_libraries() -> Result<PathBuf> {
+    let printed = output_of(Command::new(C_COMPILER).arg("-print-file-name=libc.so.6"))?;
+    Path::new(printed.trim_end())
+        .canonicalize()
+        .ok()
+        .as_deref()
+        .and_then(Path::parent)
+        .and_then(Path::parent)
+        .map(Path::to_owned)
+        .with_context(|| format!("{C_COMPILER} finds no libc.so.6"))
+}
