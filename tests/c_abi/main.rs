@@ -8,6 +8,7 @@ mod emulator;
 mod errors;
 mod friction;
 mod instruction_sets;
+mod kept_history;
 mod lists;
 mod null_pointers;
 mod paths;

@@ -318,7 +318,22 @@ fn a_neighbour_list() {
         is_null(ellgran_compute_pairs(l, w, &p, &empty, s, t), "history[0]");
         x.check();
         // And with all of them it works.
-        ok(ellgran_compute_pairs(l, w, &p, &view, s, t));
+        let mut kept = view;
+        kept.keep_history = 1;
+        ok(ellgran_compute_pairs(l, w, &p, &kept, s, t));
+        is_null(ellgran_write_history(null_mut(), &view), "workspace");
+        is_null(ellgran_write_history(w, null()), "list");
+        let losses: [(&str, Lose); 3] = [
+            ("neighbour_counts", |list| list.neighbour_counts = null()),
+            ("touching", |list| list.touching = null()),
+            ("history", |list| list.history = null()),
+        ];
+        for (name, lose) in losses {
+            let mut view = view;
+            lose(&mut view);
+            is_null(ellgran_write_history(w, &view), name);
+        }
+        ok(ellgran_write_history(w, &view));
     }
     assert_ne!(x.arrays.forces[0], [0.5; 3]);
 }
