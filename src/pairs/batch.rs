@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Contacts in lanes: a handful of pairs through Newton's method and the law at once.
+//! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
 //!
 //! A lane that misbehaves - a Hessian that is not safely positive, a long step, no descent, a deep contact, a curvature
 //! ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.

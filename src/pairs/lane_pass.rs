@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A neighbour list in lanes: which pairs may touch, which of these a plane separates, and the contacts a batch at a time.
+//! A neighbour list in lanes: which pairs may touch, and their contacts a batch at a time.
 //!
 //! The order in which forces are added up is that of the list, whatever was left out on the way.
 

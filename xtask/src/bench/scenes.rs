@@ -413,7 +413,7 @@ pub fn summary(rows: &[Row]) -> Table {
         &[
             "scene",
             "granular/superellipsoid over gran/ellipsoid, widest lanes",
-            "the same over two lanes (SSE2)",
+            "the same over gran/ellipsoid with SSE2 alone",
             "LIGGGHTS superquadrics over gran/ellipsoid, widest lanes",
             "gran/ellipsoid, widest lanes, over LAMMPS' spheres",
             "in LIGGGHTS -O2: superquadric over nfd",

@@ -108,7 +108,7 @@ const LOOKS: [(&str, &str, RGBColor, Shape, bool); 13] = [
     ("ours avx2", "ours, AVX2", BLUE, Shape::Triangle, true),
     (
         "ours baseline",
-        "ours, two lanes (SSE2)",
+        "ours, SSE2",
         BLUE,
         Shape::Square,
         true,
