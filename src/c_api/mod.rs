@@ -15,6 +15,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod contact;
+mod huge_pages;
 pub mod law;
 pub mod neighbour_list;
 pub mod particles;

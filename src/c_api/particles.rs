@@ -80,9 +80,9 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
         let out = unsafe { required_mut(workspace, "workspace") }?;
         let chosen =
             InstructionSet::choose().map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
-        *out = Box::into_raw(Box::new(EllgranWorkspace {
-            workspace: Workspace::new(chosen),
-        }));
+        let mut workspace = Workspace::new(chosen);
+        workspace.allocated = super::huge_pages::advise;
+        *out = Box::into_raw(Box::new(EllgranWorkspace { workspace }));
         Ok(())
     })
 }

@@ -7,6 +7,7 @@
 
 use super::history::HistoryLayout;
 use super::neighbour_list::NeighbourRows;
+use super::particles::{reserve, Allocated};
 use crate::geometry::Vector3;
 
 /// Doubles of a cache line.
@@ -51,6 +52,8 @@ pub(super) struct Batches {
     first: usize,
     /// Whether the engine's arrays are behind.
     unwritten: bool,
+    /// Is told of large memory just allocated.
+    pub allocated: Allocated,
 }
 
 impl Default for Batches {
@@ -65,6 +68,7 @@ impl Default for Batches {
             numbers: Vec::new(),
             first: 0,
             unwritten: false,
+            allocated: |_, _| (),
         }
     }
 }
@@ -89,12 +93,10 @@ impl Batches {
     /// Room for twice as many pairs as there are, of at most `listed`, so that nothing is allocated when others touch.
     pub fn reserve(&mut self, listed: usize) {
         let batches = (2 * self.pairs.len()).min(listed + self.lanes) / self.lanes + 1;
-        let reserve = |length: usize, wanted: usize| wanted.saturating_sub(length);
-        self.pairs
-            .reserve(reserve(self.pairs.len(), batches * self.lanes));
-        self.bits.reserve(reserve(self.bits.len(), batches));
+        reserve(&mut self.pairs, batches * self.lanes, self.allocated);
+        reserve(&mut self.bits, batches, self.allocated);
         let numbers = LINE + batches * self.here.length * self.lanes;
-        self.numbers.reserve(reserve(self.numbers.len(), numbers));
+        reserve(&mut self.numbers, numbers, self.allocated);
         self.align();
     }
 
@@ -131,8 +133,9 @@ impl Batches {
             self.bits.push(LaneBits::default());
             // Lanes without a pair of their own compute the first one again.
             self.pairs.resize(self.pairs.len() + self.lanes, pair);
-            let more = self.here.length * self.lanes;
-            self.numbers.resize(self.numbers.len() + more, 0.0);
+            let length = self.numbers.len() + self.here.length * self.lanes;
+            reserve(&mut self.numbers, length, self.allocated);
+            self.numbers.resize(length, 0.0);
             (self.bits.len() - 1, 0)
         } else {
             (last, self.bits[last].present.trailing_ones() as usize)

@@ -6,7 +6,7 @@
 //! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
 
 use super::batches::Batches;
-use super::particles::ParticleArrays;
+use super::particles::{reserve, Allocated, ParticleArrays};
 use super::registers::Line;
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
@@ -101,10 +101,12 @@ impl Candidates {
     pub fn begin<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
+        allocated: Allocated,
     ) {
         self.valid = false;
+        self.batches.allocated = allocated;
         self.poses.clear();
-        self.poses.reserve(arrays.positions.len());
+        reserve(&mut self.poses, arrays.positions.len(), allocated);
         self.shapes.clear();
         self.shapes.reserve(arrays.positions.len());
         let mut sum = 0.0;

@@ -151,6 +151,20 @@ pub struct Workspace {
     pub keeps_history: bool,
     /// Contacts so far that took the slow search from many starts.
     pub many_starts: u64,
+    /// Is told of large memory just allocated, with its length in bytes.
+    pub allocated: Allocated,
+}
+
+/// See [`Workspace::allocated`].
+pub type Allocated = fn(*const u8, usize);
+
+/// Room for `length` entries, of which the caller is told before it is touched.
+pub(super) fn reserve<T>(vector: &mut Vec<T>, length: usize, allocated: Allocated) {
+    let before = vector.capacity();
+    vector.reserve(length.saturating_sub(vector.len()));
+    if vector.capacity() != before {
+        allocated(vector.as_ptr().cast(), vector.capacity() * size_of::<T>());
+    }
 }
 
 /// Particles prepared for the lanes.
@@ -184,6 +198,7 @@ impl Workspace {
             instruction_set,
             keeps_history: false,
             many_starts: 0,
+            allocated: |_, _| (),
         }
     }
 
@@ -253,6 +268,7 @@ impl Workspace {
         self.candidates.forget();
         let r = &mut self.records;
         r.records.clear();
+        reserve(&mut r.records, count, self.allocated);
         r.records.resize(count, Record::NONE);
         r.types.clear();
         r.types.resize(count, 0);
@@ -269,8 +285,9 @@ impl Workspace {
         });
         named(arrays, outcome)?;
         r.sums.clear();
+        reserve(&mut r.sums, count, self.allocated);
         r.sums.resize(count, Line::ZERO);
-        self.candidates.begin(arrays);
+        self.candidates.begin(arrays, self.allocated);
         Ok(())
     }
 

@@ -4,6 +4,7 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::law::*;
+use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 
@@ -318,5 +319,49 @@ fn a_swapped_history_is_that_of_the_other_order() {
             }
         }
         assert!(seen >= 2, "{seen}");
+    }
+}
+
+/// Large enough for large pages: a row of grains, each of which touches the next.
+#[test]
+fn a_long_row_is_in_balance() {
+    const COUNT: usize = 40_000;
+    let laws = Laws::new(&["nfd 1e4 0.3 40 60 tangential tfd 0.4"]);
+    let workspace = WorkspaceHandle::new();
+    let bodies: Vec<_> = (0..COUNT)
+        .map(|k| EllgranBody {
+            semi_axes: [1.0, 0.5, 0.7],
+            kind: 1,
+            ..sphere_at(1.99 * k as f64)
+        })
+        .collect();
+    let rows = (0..COUNT)
+        .map(|k| {
+            if k + 1 < COUNT {
+                vec![k as i32 + 1]
+            } else {
+                vec![]
+            }
+        })
+        .collect();
+    let mut list = List::new(rows, laws.length());
+    let mut tallies = no_tallies();
+    for step in 0..2 {
+        let mut arrays = Arrays::new(&bodies, COUNT);
+        arrays.forces.fill([0.0; 3]);
+        let (particles, mut view) = (arrays.particles(), list.view(true));
+        view.unchanged = step;
+        // SAFETY: all arrays are valid.
+        ok(unsafe {
+            ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, &mut tallies)
+        });
+        assert_eq!(tallies.touching_count, (COUNT - 1) as f64);
+        let end = arrays.forces[COUNT - 1][0];
+        assert!(end > 1.0, "{end}");
+        assert!((arrays.forces[0][0] + end).abs() < 1e-8 * end);
+        for force in &arrays.forces[1..COUNT - 1] {
+            // The coordinates are rounded at 1e-11 of the overlap.
+            assert!(force[0].abs() < 1e-8 * end, "{force:?}");
+        }
     }
 }

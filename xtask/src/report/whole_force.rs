@@ -106,13 +106,7 @@ fn ways(lammps: &Lammps) -> Vec<Way> {
 const LOOKS: [(&str, &str, RGBColor, Shape, bool); 13] = [
     ("ours", "ours, widest lanes", BLUE, Shape::Diamond, true),
     ("ours avx2", "ours, AVX2", BLUE, Shape::Triangle, true),
-    (
-        "ours baseline",
-        "ours, SSE2",
-        BLUE,
-        Shape::Square,
-        true,
-    ),
+    ("ours baseline", "ours, SSE2", BLUE, Shape::Square, true),
     ("ours scalar", "ours, scalar", BLUE, Shape::Circle, true),
     (
         "ours elastic no friction",
