@@ -573,9 +573,10 @@ typedef struct EllgranNeighbourList {
    */
   int32_t newton;
   /*
-   1: since the last call with this workspace that succeeded, the laws, the particles and their order, and the list's
-   entries have not changed (positions, rotations, shapes, types and the history may have): most pairs that do not touch
-   are then left out without being looked at. 0: they may have. When in doubt, 0.
+   1: since the last call with this workspace that succeeded, the laws, the particles and their order, the list's entries,
+   `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
+   pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
+   the workspace. 0: they may have. When in doubt, 0.
    */
   int32_t unchanged;
   /*

@@ -281,6 +281,9 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
 {
   const Atom *const atom = lmp->atom;
   NeighList *const list = pair->list;
+  // a step of LIGGGHTS' own loop changes the histories
+  const int64_t lists_last = lists_before;
+  lists_before = -1;
   // Virial, stored contact forces, compute pair/gran/local and the like are told of each contact by LIGGGHTS' own loop.
   if (vflag || !pair->computeflag() || (pair->cpl() && addflag)) return false;
   if (pair->storeContactForces() || pair->storeContactForcesStress() || pair->storeSumDelta()) return false;
@@ -296,9 +299,8 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   if (atom->nlocal + atom->nghost == 0) return true;
   if (!workspace) check(ellgran_workspace_new(&workspace));
   // the library is told when it sees what it saw before, but for the motion
-  const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_before;
+  const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_last;
   if (!list_laws) build_list_laws();
-  lists_before = -1;
   const EllgranParticles all = particles();
 
   EllgranNeighbourList neighbours;

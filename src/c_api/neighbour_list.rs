@@ -40,9 +40,10 @@ pub struct EllgranNeighbourList {
     /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
     /// with a ghost appears on both ranks.
     pub newton: i32,
-    /// 1: since the last call with this workspace that succeeded, the laws, the particles and their order, and the list's
-    /// entries have not changed (positions, rotations, shapes, types and the history may have): most pairs that do not touch
-    /// are then left out without being looked at. 0: they may have. When in doubt, 0.
+    /// 1: since the last call with this workspace that succeeded, the laws, the particles and their order, the list's entries,
+    /// `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
+    /// pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
+    /// the workspace. 0: they may have. When in doubt, 0.
     pub unchanged: i32,
     /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
     /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.

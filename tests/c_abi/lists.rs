@@ -3,8 +3,8 @@
 
 use std::ptr::{null, null_mut};
 
-use ellgran::c_api::law::*;
 use ellgran::c_api::contact::EllgranBody;
+use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 
