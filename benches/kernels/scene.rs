@@ -113,7 +113,7 @@ impl Scene {
     }
 
     /// Moves on to the frame of a step and prepares its particles.
-    pub fn prepare(&self, laws: &Laws, workspace: &mut Workspace, step: usize) {
+    pub fn prepare(&self, laws: &Laws, workspace: &mut Workspace, step: usize, unchanged: bool) {
         let frame = &self.frames[step % FRAMES];
         let arrays = ParticleArrays {
             owned: self.count(),
@@ -126,7 +126,7 @@ impl Scene {
             identifier: |k| k as i64,
         };
         workspace
-            .prepare_for_pairs(&arrays, laws, step > 0)
+            .prepare_for_pairs(&arrays, laws, unchanged)
             .expect("the scene is made of ellipsoids");
     }
 

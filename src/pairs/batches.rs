@@ -262,6 +262,11 @@ impl Batches {
         self.unwritten = true;
     }
 
+    /// What is remembered here will not be written.
+    pub fn discard(&mut self) {
+        self.unwritten = false;
+    }
+
     /// Whether the engine's arrays are behind.
     pub fn are_unwritten(&self) -> bool {
         self.unwritten && self.there.length > 0

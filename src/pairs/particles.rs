@@ -227,7 +227,8 @@ impl Workspace {
     /// Prepares the particles for the pairs of a neighbour list: all of them, or, where the list is `unchanged` since the
     /// last call and no particle has moved far since then, those that have a neighbour near enough to touch.
     ///
-    /// `unchanged` says that particles, their order, their semi-axes and the list are those of the last call.
+    /// `unchanged` says that particles, their order, the list and its histories are those of the last call; else what is kept
+    /// here and was not written is lost.
     ///
     /// # Errors
     /// As [`Workspace::prepare`]. A particle that cannot touch any other is checked for a finite pose in every call, for
@@ -246,6 +247,10 @@ impl Workspace {
         let with_masses = !arrays.contact_masses.is_empty();
         let same_masses = with_masses != self.records.inverse_masses.is_empty();
         let mut outcome = Prepared::default();
+        if !unchanged {
+            // Of another list: there is no place any more for what was kept.
+            self.candidates.batches.discard();
+        }
         if unchanged && same_masses {
             let mut hold = self.candidates.are_for(count);
             if hold {
