@@ -259,7 +259,8 @@ impl Batches {
 
     /// A step has gone by: the engine's arrays are behind.
     pub fn advanced(&mut self) {
-        self.unwritten = true;
+        // An engine without pairs may have no arrays either.
+        self.unwritten = !self.bits.is_empty();
     }
 
     /// What is remembered here will not be written.
