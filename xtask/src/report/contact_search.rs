@@ -162,7 +162,7 @@ pub fn section(output: &Path) -> Result<Section> {
         .first()
         .map_or(String::new(), |row| {
             format!(
-                " In eight lanes two steps take {} ns a pair, and leave {} of the overlap and {} rad.",
+                " In the lanes of AVX-512 two steps take {} ns a pair, and leave {} of the overlap and {} rad.",
                 short(row.number("ns")),
                 scientific(row.number("overlap_error_rms")),
                 scientific(row.number("normal_error_rms"))

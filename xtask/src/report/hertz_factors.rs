@@ -17,10 +17,10 @@ pub const PICTURE: &str = "hertz-factors.svg";
 /// Name in the measurements, in the legend, colour and shape.
 const METHODS: [(&str, &str, RGBColor, Shape); 8] = [
     ("ours scalar", "ours, one at a time", BLUE, Shape::Circle),
-    ("ours avx2", "ours, 4 lanes (AVX2)", BLUE, Shape::Triangle),
+    ("ours avx2", "ours, AVX2", BLUE, Shape::Triangle),
     (
         "ours avx512",
-        "ours, 8 lanes (AVX-512)",
+        "ours, AVX-512",
         BLUE,
         Shape::Diamond,
     ),
