@@ -57,14 +57,14 @@ const LOOKS: [Look; 10] = [
     look(
         "support avx2",
         "warm",
-        "the same, 4 lanes: 1, 2, 3 steps",
+        "the same, AVX2: 1, 2, 3 steps",
         SKY,
         Shape::Triangle,
     ),
     look(
         "support avx512",
         "warm",
-        "the same, 8 lanes: 1, 2, 3 steps",
+        "the same, AVX-512: 1, 2, 3 steps",
         SKY,
         Shape::Diamond,
     ),

@@ -18,12 +18,7 @@ pub const PICTURE: &str = "hertz-factors.svg";
 const METHODS: [(&str, &str, RGBColor, Shape); 8] = [
     ("ours scalar", "ours, one at a time", BLUE, Shape::Circle),
     ("ours avx2", "ours, AVX2", BLUE, Shape::Triangle),
-    (
-        "ours avx512",
-        "ours, AVX-512",
-        BLUE,
-        Shape::Diamond,
-    ),
+    ("ours avx512", "ours, AVX-512", BLUE, Shape::Diamond),
     (
         "iteration",
         "elliptic integrals, by Newton steps",
