@@ -268,7 +268,7 @@ impl Batches {
         self.unwritten = false;
     }
 
-    /// Whether the engine's arrays are behind.
+    /// Whether the engine has arrays, and they are behind.
     pub fn are_unwritten(&self) -> bool {
         self.unwritten && self.there.length > 0
     }

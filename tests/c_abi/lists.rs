@@ -360,7 +360,7 @@ fn a_long_row_is_in_balance() {
         assert!(end > 1.0, "{end}");
         assert!((arrays.forces[0][0] + end).abs() < 1e-8 * end);
         for force in &arrays.forces[1..COUNT - 1] {
-            // The coordinates are rounded at 1e-11 of the overlap.
+            // The coordinates at the far end are rounded by 1e-9 of the overlap.
             assert!(force[0].abs() < 1e-8 * end, "{force:?}");
         }
     }
