@@ -5,7 +5,9 @@
 //! `S = R D^2 R^T`. It is never formed: `h = |D R^T n|` and `S n / h = R D (D R^T n) / h` have an error of the order
 //! of rounding times the largest semi-axis, while the formed matrix loses a factor of the aspect ratio more.
 
-use super::vector::{Symmetric2, Tangent, Vector3};
+use super::convex_body::{ConvexBody, SupportInFrame};
+use super::tangent_model::SquaredSupport;
+use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
 
 /// Shape and pose of an ellipsoid; the centre is kept apart, since only differences of centres matter.
@@ -154,25 +156,34 @@ impl<T: Real> Ellipsoid<T> {
     /// `det V = h^4 / (a1 a2 a3)^2`.
     #[inline(always)]
     pub fn weingarten(&self, support: &Support<T>, tangent: &Tangent<T>) -> Symmetric2<T> {
-        let inverse = self.inverse_semi_axes;
+        let view = self.view_from(support.local_normal, tangent);
+        self.weingarten_in_frame(&view, support.h)
+    }
+
+    #[inline(always)]
+    fn view_from(&self, local_normal: Vector3<T>, tangent: &Tangent<T>) -> AxesInBody<T> {
         let u = self.to_body(tangent.u);
-        // v = n x u, in body axes as well.
-        let v = support.local_normal.cross(u).componentwise(inverse);
-        let u = u.componentwise(inverse);
-        Symmetric2::new(u.norm_squared(), u.dot(v), v.norm_squared()) * support.h
+        AxesInBody {
+            n: local_normal,
+            u,
+            // v = n x u, in body axes as well.
+            v: local_normal.cross(u),
+        }
     }
 
     /// Length of the chord from the witness along the inward normal, `2/(h n.S^-1 n)`: how thick the body is there.
     #[inline(always)]
     pub fn chord(&self, support: &Support<T>) -> T {
-        self.inverse_half_chord(support).reciprocal() * 2.0
+        self.inverse_half_chord_along(support.local_normal, support.h)
+            .reciprocal()
+            * 2.0
     }
 
-    /// `2/chord`, without a division.
     #[inline(always)]
-    pub fn inverse_half_chord(&self, support: &Support<T>) -> T {
-        let inverse = support.local_normal.componentwise(self.inverse_semi_axes);
-        support.h * inverse.norm_squared()
+    fn inverse_half_chord_along(&self, local_normal: Vector3<T>, h: T) -> T {
+        h * local_normal
+            .componentwise(self.inverse_semi_axes)
+            .norm_squared()
     }
 
     /// `(a1 a2 a3)^2`.
@@ -180,5 +191,78 @@ impl<T: Real> Ellipsoid<T> {
     pub fn shape_determinant(&self) -> T {
         let p = self.semi_axes.x * self.semi_axes.y * self.semi_axes.z;
         p * p
+    }
+}
+
+/// The axes of a frame in body axes.
+#[derive(Clone, Copy, Debug)]
+pub struct AxesInBody<T = f64> {
+    n: Vector3<T>,
+    u: Vector3<T>,
+    v: Vector3<T>,
+}
+
+impl<T: Real> ConvexBody<T> for Ellipsoid<T> {
+    type View = AxesInBody<T>;
+
+    #[inline(always)]
+    fn view(&self, n: Vector3<T>, tangent: &Tangent<T>) -> AxesInBody<T> {
+        self.view_from(self.to_body(n), tangent)
+    }
+
+    #[inline(always)]
+    fn squared_support(&self, view: &AxesInBody<T>) -> SquaredSupport<T> {
+        let a = self.semi_axes;
+        let z = a.componentwise(view.n);
+        let z_u = a.componentwise(view.u);
+        let z_v = a.componentwise(view.v);
+        SquaredSupport {
+            constant: z.norm_squared(),
+            linear: Vector2::new(z.dot(z_u), z.dot(z_v)),
+            quadratic: Symmetric2::new(z_u.norm_squared(), z_u.dot(z_v), z_v.norm_squared()),
+        }
+    }
+
+    #[inline(always)]
+    fn support_in_frame(&self, view: &AxesInBody<T>) -> SupportInFrame<T> {
+        let a = self.semi_axes;
+        let z = a.componentwise(view.n);
+        let square = z.norm_squared();
+        let inverse_h = square.reciprocal_sqrt();
+        let y = a.componentwise(z);
+        SupportInFrame {
+            h: square * inverse_h,
+            inverse_h,
+            witness: Vector2::new(y.dot(view.u), y.dot(view.v)) * inverse_h,
+        }
+    }
+
+    #[inline(always)]
+    fn weingarten_in_frame(&self, view: &AxesInBody<T>, h: T) -> Symmetric2<T> {
+        let inverse = self.inverse_semi_axes;
+        let u = view.u.componentwise(inverse);
+        let v = view.v.componentwise(inverse);
+        Symmetric2::new(u.norm_squared(), u.dot(v), v.norm_squared()) * h
+    }
+
+    #[inline(always)]
+    fn inverse_half_chord(&self, view: &AxesInBody<T>, h: T) -> T {
+        self.inverse_half_chord_along(view.n, h)
+    }
+
+    #[inline(always)]
+    fn squared_product(&self) -> T {
+        self.shape_determinant()
+    }
+
+    #[inline(always)]
+    fn support_in_world(&self, n: Vector3<T>) -> (T, Vector3<T>) {
+        let support = self.support(n);
+        (support.h, support.point)
+    }
+
+    #[inline(always)]
+    fn radius_of_sphere(&self) -> (T, T) {
+        (self.semi_axes.x, self.inverse_semi_axes.x)
     }
 }

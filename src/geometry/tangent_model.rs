@@ -11,35 +11,19 @@
 //!
 //! A body enters through six numbers. Newton's method for `f` then costs a third of what it costs on the sphere.
 
-use super::ellipsoid::Ellipsoid;
+use super::convex_body::ConvexBody;
 use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
 
 /// `q(y) = c + 2 b.y + y.A y` of one body.
 #[derive(Clone, Copy, Debug)]
 pub struct SquaredSupport<T> {
-    constant: T,
-    linear: Vector2<T>,
-    quadratic: Symmetric2<T>,
-}
-
-impl<T: Real> SquaredSupport<T> {
-    /// Of a body around the unit vector `n`.
-    #[inline(always)]
-    pub fn new(body: &Ellipsoid<T>, n: Vector3<T>, tangent: &Tangent<T>) -> Self {
-        let a = body.semi_axes;
-        let local_n = body.to_body(n);
-        let local_u = body.to_body(tangent.u);
-        // v = n x u, in body axes as well.
-        let z_v = a.componentwise(local_n.cross(local_u));
-        let z_u = a.componentwise(local_u);
-        let z = a.componentwise(local_n);
-        SquaredSupport {
-            constant: z.norm_squared(),
-            linear: Vector2::new(z.dot(z_u), z.dot(z_v)),
-            quadratic: Symmetric2::new(z_u.norm_squared(), z_u.dot(z_v), z_v.norm_squared()),
-        }
-    }
+    /// `h^2` at the base, length^2.
+    pub constant: T,
+    /// `b`.
+    pub linear: Vector2<T>,
+    /// `A`.
+    pub quadratic: Symmetric2<T>,
 }
 
 /// `F`, its gradient and the Hessian of `f` at one `y`.
@@ -67,16 +51,16 @@ pub struct TangentModel<T> {
 impl<T: Real> TangentModel<T> {
     /// Of bodies `i` and `j`, with `d` from the centre of `i` to that of `j`, around the unit vector `n`.
     #[inline(always)]
-    pub fn new(
-        i: &Ellipsoid<T>,
-        j: &Ellipsoid<T>,
+    pub fn new<B: ConvexBody<T>>(
+        i: &B,
+        j: &B,
         d: Vector3<T>,
         n: Vector3<T>,
         tangent: &Tangent<T>,
     ) -> Self {
         TangentModel {
-            i: SquaredSupport::new(i, n, tangent),
-            j: SquaredSupport::new(j, n, tangent),
+            i: i.squared_support(&i.view(n, tangent)),
+            j: j.squared_support(&j.view(n, tangent)),
             along: n.dot(d),
             across: tangent.components(d),
         }
@@ -152,6 +136,7 @@ fn root<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Ellipsoid;
 
     /// Against the support function itself, for directions far from the base.
     #[test]

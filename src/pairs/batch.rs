@@ -9,11 +9,11 @@ use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembe
 use super::lanes::Lanes;
 use super::particles::Record;
 use super::registers::{Line, Registers, MOST_LANES};
+use super::shapes::Kind;
 use crate::force::hertz_factors::{fit_variable, fitted, FIT_END};
 use crate::force::{Factors, LawConstants, PairLaw};
-use crate::geometry::ellipsoid::rotation_columns;
 use crate::geometry::tangent_model::TangentModel;
-use crate::geometry::{Ellipsoid, Support, Symmetric2, Tangent, Vector2, Vector3};
+use crate::geometry::{ConvexBody, SupportInFrame, Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
 
 /// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
@@ -70,14 +70,6 @@ const STEP_BEFORE: f64 = 1e-8;
 /// times the square of the aspect ratio at most.
 const LARGEST_CORRECTION: f64 = 1e-26;
 
-/// One side of the pairs: centre, bounding radius, shape, and motion.
-struct Side<S: Registers> {
-    centre: Vector3<Lanes<S>>,
-    body: Ellipsoid<Lanes<S>>,
-    velocity: Vector3<Lanes<S>>,
-    omega: Vector3<Lanes<S>>,
-}
-
 /// References, one by one: a closure is not always inlined.
 macro_rules! lines {
     ($records:expr $(, $field:ident)?) => {{
@@ -105,31 +97,6 @@ macro_rules! lines {
 
 pub(super) use lines;
 
-impl<S: Registers> Side<S> {
-    #[inline(always)]
-    fn load(registers: S, records: &[&Record; MOST_LANES]) -> Self {
-        let a = Lanes::all(registers, registers.columns(&lines!(records, pose)));
-        let b = Lanes::all(registers, registers.columns(&lines!(records, motion)));
-        let semi_axes = Vector3::new(a[7], b[0], b[1]);
-        let product = semi_axes.y * semi_axes.z;
-        let inverse = (semi_axes.x * product).reciprocal();
-        Side {
-            centre: Vector3::new(a[0], a[1], a[2]),
-            body: Ellipsoid {
-                axes: rotation_columns([a[3], a[4], a[5], a[6]], a[0].constant(2.0)),
-                semi_axes,
-                inverse_semi_axes: Vector3::new(
-                    product * inverse,
-                    semi_axes.x * semi_axes.z * inverse,
-                    semi_axes.x * semi_axes.y * inverse,
-                ),
-            },
-            velocity: Vector3::new(b[2], b[3], b[4]),
-            omega: Vector3::new(b[5], b[6], b[7]),
-        }
-    }
-}
-
 /// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`.
 #[inline(always)]
 fn starts<S: Registers>(
@@ -154,14 +121,14 @@ fn starts<S: Registers>(
 /// normal; one that is no unit vector stands for the direction between the centres. Leaves there the normals with the
 /// widest gaps.
 #[inline(always)]
-pub(super) fn separated_by<S: Registers>(
+pub(super) fn separated_by<S: Registers, K: Kind>(
     registers: S,
     i: &[&Record; MOST_LANES],
     j: &[&Record; MOST_LANES],
     lines: &mut [Line; MOST_LANES],
     margin: f64,
 ) -> u32 {
-    let (i, j) = (Side::load(registers, i), Side::load(registers, j));
+    let (i, j) = (K::load(registers, i), K::load(registers, j));
     let d = j.centre - i.centre;
     let mut n = starts(registers, lines, d);
     let zero = Lanes::splat(registers, 0.0);
@@ -171,15 +138,16 @@ pub(super) fn separated_by<S: Registers>(
     let mut best = n;
     let mut widest = zero.constant(f64::NEG_INFINITY);
     for left in (0..=IMPROVEMENTS).rev() {
-        let (support_i, support_j) = (i.body.support(n), j.body.support(n));
-        let gap = n.dot(d) - support_i.h - support_j.h;
+        let ((h_i, point_i), (h_j, point_j)) =
+            (i.body.support_in_world(n), j.body.support_in_world(n));
+        let gap = n.dot(d) - h_i - h_j;
         apart |= registers.bits(margin.less(gap));
         best = select3(widest.less(gap), n, best);
         widest = widest.max(gap);
         if apart == all || left == 0 {
             break;
         }
-        let between = d - support_i.point - support_j.point;
+        let between = d - point_i - point_j;
         let square = between.norm_squared();
         let longer = d.norm_squared() * 1e-20;
         let next = between * square.max(longer).reciprocal_sqrt();
@@ -217,8 +185,8 @@ struct Found<S: Registers> {
     normal: Vector3<Lanes<S>>,
     tangent: Tangent<Lanes<S>>,
     penetration: Lanes<S>,
-    support_i: Support<Lanes<S>>,
-    support_j: Support<Lanes<S>>,
+    support_i: SupportInFrame<Lanes<S>>,
+    support_j: SupportInFrame<Lanes<S>>,
     weingarten_i: Symmetric2<Lanes<S>>,
     weingarten_j: Symmetric2<Lanes<S>>,
     inverse_hessian: Symmetric2<Lanes<S>>,
@@ -226,24 +194,27 @@ struct Found<S: Registers> {
     hard: S::Mask,
 }
 
-/// Newton's method from the start normals in the tangent plane, and one evaluation at its end. `apart`: pairs that the
-/// plane of the start normal separates.
+/// Newton's method from the start normals in the tangent plane, and one evaluation at its end; `None` where the planes of
+/// the start normals separate all pairs.
 #[inline(always)]
-fn search<S: Registers>(
+fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
-    i: &Ellipsoid<Lanes<S>>,
-    j: &Ellipsoid<Lanes<S>>,
+    i: &B,
+    j: &B,
     d: Vector3<Lanes<S>>,
     start: Vector3<Lanes<S>>,
-    apart: S::Mask,
-) -> Found<S> {
+) -> Option<Found<S>> {
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let base = Tangent::new(start);
     let model = TangentModel::new(i, j, d, start, &base);
-    let mut y = Vector2::new(zero, zero);
     let mut at = model.at_base();
     let first = at.value;
+    let apart = first.less(zero);
+    if registers.bits(apart) == (1u32 << S::LANES) - 1 {
+        return None;
+    }
+    let mut y = Vector2::new(zero, zero);
     let mut hard = zero.less(zero);
     let mut active = registers.and_not(zero.less(one), apart);
     let mut step = 0;
@@ -276,24 +247,23 @@ fn search<S: Registers>(
     hard = registers.or(hard, active);
     let n = (start + base.vector(y)) * (y.dot(y) + 1.0).reciprocal_sqrt();
 
-    let mut support_i = i.support(n);
-    let mut support_j = j.support(n);
     let tangent = Tangent::new(n);
-    let f = support_i.h + support_j.h - n.dot(d);
-    let g = tangent.components(support_i.point + support_j.point - d);
-    let weingarten_i = i.weingarten(&support_i, &tangent);
-    let weingarten_j = j.weingarten(&support_j, &tangent);
-    let radii_i = inverse(weingarten_i, support_i.inverse_h, i.shape_determinant());
-    let radii_j = inverse(weingarten_j, support_j.inverse_h, j.shape_determinant());
+    let (view_i, view_j) = (i.view(n, &tangent), j.view(n, &tangent));
+    let mut support_i = i.support_in_frame(&view_i);
+    let mut support_j = j.support_in_frame(&view_j);
+    let (along, across) = (n.dot(d), tangent.components(d));
+    let f = support_i.h + support_j.h - along;
+    let g = support_i.witness + support_j.witness - across;
+    let weingarten_i = i.weingarten_in_frame(&view_i, support_i.h);
+    let weingarten_j = j.weingarten_in_frame(&view_j, support_j.h);
+    let radii_i = inverse(weingarten_i, support_i.inverse_h, i.squared_product());
+    let radii_j = inverse(weingarten_j, support_j.inverse_h, j.squared_product());
     let radii = radii_i + radii_j;
     // What is left of the gradient moves the normal and the witnesses by no more than this; the curvature stays.
     let hessian = radii.shifted(-f);
     let inverse_hessian = hessian.adjugate() * hessian.determinant().reciprocal();
     let change = inverse_hessian.apply(g) * (zero - one);
     let penetration = change.dot(g).multiply_add(one * 0.5, f);
-    let normal = n + tangent.vector(change);
-    support_i.point = support_i.point + tangent.vector(radii_i.apply(change));
-    support_j.point = support_j.point + tangent.vector(radii_j.apply(change));
     let converged = change
         .dot(change)
         .less(Lanes::splat(registers, LARGEST_CORRECTION));
@@ -305,8 +275,8 @@ fn search<S: Registers>(
     let twice = penetration * 2.0;
     let remaining = radii.shifted(-twice);
     let (thin_i, thin_j) = (
-        i.inverse_half_chord(&support_i),
-        j.inverse_half_chord(&support_j),
+        i.inverse_half_chord(&view_i, support_i.h),
+        j.inverse_half_chord(&view_j, support_j.h),
     );
     let shallow = registers.and(
         registers.and(
@@ -315,15 +285,20 @@ fn search<S: Registers>(
         ),
         registers.and(
             (twice * thin_i * thin_j).less(thin_i + thin_j),
-            zero.less(n.dot(d)),
+            zero.less(along),
         ),
     );
     let sound = registers.and(registers.and(converged, falling), shallow);
     hard = registers.or(hard, registers.and_not(zero.less(one), sound));
     let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));
-    Found {
-        normal: select3(apart, start, normal),
-        tangent,
+    support_i = moved(&support_i, radii_i, change);
+    support_j = moved(&support_j, radii_j, change);
+    Some(Found {
+        normal: select3(apart, start, n + tangent.vector(change)),
+        tangent: Tangent {
+            u: n.scale_add(-change.u, tangent.u),
+            v: n.scale_add(-change.v, tangent.v),
+        },
         penetration,
         support_i,
         support_j,
@@ -332,50 +307,67 @@ fn search<S: Registers>(
         inverse_hessian,
         separated,
         hard: registers.and_not(hard, separated),
+    })
+}
+
+/// Support function and witness for the normal and the basis that a small change of the normal leads to.
+#[inline(always)]
+fn moved<T: Real>(
+    support: &SupportInFrame<T>,
+    radii: Symmetric2<T>,
+    change: Vector2<T>,
+) -> SupportInFrame<T> {
+    let witness = support.witness;
+    SupportInFrame {
+        h: witness
+            .u
+            .multiply_add(change.u, witness.v.multiply_add(change.v, support.h)),
+        inverse_h: support.inverse_h,
+        witness: change.scale_add(-support.h, witness + radii.apply(change)),
     }
 }
 
 /// Two spheres: the closed form.
 #[inline(always)]
-fn search_spheres<S: Registers>(
+fn search_spheres<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
-    i: &Ellipsoid<Lanes<S>>,
-    j: &Ellipsoid<Lanes<S>>,
+    i: &B,
+    j: &B,
     d: Vector3<Lanes<S>>,
-) -> Found<S> {
+) -> Option<Found<S>> {
     let zero = Lanes::splat(registers, 0.0);
     let square = d.norm_squared();
     let least = Lanes::splat(registers, 1e-290);
     let normal = d * square.max(least).reciprocal_sqrt();
-    let penetration = i.semi_axes.x + j.semi_axes.x - square.sqrt();
+    let ((r_i, curvature_i), (r_j, curvature_j)) = (i.radius_of_sphere(), j.radius_of_sphere());
+    let penetration = r_i + r_j - square.sqrt();
     let separated = penetration.less(zero);
-    Found {
+    if registers.bits(separated) == (1u32 << S::LANES) - 1 {
+        return None;
+    }
+    let none = Vector2::new(zero, zero);
+    Some(Found {
         normal,
         tangent: Tangent::new(normal),
         penetration,
-        support_i: sphere_support(i, normal),
-        support_j: sphere_support(j, normal),
-        weingarten_i: Symmetric2::new(i.inverse_semi_axes.x, zero, i.inverse_semi_axes.x),
-        weingarten_j: Symmetric2::new(j.inverse_semi_axes.x, zero, j.inverse_semi_axes.x),
+        support_i: SupportInFrame {
+            h: r_i,
+            inverse_h: curvature_i,
+            witness: none,
+        },
+        support_j: SupportInFrame {
+            h: r_j,
+            inverse_h: curvature_j,
+            witness: none,
+        },
+        weingarten_i: Symmetric2::new(curvature_i, zero, curvature_i),
+        weingarten_j: Symmetric2::new(curvature_j, zero, curvature_j),
         // The conservative law, which alone asks for it, adds nothing.
         inverse_hessian: Symmetric2::new(zero, zero, zero),
         separated,
         // Coincident centres have no direction.
         hard: square.less(least),
-    }
-}
-
-#[inline(always)]
-fn sphere_support<S: Registers>(
-    body: &Ellipsoid<Lanes<S>>,
-    n: Vector3<Lanes<S>>,
-) -> Support<Lanes<S>> {
-    Support {
-        h: body.semi_axes.x,
-        inverse_h: body.inverse_semi_axes.x,
-        point: n * body.semi_axes.x,
-        local_normal: n,
-    }
+    })
 }
 
 #[inline(always)]
@@ -404,10 +396,10 @@ pub(super) struct Left {
 #[inline(always)]
 pub(super) fn run<
     S: Registers,
+    K: Kind,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
-    const SPHERES: bool,
 >(
     registers: S,
     batch: &Batch<'_>,
@@ -424,39 +416,28 @@ pub(super) fn run<
     let layout = numbers.layout;
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
-    let i = Side::load(registers, &batch.i);
-    let j = Side::load(registers, &batch.j);
+    let i = K::load(registers, &batch.i);
+    let j = K::load(registers, &batch.j);
     let d = j.centre - i.centre;
     let null = Vector3::new(zero, zero, zero);
     let start = match layout.normal {
         Some(at) => vector(registers, numbers, at),
         None => null,
     };
-    let all = (1u32 << S::LANES) - 1;
     let present = registers.mask(u32::from(bits.present));
-    let found = if SPHERES {
+    let found = if K::SPHERES {
         search_spheres(registers, &i.body, &j.body, d)
     } else {
-        // The search begins with the same numbers.
-        let z_i = i.body.semi_axes.componentwise(i.body.to_body(start));
-        let z_j = j.body.semi_axes.componentwise(j.body.to_body(start));
-        let (square_i, square_j) = (z_i.norm_squared(), z_j.norm_squared());
-        let h_i = square_i * square_i.reciprocal_sqrt();
-        let h_j = square_j * square_j.reciprocal_sqrt();
-        let apart = (h_i + h_j).less(start.dot(d));
-        if registers.bits(apart) == all {
-            return all_apart::<S, FRICTION>(registers, bits, numbers);
-        }
-        search(registers, &i.body, &j.body, d, start, apart)
+        search(registers, &i.body, &j.body, d, start)
     };
-    if SPHERES && registers.bits(found.separated) == all {
+    let Some(found) = found else {
         return all_apart::<S, FRICTION>(registers, bits, numbers);
-    }
+    };
     let n = found.normal;
     let mut hard = found.hard;
 
     let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
-    let factors = if SPHERES {
+    let factors = if K::SPHERES {
         Factors {
             phi: one,
             sigma: one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 }),
@@ -504,17 +485,16 @@ pub(super) fn run<
         tangent: found.tangent,
         // A separated or hard lane computes nothing that is used, but must not make a trap of it.
         penetration: found.penetration.max(zero.constant(1e-300)),
-        d,
         h_i: found.support_i.h,
         inverse_h_i: found.support_i.inverse_h,
-        s_i: found.support_i.point,
+        witness_i: found.support_i.witness,
         weingarten_i: found.weingarten_i,
-        determinant_i: i.body.shape_determinant(),
+        determinant_i: i.body.squared_product(),
         h_j: found.support_j.h,
         inverse_h_j: found.support_j.inverse_h,
-        s_j: found.support_j.point,
+        witness_j: found.support_j.witness,
         weingarten_j: found.weingarten_j,
-        determinant_j: j.body.shape_determinant(),
+        determinant_j: j.body.squared_product(),
         velocity_i: i.velocity,
         velocity_j: j.velocity,
         omega_i: i.omega,
@@ -533,10 +513,11 @@ pub(super) fn run<
                 let before = d - (j.velocity - i.velocity) * time;
                 let square = before.norm_squared().max(zero.constant(1e-290));
                 let before = before * square.reciprocal_sqrt();
-                if SPHERES {
+                if K::SPHERES {
                     before
                 } else {
-                    let spheres = registers.and(round(registers, &i), round(registers, &j));
+                    let spheres =
+                        registers.and(K::round(registers, &i.body), K::round(registers, &j.body));
                     select3(spheres, before, n)
                 }
             };
@@ -637,15 +618,6 @@ pub(super) fn run<
         );
     }
     left
-}
-
-/// Whether the semi-axes are the same number.
-#[inline(always)]
-fn round<S: Registers>(registers: S, side: &Side<S>) -> S::Mask {
-    let a = side.body.semi_axes;
-    let different = |a: Lanes<S>, b: Lanes<S>| registers.or(a.less(b), b.less(a));
-    let any = registers.or(different(a.x, a.y), different(a.y, a.z));
-    registers.and_not(a.x.less(a.x.constant(f64::INFINITY)), any)
 }
 
 /// No pair touches: no tangential part any more.

@@ -35,8 +35,6 @@ pub(super) struct Candidates {
     relative_margin: f64,
     /// Steps since the candidates were found.
     steps: u32,
-    /// Whether all of the list's particles are spheres.
-    pub spheres: bool,
     valid: bool,
 }
 

@@ -20,24 +20,22 @@ pub struct Contact<T: Real = f64> {
     pub tangent: Tangent<T>,
     /// Penetration > 0.
     pub penetration: T,
-    /// Centre of `j` less centre of `i`; unused for a wall.
-    pub d: Vector3<T>,
-    /// Support function and witness of `i` (from its centre), and its Weingarten map.
+    /// Support function of `i`, which is the part of its witness along the normal, from its centre.
     pub h_i: T,
     /// `1/h_i`.
     pub inverse_h_i: T,
-    /// Witness of `i` from its centre.
-    pub s_i: Vector3<T>,
+    /// The other part of the witness of `i`, in the tangent basis.
+    pub witness_i: Vector2<T>,
     /// Weingarten map of `i` in the tangent basis.
     pub weingarten_i: Symmetric2<T>,
     /// `(a1 a2 a3)^2` of `i`.
     pub determinant_i: T,
-    /// The same of `j`, for the same `n`: its witness from its centre is `-s_j`. Unused for a wall.
+    /// The same of `j`, for the same `n`: its witness from its centre is minus that. Unused for a wall.
     pub h_j: T,
     /// `1/h_j`.
     pub inverse_h_j: T,
-    /// Minus the witness of `j` from its centre.
-    pub s_j: Vector3<T>,
+    /// Tangential part of minus the witness of `j`.
+    pub witness_j: Vector2<T>,
     /// Weingarten map of `j` in the tangent basis; zero for a wall.
     pub weingarten_j: Symmetric2<T>,
     /// `(a1 a2 a3)^2` of `j`.
@@ -55,6 +53,16 @@ pub struct Contact<T: Real = f64> {
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
     /// curvature.
     pub inverse_hessian: Option<Symmetric2<T>>,
+}
+
+impl<T: Real> Contact<T> {
+    /// Centre of `j` less centre of `i`.
+    #[inline(always)]
+    pub fn between_centres(&self) -> Vector3<T> {
+        let along = self.h_i + self.h_j - self.penetration;
+        let across = self.tangent.vector(self.witness_i + self.witness_j);
+        self.normal.scale_add(along, across)
+    }
 }
 
 /// What is remembered of the pair.
@@ -111,7 +119,83 @@ pub fn relative_curvature_matrix<T: Real>(vi: Symmetric2<T>, vj: Symmetric2<T>) 
     (vi + vj) * vi.uu.constant(0.5)
 }
 
-/// The law of one contact.
+/// A vector in the frame of a contact, `u x v = n`.
+#[derive(Clone, Copy)]
+struct InFrame<T> {
+    /// Components in the tangent basis.
+    tangential: Vector2<T>,
+    /// Component along the normal.
+    normal: T,
+}
+
+impl<T: Real> InFrame<T> {
+    #[inline(always)]
+    fn of(w: Vector3<T>, x: &Contact<T>) -> Self {
+        InFrame {
+            tangential: x.tangent.components(w),
+            normal: x.normal.dot(w),
+        }
+    }
+    #[inline(always)]
+    fn to_world(self, x: &Contact<T>) -> Vector3<T> {
+        let t = self.tangential;
+        x.normal
+            .scale_add(self.normal, x.tangent.v.scale_add(t.v, x.tangent.u * t.u))
+    }
+    /// `b + self x a`.
+    #[inline(always)]
+    fn cross_add(self, a: Self, b: Self) -> Self {
+        let (p, q, r) = (self.tangential, a.tangential, b.tangential);
+        let u = p.v.multiply_add(a.normal, r.u);
+        let v = self.normal.multiply_add(q.u, r.v);
+        let normal = p.u.multiply_add(q.v, b.normal);
+        InFrame {
+            tangential: Vector2::new(
+                self.normal.negative_multiply_add(q.v, u),
+                p.u.negative_multiply_add(a.normal, v),
+            ),
+            normal: p.v.negative_multiply_add(q.u, normal),
+        }
+    }
+    /// `b - self x a`.
+    #[inline(always)]
+    fn cross_subtract(self, a: Self, b: Self) -> Self {
+        let (p, q, r) = (self.tangential, a.tangential, b.tangential);
+        let u = self.normal.multiply_add(q.v, r.u);
+        let v = p.u.multiply_add(a.normal, r.v);
+        let normal = p.v.multiply_add(q.u, b.normal);
+        InFrame {
+            tangential: Vector2::new(
+                p.v.negative_multiply_add(a.normal, u),
+                self.normal.negative_multiply_add(q.u, v),
+            ),
+            normal: p.u.negative_multiply_add(q.v, normal),
+        }
+    }
+    /// `self + s (direction, along)`.
+    #[inline(always)]
+    fn plus(self, s: T, (direction, along): (Vector2<T>, T)) -> Self {
+        InFrame {
+            tangential: direction.scale_add(s, self.tangential),
+            normal: along.multiply_add(s, self.normal),
+        }
+    }
+}
+
+/// `a_u b_v - a_v b_u`: the normal component of the product of two tangential vectors.
+#[inline(always)]
+fn area<T: Real>(a: Vector2<T>, b: Vector2<T>) -> T {
+    a.u.multiply_subtract(b.v, a.v * b.u)
+}
+
+/// `n x a` of a tangential vector.
+#[inline(always)]
+fn quarter_turn<T: Real>(a: Vector2<T>) -> Vector2<T> {
+    Vector2::new(-a.v, a.u)
+}
+
+/// The law of one contact, in the frame of its tangent basis and normal: there most products with the normal and with
+/// the witnesses have no terms at all.
 ///
 /// `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the kernel has at all; `kinds` decides within them. `RATE`
 /// must be on where velocities are needed: any damping, friction, or powers asked for. `WALL` takes `j` as a
@@ -133,18 +217,34 @@ pub fn contact_forces<
 ) -> ContactForces<T> {
     let zero = x.penetration.constant(0.0);
     let one = x.penetration.constant(1.0);
-    let n = x.normal;
-    let null = Vector3::new(zero, zero, zero);
+    let none = Vector2::new(zero, zero);
 
+    // Velocity of the centre of j relative to that of i, and the angular velocities.
+    let still = InFrame {
+        tangential: none,
+        normal: zero,
+    };
+    let (relative, omega_i, omega_j) = if RATE {
+        (
+            InFrame::of(x.velocity_j - x.velocity_i, x),
+            InFrame::of(x.omega_i, x),
+            if WALL {
+                still
+            } else {
+                InFrame::of(x.omega_j, x)
+            },
+        )
+    } else {
+        (still, still, still)
+    };
     // Any point between the witnesses has the same velocity along n: they lie on one line along n.
     let rate = if RATE {
-        let point_i = x.velocity_i + x.omega_i.cross(x.s_i);
-        let point_j = if WALL {
-            x.velocity_j
+        let approach = area(omega_i.tangential, x.witness_i) - relative.normal;
+        if WALL {
+            approach
         } else {
-            x.velocity_j - x.omega_j.cross(x.s_j)
-        };
-        n.dot(point_i - point_j)
+            approach + area(omega_j.tangential, x.witness_j)
+        }
     } else {
         zero
     };
@@ -160,40 +260,55 @@ pub fn contact_forces<
         x.effective_mass,
     );
 
-    let r_i = n.scale_add(-(x.penetration * c.share_i), x.s_i);
-    let r_j = if WALL { null } else { r_i - x.d };
+    // The contact point from either centre; from that of j, its tangential part is minus the witness.
+    let share = x.penetration * c.share_i;
+    let r_i = InFrame {
+        tangential: x.witness_i,
+        normal: x.h_i - share,
+    };
+    let r_j = InFrame {
+        tangential: x.witness_j * -one,
+        normal: x.penetration - share - x.h_j,
+    };
 
-    let mut force = n * normal.force;
-    let mut torque_i = n.cross(x.s_i) * normal.force;
+    let mut force = InFrame {
+        tangential: none,
+        normal: normal.force,
+    };
+    let mut torque_i = InFrame {
+        tangential: quarter_turn(x.witness_i) * normal.force,
+        normal: zero,
+    };
     let mut torque_j = if WALL {
-        null
+        still
     } else {
-        n.cross(x.s_j) * normal.force
+        InFrame {
+            tangential: quarter_turn(x.witness_j) * normal.force,
+            normal: zero,
+        }
     };
 
     if CONSERVATIVE && kinds.conservative {
         let p = curvature_gradient(curvature, factors);
         let body_i = body_at_contact(
-            &x.tangent,
             x.h_i,
             x.inverse_h_i,
-            x.s_i,
+            x.witness_i,
             x.weingarten_i,
             x.determinant_i,
         );
         let gradient_i = body_gradient(p, &body_i);
-        let energy = normal.elastic_energy;
+        let minus = -normal.elastic_energy;
         if WALL {
             // The wall holds the normal where it is.
             let held = NormalResponse::exactly(Vector2::new(zero, zero));
             let own = additional_torque(&body_i, &gradient_i, &held);
-            torque_i = world_vector(&x.tangent, n, own).scale_add(-energy, torque_i);
+            torque_i = torque_i.plus(minus, own);
         } else {
             let body_j = body_at_contact(
-                &x.tangent,
                 x.h_j,
                 x.inverse_h_j,
-                x.s_j,
+                x.witness_j,
                 x.weingarten_j,
                 x.determinant_j,
             );
@@ -207,22 +322,22 @@ pub fn contact_forces<
                     gamma,
                 ),
             };
-            let minus = -energy;
-            force = x.tangent.vector(response.lambda).scale_add(minus, force);
+            force.tangential = response.lambda * minus;
             let own_i = additional_torque(&body_i, &gradient_i, &response);
             let own_j = additional_torque(&body_j, &gradient_j, &response);
-            torque_i = world_vector(&x.tangent, n, own_i).scale_add(minus, torque_i);
-            torque_j = world_vector(&x.tangent, n, own_j).scale_add(minus, torque_j);
+            torque_i = torque_i.plus(minus, own_i);
+            torque_j = torque_j.plus(minus, own_j);
         }
     }
 
+    let null = Vector3::new(zero, zero, zero);
     let mut result = ContactForces {
-        force,
-        torque_i,
-        torque_j,
+        force: null,
+        torque_i: null,
+        torque_j: null,
         normal_force: normal.force,
         tangential_force: null,
-        contact_point: r_i,
+        contact_point: r_i.to_world(x),
         memory: null,
         displacement: null,
         stiffness: normal.stiffness,
@@ -237,61 +352,79 @@ pub fn contact_forces<
         // The velocities are those that brought the bodies here from where they were a step ago: they belong to the
         // half step. Normal and lever arms are turned back by half a step, or a rotation of the pair as a whole, and
         // the normal approach, would leak into the tangential displacement (Vyas et al. 2024).
-        let spin = n.dot(x.omega_i + x.omega_j) * remembered.time * 0.5;
-        let tilt = remembered.normal.cross(n);
-        let half_turn = n.scale_add(spin, tilt) * zero.constant(0.5);
-        let middle = n - half_turn.cross(n);
-        let arm_i = r_i - half_turn.cross(r_i);
-        let mut relative = x.velocity_j - x.velocity_i - x.omega_i.cross(arm_i);
+        let half = zero.constant(0.5);
+        let spin = (omega_i.normal + omega_j.normal) * remembered.time * 0.5;
+        let before = InFrame::of(remembered.normal, x);
+        // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
+        let half_before = before.tangential * half;
+        let half_turn = InFrame {
+            tangential: Vector2::new(half_before.v, -half_before.u),
+            normal: spin * half,
+        };
+        let mut relative = omega_i.cross_subtract(half_turn.cross_subtract(r_i, r_i), relative);
         if !WALL {
-            let arm_j = r_j - half_turn.cross(r_j);
-            relative = relative + x.omega_j.cross(arm_j);
+            relative = omega_j.cross_add(half_turn.cross_subtract(r_j, r_j), relative);
         }
-        let middle_square = middle.norm_squared();
-        let along = middle.dot(relative) * middle_square.reciprocal();
-        let tangential = middle.scale_add(-along, relative);
-        let velocity = x.tangent.components(tangential);
+        let middle_square = half_before.dot(half_before) + one;
+        let along =
+            (half_before.dot(relative.tangential) + relative.normal) * middle_square.reciprocal();
+        let velocity = half_before.scale_add(-along, relative.tangential);
         // A contact that began within this step slid only since then.
         let since = (x.penetration / rate.max(zero.constant(1e-300))).min(remembered.time);
         let time = T::select(remembered.continued, remembered.time, since);
 
         // The memory turns with the normal and with the pair's spin about it, and keeps its length.
         // The least rotation from one normal to the other, exactly: anything less drifts with the step.
-        let before = remembered.normal;
-        let leaning = n.dot(remembered.memory) / (before.dot(n) + 1.0).max(zero.constant(1e-12));
-        let turned = (before + n).scale_add(-leaning, remembered.memory);
-        let turned = n.cross(turned).scale_add(spin, turned);
-        let memory = x.tangent.components(turned);
+        let memory = InFrame::of(remembered.memory, x);
+        let leaning = memory.normal / (before.normal + 1.0).max(zero.constant(1e-12));
+        let turned = before.tangential.scale_add(-leaning, memory.tangential);
+        let turned = quarter_turn(turned).scale_add(spin, turned);
         let old = remembered.memory.norm_squared();
-        let new = memory.dot(memory);
-        let keep = T::select(
-            zero.constant(1e-290).less(new),
-            (old / new.max(zero.constant(1e-290))).sqrt(),
-            one,
-        );
+        let both = old * turned.dot(turned);
+        let least = zero.constant(1e-290);
+        // Neither product nor root may leave the range of the numbers.
+        let root = both.max(least).min(zero.constant(1e290)).reciprocal_sqrt();
+        let keep = T::select(least.less(both), old * root, one);
         let t: TangentialForce<T> = tangential_force(
             kinds,
             c,
             &normal,
             factors,
             curvature,
-            memory * keep,
+            turned * keep,
             remembered.stiffness,
             velocity * time,
             velocity,
         );
-        let on_j = x.tangent.vector(t.force);
-        result.tangential_force = on_j;
-        result.force = result.force + on_j;
-        result.torque_i = result.torque_i - r_i.cross(on_j);
+        // r x t of a tangential t.
+        torque_i = torque_i.plus(
+            -one,
+            (
+                quarter_turn(t.force) * r_i.normal,
+                area(r_i.tangential, t.force),
+            ),
+        );
         if !WALL {
-            result.torque_j = result.torque_j + r_j.cross(on_j);
+            torque_j = torque_j.plus(
+                one,
+                (
+                    quarter_turn(t.force) * r_j.normal,
+                    area(r_j.tangential, t.force),
+                ),
+            );
         }
+        force.tangential = force.tangential + t.force;
+        result.tangential_force = x.tangent.vector(t.force);
         result.memory = x.tangent.vector(t.memory);
         result.displacement = x.tangent.vector(t.displacement);
         result.stiffness = t.stiffness;
         result.tangential_energy = t.elastic_energy;
         result.tangential_power = -(t.force.dot(velocity));
+    }
+    result.force = force.to_world(x);
+    result.torque_i = torque_i.to_world(x);
+    if !WALL {
+        result.torque_j = torque_j.to_world(x);
     }
     result
 }
@@ -300,10 +433,9 @@ pub fn contact_forces<
 /// inlined into the code of the chosen instruction set, and then costs a call per operation.
 #[inline(always)]
 fn body_at_contact<T: Real>(
-    tangent: &Tangent<T>,
     h: T,
     inverse_h: T,
-    s: Vector3<T>,
+    witness: Vector2<T>,
     weingarten: Symmetric2<T>,
     determinant: T,
 ) -> BodyAtContact<T> {
@@ -311,18 +443,8 @@ fn body_at_contact<T: Real>(
     BodyAtContact {
         h,
         inverse_h,
-        witness: tangent.components(s),
+        witness,
         weingarten,
         inverse_weingarten: weingarten.adjugate() * (determinant * (square * square)),
     }
-}
-
-/// The world vector with these components along the tangent basis and the normal.
-#[inline(always)]
-fn world_vector<T: Real>(
-    tangent: &Tangent<T>,
-    n: Vector3<T>,
-    (t, along): (Vector2<T>, T),
-) -> Vector3<T> {
-    n.scale_add(along, tangent.vector(t))
 }

@@ -11,25 +11,28 @@ use super::laws::Laws;
 use super::neighbour_list::{NeighbourRow, NeighbourRows, Pass, Place};
 use super::particles::{Record, Records, Workspace};
 use super::registers::{Line, Registers, MOST_LANES};
+use super::shapes::{Ellipsoids, Kind, Shapes, Spheres, Spheroids};
 use super::tallies::Contribution;
 use crate::geometry::Vector3;
+use core::marker::PhantomData;
 
 /// Batches between the one that is computed and the one whose particles are asked for.
 const AHEAD: usize = 2;
 
 /// See [`Pass::find_candidates`].
-struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows> {
+struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows, K> {
     pass: &'p mut Pass<'a, 'b, 'c, R>,
     records: &'p [Record],
     types: &'p [u32],
     candidates: &'p mut Candidates,
+    kind: PhantomData<K>,
 }
 
-impl<R: NeighbourRows> Stage for FindCandidates<'_, '_, '_, '_, R> {
+impl<R: NeighbourRows, K: Kind> Stage for FindCandidates<'_, '_, '_, '_, R, K> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         self.pass
-            .find_candidates(registers, self.records, self.types, self.candidates);
+            .find_candidates::<S, K>(registers, self.records, self.types, self.candidates);
     }
 }
 
@@ -40,23 +43,24 @@ struct Contacts<
     'b,
     'c,
     R: NeighbourRows,
+    K,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
-    const SPHERES: bool,
 > {
     pass: &'p mut Pass<'a, 'b, 'c, R>,
     particles: &'p mut Records,
     candidates: &'p mut Candidates,
+    kind: PhantomData<K>,
 }
 
-impl<R: NeighbourRows, const F: bool, const V: bool, const C: bool, const B: bool> Stage
-    for Contacts<'_, '_, '_, '_, R, F, V, C, B>
+impl<R: NeighbourRows, K: Kind, const F: bool, const V: bool, const C: bool> Stage
+    for Contacts<'_, '_, '_, '_, R, K, F, V, C>
 {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         self.pass
-            .contacts::<S, F, V, C, B>(registers, self.particles, self.candidates);
+            .contacts::<S, K, F, V, C>(registers, self.particles, self.candidates);
     }
 }
 
@@ -125,51 +129,61 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         mut self,
         workspace: &mut Workspace,
     ) -> u64 {
-        let set = workspace.instruction_set;
-        let keeps_history = workspace.keeps_history;
-        let (particles, candidates) = (&mut workspace.records, &mut workspace.candidates);
+        let (particles, candidates) = (&workspace.records, &mut workspace.candidates);
         if particles.records.is_empty() {
             return 0;
         }
-        let pass = &mut self;
         if !candidates.are_valid() {
-            candidates.batches.write(pass.rows);
-            let records = &particles.records[..];
-            set.run(FindCandidates {
-                pass: &mut *pass,
-                records,
-                types: &particles.types,
-                candidates: &mut *candidates,
-            });
+            candidates.batches.write(self.rows);
         }
-        if let Some(t) = pass.tallies.as_deref_mut() {
-            t.pairs += candidates.listed;
-        }
-        candidates.batches.advanced();
-        if candidates.spheres {
+        match particles.shapes {
             // The conservative law adds nothing to a force between spheres.
-            set.run(Contacts::<R, FRICTION, RATE, false, true> {
-                pass: &mut *pass,
-                particles: &mut *particles,
-                candidates: &mut *candidates,
-            });
-        } else {
-            set.run(Contacts::<R, FRICTION, RATE, CONSERVATIVE, false> {
-                pass: &mut *pass,
-                particles: &mut *particles,
-                candidates: &mut *candidates,
-            });
+            Shapes::Spheres => self.of_kind::<Spheres, FRICTION, RATE, false>(workspace),
+            Shapes::Spheroids => {
+                self.of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE>(workspace);
+            }
+            Shapes::Ellipsoids => {
+                self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE>(workspace);
+            }
         }
-        pass.add_sums(particles, candidates);
-        if !keeps_history {
-            candidates.batches.write(pass.rows);
+        self.add_sums(&mut workspace.records, &workspace.candidates);
+        if !workspace.keeps_history {
+            workspace.candidates.batches.write(self.rows);
         }
         self.many_starts
     }
 
+    /// With the closed form of one kind of shape.
+    fn of_kind<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        &mut self,
+        workspace: &mut Workspace,
+    ) {
+        let set = workspace.instruction_set;
+        let (particles, candidates) = (&mut workspace.records, &mut workspace.candidates);
+        if !candidates.are_valid() {
+            set.run(FindCandidates {
+                pass: &mut *self,
+                records: &particles.records[..],
+                types: &particles.types,
+                candidates: &mut *candidates,
+                kind: PhantomData::<K>,
+            });
+        }
+        if let Some(t) = self.tallies.as_deref_mut() {
+            t.pairs += candidates.listed;
+        }
+        candidates.batches.advanced();
+        set.run(Contacts::<R, K, FRICTION, RATE, CONSERVATIVE> {
+            pass: &mut *self,
+            particles,
+            candidates,
+            kind: PhantomData,
+        });
+    }
+
     /// Goes through the whole list for pairs that may touch before the particles have moved by the margin.
     #[inline(always)]
-    fn find_candidates<S: Registers>(
+    fn find_candidates<S: Registers, K: Kind>(
         &mut self,
         registers: S,
         records: &[Record],
@@ -180,9 +194,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let (laws, layout) = (self.laws, self.layout);
         let length = layout.length;
         let margin = candidates.margin;
-        let spheres = records.iter().all(Record::is_sphere);
-        candidates.spheres = spheres;
-        candidates.batches.begin(S::LANES, layout, !spheres);
+        candidates.batches.begin(S::LANES, layout, !K::SPHERES);
         let mut listed = 0;
         let mut pending = Pending::new(&records[0]);
         for row in 0..self.rows.count() {
@@ -194,14 +206,14 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             } = self.rows.row(row);
             listed += neighbours.len();
             let i = &records[central];
-            let (centre, radius) = (i.position(), i.radius());
+            let (centre, radius) = (i.position(), K::radius(i));
             for (entry, &named) in neighbours.iter().enumerate() {
                 let Some(other) = entries.index(named) else {
                     continue;
                 };
                 let j = &records[other];
                 let d = j.position() - centre;
-                let reach = radius + j.radius() + margin;
+                let reach = radius + K::radius(j) + margin;
                 let touched = touching.get(entry).is_some_and(|t| *t != 0);
                 let near = d.norm_squared() < reach * reach;
                 if !near && !touched {
@@ -217,12 +229,12 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                     .unwrap_or(&[]);
                 pending.push(pair, (i, j), touched, history, layout.normal);
                 if pending.count == S::LANES {
-                    settle(registers, &mut pending, laws, types, candidates);
+                    settle::<S, K>(registers, &mut pending, laws, types, candidates);
                 }
             }
         }
         if pending.count > 0 {
-            settle(registers, &mut pending, laws, types, candidates);
+            settle::<S, K>(registers, &mut pending, laws, types, candidates);
         }
         candidates.end(listed);
     }
@@ -231,10 +243,10 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     #[inline(always)]
     fn contacts<
         S: Registers,
+        K: Kind,
         const FRICTION: bool,
         const RATE: bool,
         const CONSERVATIVE: bool,
-        const SPHERES: bool,
     >(
         &mut self,
         registers: S,
@@ -246,7 +258,9 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             types,
             inverse_masses,
             sums,
+            shapes,
         } = particles;
+        let shapes = *shapes;
         let records = &records[..];
         let laws = self.laws;
         let one_type = laws.types() == 1;
@@ -273,6 +287,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             records,
             types,
             inverse_masses,
+            shapes,
         };
         let batches = &mut candidates.batches;
         for number in 0..batches.count() {
@@ -302,7 +317,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                         inverse_masses[batch.at_i[k]] + inverse_masses[batch.at_j[k]];
                 }
             }
-            let left = run_batch::<S, FRICTION, RATE, CONSERVATIVE, SPHERES>(
+            let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE>(
                 registers,
                 &batch,
                 *bits,
@@ -395,18 +410,18 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
 
 /// Makes candidates of the pending pairs that no plane separates.
 #[inline(always)]
-fn settle<S: Registers>(
+fn settle<S: Registers, K: Kind>(
     registers: S,
     pending: &mut Pending<'_>,
     laws: &Laws,
     types: &[u32],
     candidates: &mut Candidates,
 ) {
-    let apart = if candidates.spheres {
+    let apart = if K::SPHERES {
         0
     } else {
         let Pending { i, j, start, .. } = &mut *pending;
-        separated_by(registers, i, j, start, candidates.margin) & !pending.stay
+        separated_by::<S, K>(registers, i, j, start, candidates.margin) & !pending.stay
     };
     let law = |pair: &Candidate| {
         laws.get(
@@ -440,11 +455,12 @@ struct Single<'a> {
     records: &'a [Record],
     types: &'a [u32],
     inverse_masses: &'a [f64],
+    shapes: Shapes,
 }
 
 impl Single<'_> {
     fn particle(&self, k: usize) -> super::particles::Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
-        self.records[k].particle(self.types[k], inverse_mass)
+        self.records[k].particle(self.shapes, self.types[k], inverse_mass)
     }
 }

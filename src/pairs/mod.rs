@@ -16,6 +16,7 @@ pub mod particles;
 pub mod planes;
 mod preparation;
 pub mod registers;
+mod shapes;
 pub mod staged;
 pub mod tallies;
 

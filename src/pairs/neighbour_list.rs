@@ -222,20 +222,19 @@ pub(super) fn factors_for(law: &PairLaw, trace: f64, determinant: f64) -> Factor
 
 /// A pair after the search: geometry and motion for the law.
 #[inline(always)]
-pub(super) fn contact_of(found: &ContactSearch, d: Vector3, i: &Particle, j: &Particle) -> Contact {
+pub(super) fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> Contact {
     Contact {
         normal: found.normal,
         tangent: found.tangent,
         penetration: found.penetration,
-        d,
         h_i: found.support_i.h,
         inverse_h_i: found.support_i.inverse_h,
-        s_i: found.support_i.point,
+        witness_i: found.tangent.components(found.support_i.point),
         weingarten_i: i.body.weingarten(&found.support_i, &found.tangent),
         determinant_i: i.body.shape_determinant(),
         h_j: found.support_j.h,
         inverse_h_j: found.support_j.inverse_h,
-        s_j: found.support_j.point,
+        witness_j: found.tangent.components(found.support_j.point),
         weingarten_j: j.body.weingarten(&found.support_j, &found.tangent),
         determinant_j: j.body.shape_determinant(),
         velocity_i: i.velocity,
@@ -457,7 +456,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             Outcome::Separated(n) => return self.separated(place, Some(n)),
         };
         let law = self.laws.get(i.kind as usize, j.kind as usize);
-        let x = contact_of(&found, d, i, j);
+        let x = contact_of(&found, i, j);
         let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
         let factors = factors_for(law, curvature.trace(), curvature.determinant());
         let before = normal_before(cached, i, j, d, found.normal, &step);
@@ -539,7 +538,7 @@ fn check_hale<R: NeighbourRows>(
                 &row.history[m * layout.length..(m + 1) * layout.length],
             );
             if let Outcome::Touching(found) = touch(i, j, d, cached) {
-                let x = contact_of(&found, d, i, j);
+                let x = contact_of(&found, i, j);
                 let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
                 hale_holds(curvature).map_err(|ratio| HaleBroke {
                     i: central,

@@ -198,7 +198,7 @@ pub fn one_contact(
         }
     };
     let law = laws.get(i.kind as usize, j.kind as usize);
-    let x = contact_of(&found, d, i, j);
+    let x = contact_of(&found, i, j);
     let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
     if law.kinds.hale {
         hale_holds(curvature).map_err(HaleRatio)?;

@@ -4,9 +4,10 @@
 use super::candidates::Candidates;
 use super::preparation::{Prepare, Prepared};
 use super::registers::Line;
+use super::shapes::Shapes;
 use super::InstructionSet;
 use crate::geometry::ellipsoid::rotation_columns;
-use crate::geometry::{Ellipsoid, ShapeError, Vector3};
+use crate::geometry::{Ellipsoid, ShapeError, Tangent, Vector3};
 
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
 pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> {
@@ -74,13 +75,14 @@ pub struct Particle {
     pub sphere: bool,
 }
 
-/// A prepared particle as the lanes load it: two cache lines, transposed into registers.
+/// A prepared particle as the lanes load it: two cache lines, transposed into registers. What they hold depends on the
+/// shapes of the list; see [`super::shapes`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Record {
-    /// `[position x y z, unit quaternion w x y z, first semi-axis]`
+    /// The position, and some of the shape and its pose.
     pub pose: Line,
-    /// `[second and third semi-axis, velocity x y z, angular velocity x y z]`
+    /// The rest of the shape, velocity, and angular velocity.
     pub motion: Line,
 }
 
@@ -90,48 +92,89 @@ impl Record {
         pose: Line::ZERO,
         motion: Line::ZERO,
     };
-    /// Semi-axes.
-    #[inline(always)]
-    pub fn semi_axes(&self) -> [f64; 3] {
-        [self.pose.0[7], self.motion.0[0], self.motion.0[1]]
+
+    /// Of a particle, for a list of these shapes. The quaternion is of length 1.
+    pub(super) fn new(
+        shapes: Shapes,
+        [x, y, z]: [f64; 3],
+        semi_axes: [f64; 3],
+        [q0, q1, q2, q3]: [f64; 4],
+        [vx, vy, vz]: [f64; 3],
+        omega: Vector3,
+    ) -> Record {
+        let [a, b, c] = semi_axes;
+        let w = omega;
+        if shapes == Shapes::Ellipsoids {
+            return Record {
+                pose: Line([x, y, z, q0, q1, q2, q3, a]),
+                motion: Line([b, c, vx, vy, vz, w.x, w.y, w.z]),
+            };
+        }
+        let polar = polar_axis(&semi_axes);
+        let e = rotation_columns([q0, q1, q2, q3], 2.0)[polar];
+        let (a, c) = (semi_axes[polar], semi_axes[(polar + 1) % 3]);
+        Record {
+            pose: Line([x, y, z, e.x, e.y, e.z, a, c]),
+            motion: Line([vx, vy, vz, w.x, w.y, w.z, 1.0 / a, 1.0 / c]),
+        }
     }
+
     /// Centre.
     #[inline(always)]
     pub fn position(&self) -> Vector3 {
         let p = &self.pose.0;
         Vector3::new(p[0], p[1], p[2])
     }
-    /// Radius of the bounding sphere.
-    #[inline(always)]
-    pub fn radius(&self) -> f64 {
-        let [a, b, c] = self.semi_axes();
-        a.max(b).max(c)
-    }
-    /// Whether the semi-axes are the same number.
-    #[inline(always)]
-    pub fn is_sphere(&self) -> bool {
-        let [a, b, c] = self.semi_axes();
-        a == b && b == c
-    }
 
-    /// The same particle for the scalar path.
-    pub(super) fn particle(&self, kind: u32, inverse_mass: f64) -> Particle {
+    /// The same particle for the scalar path. Of a spheroid the axis alone is known: any other two serve.
+    pub(super) fn particle(&self, shapes: Shapes, kind: u32, inverse_mass: f64) -> Particle {
         let (p, m) = (&self.pose.0, &self.motion.0);
-        let semi_axes = self.semi_axes();
+        let (axes, semi_axes, motion) = if shapes == Shapes::Ellipsoids {
+            (
+                rotation_columns([p[3], p[4], p[5], p[6]], 2.0),
+                Vector3::new(p[7], m[0], m[1]),
+                [m[2], m[3], m[4], m[5], m[6], m[7]],
+            )
+        } else {
+            let e = Vector3::new(p[3], p[4], p[5]);
+            let Tangent { u, v } = Tangent::new(e);
+            (
+                [u, v, e],
+                Vector3::new(p[7], p[7], p[6]),
+                [m[0], m[1], m[2], m[3], m[4], m[5]],
+            )
+        };
+        let body = Ellipsoid {
+            axes,
+            semi_axes,
+            inverse_semi_axes: Vector3::new(
+                1.0 / semi_axes.x,
+                1.0 / semi_axes.y,
+                1.0 / semi_axes.z,
+            ),
+        };
         Particle {
             position: self.position(),
-            radius: self.radius(),
-            body: Ellipsoid {
-                axes: rotation_columns([p[3], p[4], p[5], p[6]], 2.0),
-                semi_axes: Vector3::from_array(semi_axes),
-                inverse_semi_axes: Vector3::from_array(semi_axes.map(|a| 1.0 / a)),
-            },
-            velocity: Vector3::new(m[2], m[3], m[4]),
-            omega: Vector3::new(m[5], m[6], m[7]),
+            radius: body.bounding_radius(),
+            body,
+            velocity: Vector3::new(motion[0], motion[1], motion[2]),
+            omega: Vector3::new(motion[3], motion[4], motion[5]),
             inverse_mass,
             kind,
-            sphere: self.is_sphere(),
+            sphere: body.is_sphere(),
         }
+    }
+}
+
+/// Index of the axis of revolution of a shape with two equal semi-axes; the last of a sphere.
+#[inline(always)]
+pub(super) fn polar_axis(&[a, b, c]: &[f64; 3]) -> usize {
+    if a == b {
+        2
+    } else if b == c {
+        0
+    } else {
+        1
     }
 }
 
@@ -176,6 +219,8 @@ pub(super) struct Records {
     pub inverse_masses: Vec<f64>,
     /// Force and torque of this step, zero between steps.
     pub sums: Vec<Line>,
+    /// What the records are made for.
+    pub shapes: Shapes,
 }
 
 impl Records {
@@ -272,6 +317,7 @@ impl Workspace {
         }
         self.candidates.forget();
         let r = &mut self.records;
+        r.shapes = Shapes::of_all(arrays);
         r.records.clear();
         reserve(&mut r.records, count, self.allocated);
         r.records.resize(count, Record::NONE);
@@ -356,25 +402,13 @@ pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
+    shapes: Shapes,
 ) -> Result<(Record, u32, f64), String> {
     let p = prepare_one(arrays, k, types)?;
     let (x, v) = (arrays.positions[k], arrays.velocities[k]);
     let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
     let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
-    let w = p.omega;
-    let record = Record {
-        pose: Line([
-            x[0],
-            x[1],
-            x[2],
-            q[0] * s,
-            q[1] * s,
-            q[2] * s,
-            q[3] * s,
-            a[0],
-        ]),
-        motion: Line([a[1], a[2], v[0], v[1], v[2], w.x, w.y, w.z]),
-    };
+    let record = Record::new(shapes, x, a, q.map(|q| q * s), v, p.omega);
     Ok((record, p.kind, p.inverse_mass))
 }
 

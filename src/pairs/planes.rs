@@ -11,7 +11,7 @@ use super::tallies::{Contribution, Tallies};
 use super::{ContactForces, Step};
 use crate::force::PairLaw;
 use crate::geometry::plane::PlaneContact;
-use crate::geometry::{touch_plane, Plane, Symmetric2, Vector3};
+use crate::geometry::{touch_plane, Plane, Symmetric2, Vector2, Vector3};
 
 /// A plane wall and its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -48,15 +48,14 @@ pub(super) fn contact_with_plane(
         normal: found.normal,
         tangent: found.tangent,
         penetration: found.penetration,
-        d: Vector3::ZERO,
         h_i: found.support.h,
         inverse_h_i: found.support.inverse_h,
-        s_i: found.support.point,
+        witness_i: found.tangent.components(found.support.point),
         weingarten_i: i.body.weingarten(&found.support, &found.tangent),
         determinant_i: i.body.shape_determinant(),
         h_j: 1.0,
         inverse_h_j: 1.0,
-        s_j: Vector3::ZERO,
+        witness_j: Vector2::new(0.0, 0.0),
         weingarten_j: Symmetric2::new(0.0, 0.0, 0.0),
         determinant_j: 1.0,
         velocity_i: i.velocity,

@@ -9,6 +9,7 @@ use super::instruction_set::Stage;
 use super::lanes::Lanes;
 use super::particles::{prepare_record, ParticleArrays, Record, Records, Rotation};
 use super::registers::{Line, Registers, MOST_LANES};
+use super::shapes::Shapes;
 use crate::geometry::ellipsoid::rotation_columns;
 use crate::geometry::Vector3;
 use crate::real::Real;
@@ -134,7 +135,15 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         let sound = chunk.sound;
         chunk.length = 0;
         chunk.sound = true;
-        if !sound || !finish(registers, &mut chunk.lines, &chunk.masses, from_momenta) {
+        if !sound
+            || !finish(
+                registers,
+                &mut chunk.lines,
+                &chunk.masses,
+                from_momenta,
+                self.records.shapes,
+            )
+        {
             return self.one_by_one(particles);
         }
         for (lane, &k) in particles.iter().enumerate() {
@@ -150,7 +159,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
     #[cold]
     fn one_by_one(&mut self, chunk: &[usize]) -> bool {
         for &k in chunk {
-            match prepare_record(self.arrays, k, self.types) {
+            match prepare_record(self.arrays, k, self.types, self.records.shapes) {
                 Ok((record, kind, inverse_mass)) => {
                     self.records.records[k] = record;
                     self.records.types[k] = kind;
@@ -175,6 +184,7 @@ fn finish<S: Registers>(
     lines: &mut [[Line; MOST_LANES]; 2],
     masses: &[f64; MOST_LANES],
     from_momenta: bool,
+    shapes: Shapes,
 ) -> bool {
     let p = Lanes::all(
         registers,
@@ -215,24 +225,70 @@ fn finish<S: Registers>(
     }
     let scale = square.reciprocal_sqrt();
     let q = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
+    // L = (m/5) diag(yz, xz, xy) omega in body axes.
+    let inverse = one * 5.0 / inertia;
+    if shapes == Shapes::Ellipsoids {
+        let omega = if from_momenta {
+            let axes = rotation_columns(q, one * 2.0);
+            axes[0] * (axes[0].dot(spin) * (xz * xy * inverse))
+                + axes[1] * (axes[1].dot(spin) * (yz * xy * inverse))
+                + axes[2] * (axes[2].dot(spin) * (yz * xz * inverse))
+        } else {
+            spin
+        };
+        super::batch::put(
+            registers,
+            [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
+            &mut lines[0],
+        );
+        super::batch::put(
+            registers,
+            [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
+            &mut lines[1],
+        );
+        return true;
+    }
+    // The axis of revolution: the third where the first two semi-axes are the same, else the one that stands apart.
+    let axes = rotation_columns(q, one * 2.0);
+    let third = registers.and_not(
+        zero.less(one),
+        registers.or(a[0].less(a[1]), a[1].less(a[0])),
+    );
+    let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
+    let choose = |x: Lanes<S>, y: Lanes<S>, z: Lanes<S>| {
+        Lanes::select(third, z, Lanes::select(second, y, x))
+    };
+    let axis = Vector3::new(
+        choose(axes[0].x, axes[1].x, axes[2].x),
+        choose(axes[0].y, axes[1].y, axes[2].y),
+        choose(axes[0].z, axes[1].z, axes[2].z),
+    );
+    let (polar, equatorial) = (choose(a[0], a[1], a[2]), choose(a[1], a[2], a[0]));
     let omega = if from_momenta {
-        let axes = rotation_columns(q, one * 2.0);
-        // L = (m/5) diag(yz, xz, xy) omega in body axes.
-        let inverse = one * 5.0 / inertia;
-        axes[0] * (axes[0].dot(spin) * (xz * xy * inverse))
-            + axes[1] * (axes[1].dot(spin) * (yz * xy * inverse))
-            + axes[2] * (axes[2].dot(spin) * (yz * xz * inverse))
+        let (polar_square, equatorial_square) = (polar * polar, equatorial * equatorial);
+        let across = (mass * (polar_square + equatorial_square)).reciprocal() * 5.0;
+        let along = (mass * equatorial_square).reciprocal() * 2.5;
+        axis.scale_add(axis.dot(spin) * (along - across), spin * across)
     } else {
         spin
     };
     super::batch::put(
         registers,
-        [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
+        [x[0], x[1], x[2], axis.x, axis.y, axis.z, polar, equatorial],
         &mut lines[0],
     );
     super::batch::put(
         registers,
-        [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
+        [
+            v[0],
+            v[1],
+            v[2],
+            omega.x,
+            omega.y,
+            omega.z,
+            polar.reciprocal(),
+            equatorial.reciprocal(),
+        ],
         &mut lines[1],
     );
     true

@@ -74,7 +74,7 @@ impl StagedContact {
         match touch(i, j, d, start) {
             Outcome::Touching(contact) if contact.penetration > 0.0 => {
                 *cached_normal = contact.normal;
-                let x = contact_of(&contact, d, i, j);
+                let x = contact_of(&contact, i, j);
                 *found = Some(StagedContact {
                     curvature: relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
                     x,
@@ -113,15 +113,14 @@ impl StagedContact {
                 normal,
                 tangent,
                 penetration,
-                d: Vector3::ZERO,
                 h_i: support.h,
                 inverse_h_i: support.inverse_h,
-                s_i: support.point,
+                witness_i: tangent.components(support.point),
                 weingarten_i,
                 determinant_i: i.body.shape_determinant(),
                 h_j: 1.0,
                 inverse_h_j: 1.0,
-                s_j: Vector3::ZERO,
+                witness_j: Vector2::new(0.0, 0.0),
                 weingarten_j,
                 determinant_j: 1.0,
                 velocity_i: i.velocity,
@@ -153,7 +152,9 @@ impl StagedContact {
 
     /// The contact point; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
     pub fn contact_point(&self, centre_i: Vector3, share_i: f64) -> Vector3 {
-        centre_i + self.x.s_i - self.x.normal * (self.x.penetration * share_i)
+        let x = &self.x;
+        let along = x.h_i - x.penetration * share_i;
+        centre_i + x.tangent.vector(x.witness_i) + x.normal * along
     }
 
     /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
@@ -214,7 +215,7 @@ impl StagedContact {
         f.torque_j = if self.is_wall() {
             Vector3::ZERO
         } else {
-            (f.contact_point - self.x.d).cross(f.tangential_force)
+            (f.contact_point - self.x.between_centres()).cross(f.tangential_force)
         };
         Ok(f)
     }
@@ -313,7 +314,7 @@ impl StagedContact {
         let body = BodyAtContact {
             h: x.h_i,
             inverse_h: x.inverse_h_i,
-            witness: x.tangent.components(x.s_i),
+            witness: x.witness_i,
             weingarten: x.weingarten_i,
             inverse_weingarten: x.weingarten_i.adjugate() * (x.determinant_i * (square * square)),
         };

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the contact search and the law ask of a body, in the frame of a direction: whatever closed form it has.
+
+use super::tangent_model::SquaredSupport;
+use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::real::Real;
+
+/// A convex body by its support function.
+pub trait ConvexBody<T: Real>: Copy {
+    /// The axes of a frame `(u, v, n)` as the body sees them.
+    type View: Copy;
+
+    /// Of the unit vector `n` and its tangent basis.
+    fn view(&self, n: Vector3<T>, tangent: &Tangent<T>) -> Self::View;
+    /// The square of the support function over the tangent plane.
+    fn squared_support(&self, view: &Self::View) -> SquaredSupport<T>;
+    /// Support function and witness.
+    fn support_in_frame(&self, view: &Self::View) -> SupportInFrame<T>;
+    /// The Weingarten map at the witness, 1/length, in the tangent basis; `h` is the support function there.
+    fn weingarten_in_frame(&self, view: &Self::View, h: T) -> Symmetric2<T>;
+    /// `2/chord`: the inverse of half the length of the chord from the witness along the inward normal.
+    fn inverse_half_chord(&self, view: &Self::View, h: T) -> T;
+    /// `(a1 a2 a3)^2`, which makes `det V = h^4 / (a1 a2 a3)^2`.
+    fn squared_product(&self) -> T;
+    /// Support function and witness, from the centre, in the world frame.
+    fn support_in_world(&self, n: Vector3<T>) -> (T, Vector3<T>);
+    /// Radius of a body that is a sphere, and its inverse.
+    fn radius_of_sphere(&self) -> (T, T);
+}
+
+/// The support function and the witness of one body in the frame of one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct SupportInFrame<T = f64> {
+    /// `h(n)`, length: the part of the witness along `n`, from the centre.
+    pub h: T,
+    /// `1/h`.
+    pub inverse_h: T,
+    /// Its other part, in the tangent basis: the gradient of `h` on the sphere of directions.
+    pub witness: Vector2<T>,
+}
