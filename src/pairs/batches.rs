@@ -214,6 +214,12 @@ impl Batches {
         )
     }
 
+    /// Lanes of all batches that hold no pair that touches.
+    pub fn idle(&self) -> usize {
+        let touching: u32 = self.bits.iter().map(|b| b.touching.count_ones()).sum();
+        self.pairs.len() - touching as usize
+    }
+
     /// Writes what is remembered of one pair to the engine's arrays.
     pub fn write_one<R: NeighbourRows>(&self, rows: &mut R, batch: usize, lane: usize) {
         let pair = self.pairs[batch * self.lanes + lane];

@@ -10,11 +10,17 @@ use super::particles::{reserve, Allocated, ParticleArrays};
 use super::registers::Line;
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
-const FIRST_MARGIN: f64 = 0.03;
-const SMALLEST_MARGIN: f64 = 0.01;
+const FIRST_MARGIN: f64 = 0.02;
+const SMALLEST_MARGIN: f64 = 0.001;
 const LARGEST_MARGIN: f64 = 0.2;
-/// Steps that candidates should last: with fewer the margin doubles, with four times as many it halves.
-const FEW_STEPS: u32 = 25;
+/// By how much it changes at most at once.
+const LARGEST_CHANGE: f64 = 4.0;
+
+/// What it costs to find the candidates, in units of a candidate's computation (measured, dense packing of aspect ratio 2):
+/// per pair of the list, per pair whose bounding spheres come near, and per particle.
+const COST_OF_LISTED: f64 = 0.25;
+const COST_OF_NEAR: f64 = 0.75;
+const COST_OF_PARTICLE: f64 = 2.0;
 
 /// Candidates, and the poses for which they were found.
 #[derive(Debug, Default)]
@@ -35,6 +41,12 @@ pub(super) struct Candidates {
     relative_margin: f64,
     /// Steps since the candidates were found.
     steps: u32,
+    /// When to look again whether the margin is too wide.
+    next_look: u32,
+    /// Lanes that were computed for nothing in the first of them.
+    idle: f64,
+    /// What finding them cost, in units of a lane's computation.
+    cost: f64,
     valid: bool,
 }
 
@@ -73,26 +85,80 @@ impl Candidates {
     #[inline(always)]
     pub fn hold_for(&self, k: usize, x: &[f64; 3], a: &[f64; 3], q: &[f64; 4]) -> (bool, bool) {
         let p = &self.poses[k].0;
-        let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
-        let moved = dx * dx + dy * dy + dz * dz;
-        let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
-        let turned = d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3;
-        // Not a number holds for nothing.
-        let farthest = self.margin * self.margin * (1.0 / 16.0);
+        let (moved, turned) = motion(p, x, q);
         (
-            moved <= farthest && turned <= p[7] && *a == self.shapes[k],
+            // Not a number holds for nothing.
+            moved <= self.farthest() && turned <= p[7] && *a == self.shapes[k],
             self.takes_part[k],
         )
     }
 
-    /// Lets the margin follow the motion.
-    pub fn count_step(&mut self, hold: bool) {
+    /// One step more with these candidates.
+    pub fn count_step(&mut self) {
         self.steps = self.steps.saturating_add(1);
-        if !hold && self.steps < FEW_STEPS {
-            self.relative_margin = (self.relative_margin * 2.0).min(LARGEST_MARGIN);
-        } else if !hold && self.steps > 4 * FEW_STEPS {
-            self.relative_margin = (self.relative_margin * 0.5).max(SMALLEST_MARGIN);
+        if self.steps == 1 {
+            self.idle = self.batches.idle() as f64;
+            self.next_look = if self.relative_margin > SMALLEST_MARGIN {
+                (2.0 * self.cost / self.idle.max(1.0)) as u32 + 1
+            } else {
+                u32::MAX
+            };
         }
+    }
+
+    /// Lets the margin follow the motion, which has used up this share of it since the candidates were found.
+    ///
+    /// A wider margin lets more pairs in that do not touch, in proportion, and lasts longer, in proportion: together they
+    /// cost least where the candidates cost as much to find as those pairs do while they last.
+    pub fn adapt(&mut self, share: f64) {
+        let lanes = self.idle.max(1.0) * f64::from(self.steps.max(1));
+        let best = (self.cost * share / lanes).sqrt();
+        self.relative_margin = (self.relative_margin
+            * best.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE))
+        .clamp(SMALLEST_MARGIN, LARGEST_MARGIN);
+    }
+
+    /// Whether the margin has shown to be far wider than it should be, so that the candidates are better found anew; it is
+    /// then narrower.
+    pub fn should_be_fewer<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+    ) -> bool {
+        if self.steps < self.next_look {
+            return false;
+        }
+        let before = self.relative_margin;
+        let share = self.share_used(arrays);
+        self.adapt(share);
+        if self.relative_margin < 0.5 * before {
+            return true;
+        }
+        self.relative_margin = before;
+        self.next_look = self.steps.saturating_mul(2);
+        false
+    }
+
+    /// How much of the margin the farthest motion has used up.
+    fn share_used<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &self,
+        arrays: &ParticleArrays<'_, S, I>,
+    ) -> f64 {
+        let farthest = self.farthest();
+        let mut largest: f64 = 0.0;
+        for (k, (x, pose)) in arrays.positions.iter().zip(&self.poses).enumerate() {
+            let Some((_, q)) = (arrays.shape)(k) else {
+                continue;
+            };
+            let (moved, turned) = motion(&pose.0, x, &q);
+            largest = largest.max(moved / farthest).max(turned / pose.0[7]);
+        }
+        largest.min(1.0).sqrt()
+    }
+
+    /// Square of the way that a particle may move.
+    #[inline(always)]
+    fn farthest(&self) -> f64 {
+        self.margin * self.margin * (1.0 / 16.0)
     }
 
     /// Begins anew for these particles: the margin, and the poses.
@@ -147,9 +213,13 @@ impl Candidates {
         }
     }
 
-    /// Ends what [`Candidates::begin`] began, once all pairs of a list of this length are there.
-    pub fn end(&mut self, listed: usize) {
+    /// Ends what [`Candidates::begin`] began, once all pairs of a list of this length are there, of which so many were near
+    /// enough to be looked at.
+    pub fn end(&mut self, listed: usize, near: usize) {
         self.listed = listed as u64;
+        self.cost = COST_OF_LISTED * listed as f64
+            + COST_OF_NEAR * near as f64
+            + COST_OF_PARTICLE * self.poses.len() as f64;
         self.batches.reserve(listed);
         self.participants.clear();
         self.takes_part.clear();
@@ -168,4 +238,15 @@ impl Candidates {
         );
         self.valid = true;
     }
+}
+
+/// Squares of the way from a pose and of the change of its quaternion.
+#[inline(always)]
+fn motion(p: &[f64; 8], x: &[f64; 3], q: &[f64; 4]) -> (f64, f64) {
+    let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
+    let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
+    (
+        dx * dx + dy * dy + dz * dz,
+        d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3,
+    )
 }

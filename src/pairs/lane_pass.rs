@@ -195,7 +195,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         let length = layout.length;
         let margin = candidates.margin;
         candidates.batches.begin(S::LANES, layout, !K::SPHERES);
-        let mut listed = 0;
+        let (mut listed, mut looked_at) = (0, 0);
         let mut pending = Pending::new(&records[0]);
         for row in 0..self.rows.count() {
             let NeighbourRow {
@@ -228,6 +228,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                     .get(entry * length..(entry + 1) * length)
                     .unwrap_or(&[]);
                 pending.push(pair, (i, j), touched, history, layout.normal);
+                looked_at += 1;
                 if pending.count == S::LANES {
                     settle::<S, K>(registers, &mut pending, laws, types, candidates);
                 }
@@ -236,7 +237,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         if pending.count > 0 {
             settle::<S, K>(registers, &mut pending, laws, types, candidates);
         }
-        candidates.end(listed);
+        candidates.end(listed, looked_at);
     }
 
     /// Search, law and scatter of the candidates.

@@ -299,6 +299,10 @@ impl Workspace {
         if unchanged && same_masses {
             let mut hold = self.candidates.are_for(count);
             if hold {
+                self.candidates.count_step();
+                hold = !self.candidates.should_be_fewer(arrays);
+            }
+            if hold {
                 self.instruction_set.run(Prepare {
                     arrays,
                     candidates: Some(&self.candidates),
@@ -307,8 +311,10 @@ impl Workspace {
                     outcome: &mut outcome,
                 });
                 hold = !outcome.moved;
+                if !hold {
+                    self.candidates.adapt(1.0);
+                }
             }
-            self.candidates.count_step(hold);
             // Batches are made of pairs of one kind of law.
             if hold && !outcome.types_changed {
                 return named(arrays, outcome);
