@@ -18,14 +18,13 @@ use crate::real::Real;
 
 /// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
 pub(super) struct Batch<'a> {
-    pub i: [&'a Record; MOST_LANES],
-    pub j: [&'a Record; MOST_LANES],
-    pub laws: [&'a PairLaw; MOST_LANES],
+    pub records: &'a [Record],
+    /// First particles and second ones, by lane.
+    pub i: &'a [u32],
+    pub j: &'a [u32],
+    pub laws: &'a [&'a PairLaw; MOST_LANES],
     /// Inverse of the effective mass, where a law reads masses.
-    pub inverse_effective_mass: [f64; MOST_LANES],
-    /// Where the sums of the first particles stand, and those of the second.
-    pub at_i: [usize; MOST_LANES],
-    pub at_j: [usize; MOST_LANES],
+    pub inverse_effective_mass: &'a [f64; MOST_LANES],
 }
 
 /// What the whole pass has in common.
@@ -96,6 +95,36 @@ macro_rules! lines {
 }
 
 pub(super) use lines;
+
+/// The records of particles, one by one: no array of references is ever in memory.
+macro_rules! records_of {
+    ($records:expr, $indices:expr, $lanes:expr) => {{
+        let (records, indices) = ($records, $indices);
+        macro_rules! record {
+            ($k:literal) => {
+                &records[indices[if $k < $lanes { $k } else { 0 }] as usize]
+            };
+        }
+        [
+            record!(0),
+            record!(1),
+            record!(2),
+            record!(3),
+            record!(4),
+            record!(5),
+            record!(6),
+            record!(7),
+            record!(8),
+            record!(9),
+            record!(10),
+            record!(11),
+            record!(12),
+            record!(13),
+            record!(14),
+            record!(15),
+        ]
+    }};
+}
 
 /// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`.
 #[inline(always)]
@@ -416,8 +445,8 @@ pub(super) fn run<
     let layout = numbers.layout;
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
-    let i = K::load(registers, &batch.i);
-    let j = K::load(registers, &batch.j);
+    let i = K::load(registers, &records_of!(batch.records, batch.i, S::LANES));
+    let j = K::load(registers, &records_of!(batch.records, batch.j, S::LANES));
     let d = j.centre - i.centre;
     let null = Vector3::new(zero, zero, zero);
     let start = match layout.normal {
@@ -470,7 +499,7 @@ pub(super) fn run<
         share_i
     );
     let effective_mass = if RATE && kinds.restitution {
-        let inverse = Lanes::load(registers, &batch.inverse_effective_mass);
+        let inverse = Lanes::load(registers, batch.inverse_effective_mass);
         // Two frozen bodies need no damping.
         Lanes::select(
             zero.less(inverse),
@@ -565,11 +594,11 @@ pub(super) fn run<
             zero,
             zero,
         ]),
-        &batch.at_i,
+        batch.i,
         values([
             force.x, force.y, force.z, torque_j.x, torque_j.y, torque_j.z, zero, zero,
         ]),
-        &batch.at_j,
+        batch.j,
         sums,
     );
     // Lanes without a pair of their own go along; nothing of them is used.

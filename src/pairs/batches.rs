@@ -38,8 +38,10 @@ pub(super) struct LaneBits {
 pub(super) struct Batches {
     /// Pairs of a batch.
     lanes: usize,
-    /// `lanes` entries a batch.
-    pairs: Vec<Candidate>,
+    /// First and second particles and places in the rows, `lanes` a batch.
+    i: Vec<u32>,
+    j: Vec<u32>,
+    entries: Vec<u32>,
     bits: Vec<LaneBits>,
     /// Numbers of each pair that are remembered here: those of the engine's layout, and always the normal of a pair that
     /// is searched.
@@ -61,7 +63,9 @@ impl Default for Batches {
         let none = HistoryLayout::new(false, false, false);
         Batches {
             lanes: 1,
-            pairs: Vec::new(),
+            i: Vec::new(),
+            j: Vec::new(),
+            entries: Vec::new(),
             bits: Vec::new(),
             here: none,
             there: none,
@@ -83,7 +87,9 @@ impl Batches {
             there.memory.is_some(),
             there.stiffness.is_some(),
         );
-        self.pairs.clear();
+        self.i.clear();
+        self.j.clear();
+        self.entries.clear();
         self.bits.clear();
         self.numbers.clear();
         self.align();
@@ -92,8 +98,10 @@ impl Batches {
 
     /// Room for twice as many pairs as there are, of at most `listed`, so that nothing is allocated when others touch.
     pub fn reserve(&mut self, listed: usize) {
-        let batches = (2 * self.pairs.len()).min(listed + self.lanes) / self.lanes + 1;
-        reserve(&mut self.pairs, batches * self.lanes, self.allocated);
+        let batches = (2 * self.i.len()).min(listed + self.lanes) / self.lanes + 1;
+        reserve(&mut self.i, batches * self.lanes, self.allocated);
+        reserve(&mut self.j, batches * self.lanes, self.allocated);
+        reserve(&mut self.entries, batches * self.lanes, self.allocated);
         reserve(&mut self.bits, batches, self.allocated);
         let numbers = LINE + batches * self.here.length * self.lanes;
         reserve(&mut self.numbers, numbers, self.allocated);
@@ -132,7 +140,10 @@ impl Batches {
         let (batch, lane) = if full {
             self.bits.push(LaneBits::default());
             // Lanes without a pair of their own compute the first one again.
-            self.pairs.resize(self.pairs.len() + self.lanes, pair);
+            let lanes = self.i.len() + self.lanes;
+            self.i.resize(lanes, pair.i);
+            self.j.resize(lanes, pair.j);
+            self.entries.resize(lanes, pair.entry);
             let length = self.numbers.len() + self.here.length * self.lanes;
             reserve(&mut self.numbers, length, self.allocated);
             self.numbers.resize(length, 0.0);
@@ -140,7 +151,8 @@ impl Batches {
         } else {
             (last, self.bits[last].present.trailing_ones() as usize)
         };
-        self.pairs[batch * self.lanes + lane] = pair;
+        let at = batch * self.lanes + lane;
+        (self.i[at], self.j[at], self.entries[at]) = (pair.i, pair.j, pair.entry);
         let bits = &mut self.bits[batch];
         bits.present |= 1 << lane;
         bits.touching |= u16::from(touching) << lane;
@@ -188,24 +200,35 @@ impl Batches {
         self.bits.len()
     }
 
+    /// The pair of one lane.
+    pub fn pair(&self, batch: usize, lane: usize) -> Candidate {
+        let at = batch * self.lanes + lane;
+        Candidate {
+            i: self.i[at],
+            entry: self.entries[at],
+            j: self.j[at],
+        }
+    }
+
     /// The pair that came last.
-    pub fn last(&self) -> Option<&Candidate> {
+    pub fn last(&self) -> Option<Candidate> {
         let lane = self.bits.last()?.present.trailing_ones() as usize - 1;
-        self.pairs.get(self.pairs.len() - self.lanes + lane)
+        Some(self.pair(self.bits.len() - 1, lane))
     }
 
-    /// All lanes of all batches, those without a pair of their own too.
-    pub fn pairs(&self) -> &[Candidate] {
-        &self.pairs
+    /// The particles of all lanes of all batches, those of lanes without a pair of their own too.
+    pub fn particles(&self) -> impl Iterator<Item = u32> + '_ {
+        self.i.iter().chain(&self.j).copied()
     }
 
-    /// Pairs (from this batch on), bits and numbers of one batch.
+    /// First particles, second particles (from this batch on), bits and numbers of one batch.
     #[inline(always)]
-    pub fn batch(&mut self, batch: usize) -> (&[Candidate], &mut LaneBits, Numbers<'_>) {
+    pub fn batch(&mut self, batch: usize) -> (&[u32], &[u32], &mut LaneBits, Numbers<'_>) {
         let length = self.here.length * self.lanes;
         let at = self.first + batch * length;
         (
-            &self.pairs[batch * self.lanes..],
+            &self.i[batch * self.lanes..(batch + 1) * self.lanes],
+            &self.j[batch * self.lanes..],
             &mut self.bits[batch],
             Numbers {
                 layout: self.here,
@@ -217,12 +240,12 @@ impl Batches {
     /// Lanes of all batches that hold no pair that touches.
     pub fn idle(&self) -> usize {
         let touching: u32 = self.bits.iter().map(|b| b.touching.count_ones()).sum();
-        self.pairs.len() - touching as usize
+        self.i.len() - touching as usize
     }
 
     /// Writes what is remembered of one pair to the engine's arrays.
     pub fn write_one<R: NeighbourRows>(&self, rows: &mut R, batch: usize, lane: usize) {
-        let pair = self.pairs[batch * self.lanes + lane];
+        let pair = self.pair(batch, lane);
         let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
         if let Some(touching) = touching {
             *touching = i32::from(self.bits[batch].touching >> lane & 1);
@@ -235,7 +258,7 @@ impl Batches {
 
     /// The reverse of [`Batches::write_one`].
     pub fn read_one<R: NeighbourRows>(&mut self, rows: &mut R, batch: usize, lane: usize) {
-        let pair = self.pairs[batch * self.lanes + lane];
+        let pair = self.pair(batch, lane);
         let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
         if let Some(touching) = touching {
             let bits = &mut self.bits[batch].touching;
@@ -286,7 +309,7 @@ impl Batches {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<Candidate>()
+        (self.i.capacity() + self.j.capacity() + self.entries.capacity()) * size_of::<u32>()
             + self.bits.capacity() * size_of::<LaneBits>()
             + self.numbers.capacity() * size_of::<f64>()
     }

@@ -224,9 +224,8 @@ impl Candidates {
         self.participants.clear();
         self.takes_part.clear();
         self.takes_part.resize(self.poses.len(), false);
-        for pair in self.batches.pairs() {
-            self.takes_part[pair.i as usize] = true;
-            self.takes_part[pair.j as usize] = true;
+        for k in self.batches.particles() {
+            self.takes_part[k as usize] = true;
         }
         self.participants.reserve(self.poses.len());
         self.participants.extend(

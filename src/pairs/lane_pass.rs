@@ -275,14 +275,8 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             only_law: one_type.then(|| laws.get(1, 1)),
             tally: self.tallies.is_some(),
         };
-        let mut batch = Batch {
-            i: [&records[0]; MOST_LANES],
-            j: [&records[0]; MOST_LANES],
-            laws: [laws.get(1, 1); MOST_LANES],
-            inverse_effective_mass: [0.0; MOST_LANES],
-            at_i: [0; MOST_LANES],
-            at_j: [0; MOST_LANES],
-        };
+        let mut batch_laws = [laws.get(1, 1); MOST_LANES];
+        let mut inverse_effective_mass = [0.0; MOST_LANES];
         let mut tallies = BatchTallies::EMPTY;
         let single = Single {
             records,
@@ -292,32 +286,34 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         };
         let batches = &mut candidates.batches;
         for number in 0..batches.count() {
-            let (pairs, bits, mut numbers) = batches.batch(number);
-            for k in 0..S::LANES {
-                let pair = pairs[k];
-                let (i, j) = (pair.i as usize, pair.j as usize);
-                batch.at_i[k] = i;
-                batch.at_j[k] = j;
-                batch.i[k] = &records[i];
-                batch.j[k] = &records[j];
-                if let Some(ahead) = pairs.get(AHEAD * S::LANES + k) {
-                    let record = &records[ahead.j as usize];
+            let (i, j, bits, mut numbers) = batches.batch(number);
+            if let Some(ahead) = j.get(AHEAD * S::LANES..(AHEAD + 1) * S::LANES) {
+                for &k in ahead {
+                    let record = &records[k as usize];
                     registers.prefetch(&record.pose.0[0]);
                     registers.prefetch(&record.motion.0[0]);
                 }
             }
+            let j = &j[..S::LANES];
             if !one_type {
                 for k in 0..S::LANES {
-                    let (i, j) = (types[batch.at_i[k]], types[batch.at_j[k]]);
-                    batch.laws[k] = laws.get(i as usize, j as usize);
+                    let (i, j) = (types[i[k] as usize], types[j[k] as usize]);
+                    batch_laws[k] = laws.get(i as usize, j as usize);
                 }
             }
             if !inverse_masses.is_empty() {
                 for k in 0..S::LANES {
-                    batch.inverse_effective_mass[k] =
-                        inverse_masses[batch.at_i[k]] + inverse_masses[batch.at_j[k]];
+                    inverse_effective_mass[k] =
+                        inverse_masses[i[k] as usize] + inverse_masses[j[k] as usize];
                 }
             }
+            let batch = Batch {
+                records,
+                i,
+                j,
+                laws: &batch_laws,
+                inverse_effective_mass: &inverse_effective_mass,
+            };
             let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE>(
                 registers,
                 &batch,
@@ -335,7 +331,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             while hard != 0 {
                 let lane = hard.trailing_zeros() as usize;
                 hard &= hard - 1;
-                let pair = batches.pairs()[number * S::LANES + lane];
+                let pair = batches.pair(number, lane);
                 batches.write_one(self.rows, number, lane);
                 self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(pair, single);
                 batches.read_one(self.rows, number, lane);
@@ -354,9 +350,9 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             }
             let (e, f) = (&tallies.energies[k].0, &tallies.forces[k].0);
             t.add(
-                batch.at_i[k],
-                Some(batch.at_j[k]),
-                batch.at_j[k] < self.accumulators.reaction_below,
+                batch.i[k] as usize,
+                Some(batch.j[k] as usize),
+                (batch.j[k] as usize) < self.accumulators.reaction_below,
                 &Contribution {
                     normal_energy: e[0],
                     tangential_energy: e[1],
@@ -441,7 +437,7 @@ fn settle<S: Registers, K: Kind>(
         let other_kinds = laws.types() > 1
             && batches
                 .last()
-                .is_some_and(|last| law(last).kinds != law(&pair).kinds);
+                .is_some_and(|last| law(&last).kinds != law(&pair).kinds);
         let touched = pending.stay >> k & 1 != 0;
         let history = &pending.history[k].0;
         batches.push(pair, touched, history, [x, y, z], other_kinds);

@@ -94,9 +94,9 @@ pub trait Registers: Copy {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     );
     /// The reverse of `bits`.
@@ -314,18 +314,18 @@ impl Registers for pulp::x86::V4 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         let rows_a = transposed_eight!(self.avx512f, a);
         let rows_b = transposed_eight!(self.avx512f, b);
         macro_rules! lane {
             ($k:tt) => {
-                let line = &mut lines[at_a[$k]].0;
+                let line = &mut lines[at_a[$k] as usize].0;
                 *line = pulp::cast(self.add(pulp::cast(*line), rows_a.$k));
-                let line = &mut lines[at_b[$k]].0;
+                let line = &mut lines[at_b[$k] as usize].0;
                 *line = pulp::cast(self.add(pulp::cast(*line), rows_b.$k));
             };
         }
@@ -525,9 +525,9 @@ impl Registers for pulp::x86::V3 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         // Half a line after the other: no more registers than there are.
@@ -542,10 +542,10 @@ impl Registers for pulp::x86::V3 {
             };
             (@lane $half:literal, $a:ident, $b:ident, $k:tt) => {
                 let line: &mut [[f64; 4]; 2] =
-                    pulp::bytemuck::cast_mut(&mut lines[at_a[$k]].0);
+                    pulp::bytemuck::cast_mut(&mut lines[at_a[$k] as usize].0);
                 line[$half] = pulp::cast(self.add(pulp::cast(line[$half]), $a.$k));
                 let line: &mut [[f64; 4]; 2] =
-                    pulp::bytemuck::cast_mut(&mut lines[at_b[$k]].0);
+                    pulp::bytemuck::cast_mut(&mut lines[at_b[$k] as usize].0);
                 line[$half] = pulp::cast(self.add(pulp::cast(line[$half]), $b.$k));
             };
         }
@@ -746,14 +746,14 @@ impl Registers for pulp::x86::V1 {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         macro_rules! quarter {
             ($k:literal, $at:expr, $row:expr) => {
-                let line: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut lines[$at].0);
+                let line: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut lines[$at as usize].0);
                 line[$k] = pulp::cast(self.add(pulp::cast(line[$k]), $row));
             };
             ($k:literal) => {
@@ -948,14 +948,14 @@ impl Registers for pulp::aarch64::Neon {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         macro_rules! quarter {
             ($k:literal, $at:expr, $row:expr) => {
-                let line: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut lines[$at].0);
+                let line: &mut [[f64; 2]; 4] = pulp::bytemuck::cast_mut(&mut lines[$at as usize].0);
                 line[$k] = pulp::cast(self.add(pulp::cast(line[$k]), $row));
             };
             ($k:literal) => {
@@ -1084,14 +1084,14 @@ impl Registers for Portable {
     fn add_to_lines(
         self,
         a: [[f64; 2]; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [[f64; 2]; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         for lane in 0..2 {
             for (columns, at) in [(&a, at_a[lane]), (&b, at_b[lane])] {
-                for (sum, column) in lines[at].0.iter_mut().zip(columns) {
+                for (sum, column) in lines[at as usize].0.iter_mut().zip(columns) {
                     *sum += column[lane];
                 }
             }
@@ -1215,9 +1215,9 @@ impl<S: Registers> Registers for Twice<S> {
     fn add_to_lines(
         self,
         a: [Self::Vector; 8],
-        at_a: &[usize],
+        at_a: &[u32],
         b: [Self::Vector; 8],
-        at_b: &[usize],
+        at_b: &[u32],
         lines: &mut [Line],
     ) {
         self.0
@@ -1379,8 +1379,8 @@ mod tests {
             registers.add_to_lines(columns, &at_a, twice, &at_b, &mut sums);
             for lane in 0..S::LANES {
                 for entry in 0..8 {
-                    expected[at_a[lane]].0[entry] += lines[lane].0[entry];
-                    expected[at_b[lane]].0[entry] += 2.0 * lines[lane].0[entry];
+                    expected[at_a[lane] as usize].0[entry] += lines[lane].0[entry];
+                    expected[at_b[lane] as usize].0[entry] += 2.0 * lines[lane].0[entry];
                 }
             }
             assert_eq!(sums, expected);
