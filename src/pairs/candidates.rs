@@ -10,7 +10,7 @@ use super::particles::{reserve, Allocated, ParticleArrays};
 use super::registers::Line;
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
-const FIRST_MARGIN: f64 = 0.02;
+const FIRST_MARGIN: f64 = 0.01;
 const SMALLEST_MARGIN: f64 = 0.001;
 const LARGEST_MARGIN: f64 = 0.2;
 /// By how much it changes at most at once.
