@@ -56,8 +56,8 @@ impl BatchTallies {
     };
 }
 
-/// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses, which
-/// helps from anywhere, the others Newton's.
+/// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses where
+/// there is a gap, which helps from far away, the others Newton's.
 const IMPROVEMENTS: usize = 3;
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
@@ -177,16 +177,17 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
         if apart == all || left == 0 {
             break;
         }
+        // Between the witnesses of overlapping projections there is no way out of the bodies.
         let between = d - point_i - point_j;
         let square = between.norm_squared();
         let longer = d.norm_squared() * 1e-20;
-        let next = between * square.max(longer).reciprocal_sqrt();
-        let next = select3(longer.less(square), next, n);
+        let leads = registers.and(longer.less(square), zero.less(gap));
+        let along = between * square.max(longer).reciprocal_sqrt();
+        let (newton, sound) = newton_step(registers, &i.body, &j.body, d, n);
         n = if left == IMPROVEMENTS {
-            next
+            select3(leads, along, select3(sound, newton, n))
         } else {
-            let (newton, sound) = newton_step(registers, &i.body, &j.body, d, n);
-            select3(sound, newton, next)
+            select3(sound, newton, select3(leads, along, n))
         };
     }
     put(
