@@ -58,7 +58,9 @@ impl BatchTallies {
 
 /// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses where
 /// there is a gap, which helps from far away, the others Newton's.
-const IMPROVEMENTS: usize = 3;
+const IMPROVEMENTS: usize = 6;
+/// Square of a step that widens a gap by so little that it is the last.
+const SHORT_STEP: f64 = 1e-5;
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
 /// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
@@ -157,14 +159,15 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
     j: &[&Record; MOST_LANES],
     lines: &mut [Line; MOST_LANES],
     margin: f64,
+    stay: u32,
 ) -> u32 {
     let (i, j) = (K::load(registers, i), K::load(registers, j));
     let d = j.centre - i.centre;
     let mut n = starts(registers, lines, d);
     let zero = Lanes::splat(registers, 0.0);
     let margin = Lanes::splat(registers, margin);
-    let all = (1u32 << S::LANES) - 1;
     let mut apart = 0;
+    let mut open = (1u32 << S::LANES) - 1;
     let mut best = n;
     let mut widest = zero.constant(f64::NEG_INFINITY);
     for left in (0..=IMPROVEMENTS).rev() {
@@ -174,7 +177,8 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
         apart |= registers.bits(margin.less(gap));
         best = select3(widest.less(gap), n, best);
         widest = widest.max(gap);
-        if apart == all || left == 0 {
+        open &= !(apart | stay);
+        if open == 0 || left == 0 {
             break;
         }
         // Between the witnesses of overlapping projections there is no way out of the bodies.
@@ -183,7 +187,9 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
         let longer = d.norm_squared() * 1e-20;
         let leads = registers.and(longer.less(square), zero.less(gap));
         let along = between * square.max(longer).reciprocal_sqrt();
-        let (newton, sound) = newton_step(registers, &i.body, &j.body, d, n);
+        let (newton, square, sound) = newton_step(registers, &i.body, &j.body, d, n);
+        // A gap as wide as it gets.
+        open &= !registers.bits(registers.and(sound, square.less(square.constant(SHORT_STEP))));
         n = if left == IMPROVEMENTS {
             select3(leads, along, select3(sound, newton, n))
         } else {
@@ -198,7 +204,8 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
     apart
 }
 
-/// The normal that one step of Newton's method leads to, and where it can be trusted.
+/// The normal that one step of Newton's method leads to, half a radian away at most, the square of the whole step, and
+/// where it can be trusted.
 #[inline(always)]
 fn newton_step<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
@@ -206,17 +213,18 @@ fn newton_step<S: Registers, B: ConvexBody<Lanes<S>>>(
     j: &B,
     d: Vector3<Lanes<S>>,
     n: Vector3<Lanes<S>>,
-) -> (Vector3<Lanes<S>>, S::Mask) {
-    let zero = d.x.constant(0.0);
+) -> (Vector3<Lanes<S>>, Lanes<S>, S::Mask) {
+    let tiny = d.x.constant(1e-290);
     let base = Tangent::new(n);
     let at = TangentModel::new(i, j, d, n, &base).at_base();
-    let (change, square, good) = newton_change(registers, &at);
-    let turned = n + base.vector(change);
-    let sound = registers.and(good, zero.less(square));
-    (turned * (square + 1.0).reciprocal_sqrt(), sound)
+    let (change, square, definite) = newton_change(registers, &at);
+    let shorter = (square.max(tiny).reciprocal_sqrt() * 0.5).min(tiny.constant(1.0));
+    let turned = n + base.vector(change * shorter);
+    let length = turned.norm_squared().max(tiny);
+    (turned * length.reciprocal_sqrt(), square, definite)
 }
 
-/// Newton's step in the tangent plane, its square, and where the Hessian is safely positive and the step not long.
+/// Newton's step in the tangent plane, its square, and where the Hessian is safely positive.
 #[inline(always)]
 fn newton_change<S: Registers>(
     registers: S,
@@ -225,13 +233,8 @@ fn newton_change<S: Registers>(
     let zero = at.value.constant(0.0);
     let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
     let change = at.hessian.adjugate().apply(at.gradient) * (zero - determinant.reciprocal());
-    let square = change.dot(change);
-    let definite = (trace * trace * 1e-11).less(determinant);
-    let good = registers.and(
-        registers.and(definite, zero.less(trace)),
-        square.less(zero.constant(0.25)),
-    );
-    (change, square, good)
+    let definite = registers.and((trace * trace * 1e-11).less(determinant), zero.less(trace));
+    (change, change.dot(change), definite)
 }
 
 macro_rules! load_constants {
@@ -293,7 +296,8 @@ fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     let mut step = 0;
     let mut last = Lanes::splat(registers, STEP_BEFORE);
     loop {
-        let (change, square, good) = newton_change(registers, &at);
+        let (change, square, definite) = newton_change(registers, &at);
+        let good = registers.and(definite, square.less(one * 0.25));
         hard = registers.or(hard, registers.and_not(active, good));
         active = registers.and(active, good);
         y = Vector2::new(

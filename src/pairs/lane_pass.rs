@@ -417,8 +417,10 @@ fn settle<S: Registers, K: Kind>(
     let apart = if K::SPHERES {
         0
     } else {
-        let Pending { i, j, start, .. } = &mut *pending;
-        separated_by::<S, K>(registers, i, j, start, candidates.margin) & !pending.stay
+        let Pending {
+            i, j, start, stay, ..
+        } = &mut *pending;
+        separated_by::<S, K>(registers, i, j, start, candidates.margin, *stay) & !*stay
     };
     let law = |pair: &Candidate| {
         laws.get(
