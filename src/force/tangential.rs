@@ -132,7 +132,11 @@ pub fn tangential_force<T: Real>(
         let inverse = square.max(normal.force.constant(1e-290)).reciprocal_sqrt();
         force = force * T::select(limit.less(square * inverse), limit * inverse, one);
     }
-    let displacement = compliance.apply(zeta);
+    let displacement = match kinds.displacement {
+        // What zeta was made of, clipped with it.
+        Displacement::Total => (memory + increment) * clip,
+        _ => compliance.apply(zeta),
+    };
     TangentialForce {
         force: force * -one,
         memory: match kinds.displacement {

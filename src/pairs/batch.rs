@@ -10,7 +10,9 @@ use super::lanes::Lanes;
 use super::particles::Record;
 use super::registers::{Line, Registers, MOST_LANES};
 use super::shapes::Kind;
-use crate::force::hertz_factors::{fit_variable, fitted, FIT_END};
+use crate::force::hertz_factors::{
+    fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
+};
 use crate::force::{Factors, LawConstants, PairLaw};
 use crate::geometry::tangent_model::{TangentModel, TangentPoint};
 use crate::geometry::{ConvexBody, SupportInFrame, Symmetric2, Tangent, Vector2, Vector3};
@@ -518,10 +520,17 @@ pub(super) fn run<
             sigma: zero,
         }
     } else {
-        let w = fit_variable(curvature.trace(), curvature.determinant());
-        let beyond = Lanes::splat(registers, FIT_END).less(w);
-        hard = registers.or(hard, registers.and_not(beyond, found.separated));
-        fitted(w, FRICTION || CONSERVATIVE)
+        let (trace, determinant) = (curvature.trace(), curvature.determinant());
+        let q = near_variable(trace, determinant);
+        let near = registers.or(q.less(zero.constant(NEAR_END)), found.separated);
+        if registers.bits(near) == (1u32 << S::LANES) - 1 {
+            fitted_near(q, FRICTION || CONSERVATIVE)
+        } else {
+            let w = fit_variable(trace, determinant);
+            let beyond = zero.constant(FIT_END).less(w);
+            hard = registers.or(hard, registers.and_not(beyond, found.separated));
+            fitted(w, FRICTION || CONSERVATIVE)
+        }
     };
     let constants = load_constants!(
         registers,

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Hertz factors of an elliptical contact: `F1`, `F2`, the axis ratio, and the anisotropy of the tangential compliance.
 //!
-//! The natural variable of the fitted functions is `w = ln((A+B)^2/(4AB))`; see [`fit_coefficients`] and its generator
-//! `validation/hertz_factors/fit.py`. Precision: 1e-14 relative inside the fit (B/A up to 6.5e5; sigma 1e-12), 1e-13 by
-//! iteration beyond (checked to B/A = 1e8).
+//! The natural variable of the fitted functions is `w = ln((A+B)^2/(4AB))`; up to B/A = 10 a variable without a logarithm
+//! takes half as long. See [`fit_coefficients`] and its generator `validation/hertz_factors/fit.py`. Precision: 1e-15
+//! relative up to B/A = 10, 1e-14 to 6.5e5 (sigma 1e-12), 1e-13 by iteration beyond (checked to B/A = 1e8).
 
 pub mod fit_coefficients;
 
 use super::elliptic_integrals::{ellipse_integrals, EllipseIntegrals};
 use crate::real::Real;
-use fit_coefficients::{PHI, SIGMA, W_MAX};
+use fit_coefficients::{NEAR_PHI, NEAR_SIGMA, PHI, Q_MAX, SIGMA, W_MAX};
+
+/// Where the fit near a circle ends, in [`near_variable`]: B/A = 10.
+pub(crate) const NEAR_END: f64 = Q_MAX;
 
 /// Where the fit ends, in [`fit_variable`]: B/A = 6.5e5.
 pub(crate) const FIT_END: f64 = W_MAX;
@@ -35,6 +38,24 @@ pub fn fit_variable<T: Real>(trace: T, determinant: T) -> T {
     (trace * trace * (determinant.reciprocal() * 0.25))
         .ln()
         .max(zero)
+}
+
+/// The variable of the fit near a circle: `((sqrt(B) - sqrt(A))/(sqrt(B) + sqrt(A)))^2`, 0 for a circle.
+#[inline(always)]
+pub fn near_variable<T: Real>(trace: T, determinant: T) -> T {
+    let twice = determinant.sqrt() * 2.0;
+    (trace - twice) * (trace + twice).reciprocal()
+}
+
+/// The fitted factors for `0 <= q <= `[`NEAR_END`], in lanes. `sigma` only where it is asked for.
+#[inline(always)]
+pub fn fitted_near<T: Real>(q: T, with_sigma: bool) -> Factors<T> {
+    let (phi, sigma) = if with_sigma {
+        polynomials(&NEAR_PHI, &NEAR_SIGMA, q)
+    } else {
+        (polynomials(&NEAR_PHI, &NEAR_PHI, q).0, q.constant(0.0))
+    };
+    Factors { phi, sigma }
 }
 
 /// The fitted factors for `0 <= w <= 12`, in lanes; beyond, the value at the end (the caller tests `w`). `sigma` only where
@@ -78,6 +99,10 @@ fn polynomials<T: Real, const N: usize>(p: &[f64; N], q: &[f64; N], x: T) -> (T,
 /// The factors for any curvature, one contact: the fit, and iteration beyond it.
 #[inline(always)]
 pub fn exact(trace: f64, determinant: f64, with_sigma: bool) -> Factors {
+    let q = near_variable(trace, determinant);
+    if q <= Q_MAX {
+        return fitted_near(q, with_sigma);
+    }
     let w = fit_variable(trace, determinant);
     if w <= W_MAX {
         fitted(w, with_sigma)
