@@ -292,6 +292,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                     let record = &records[k as usize];
                     registers.prefetch(&record.pose.0[0]);
                     registers.prefetch(&record.motion.0[0]);
+                    registers.prefetch(&sums[k as usize].0[0]);
                 }
             }
             let j = &j[..S::LANES];

@@ -14,6 +14,9 @@ use crate::geometry::ellipsoid::rotation_columns;
 use crate::geometry::Vector3;
 use crate::real::Real;
 
+/// Particles between the one that is prepared and the one whose record is asked for.
+const AHEAD: usize = 24;
+
 /// What a preparation came to.
 #[derive(Debug, Default)]
 pub(super) struct Prepared {
@@ -50,6 +53,10 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
             sound: true,
         };
         for k in 0..self.arrays.positions.len() {
+            if let Some(ahead) = self.records.records.get(k + AHEAD) {
+                registers.prefetch(&ahead.pose.0[0]);
+                registers.prefetch(&ahead.motion.0[0]);
+            }
             // One look at each number, for the candidates and for the record.
             let shape = (self.arrays.shape)(k);
             if let Some(candidates) = self.candidates {
