@@ -43,6 +43,8 @@ pub(super) struct Batches {
     j: Vec<u32>,
     entries: Vec<u32>,
     bits: Vec<LaneBits>,
+    /// For each batch the least particle that a later one adds to.
+    later: Vec<u32>,
     /// Numbers of each pair that are remembered here: those of the engine's layout, and always the normal of a pair that
     /// is searched.
     here: HistoryLayout,
@@ -67,6 +69,7 @@ impl Default for Batches {
             j: Vec::new(),
             entries: Vec::new(),
             bits: Vec::new(),
+            later: Vec::new(),
             here: none,
             there: none,
             numbers: Vec::new(),
@@ -91,6 +94,7 @@ impl Batches {
         self.j.clear();
         self.entries.clear();
         self.bits.clear();
+        self.later.clear();
         self.numbers.clear();
         self.align();
         self.unwritten = false;
@@ -103,9 +107,28 @@ impl Batches {
         reserve(&mut self.j, batches * self.lanes, self.allocated);
         reserve(&mut self.entries, batches * self.lanes, self.allocated);
         reserve(&mut self.bits, batches, self.allocated);
+        reserve(&mut self.later, batches, self.allocated);
         let numbers = LINE + batches * self.here.length * self.lanes;
         reserve(&mut self.numbers, numbers, self.allocated);
         self.align();
+    }
+
+    /// Once all pairs are there: which sums are whole after which batch.
+    pub fn end(&mut self) {
+        self.later.resize(self.bits.len(), u32::MAX);
+        let mut least = u32::MAX;
+        for (batch, later) in self.later.iter_mut().enumerate().rev() {
+            *later = least;
+            for k in batch * self.lanes..(batch + 1) * self.lanes {
+                least = least.min(self.i[k]).min(self.j[k]);
+            }
+        }
+    }
+
+    /// The particles below this one get nothing from any batch after this one.
+    #[inline(always)]
+    pub fn whole_below(&self, batch: usize) -> u32 {
+        self.later[batch]
     }
 
     /// Moves the numbers to where a cache line begins.
@@ -311,6 +334,7 @@ impl Batches {
     pub fn bytes(&self) -> usize {
         (self.i.capacity() + self.j.capacity() + self.entries.capacity()) * size_of::<u32>()
             + self.bits.capacity() * size_of::<LaneBits>()
+            + self.later.capacity() * size_of::<u32>()
             + self.numbers.capacity() * size_of::<f64>()
     }
 }

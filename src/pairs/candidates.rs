@@ -61,9 +61,9 @@ impl Candidates {
         self.valid
     }
 
-    /// Particles that have a candidate.
-    pub fn participants(&self) -> &[u32] {
-        &self.participants
+    /// The candidates, and the particles that have one, in rising order.
+    pub fn parts(&mut self) -> (&mut Batches, &[u32]) {
+        (&mut self.batches, &self.participants)
     }
 
     /// Bytes held.
@@ -221,6 +221,7 @@ impl Candidates {
             + COST_OF_NEAR * near as f64
             + COST_OF_PARTICLE * self.poses.len() as f64;
         self.batches.reserve(listed);
+        self.batches.end();
         self.participants.clear();
         self.takes_part.clear();
         self.takes_part.resize(self.poses.len(), false);

@@ -146,7 +146,6 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE>(workspace);
             }
         }
-        self.add_sums(&mut workspace.records, &workspace.candidates);
         if !workspace.keeps_history {
             workspace.candidates.batches.write(self.rows);
         }
@@ -284,7 +283,8 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             inverse_masses,
             shapes,
         };
-        let batches = &mut candidates.batches;
+        let (batches, participants) = candidates.parts();
+        let mut waiting = participants.iter();
         for number in 0..batches.count() {
             let (i, j, bits, mut numbers) = batches.batch(number);
             if let Some(ahead) = j.get(AHEAD * S::LANES..(AHEAD + 1) * S::LANES) {
@@ -337,6 +337,15 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 self.scalar_pair::<FRICTION, RATE, CONSERVATIVE>(pair, single);
                 batches.read_one(self.rows, number, lane);
             }
+            // While they are still close, and the arithmetic of the next batch hides the way to the engine's arrays.
+            let whole = batches.whole_below(number);
+            while let Some(&k) = waiting.as_slice().first().filter(|k| **k < whole) {
+                self.add_sum(sums, k as usize);
+                waiting.next();
+            }
+        }
+        for &k in waiting {
+            self.add_sum(sums, k as usize);
         }
     }
 
@@ -387,22 +396,19 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         }
     }
 
-    /// Hands the sums of this step to the engine's arrays and clears them.
+    /// Hands the sum of a particle to the engine's arrays and clears it.
     #[inline(always)]
-    fn add_sums(&mut self, particles: &mut Records, candidates: &Candidates) {
+    fn add_sum(&mut self, sums: &mut [Line], k: usize) {
         let a = &mut *self.accumulators;
-        for &k in candidates.participants() {
-            let k = k as usize;
-            let sum = &mut particles.sums[k].0;
-            if k < a.reaction_below {
-                let (force, torque) = (&mut a.forces[k], &mut a.torques[k]);
-                for axis in 0..3 {
-                    force[axis] += sum[axis];
-                    torque[axis] += sum[3 + axis];
-                }
+        let sum = &mut sums[k].0;
+        if k < a.reaction_below {
+            let (force, torque) = (&mut a.forces[k], &mut a.torques[k]);
+            for axis in 0..3 {
+                force[axis] += sum[axis];
+                torque[axis] += sum[3 + axis];
             }
-            *sum = Line::ZERO.0;
         }
+        *sum = Line::ZERO.0;
     }
 }
 
