@@ -11,16 +11,26 @@ pub struct Case {
     law: &'static str,
     /// Types in turns, each of a material of its own; of more than one the full law.
     materials: usize,
-    pub aspect: f64,
+    pub semi_axes: [f64; 3],
     /// Energies and virial, global and per particle.
     pub energies: bool,
 }
+
+/// An axis of revolution, which has a kernel of its own; three axes apart, with as many touching pairs in a list that is a
+/// fifth shorter; and spheres.
+const SPHEROID: [f64; 3] = [2.0, 1.0, 1.0];
+const TRIAXIAL: [f64; 3] = [2.0, 1.2, 1.0];
+const SPHERE: [f64; 3] = [1.0; 3];
 
 const FULL: &str = "nfd 1e7 0.3 50 50 tangential tfd 0.5";
 
 /// The first is the one that the others are compared with.
 pub const CASES: &[Case] = &[
     case("full law", FULL),
+    Case {
+        semi_axes: TRIAXIAL,
+        ..case("full law, three semi-axes", FULL)
+    },
     Case {
         energies: true,
         ..case("full law, energies and virial asked for", FULL)
@@ -49,11 +59,11 @@ pub const CASES: &[Case] = &[
         "hertz 1e7 0.3 conservative no",
     ),
     Case {
-        aspect: 1.0,
+        semi_axes: SPHERE,
         ..case("spheres, full law", FULL)
     },
     Case {
-        aspect: 1.0,
+        semi_axes: SPHERE,
         ..case("spheres, elastic, no friction", "hertz 1e7 0.3")
     },
 ];
@@ -63,7 +73,7 @@ const fn case(name: &'static str, law: &'static str) -> Case {
         name,
         law,
         materials: 1,
-        aspect: 2.0,
+        semi_axes: SPHEROID,
         energies: false,
     }
 }
@@ -97,6 +107,6 @@ impl Case {
                 })
             })
             .collect();
-        Laws::new(self.types(), &table, self.aspect != 1.0).expect("a law of the table")
+        Laws::new(self.types(), &table, self.semi_axes != SPHERE).expect("a law of the table")
     }
 }

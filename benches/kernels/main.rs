@@ -154,7 +154,7 @@ fn timed(steps: u64, mut step: impl FnMut() -> Duration) -> Duration {
 /// The whole list, by law and instruction set.
 fn laws(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     for case in CASES {
-        let scene = LazyCell::new(|| Scene::new(case.aspect, DENSE, case.types()));
+        let scene = LazyCell::new(|| Scene::new(case.semi_axes, DENSE, case.types()));
         let laws = case.laws();
         let mut group = criterion.benchmark_group(format!("pairs, {}", case.name));
         for set in instruction_sets() {
@@ -180,7 +180,7 @@ fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
         ("rejected, cold start", APART, true),
         ("dense, cold start", DENSE, true),
     ] {
-        let scene = LazyCell::new(|| Scene::new(full.aspect, spacing, 1));
+        let scene = LazyCell::new(|| Scene::new(full.semi_axes, spacing, 1));
         let mut group = criterion.benchmark_group(name);
         for set in instruction_sets() {
             let mut run = None;
@@ -205,7 +205,7 @@ fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 fn preparation(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
     let laws = full.laws();
-    let scene = Scene::new(full.aspect, DENSE, 1);
+    let scene = Scene::new(full.semi_axes, DENSE, 1);
     let mut run = Run::new(&scene, &laws, false, InstructionSet::widest());
     facts.push(run.fact("preparation of particles".into()));
     let mut workspace = run.workspace;
@@ -227,7 +227,7 @@ fn preparation(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 fn one_by_one(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
     let laws = full.laws();
-    let scene = Scene::new(full.aspect, DENSE, 1);
+    let scene = Scene::new(full.semi_axes, DENSE, 1);
     let mut run = Run::new(&scene, &laws, false, InstructionSet::Scalar);
     let mut fact = run.fact("one contact at a time".into());
     let length = laws.layout().length;

@@ -52,8 +52,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Grains `aspect x 1 x 1` whose neighbours in the lattice stand `spacing` apart before stretching (touching: 2).
-    pub fn new(aspect: f64, spacing: f64, type_count: usize) -> Self {
+    /// Grains whose neighbours in the lattice stand `spacing` apart before stretching (touching: 2).
+    pub fn new(semi_axes: [f64; 3], spacing: f64, type_count: usize) -> Self {
         let mut random = Random::new(3);
         let cell = spacing * 2f64.sqrt();
         let mut frames: Vec<Frame> = (0..FRAMES)
@@ -81,9 +81,8 @@ impl Scene {
                     let speed =
                         AMPLITUDE * phase.cos() * std::f64::consts::TAU / FRAMES as f64 / TIME_STEP;
                     frame.positions.push(core::array::from_fn(|k| {
-                        let stretch = if k == 0 { aspect } else { 1.0 };
                         let lattice = (corner[k] as f64 + place[k]) * cell + 0.012 * shaken[k];
-                        lattice * stretch + moved * along[k]
+                        lattice * semi_axes[k] + moved * along[k]
                     }));
                     frame.velocities.push(along.map(|x| speed * x));
                     frame.rotations.push(about.map(|x| speed * x));
@@ -94,9 +93,10 @@ impl Scene {
             }
         }
         let count = frames[0].positions.len();
-        let (starts, neighbours) = list(&frames[0].positions, 2.0 * aspect.max(1.0) * SKIN);
+        let longest = semi_axes.into_iter().fold(0.0, f64::max);
+        let (starts, neighbours) = list(&frames[0].positions, 2.0 * longest * SKIN);
         Scene {
-            semi_axes: [aspect, 1.0, 1.0],
+            semi_axes,
             types: (0..count).map(|k| 1 + (k % type_count) as i32).collect(),
             frames,
             starts,

@@ -69,6 +69,8 @@ fn each_gives_the_numbers_of_single_contacts() {
     for set in InstructionSet::ALL {
         if set.is_available() {
             run("paths::a_longer_history", set.name());
+            run("shapes::lists_of_each_kind", set.name());
+            run("shapes::lists_that_change_kind", set.name());
         }
     }
 }

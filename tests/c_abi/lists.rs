@@ -92,39 +92,6 @@ fn shapes_in_an_array_of_structures() {
     assert!(shapes.iter().all(|s| s.moments[0].is_nan()));
 }
 
-/// `R diag(I) R^T w` for a solid ellipsoid.
-fn angular_momentum(semi_axes: [f64; 3], q: [f64; 4], mass: f64, omega: [f64; 3]) -> [f64; 3] {
-    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let [w, x, y, z] = q.map(|c| c / length);
-    let axes = [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ],
-        [
-            2.0 * (x * y - w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + w * x),
-        ],
-        [
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ];
-    let square: f64 = semi_axes.iter().map(|a| a * a).sum();
-    let mut sum = [0.0; 3];
-    for (axis, a) in axes.iter().zip(semi_axes) {
-        let inertia = 0.2 * mass * (square - a * a);
-        let along: f64 = inertia * (0..3).map(|k| axis[k] * omega[k]).sum::<f64>();
-        for k in 0..3 {
-            sum[k] += along * axis[k];
-        }
-    }
-    sum
-}
-
 #[test]
 fn angular_momenta_in_place_of_velocities() {
     let (mut arrays, mut list) = scene();

@@ -13,6 +13,7 @@ mod lists;
 mod null_pointers;
 mod paths;
 mod scene;
+mod shapes;
 mod stages;
 mod threads;
 mod unchanged;

@@ -2,10 +2,15 @@
 //! Do the fitted factors join the iterated ones, and is the gradient's function the derivative of the force's?
 
 use crate::support::elliptic::{complete, curvature_ratio};
-use ellgran::force::hertz_factors::{contact_ellipse, exact, fitted};
+use crate::support::golden::factors;
+use ellgran::force::hertz_factors::{
+    contact_ellipse, exact, fit_variable, fitted, fitted_near, near_variable,
+};
 
 /// End of the fit in `w = ln((A+B)^2/(4AB))`.
 const END: f64 = 12.0;
+/// B/A where the fit without a logarithm ends.
+const NEAR_END: f64 = 10.0;
 
 /// Trace and determinant of a curvature matrix with this `w`.
 fn at(w: f64) -> (f64, f64) {
@@ -40,6 +45,67 @@ fn no_jump_at_the_end_of_the_fit() {
         assert!((after.phi / before.phi - 1.0 - change).abs() < 1e-13 + 1e-3 * change);
         assert!((after.sigma - before.sigma).abs() < 2e-12 + distance);
     }
+}
+
+#[test]
+fn both_fits_agree_where_the_one_without_a_logarithm_ends() {
+    let mut worst = [0.0f64; 2];
+    for k in 0..=200 {
+        let ratio = NEAR_END * (1.0 - 1e-3 * k as f64);
+        let (trace, determinant) = (1.0 + ratio, ratio);
+        let near = fitted_near(near_variable(trace, determinant), true);
+        let far = fitted(fit_variable(trace, determinant), true);
+        let apart = [near.phi / far.phi - 1.0, near.sigma / far.sigma - 1.0].map(f64::abs);
+        assert!(apart[0] < 1e-14 && apart[1] < 1e-12, "{ratio}: {apart:?}");
+        for (w, a) in worst.iter_mut().zip(apart) {
+            *w = w.max(a);
+        }
+    }
+    println!("largest relative differences of phi and sigma: {worst:?}");
+}
+
+#[test]
+fn no_jump_where_the_fit_without_a_logarithm_ends() {
+    for distance in [1e-9, 1e-12, 1e-14] {
+        let at = |ratio: f64| exact(1.0 + ratio, ratio, true);
+        let before = at(NEAR_END * (1.0 - distance));
+        let after = at(NEAR_END * (1.0 + distance));
+        // d ln(phi) = sigma/2 dw, and dw = (B - A)/(B + A) d ln(B/A).
+        let anisotropy = (NEAR_END - 1.0) / (NEAR_END + 1.0);
+        let change = before.sigma * anisotropy * distance;
+        assert!((after.phi / before.phi - 1.0 - change).abs() < 1e-14 + 1e-3 * change);
+        assert!((after.sigma / before.sigma - 1.0).abs() < 1e-12 + distance);
+    }
+}
+
+#[test]
+fn the_fit_without_a_logarithm_is_exact_to_rounding() {
+    let near = |ratio: f64| fitted_near(near_variable(1.0 + ratio, ratio), true);
+    let mut worst = [0.0f64; 3];
+    for k in 0..=400 {
+        let ratio = NEAR_END.powf(k as f64 / 400.0);
+        // The iteration's own error is as large.
+        let error = near(ratio).phi * contact_ellipse(ratio).f2.powf(1.5) - 1.0;
+        assert!(error.abs() < 4e-15, "phi at B/A = {ratio}: {error:e}");
+        worst[0] = worst[0].max(error.abs());
+    }
+    for row in factors().iter().filter(|row| row.ratio <= NEAR_END) {
+        let (r, f) = (row.ratio, near(row.ratio));
+        let error = f.phi / row.phi - 1.0;
+        assert!(error.abs() < 1e-15, "phi at B/A = {r}: {error:e}");
+        worst[1] = worst[1].max(error.abs());
+        // Bl/K is 1/2 less a sixth of this at least, and known to rounding.
+        let anisotropy = (r - 1.0) / (r + 1.0);
+        let error = f.sigma * anisotropy - (0.5 - row.beta_major);
+        assert!(
+            error.abs() < 2e-16 + 1e-15 * anisotropy,
+            "sigma at B/A = {r}: {error:e}"
+        );
+        if anisotropy > 0.1 {
+            worst[2] = worst[2].max((error / (f.sigma * anisotropy)).abs());
+        }
+    }
+    println!("largest relative errors of phi (two references) and of sigma: {worst:?}");
 }
 
 #[test]
