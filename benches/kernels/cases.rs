@@ -16,7 +16,8 @@ pub struct Case {
     pub energies: bool,
 }
 
-/// An axis of revolution, which has a kernel of its own; three axes apart; and none.
+/// An axis of revolution, which has a kernel of its own; three axes apart, with as many touching pairs in a list that is a
+/// fifth shorter; and spheres.
 const SPHEROID: [f64; 3] = [2.0, 1.0, 1.0];
 const TRIAXIAL: [f64; 3] = [2.0, 1.2, 1.0];
 const SPHERE: [f64; 3] = [1.0; 3];

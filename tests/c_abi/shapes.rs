@@ -65,12 +65,12 @@ fn grains(shape: impl Fn(&mut Random, usize) -> [f64; 3]) -> Vec<EllgranBody> {
     bodies
 }
 
-fn spheres() -> Vec<EllgranBody> {
+pub fn spheres() -> Vec<EllgranBody> {
     grains(|random, _| [random.between(0.9, 1.15); 3])
 }
 
 /// Of all kinds, the axis of revolution each of the three.
-fn mixture() -> Vec<EllgranBody> {
+pub fn mixture() -> Vec<EllgranBody> {
     grains(|random, k| match k / 3 % 3 {
         0 => prolate(random, k),
         1 => oblate(random, k),
@@ -86,7 +86,7 @@ fn one_triaxial(which: usize) -> Vec<EllgranBody> {
 }
 
 /// A face-centred packing of spheres, stretched thirtyfold along some axes.
-fn slender(stretch: [f64; 3]) -> Vec<EllgranBody> {
+pub fn slender(stretch: [f64; 3]) -> Vec<EllgranBody> {
     let mut random = Random(23);
     let mut bodies = random_bodies(5);
     for (k, body) in bodies.iter_mut().enumerate() {

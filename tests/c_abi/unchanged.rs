@@ -3,9 +3,11 @@
 
 use std::ptr::null_mut;
 
+use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
 
 use crate::scene::*;
+use crate::shapes;
 
 const DECK: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
 const OWNED: usize = 44;
@@ -14,10 +16,17 @@ const STEPS: usize = 60;
 const TOLERANCE: f64 = 1e-9;
 
 /// Both runs step after step, one with a new workspace and a new list each time, and how often they touched.
-fn compare(motion: impl Fn(usize, &mut [ellgran::c_api::contact::EllgranBody])) -> (usize, usize) {
+fn compare(motion: impl Fn(usize, &mut [EllgranBody])) -> (usize, usize) {
+    compare_scene(random_bodies(11), STEPS, motion)
+}
+
+fn compare_scene(
+    mut bodies: Vec<EllgranBody>,
+    steps: usize,
+    motion: impl Fn(usize, &mut [EllgranBody]),
+) -> (usize, usize) {
     let laws = Laws::new(&[DECK, DECK]);
     let kept = WorkspaceHandle::new();
-    let mut bodies = random_bodies(11);
     // All pairs are listed: nothing is missed for want of an entry.
     let rows: Vec<Vec<i32>> = (0..OWNED)
         .map(|i| (i as i32 + 1..bodies.len() as i32).collect())
@@ -25,7 +34,7 @@ fn compare(motion: impl Fn(usize, &mut [ellgran::c_api::contact::EllgranBody])) 
     let mut list = List::new(rows.clone(), laws.length());
     let mut other = List::new(rows, laws.length());
     let (mut touching, mut changes) = (0, 0);
-    for step in 0..STEPS {
+    for step in 0..steps {
         motion(step, &mut bodies);
         let before = list.touching.clone();
         let mut forces = Vec::new();
@@ -97,4 +106,32 @@ fn shapes_change() {
         body.semi_axes = body.semi_axes.map(|a| a * factor);
     });
     assert!(touching > 500 && changes > 10, "{touching} {changes}");
+}
+
+/// Long enough for the margin within which pairs are looked at to follow the motion both ways: wider while the grains
+/// drift, as narrow as it becomes while they stand, and far too narrow for what comes at once.
+#[test]
+fn the_margin_follows_the_motion() {
+    for (name, bodies) in [
+        ("ellipsoids", random_bodies(11)),
+        ("spheroids", shapes::mixture()),
+        ("spheres", shapes::spheres()),
+        ("needles", shapes::slender([30.0, 1.0, 1.0])),
+    ] {
+        let (touching, changes) = compare_scene(bodies, 480, |step, bodies| match step {
+            0..80 => advance(bodies, 1e-4),
+            80..360 => (),
+            // One jumps, and another turns.
+            360 => bodies[21].position[1] += 0.1,
+            370 => bodies[26].quaternion[2] += 0.1,
+            380..390 => (),
+            390..400 => advance(bodies, 1e-2),
+            400..440 => advance(bodies, 5e-4),
+            _ => (),
+        });
+        assert!(
+            touching > 10_000 && changes > 5,
+            "{name}: {touching} {changes}"
+        );
+    }
 }
