@@ -76,7 +76,7 @@ pub struct Particle {
 }
 
 /// A prepared particle as the lanes load it: two cache lines, transposed into registers. What they hold depends on the
-/// shapes of the list; see [`super::shapes`].
+/// shapes of the list (`shapes.rs`).
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Record {

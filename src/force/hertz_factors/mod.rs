@@ -47,7 +47,7 @@ pub fn near_variable<T: Real>(trace: T, determinant: T) -> T {
     (trace - twice) * (trace + twice).reciprocal()
 }
 
-/// The fitted factors for `0 <= q <= `[`NEAR_END`], in lanes. `sigma` only where it is asked for.
+/// The fitted factors for B/A up to 10, in lanes. `sigma` only where it is asked for.
 #[inline(always)]
 pub fn fitted_near<T: Real>(q: T, with_sigma: bool) -> Factors<T> {
     let (phi, sigma) = if with_sigma {
