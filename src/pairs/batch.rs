@@ -151,9 +151,9 @@ fn starts<S: Registers>(
 }
 
 /// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal, or one of those that
-/// `IMPROVEMENTS` steps lead to. `starts` are lines that begin with a
-/// normal; one that is no unit vector stands for the direction between the centres. Leaves there the normals with the
-/// widest gaps.
+/// `IMPROVEMENTS` steps lead to. `lines` begin with a normal; one that is no unit vector stands for the
+/// direction between the centres. Leaves there the normals with the widest gaps. No steps are taken for the pairs of
+/// `stay` alone.
 #[inline(always)]
 pub(super) fn separated_by<S: Registers, K: Kind>(
     registers: S,
