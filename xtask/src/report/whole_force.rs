@@ -449,7 +449,8 @@ pub fn section(output: &Path) -> Result<Section> {
          upper end of the line: 95 %. The reference is computed in `validation/report/whole_force.rs` by another way than the library's; what is \
          left is the rounding of coordinates, of which the overlap is a small difference. The built-in LAMMPS style takes a spring constant, here 4/3 E*; LIGGGHTS takes E and nu. Time: pair time of the whole packing in motion, \
          neighbours that do not touch included, friction and damping on unless it says otherwise, over the number of contacts; LAMMPS with \
-         newton off, LIGGGHTS built with -O3. A running simulation starts each search from the last normal.\n",
+         newton off, LIGGGHTS built with -O3. A running simulation starts each search from the last normal. Elastic grains without friction lose no \
+         energy and move the faster, so that pairs that may touch are found anew more often: what their law saves is in the kernels of `cargo xtask bench`.\n",
         scientific(of("ours", "high_error")?),
         short(ours),
         short(of("ours hale", "ns_per_contact")? / ours),
