@@ -160,17 +160,7 @@ impl<T: Real> InFrame<T> {
     /// `b - self x a`.
     #[inline(always)]
     fn cross_subtract(self, a: Self, b: Self) -> Self {
-        let (p, q, r) = (self.tangential, a.tangential, b.tangential);
-        let u = self.normal.multiply_add(q.v, r.u);
-        let v = p.u.multiply_add(a.normal, r.v);
-        let normal = p.v.multiply_add(q.u, b.normal);
-        InFrame {
-            tangential: Vector2::new(
-                p.v.negative_multiply_add(a.normal, u),
-                self.normal.negative_multiply_add(q.u, v),
-            ),
-            normal: p.u.negative_multiply_add(q.v, normal),
-        }
+        a.cross_add(self, b)
     }
     /// `self + s (direction, along)`.
     #[inline(always)]
