@@ -16,8 +16,9 @@ const LARGEST_MARGIN: f64 = 0.2;
 /// By how much it changes at most at once.
 const LARGEST_CHANGE: f64 = 4.0;
 
-/// What it costs to find the candidates, in units of a candidate's computation (measured, dense packing of aspect ratio 2):
-/// per pair of the list, per pair whose bounding spheres come near, and per particle.
+/// What it costs to find the candidates, in units of a candidate's computation: per pair of the list, per pair whose
+/// bounding spheres come near, and per particle. Only their sum was measured, once (12 units a grain in a dense packing of
+/// aspect ratio 2); how it divides is a guess. The best margin is flat: it goes with the root of the cost.
 const COST_OF_LISTED: f64 = 0.25;
 const COST_OF_NEAR: f64 = 0.75;
 const COST_OF_PARTICLE: f64 = 2.0;
