@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "comm.h"
 #include "compute.h"
 #include "compute_pair_gran_local.h"
 #include "error.h"
@@ -82,6 +83,11 @@ void ellgran_check_commands(LAMMPS *lmp)
     Fix *const fix = modify->fix[k];
     for (size_t r = 0; r < sizeof(FIXES) / sizeof(FIXES[0]); r++)
       if (strcmp(fix->style, FIXES[r].style) == 0) refuse(lmp, "fix", fix->id, fix->style, FIXES[r].reason);
+    if (strcmp(fix->style, "move") == 0 && lmp->comm->me == 0) {
+      char message[200];
+      snprintf(message, sizeof(message), "surface ellipsoid: fix %s (move) carries ellipsoids and does not turn them", fix->id);
+      lmp->error->warning(FLERR, message);
+    }
     FixHeatGranCond *const conduction = dynamic_cast<FixHeatGranCond *>(fix);
     if (conduction && !Conduction::is_constant(conduction))
       refuse(lmp, "fix", fix->id, fix->style,

@@ -34,6 +34,22 @@ Table &table()
   static Table all;
   return all;
 }
+
+// The neighbour lists are made by the bounding radius, which some commands change without the shape. LIGGGHTS takes it a little
+// larger than the largest semi-axis.
+void check_radius(LAMMPS *lmp, int i)
+{
+  const double *const axes = lmp->atom->shape[i];
+  const double radius = lmp->atom->radius[i];
+  const double reach = std::max(axes[0], std::max(axes[1], axes[2]));
+  if (radius >= (1.0 - 1e-9) * reach && radius <= 1.001 * reach) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "ellgran: particle %d: its bounding radius is %g and its largest semi-axis %g; change its 'shape', and neither its "
+           "'diameter' nor its 'radius'",
+           lmp->atom->tag[i], radius, reach);
+  lmp->error->one(FLERR, message);
+}
 }
 
 const EllgranWallSurface *EllgranContact::acting_wall = NULL;
@@ -277,16 +293,7 @@ void EllgranContact::check_particles() const
     EllgranContactGeometry unused;
     const EllgranPlane plane = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}};
     check(ellgran_contact_geometry_plane(&body, &plane, &unused));
-    const double radius = lmp->atom->radius[i];
-    const double reach = std::max(body.semi_axes[0], std::max(body.semi_axes[1], body.semi_axes[2]));
-    if (radius < 0.999999 * reach) {
-      char message[300];
-      snprintf(message, sizeof(message),
-               "ellgran: particle %d: its bounding radius %g is less than its largest semi-axis %g, so that contacts would be "
-               "missed; change 'shape', and neither 'diameter' nor 'radius'",
-               lmp->atom->tag[i], radius, reach);
-      lmp->error->one(FLERR, message);
-    }
+    check_radius(lmp, i);
   }
 }
 
@@ -300,6 +307,8 @@ EllgranParticles EllgranContact::particles() const
   all.count = count;
   if (count == 0) return all;
   for (int i = 0; i < count; i++) check_blockiness(i);
+  if (lmp->neighbor->ago == 0)
+    for (int i = 0; i < count; i++) check_radius(lmp, i);
   all.positions = atom->x[0];
   all.velocities = atom->v[0];
   all.angular_velocities = atom->omega[0];

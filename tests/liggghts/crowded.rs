@@ -13,11 +13,19 @@ const SPACING: f64 = 4e-3;
 fn spikes(count: usize) -> String {
     let mut text = String::from("solid spikes\n");
     for k in 0..count {
-        let tip = [SPACING * (k as f64 - 0.5 * (TIPS - 1) as f64), 0.0, -1e-6 * k as f64];
+        let tip = [
+            SPACING * (k as f64 - 0.5 * (TIPS - 1) as f64),
+            0.0,
+            -1e-6 * k as f64,
+        ];
         let foot: Vec<[f64; 3]> = (0..3)
             .map(|m| {
                 let angle = std::f64::consts::TAU * m as f64 / 3.0;
-                [tip[0] + 1e-3 * angle.cos(), 1e-3 * angle.sin(), tip[2] - 5e-3]
+                [
+                    tip[0] + 1e-3 * angle.cos(),
+                    1e-3 * angle.sin(),
+                    tip[2] - 5e-3,
+                ]
             })
             .collect();
         for m in 0..3 {

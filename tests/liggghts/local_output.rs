@@ -31,7 +31,14 @@ const OPTIONS: [(&str, usize); 12] = [
 type Row = HashMap<&'static str, Vec<f64>>;
 
 /// The rows of the last table of a compute with these options.
-fn rows(scene: &Scene, deck: Deck, compute: &str, options: &[&str], name: &str, ranks: usize) -> (Outcome, Vec<Row>) {
+fn rows(
+    scene: &Scene,
+    deck: Deck,
+    compute: &str,
+    options: &[&str],
+    name: &str,
+    ranks: usize,
+) -> (Outcome, Vec<Row>) {
     let engine = Engine::from_environment();
     let directory = fresh_directory(&name.replace(' ', "_"));
     fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
@@ -46,7 +53,10 @@ fn rows(scene: &Scene, deck: Deck, compute: &str, options: &[&str], name: &str, 
     deck.fixes.extend([
         format!("compute local all {compute} {}", options.join(" ")),
         format!("dump local all local 1 local{numbers}"),
-        format!("dump_modify local format \"{}\"", "%.17g ".repeat(count).trim_end()),
+        format!(
+            "dump_modify local format \"{}\"",
+            "%.17g ".repeat(count).trim_end()
+        ),
     ]);
     let outcome = run_in(&engine, &directory, scene, &deck, ranks);
     let text = fs::read_to_string(directory.join("local")).unwrap();
@@ -55,7 +65,10 @@ fn rows(scene: &Scene, deck: Deck, compute: &str, options: &[&str], name: &str, 
         .lines()
         .skip(1)
         .map(|line| {
-            let values: Vec<f64> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
+            let values: Vec<f64> = line
+                .split_whitespace()
+                .map(|w| w.parse().unwrap())
+                .collect();
             assert_eq!(values.len(), count);
             let mut at = 0;
             columns
@@ -82,7 +95,9 @@ fn oblique() -> Scene {
     Scene::open(
         0.1,
         vec![
-            grain(0.0, 0.0, 0.0).turned(about([0.3, 1.0, 0.2], 0.4)).moving([0.1, 0.0, 0.05]),
+            grain(0.0, 0.0, 0.0)
+                .turned(about([0.3, 1.0, 0.2], 0.4))
+                .moving([0.1, 0.0, 0.05]),
             grain(3e-3, 2e-3, 4.2e-3).turned(about([1.0, 0.1, 0.5], -0.3)),
         ],
     )
@@ -131,7 +146,9 @@ fn deck(model: &str) -> Deck {
         model: model.into(),
         materials: vec![[1e7, 0.3, 50.0, 50.0]],
         time_step: 1e-12,
-        before: vec!["fix roll all property/global coefficientRollingFriction peratomtypepair 1 0.1".into()],
+        before: vec![
+            "fix roll all property/global coefficientRollingFriction peratomtypepair 1 0.1".into(),
+        ],
         ..Deck::new(ELASTIC, 0.5)
     }
 }
@@ -141,8 +158,8 @@ fn a_pair_under_every_option() {
     let scene = oblique();
     let truth = reference(&scene);
     let normal = truth.normal.to_array();
-    let area = std::f64::consts::PI * truth.penetration
-        / (truth.curvature_a * truth.curvature_b).sqrt();
+    let area =
+        std::f64::consts::PI * truth.penetration / (truth.curvature_a * truth.curvature_b).sqrt();
     let all: Vec<&str> = OPTIONS.iter().map(|(word, _)| *word).collect();
     for model in [
         "nfd tangential tfd surface ellipsoid",
@@ -154,7 +171,11 @@ fn a_pair_under_every_option() {
         let row = &found[0];
         let near = |word: &str, truth: &[f64], size: f64| {
             for (a, b) in row[word].iter().zip(truth) {
-                assert!((a - b).abs() < 1e-6 * size, "{model}, {word}: {:?}, {truth:?}", row[word]);
+                assert!(
+                    (a - b).abs() < 1e-6 * size,
+                    "{model}, {word}: {:?}, {truth:?}",
+                    row[word]
+                );
             }
         };
         near("delta", &[truth.penetration], truth.penetration);
@@ -164,8 +185,14 @@ fn a_pair_under_every_option() {
         let first = row["id"][0] as usize - 1;
         let state = &outcome.last().states[first];
         let (force, torque) = (vector(&row["force"]), vector(&row["torque"]));
-        assert!(length(sub(force, state.force)) < 1e-2 * length(force), "{model}");
-        assert!(length(sub(torque, state.torque)) < 1e-2 * length(torque), "{model}");
+        assert!(
+            length(sub(force, state.force)) < 1e-2 * length(force),
+            "{model}"
+        );
+        assert!(
+            length(sub(torque, state.torque)) < 1e-2 * length(torque),
+            "{model}"
+        );
         for (whole, along, across) in [
             (force, "force_normal", "force_tangential"),
             (torque, "torque_normal", "torque_tangential"),
@@ -179,7 +206,10 @@ fn a_pair_under_every_option() {
             let arm = sub(vector(&row["contactPoint"]), scene.grains[first].position);
             assert!(length(sub(cross(arm, force), torque)) < 1e-5 * length(torque));
         }
-        assert_eq!(vector(&row["pos"]).map(|v| (v * 1e9).round()), scene.grains[first].position.map(|v| (v * 1e9).round()));
+        assert_eq!(
+            vector(&row["pos"]).map(|v| (v * 1e9).round()),
+            scene.grains[first].position.map(|v| (v * 1e9).round())
+        );
     }
 }
 
@@ -225,7 +255,14 @@ fn rows_belong_to_their_contacts() {
     let by_pair = |ranks: usize| {
         let mut deck = deck("nfd surface ellipsoid");
         deck.materials = vec![ELASTIC];
-        let (outcome, found) = rows(&scene, deck, "pair/gran/local", &options, &format!("{ranks}"), ranks);
+        let (outcome, found) = rows(
+            &scene,
+            deck,
+            "pair/gran/local",
+            &options,
+            &format!("{ranks}"),
+            ranks,
+        );
         let mut sums = vec![[0.0; 3]; scene.grains.len()];
         let mut pairs = vec![];
         for row in &found {
@@ -233,7 +270,11 @@ fn rows_belong_to_their_contacts() {
             let force = vector(&row["force"]);
             // frictionless and elastic: nearly all along the normal, but for the gradient's terms through the curvatures
             let rest = length(sub(force, vector(&row["force_normal"])));
-            assert!(rest < 0.3 * length(force), "{rest:e} of {:e}", length(force));
+            assert!(
+                rest < 0.3 * length(force),
+                "{rest:e} of {:e}",
+                length(force)
+            );
             for k in 0..3 {
                 sums[i - 1][k] += force[k];
                 sums[j - 1][k] -= force[k];
@@ -267,7 +308,8 @@ fn a_wall_under_every_option() {
     .moving([0.1, 0.0, 0.0]);
     let scene = Scene::open(0.2, vec![grain.clone()]);
     let mut deck = deck("nfd tangential tfd surface ellipsoid");
-    deck.before.push("fix sheet all mesh/surface file sheet.stl type 1".into());
+    deck.before
+        .push("fix sheet all mesh/surface file sheet.stl type 1".into());
     deck.walls = vec!["mesh n_meshes 1 meshes sheet".into()];
     let all: Vec<&str> = OPTIONS.iter().map(|(word, _)| *word).collect();
     let (outcome, found) = rows(&scene, deck, "wall/gran/local", &all, "wall", 1);
@@ -278,12 +320,19 @@ fn a_wall_under_every_option() {
     let area = 2.0 * std::f64::consts::PI * overlap * axes[0] * axes[1] / axes[2];
     close(row["contactArea"][0], area, area);
     // equal moduli share the penetration
-    for (a, b) in row["contactPoint"].iter().zip([0.0113, 0.0071, -0.5 * overlap]) {
+    for (a, b) in row["contactPoint"]
+        .iter()
+        .zip([0.0113, 0.0071, -0.5 * overlap])
+    {
         close(*a, b, 1e-3);
     }
     let (force, state) = (vector(&row["force"]), &outcome.last().states[0]);
     assert!(length(sub(force, state.force)) < 1e-2 * length(force));
     close(row["force_normal"][2], force[2], force[2]);
-    close(length(vector(&row["force_tangential"])), force[0].hypot(force[1]), force[2]);
+    close(
+        length(vector(&row["force_tangential"])),
+        force[0].hypot(force[1]),
+        force[2],
+    );
     close(row["torque_normal"][2], row["torque"][2], force[2] * 1e-3);
 }

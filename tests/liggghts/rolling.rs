@@ -38,7 +38,12 @@ fn spins(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64)
     let deck = Deck {
         model: model.into(),
         atom_style: if ours { "superquadric" } else { "sphere" }.into(),
-        wall_fix: if ours { "wall/gran/ellipsoid" } else { "wall/gran" }.into(),
+        wall_fix: if ours {
+            "wall/gran/ellipsoid"
+        } else {
+            "wall/gran"
+        }
+        .into(),
         walls: wall.iter().map(|wall| wall.to_string()).collect(),
         before,
         fixes: if wall.is_some() {
@@ -74,7 +79,10 @@ fn rolling_sphere() -> Scene {
 
 #[test]
 fn a_sphere_on_a_plane_and_on_a_mesh() {
-    for wall in ["primitive type 1 zplane 0.0", "mesh n_meshes 1 meshes sheet"] {
+    for wall in [
+        "primitive type 1 zplane 0.0",
+        "mesh n_meshes 1 meshes sheet",
+    ] {
         let kind = &wall[..4];
         let free = spins(
             &format!("free {kind}"),
@@ -94,7 +102,9 @@ fn a_sphere_on_a_plane_and_on_a_mesh() {
             for tangential in ["tfd", "history"] {
                 let ours = spins(
                     &format!("{tangential} {rolling} {kind}"),
-                    &format!("nfd tangential {tangential} rolling_friction {rolling} surface ellipsoid"),
+                    &format!(
+                        "nfd tangential {tangential} rolling_friction {rolling} surface ellipsoid"
+                    ),
                     Some(wall),
                     &rolling_sphere(),
                     20_000,
@@ -173,7 +183,13 @@ fn the_radius_of_an_ellipsoid_at_its_pole() {
         ..Deck::new(ELASTIC, 0.5)
     };
     let directory = fresh_directory("pole");
-    let outcome = run_in(&engine, &directory, &Scene::open(0.1, vec![grain]), &deck, 1);
+    let outcome = run_in(
+        &engine,
+        &directory,
+        &Scene::open(0.1, vec![grain]),
+        &deck,
+        1,
+    );
     let state = &outcome.first().states[0];
     let radius = axes[0] * axes[0] / axes[2];
     let expected = -0.1 * state.force[2] * radius;

@@ -32,7 +32,11 @@ fn storing_does_not_change_the_motion() {
             " store_force_contact_stress yes",
             " store_force yes store_force_contact yes store_force_contact_stress yes",
         ] {
-            assert_eq!(run(words).frames, plain.frames, "{ranks} ranks:{words}");
+            let stored = run(words);
+            for (a, b) in stored.frames.iter().zip(&plain.frames) {
+                assert_eq!(a.states, b.states, "{ranks} ranks:{words}");
+            }
+            assert_eq!(stored.frames.len(), plain.frames.len());
         }
     }
 }
@@ -43,7 +47,11 @@ fn table(outcome: &Outcome, file: &str) -> Vec<Vec<f64>> {
     let last = text.rsplit("ITEM: ATOMS").next().unwrap();
     last.lines()
         .skip(1)
-        .map(|line| line.split_whitespace().map(|w| w.parse().unwrap()).collect())
+        .map(|line| {
+            line.split_whitespace()
+                .map(|w| w.parse().unwrap())
+                .collect()
+        })
         .collect()
 }
 
@@ -59,10 +67,17 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
         high: [0.07, 0.07, 0.03],
         ..Scene::open(
             1.0,
-            vec![sphere(0.0, 4.98e-3), sphere(0.006, 0.0128), sphere(0.03, 4.99e-3)],
+            vec![
+                sphere(0.0, 4.98e-3),
+                sphere(0.006, 0.0128),
+                sphere(0.03, 4.99e-3),
+            ],
         )
     };
-    for wall in ["primitive type 1 zplane 0.0", "mesh n_meshes 1 meshes sheet"] {
+    for wall in [
+        "primitive type 1 zplane 0.0",
+        "mesh n_meshes 1 meshes sheet",
+    ] {
         let stresses = |ours: bool, ranks: usize| {
             let mut deck = Deck {
                 model: if ours {
@@ -72,7 +87,12 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
                 }
                 .into(),
                 atom_style: if ours { "superquadric" } else { "sphere" }.into(),
-                wall_fix: if ours { "wall/gran/ellipsoid" } else { "wall/gran" }.into(),
+                wall_fix: if ours {
+                    "wall/gran/ellipsoid"
+                } else {
+                    "wall/gran"
+                }
+                .into(),
                 // the wall comes after the fix that wants its forces, so it cannot stand among the walls
                 ..Deck::new(ELASTIC, 0.5)
             };
