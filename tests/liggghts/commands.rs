@@ -293,7 +293,6 @@ struct Alone {
 const TEMPLATE: &str = "fix t all particletemplate/superquadric 15485863 atom_type 1 density constant 2500 shape constant 0.003 0.002 0.0015 blockiness constant 2. 2.";
 const DISTRIBUTION: &str = "fix pd all particledistribution/discrete 15485867 1 t 1.0";
 const REGION: &str = "region fill block -0.05 0.05 -0.05 0.05 0.03 0.045 units box";
-const COUNT: &str = "thermo_style custom step atoms ke";
 
 fn last_of(outcome: &Outcome, column: &str) -> f64 {
     outcome.thermo().last().map_or(f64::NAN, |row| row[column])
@@ -337,7 +336,6 @@ const ALONE: &[Alone] = &[
             DISTRIBUTION,
             REGION,
             "fix ins all insert/pack seed 32452843 distributiontemplate pd vel constant 0 0 -0.5 insert_every once overlapcheck yes orientation random all_in yes particles_in_region 40 region fill",
-            COUNT,
         ],
         holds: forty_came,
     },
@@ -350,7 +348,6 @@ const ALONE: &[Alone] = &[
             DISTRIBUTION,
             REGION,
             "fix ins all insert/rate/region seed 32452843 distributiontemplate pd nparticles 40 particlerate 1000000 insert_every 20 overlapcheck yes orientation random all_in yes vel constant 0 0 -0.5 region fill",
-            COUNT,
         ],
         holds: forty_came,
     },
@@ -362,7 +359,6 @@ const ALONE: &[Alone] = &[
             TEMPLATE,
             DISTRIBUTION,
             "fix ins all insert/stream seed 32452843 distributiontemplate pd nparticles 40 particlerate 1000000 overlapcheck yes orientation random vel constant 0 0 0.5 insertion_face face extrude_length 0.02",
-            COUNT,
         ],
         holds: |outcome| last_of(outcome, "Atoms") == 44.0,
     },
@@ -409,6 +405,7 @@ fn what_ellipsoids_have_alone() {
             fixes: lines(row.fixes),
             time_step: 1e-6,
             steps: 200,
+            thermo: "step atoms ke".into(),
             ..Deck::new(ELASTIC, 0.5)
         };
         let outcome = attempt_in(&engine, &directory(row.name), &grains, &deck, 1);

@@ -51,6 +51,13 @@ fn spins(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64)
         } else {
             vec![]
         },
+        // the models of this project have no such damping
+        settings: if model.starts_with("hertz") {
+            "tangential_damping off"
+        } else {
+            ""
+        }
+        .into(),
         time_step: 1e-5,
         steps,
         ..Deck::new(ELASTIC, 0.5)
@@ -112,7 +119,13 @@ fn a_sphere_on_a_plane_and_on_a_mesh() {
                 println!("{kind}, {rolling}, {tangential}: {ours:.3}, hertz of spheres {theirs:.3}, without {free:.3}");
                 assert!((free - SPIN).abs() < 0.02 * SPIN, "rolls without friction");
                 assert!(theirs < 0.8 * free, "the rolling friction does something");
-                assert!((ours - theirs).abs() < 5e-3 * theirs);
+                // partial slip damps what the springs of the other models let swing
+                let tolerance = match (rolling, tangential) {
+                    (_, "history") => 1e-3,
+                    ("cdt", _) => 1e-3,
+                    _ => 4e-2,
+                };
+                assert!((ours - theirs).abs() < tolerance * theirs);
             }
         }
     }
