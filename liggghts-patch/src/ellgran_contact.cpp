@@ -220,6 +220,8 @@ void EllgranContact::check_models() const
 {
   if (matches("rolling_friction", "luding") && !matches("normal", "luding"))
     lmp->error->all(FLERR, "rolling_friction luding takes its stiffness from model luding; use cdt, epsd, epsd2 or epsd3");
+  if (matches("surface", "multicontact"))
+    lmp->error->all(FLERR, "model nfd is not available with surface multicontact; use surface default or ellipsoid");
   if (!surface_is_ellipsoid) return;
   if (!matches("cohesion", "off"))
     lmp->error->all(FLERR, "surface ellipsoid: the cohesion models take each grain for a sphere; "

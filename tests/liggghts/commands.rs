@@ -7,7 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::harness::{
-    attempt_in, fresh_directory, last_lines, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+    attempt_in, execute, fresh_directory, last_lines, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
 };
 use crate::meshes::sheet;
 use crate::shapes::{length, sub};
@@ -15,6 +15,8 @@ use crate::shapes::{length, sub};
 /// A command that LIGGGHTS' own spheres and ellipsoids that are spheres know alike.
 struct Works {
     name: &'static str,
+    /// The words after `model`, but for the surface.
+    model: &'static str,
     /// Before the pair style.
     before: &'static [&'static str],
     /// Before the run.
@@ -22,16 +24,22 @@ struct Works {
     /// Columns of the thermodynamic output that must agree.
     columns: &'static str,
     mesh: bool,
+    boundary: &'static str,
+    /// After the wall.
+    wall_words: &'static str,
     tolerance: f64,
 }
 
 const fn works(name: &'static str, fixes: &'static [&'static str], columns: &'static str) -> Works {
     Works {
         name,
+        model: "hertz tangential history",
         before: &[],
         fixes,
         columns,
         mesh: false,
+        boundary: "f f f",
+        wall_words: "",
         tolerance: 2e-3,
     }
 }
@@ -43,7 +51,56 @@ const fn moves(name: &'static str, fixes: &'static [&'static str]) -> Works {
     }
 }
 
+/// A contact model of LIGGGHTS' own.
+const fn model(name: &'static str, model: &'static str) -> Works {
+    Works {
+        model,
+        before: CONSTANTS,
+        ..works(name, &[], "")
+    }
+}
+
+const CONSTANTS: &[&str] = &[
+    "fix c1 all property/global coefficientRollingFriction peratomtypepair 1 0.1",
+    "fix c2 all property/global coefficientRollingViscousDamping peratomtypepair 1 0.3",
+    "fix c3 all property/global rollingStiffness scalar 2.25",
+    "fix c4 all property/global characteristicVelocity scalar 1.",
+    "fix c5 all property/global kn peratomtypepair 1 1e4",
+    "fix c6 all property/global kt peratomtypepair 1 3e3",
+    "fix c7 all property/global gamman peratomtypepair 1 50",
+    "fix c8 all property/global gammat peratomtypepair 1 20",
+    "fix c9 all property/global coefficientMaxElasticStiffness peratomtypepair 1 4",
+    "fix c10 all property/global coefficientAdhesionStiffness peratomtypepair 1 0.5",
+    "fix c11 all property/global coefficientPlasticityDepth peratomtypepair 1 0.1",
+];
+
 const WORKS: &[Works] = &[
+    model("model hertz", "hertz"),
+    model("tangential history", "hertz tangential history"),
+    model("tangential no_history", "hertz tangential no_history"),
+    model("model hooke", "hooke tangential history"),
+    model("model hertz/stiffness", "hertz/stiffness tangential history"),
+    model("model hooke/stiffness", "hooke/stiffness tangential history"),
+    model("model hooke/hysteresis", "hooke/hysteresis tangential history"),
+    model("rolling_friction cdt", "hertz tangential history rolling_friction cdt"),
+    model("rolling_friction epsd", "hertz tangential history rolling_friction epsd"),
+    model("rolling_friction epsd2", "hertz tangential history rolling_friction epsd2"),
+    model("rolling_friction epsd3", "hertz tangential history rolling_friction epsd3"),
+    Works {
+        boundary: "p p f",
+        ..works("periodic boundaries", &["velocity all set 15 0.2 -0.1"], "")
+    },
+    Works {
+        boundary: "p p f",
+        ..works("fix deform", &["fix d all deform 1 x erate -20 remap v"], "")
+    },
+    Works {
+        wall_words: "shear x 0.3",
+        ..works("shear of a primitive wall", &[], "")
+    },
+    works("fix dt/reset", &["fix f all dt/reset 10 1e-6 1e-4 1e-4"], ""),
+    works("compute displace/atom", &["compute x all displace/atom", "compute y all reduce sum c_x[4]"], "c_y"),
+    works("compute gyration", &["compute x all gyration"], "c_x"),
     works("compute ke", &["compute x all ke"], "c_x"),
     works("compute ke/atom", &["compute x all ke/atom", "compute y all reduce sum c_x"], "c_y"),
     works("compute erotate", &["compute x all erotate"], "c_x"),
@@ -217,6 +274,14 @@ const REFUSED: &[Refused] = &[
         &["fix t all buoyancy level 0.01 dim z density 1000."],
         &["buoyancy", "bounding sphere"],
     ),
+    Refused {
+        before: &["fix gate all mesh/surface file gate.stl type 1"],
+        ..refused(
+            "fix massflow/mesh/sieve",
+            &["fix f all massflow/mesh/sieve mesh gate vec_side 0. 0. -1. count once sieveSize 0.004 sieveSpacing 0.01 sieveStiffness 10 sieveDamping 0.1"],
+            &["massflow/mesh/sieve", "bounding sphere"],
+        )
+    },
     refused(
         "fix heat/gran/conduction with contact_area overlap or projection",
         &[CONDUCTIVITY, CAPACITY, "fix t all heat/gran/conduction initial_temperature 300."],
@@ -270,6 +335,14 @@ const REFUSED: &[Refused] = &[
     Refused {
         model: "nfd tangential tfd surface superquadric",
         ..refused("model nfd with surface superquadric", &[], &["surface ellipsoid"])
+    },
+    Refused {
+        model: "nfd tangential tfd surface multicontact",
+        ..refused(
+            "model nfd with surface multicontact",
+            &[],
+            &["surface multicontact"],
+        )
     },
     Refused {
         model: "nfd tangential tfd surface ellipsoid absolute_damping on",
@@ -467,11 +540,10 @@ fn run_works(row: &Works, ours: bool) -> Outcome {
     }
     let deck = Deck {
         model: if ours {
-            "hertz tangential history surface ellipsoid"
+            format!("{} surface ellipsoid", row.model)
         } else {
-            "hertz tangential history"
-        }
-        .into(),
+            row.model.into()
+        },
         atom_style: if ours { "superquadric" } else { "sphere" }.into(),
         wall_fix: if ours {
             "wall/gran/ellipsoid"
@@ -479,12 +551,15 @@ fn run_works(row: &Works, ours: bool) -> Outcome {
             "wall/gran"
         }
         .into(),
-        walls: vec![if row.mesh {
-            "mesh n_meshes 1 meshes sheet"
-        } else {
-            "primitive type 1 zplane 0.0"
-        }
-        .into()],
+        walls: vec![format!(
+            "{} {}",
+            if row.mesh {
+                "mesh n_meshes 1 meshes sheet"
+            } else {
+                "primitive type 1 zplane 0.0"
+            },
+            row.wall_words
+        )],
         before,
         fixes: lines(row.fixes),
         time_step: 1e-5,
@@ -493,7 +568,11 @@ fn run_works(row: &Works, ours: bool) -> Outcome {
         ..Deck::new(ELASTIC, 0.5)
     };
     let name = format!("{} {}", row.name, if ours { "ours" } else { "theirs" });
-    attempt_in(&engine, &directory(&name), &scene(), &deck, 1)
+    let scene = Scene {
+        boundary: row.boundary.into(),
+        ..scene()
+    };
+    attempt_in(&engine, &directory(&name), &scene, &deck, 1)
 }
 
 #[test]
@@ -576,6 +655,46 @@ fn what_would_be_wrong_is_refused() {
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
+/// Spheres of `surface default` have their radius, which the cohesion models read.
+#[test]
+fn cohesion_of_spheres_is_that_under_hertz() {
+    let engine = Engine::from_environment();
+    let pull = |model: &str, cohesion: &str| {
+        let deck = Deck {
+            model: format!("{model} {cohesion}"),
+            atom_style: "sphere".into(),
+            before: vec![
+                "fix coh all property/global cohesionEnergyDensity peratomtypepair 1 1e5".into(),
+            ],
+            time_step: 1e-9,
+            ..Deck::new(ELASTIC, 0.5)
+        };
+        let mut grains = scene();
+        for grain in &mut grains.grains {
+            grain.velocity = [0.0; 3];
+        }
+        let name = format!("{model}{cohesion}");
+        let outcome = attempt_in(&engine, &directory(&name), &grains, &deck, 1).succeeded();
+        outcome.first().states[0].force
+    };
+    for cohesion in ["cohesion sjkr", "cohesion sjkr2"] {
+        let [ours, theirs] =
+            ["nfd", "hertz"].map(|model| sub(pull(model, cohesion), pull(model, "")));
+        println!("{cohesion}: {ours:?}, {theirs:?}");
+        assert!(theirs[0] > 0.0 && length(sub(ours, theirs)) < 1e-9 * length(theirs));
+    }
+}
+
+/// LIGGGHTS has no superquadrics in two dimensions.
+#[test]
+fn two_dimensions_are_refused() {
+    let engine = Engine::from_environment();
+    let deck = "atom_style superquadric\ndimension 2\nboundary p p p\nunits si\n\
+        region box block 0 1 0 1 -0.1 0.1 units box\ncreate_box 1 box\ncreate_atoms 1 single 0.5 0.5 0 units box\n";
+    let (success, output) = execute(&engine, &directory("plane"), deck, 1);
+    assert!(!success && output.contains("Superquadrics in 2D are not implemented"));
+}
+
 /// The table of the page names what runs here, and says of each what happens here.
 #[test]
 fn the_page_has_these_rows() {
@@ -602,6 +721,7 @@ fn the_page_has_these_rows() {
         .iter()
         .map(|row| (row.name, "works"))
         .chain(REFUSED.iter().map(|row| (row.name, "refused")))
+        .chain([("dimension 2", "refused")])
         .chain(ALONE.iter().map(|row| (row.name, row.verdict)));
     for (name, verdict) in runs {
         assert_eq!(told.get(name).map(String::as_str), Some(verdict), "{name}");

@@ -131,3 +131,74 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
         }
     }
 }
+
+/// A disc that leans through both long sides of a narrow triangle touches it twice: both contacts are told and stored.
+#[test]
+fn two_contacts_with_one_triangle() {
+    let engine = Engine::from_environment();
+    let directory = fresh_directory("narrow");
+    let corners = [[-0.03, -1e-3, 0.0], [-0.03, 1e-3, 0.0], [0.03, 0.0, 0.0]];
+    let mut text = String::from("solid narrow\n");
+    // a second triangle, near and not touched, gives LIGGGHTS' lists their room
+    for shift in [0.0, -6e-3] {
+        text += " facet normal 0 0 1\n  outer loop\n";
+        for [x, y, z] in corners {
+            text += &format!("   vertex {x:e} {y:e} {:e}\n", z + shift);
+        }
+        text += "  endloop\n endfacet\n";
+    }
+    text += "endsolid narrow\n";
+    fs::write(directory.join("narrow.stl"), text).unwrap();
+    // the grain is wide across the triangle and its pole is below it
+    let grain = Grain {
+        density: 2500.0,
+        ..Grain::new([1e-3, 5e-3, 1e-3], [-0.02, 0.0, 0.6e-3])
+    };
+    let mut deck = Deck {
+        before: vec![
+            "fix narrow all mesh/surface file narrow.stl type 1 curvature_tolerant yes".into(),
+        ],
+        walls: vec![
+            "mesh n_meshes 1 meshes narrow store_force_contact yes store_force_contact_stress yes"
+                .into(),
+        ],
+        time_step: 1e-9,
+        steps: 2,
+        ..Deck::new(ELASTIC, 0.5)
+    };
+    deck.fixes = vec![
+        "compute contacts all wall/gran/local force delta".into(),
+        "dump contacts all local 1 contacts c_contacts[1] c_contacts[2] c_contacts[3] c_contacts[4]".into(),
+    ];
+    let outcome = run_in(
+        &engine,
+        &directory,
+        &Scene::open(0.1, vec![grain]),
+        &deck,
+        1,
+    );
+    let text = fs::read_to_string(directory.join("contacts")).unwrap();
+    let last: Vec<&str> = text
+        .rsplit("ITEM: ENTRIES")
+        .next()
+        .unwrap()
+        .lines()
+        .skip(1)
+        .collect();
+    let told: f64 = last
+        .iter()
+        .map(|line| {
+            line.split_whitespace()
+                .nth(2)
+                .unwrap()
+                .parse::<f64>()
+                .unwrap()
+        })
+        .sum();
+    let force = outcome.last().states[0].force[2];
+    println!(
+        "{} contacts push with {told:e}, the grain is pushed with {force:e}",
+        last.len()
+    );
+    assert!((told - force).abs() < 1e-4 * force.abs());
+}
