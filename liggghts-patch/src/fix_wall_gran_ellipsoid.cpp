@@ -252,57 +252,15 @@ void FixWallGranEllipsoid::keep_deepest(int particle, std::vector<Contact> &cont
   contacts.resize(slots());
 }
 
-void FixWallGranEllipsoid::number(int particle, std::vector<Contact> &contacts) const
+// LIGGGHTS stores the force of the first contact with a primitive wall or a triangle: this is that of a further one, as a needle has
+// with a cylinder. The force on the particle has it; a stored force is the sum.
+void FixWallGranEllipsoid::store_again(int particle, int place, const double *force_before, const double *torque_before)
 {
-  for (size_t c = 0; c < contacts.size(); c++) {
-    Contact &contact = contacts[c];
-    contact.number = -1;
-    if (!is_mesh_wall()) continue;
-    const int own = FixMesh_list_[contact.mesh]->triMesh()->id(contact.triangle);
-    bool is_first = true;
-    for (size_t e = 0; e < c; e++)
-      if (contacts[e].mesh == contact.mesh && contacts[e].triangle == contact.triangle) is_first = false;
-    if (is_first) contact.number = own;
+  double *const stored = fix_wallforce_contact_->contacthistory(particle, place);
+  for (int k = 0; k < 3; k++) {
+    stored[k] += atom->f[particle][k] - force_before[k];
+    stored[3 + k] += atom->torque[particle][k] - torque_before[k];
   }
-  for (size_t c = 0; is_mesh_wall() && c < contacts.size(); c++) {
-    Contact &contact = contacts[c];
-    const std::vector<Near> &near = near_[particle];
-    for (size_t k = 0; contact.number < 0 && k < near.size(); k++) {
-      bool is_free = near[k].mesh == contact.mesh;
-      for (size_t e = 0; is_free && e < contacts.size(); e++)
-        if (contacts[e].mesh == contact.mesh && contacts[e].number == near[k].number) is_free = false;
-      if (is_free) contact.number = near[k].number;
-    }
-  }
-}
-
-int FixWallGranEllipsoid::checked_number(int particle, const Contact &contact) const
-{
-  if (contact.number < 0) {
-    char message[200];
-    snprintf(message, sizeof(message), "particle %d has more contacts with the mesh than triangles near it; use a finer mesh",
-             atom->tag[particle]);
-    error->one(FLERR, message);
-  }
-  return contact.number;
-}
-
-// LIGGGHTS stores the force of the first contact with a triangle: this is of a further one. The force on the particle has it. Forces
-// of one triangle are summed; stress needs each contact with its own place.
-void FixWallGranEllipsoid::store_again(int particle, const Contact &contact, int place, bool stores_stress,
-                                       const double *force_before, const double *torque_before, const double *delta)
-{
-  double values[9];
-  vectorSubtract3D(atom->f[particle], force_before, values);
-  vectorSubtract3D(atom->torque[particle], torque_before, values + 3);
-  if (place >= 0) {
-    double *const stored = fix_wallforce_contact_->contacthistory(particle, place);
-    for (int k = 0; k < 6; k++) stored[k] += values[k];
-  }
-  if (!stores_stress) return;
-  vectorCopy3D(delta, values + 3);
-  vectorCopy3D(contact.surface.velocity, values + 6);
-  fix_wallforce_contact_stress_->add_partner(particle, checked_number(particle, contact), values);
 }
 
 // All contacts of a particle with the wall. Each finds what is remembered of it by where it was a step ago: a contact moves
@@ -311,7 +269,6 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
 {
   const int length = slot_length();
   keep_deepest(particle, contacts);
-  if (store_force_contact_stress_ || cwl_) number(particle, contacts);
   const int count = contacts.size();
   const double *const x = atom->x[particle];
   load(particle);
@@ -375,19 +332,16 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
       if (fix_mesh && store_force_contact_stress_) fix_wallforce_contact_stress_ = fix_mesh->meshforceContactStress();
       const int triangle = mesh ? mesh->id(contact.triangle) : 0;
       const int place = stores && computeflag_ ? fix_wallforce_contact_->has_partner(particle, triangle) : -1;
-      const bool stores_stress = store_force_contact_stress_ && computeflag_ && mesh && contact.number != triangle &&
-          fix_wallforce_contact_stress_->has_partner(particle, triangle) != -1;
       double force_before[3], torque_before[3];
       vectorCopy3D(atom->f[particle], force_before);
       vectorCopy3D(atom->torque[particle], torque_before);
       const bool tells = cwl_ && addflag_ && (atom->mask[particle] & cwl_->groupbit);
       if (counts_contacts() && mesh) {
         double *unused;
-        fix_mesh->contactHistory()->handleContact(particle, checked_number(particle, contact), unused, true, false);
+        fix_mesh->contactHistory()->handleContact(particle, mesh->id(contact.triangle), unused, true, false);
       }
       impl->compute_force(this, sidata, true, contact.surface.velocity, fix_mesh, contact.mesh, mesh, contact.triangle);
-      if (place >= 0 || stores_stress)
-        store_again(particle, contact, place, stores_stress, force_before, torque_before, sidata.delta);
+      if (place >= 0) store_again(particle, place, force_before, torque_before);
       if (tells) ellgran_write_geometry(cwl_, row_++, model->geometry_report());
     } else
       now_[c * length] = 0.0;

@@ -40,9 +40,6 @@ class FixWallGranEllipsoid : public FixWallGran {
     EllgranWallSurface surface;
     int mesh, triangle;
     double depth;  // set where the deepest are chosen
-    // Number of the triangle under which LIGGGHTS keeps the contact: that which stands for it, or another near the particle where
-    // an earlier contact has that; -1 if there is none.
-    int number;
   };
   static bool deeper(const Contact &one, const Contact &other) { return one.depth > other.depth; }
 
@@ -94,10 +91,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   void check(int32_t status) const;
   void act(int particle, std::vector<Contact> &contacts);
   void keep_deepest(int particle, std::vector<Contact> &contacts);
-  void number(int particle, std::vector<Contact> &contacts) const;
-  int checked_number(int particle, const Contact &contact) const;
-  void store_again(int particle, const Contact &contact, int place, bool stores_stress, const double *force_before,
-                   const double *torque_before, const double *delta);
+  void store_again(int particle, int place, const double *force_before, const double *torque_before);
   void forget(int particle);
   bool in_group(int particle) const;
   bool counts_contacts() const;

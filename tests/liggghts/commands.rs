@@ -341,7 +341,7 @@ const REFUSED: &[Refused] = &[
         ..refused(
             "model nfd with surface multicontact",
             &[],
-            &["surface multicontact"],
+            &["multicontact"],
         )
     },
     Refused {
