@@ -1141,6 +1141,16 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
                                          double *radius);
 
 /*
+ Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+ and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+ is half of it.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged, double *area);
+
+/*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
  the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
  ellipse are not computed here.

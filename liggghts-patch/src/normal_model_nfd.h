@@ -39,12 +39,15 @@ public:
       shear(NULL),
       bulk(NULL),
       Geff(NULL),
+      Yeff(NULL),
+      rolls(false),
       conservative(true),
       ting(true),
       limit_force(true),
       elastic_potential(false),
       dissipated_energy(false)
   {
+    contact->owner = hsetup;
     contact->needs_equivalent_radius = false;
   }
 
@@ -74,6 +77,11 @@ public:
     registry.connect("viscosityShear", shear, "model nfd");
     registry.connect("viscosityBulk", bulk, "model nfd");
     registry.connect("Geff", Geff, "model nfd");
+    registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff);
+    registry.connect("Yeff", Yeff, "model nfd");
+    contact->check_models();
+    rolls = !contact->matches("rolling_friction", "off");
+    contact->needs_equivalent_radius = rolls;
     contact->build_laws(shear, bulk, conservative, ting, limit_force);
     neighbor->register_contact_dist_factor(1.01);
   }
@@ -101,11 +109,14 @@ public:
     sidata.Fn = f.normal_force;
     sidata.kn = f.normal_force / sidata.deltan;
     sidata.kt = 0.0;
-    if (!contact->tangential_is_tfd) {
-      // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
+    if (rolls || !contact->tangential_is_tfd) {
+      // for LIGGGHTS' own rolling and tangential models: the stiffnesses of a circular contact with the same elastic force, as
+      // model hertz has them
       double radius = 0.0;
       contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
-      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+      const double root = sqrt(radius * sidata.deltan);
+      sidata.kn = 4.0 / 3.0 * Yeff[sidata.itype][sidata.jtype] * root;
+      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * root;
     }
     sidata.gamman = 0.0;
     sidata.gammat = 0.0;
@@ -134,7 +145,8 @@ private:
   ContactModelBase *model;
   EllgranContact *contact;
   double *shear, *bulk;
-  double **Geff;
+  double **Geff, **Yeff;
+  bool rolls;  // a rolling model reads kn, and reff under surface ellipsoid
   bool conservative, ting, limit_force, elastic_potential, dissipated_energy;
 };
 

@@ -366,6 +366,26 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
     })
 }
 
+/// Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+/// and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+/// is half of it.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_section_area(
+    staged: *const EllgranStagedContact,
+    area: *mut f64,
+) -> i32 {
+    at_border("ellgran_staged_section_area", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let out = unsafe { required_mut(area, "area") }?;
+        *out = contact.section_area();
+        Ok(())
+    })
+}
+
 /// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
 /// the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
 /// ellipse are not computed here.
