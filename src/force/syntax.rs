@@ -61,7 +61,7 @@ const YES_NO: [(&str, bool); 2] = [("yes", true), ("no", false)];
 /// Reads the words of a law up to the first that is not one of its keywords, and checks the constants.
 ///
 /// Returns the parameters and the number of words read. Where `conservative` is not given it is `yes`, but `no` with
-/// `factors hale`; where `displacement` is not given it is `total` for `tfd` and `rescaled` for `mindlin` and `linear`.
+/// `factors hale`; all else that is not given is that of `LawParameters::default`.
 ///
 /// # Errors
 /// A word that is missing, unknown where a choice is due, not a number, given twice, or out of range; the message names it.
@@ -97,7 +97,6 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
         }
     }
     let mut seen: Vec<&str> = Vec::new();
-    let mut displacement = None;
     let mut conservative = None;
     while let Some(&word) = words.get(w.position) {
         let known = [
@@ -177,14 +176,14 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
                 )?;
             }
             "displacement" => {
-                displacement = Some(w.choice(
+                p.displacement = w.choice(
                     word,
                     &[
                         ("total", Displacement::Total),
                         ("incremental", Displacement::Incremental),
                         ("rescaled", Displacement::Rescaled),
                     ],
-                )?);
+                )?;
             }
             "factors" => {
                 p.factors = w.choice(
@@ -196,10 +195,6 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
             _ => p.limit_force = w.choice(word, &YES_NO)?,
         }
     }
-    p.displacement = displacement.unwrap_or(match p.tangential {
-        Tangential::Mindlin | Tangential::Linear => Displacement::Rescaled,
-        _ => Displacement::Total,
-    });
     p.conservative = conservative.unwrap_or(p.factors != FactorForm::Hale);
     p.validate()?;
     Ok((p, w.position))
