@@ -448,8 +448,17 @@ void PairGranEllipsoid::build_laws()
   text += fmt::format("  history: {} doubles per contact, instruction set: {}\n",
                       ellgran_laws_history_length(laws),
                       ellgran_workspace_instruction_set(workspace));
-  if (text != described && comm->me == 0)
+  if (text != described && comm->me == 0) {
     utils::logmesg(lmp, "{}, ellgran {}:\n{}", CALLER, ellgran_version(), text);
+    int32_t i = 0, j = 0;
+    if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
+      error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+    if (i > 0)
+      error->warning(FLERR,
+                     "{}: displacement total and displacement incremental can create energy, and nothing in the "
+                     "law of types {} and {} dissipates any: use displacement rescaled, or a law with damping",
+                     CALLER, i, j);
+  }
   described = text;
 }
 

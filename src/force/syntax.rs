@@ -117,7 +117,7 @@ fn keyword_of(word: &str) -> Option<&'static str> {
 /// Reads the words of a law up to the first that is not one of its keywords, and checks the constants.
 ///
 /// Returns the parameters and the number of words read. Where `conservative` is not given it is `yes`, but `no` with
-/// `factors hale`; where `displacement` is not given it is `total` for `tfd` and `rescaled` for `mindlin` and `linear`.
+/// `factors hale`; all else that is not given is that of `LawParameters::default`.
 ///
 /// # Errors
 /// A word that is missing, unknown where a choice is due, not a number, given twice, out of range, or that lacks the keyword
@@ -147,7 +147,6 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
         }
     }
     let mut seen: Vec<&str> = Vec::new();
-    let mut displacement = None;
     let mut conservative = None;
     while let Some(&word) = words.get(w.position) {
         let known = [
@@ -212,7 +211,7 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
                 p.unloading = w.choice(word, &UNLOADINGS)?;
             }
             "displacement" => {
-                displacement = Some(w.choice(word, &DISPLACEMENTS)?);
+                p.displacement = w.choice(word, &DISPLACEMENTS)?;
             }
             "factors" => {
                 p.factors = w.choice(word, &FACTORS)?;
@@ -221,10 +220,6 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
             _ => p.limit_force = w.choice(word, &YES_NO)?,
         }
     }
-    p.displacement = displacement.unwrap_or(match p.tangential {
-        Tangential::Mindlin | Tangential::Linear => Displacement::Rescaled,
-        _ => Displacement::Total,
-    });
     p.conservative = conservative.unwrap_or(p.factors != FactorForm::Hale);
     p.validate()?;
     Ok((p, w.position))
