@@ -4,7 +4,7 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
-use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::law::{ellgran_laws_memory_offset, EllgranLaws};
 use ellgran::c_api::particles::*;
 use ellgran::c_api::planes::EllgranPlane;
 use ellgran::c_api::staged::*;
