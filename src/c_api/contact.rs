@@ -2,7 +2,7 @@
 //! One contact at a time: for per-contact engines, for inspection, and for anyone who links the law alone.
 
 use super::law::{check_type, EllgranLaws};
-use super::particles::{hale_failure, EllgranStep};
+use super::particles::{hale_failure, history_failure, result_failure, EllgranStep};
 use super::planes::EllgranPlane;
 use super::status::{
     at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER,
@@ -10,25 +10,29 @@ use super::status::{
 };
 use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::Vector3;
-use crate::pairs::one_contact::{geometry, geometry_with_plane, prepare_body, HaleRatio};
+use crate::pairs::one_contact::{
+    geometry, geometry_with_plane, one_contact_or_gap, prepare_body, HaleRatio,
+};
 use crate::pairs::particles::Particle;
-use crate::pairs::{one_contact, one_contact_with_plane, Body, ContactForces, Laws, OneContact};
+use crate::pairs::{
+    one_contact, one_contact_with_plane, Body, ContactForces, HistoryLayout, Laws, OneContact,
+};
 
-/// A body of one contact, world frame.
+/// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranBody {
-    /// Centre.
+    /// Centre; components up to 1e20.
     pub position: [f64; 3],
-    /// Rotation from body to world, (w, x, y, z); need not be of unit length.
+    /// Rotation from body to world, (w, x, y, z); of any length but zero.
     pub quaternion: [f64; 4],
-    /// Semi-axes along the body axes.
+    /// Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
     pub semi_axes: [f64; 3],
-    /// Velocity of the centre.
+    /// Velocity of the centre; components up to 1e20. See `EllgranStep`.
     pub velocity: [f64; 3],
-    /// Angular velocity, world frame.
+    /// Angular velocity, world frame; components up to 1e20.
     pub angular_velocity: [f64; 3],
-    /// Mass > 0, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+    /// Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
     pub mass: f64,
     /// Type, counted from 1.
     pub kind: i32,
@@ -125,6 +129,83 @@ impl From<&OneContact> for EllgranContactGeometry {
     }
 }
 
+impl EllgranContactGeometry {
+    /// Refuses numbers that are none.
+    fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(x) => Err(result_failure(i, j, name, *x)),
+        };
+        wrong("penetration", &[self.penetration])?;
+        wrong("normal", &self.normal)?;
+        wrong("contact_point", &self.contact_point)?;
+        wrong("witness_i", &self.witness_i)?;
+        wrong("witness_j", &self.witness_j)?;
+        wrong("curvature", &[self.curvature_a, self.curvature_b])?;
+        wrong("major_direction", &self.major_direction)
+    }
+}
+
+impl EllgranContactForce {
+    /// Refuses numbers that are none.
+    pub(super) fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(x) => Err(result_failure(i, j, name, *x)),
+        };
+        wrong("normal_force", &[self.normal_force])?;
+        wrong("force", &self.force)?;
+        wrong("torque_i", &self.torque_i)?;
+        wrong("torque_j", &self.torque_j)?;
+        wrong("tangential_force", &self.tangential_force)?;
+        wrong("displacement", &self.displacement)?;
+        wrong("penetration_rate", &[self.penetration_rate])?;
+        wrong(
+            "elastic energy",
+            &[self.elastic_energy, self.tangential_energy],
+        )?;
+        wrong("power", &[self.viscous_power, self.tangential_power])?;
+        wrong("contact_semi_axes", &self.contact_semi_axes)
+    }
+}
+
+/// What a contact remembers, apart from the caller's array until all is known to be right.
+struct History {
+    numbers: [f64; HistoryLayout::LONGEST],
+    length: usize,
+}
+
+impl History {
+    fn read(
+        laws: &Laws,
+        touches: bool,
+        given: &[f64],
+        i: i64,
+        j: Option<i64>,
+    ) -> Result<History, Failure> {
+        if let Some((place, value)) = laws.layout().first_wrong(given).filter(|_| touches) {
+            return Err(history_failure(i, j, place, value));
+        }
+        let mut numbers = [0.0; HistoryLayout::LONGEST];
+        numbers[..given.len()].copy_from_slice(given);
+        Ok(History {
+            numbers,
+            length: given.len(),
+        })
+    }
+
+    fn numbers(&mut self) -> &mut [f64] {
+        &mut self.numbers[..self.length]
+    }
+
+    fn check(&self, laws: &Laws, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        match laws.layout().first_wrong(&self.numbers[..self.length]) {
+            Some((_, value)) => Err(result_failure(i, j, "history", value)),
+            None => Ok(()),
+        }
+    }
+}
+
 /// `of_ellipse`: the geometry for the semi-axes of the contact ellipse, where there is one and it is wanted.
 pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> EllgranContactForce {
     let contact_semi_axes = of_ellipse.map_or([0.0; 2], |g| {
@@ -193,7 +274,7 @@ fn law_failure(i: &EllgranBody, j: Option<&EllgranBody>) -> impl Fn(HaleRatio) -
 /// curvature.
 ///
 /// `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
-/// `start_normal` is the normal of the last step as a start of the search, or NULL.
+/// `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
 ///
 /// # Safety
 /// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -209,16 +290,17 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
         // SAFETY: promised by the caller, for all of this function.
         let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
         let types = laws.map(Laws::types);
-        let i = unsafe { required(i, "i") }?.to_core(types)?;
-        let j = unsafe { required(j, "j") }?.to_core(types)?;
+        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
         let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
-            .map(|n| Vector3::from_array(*n))
-            .filter(|n| n.is_finite() && n.norm() > 0.0);
+            .and_then(|n| Vector3::from_array(*n).direction());
         let out = unsafe { required_mut(geometry, "geometry") }?;
         let share = laws.map_or(0.5, |l| {
             l.get(i.kind as usize, j.kind as usize).constants.share_i
         });
-        *out = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
+        let found = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
+        found.check(bi.identifier, Some(bj.identifier))?;
+        *out = found;
         Ok(())
     })
 }
@@ -236,10 +318,13 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 ) -> i32 {
     at_border("ellgran_contact_geometry_plane", || {
         // SAFETY: promised by the caller, for all of this function.
-        let i = unsafe { required(i, "i") }?.to_core(None)?;
+        let body = unsafe { required(i, "i") }?;
+        let i = body.to_core(None)?;
         let plane = unsafe { required(plane, "plane") }?.to_core()?;
         let out = unsafe { required_mut(geometry, "geometry") }?;
-        *out = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
+        let found = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
+        found.check(body.identifier, None)?;
+        *out = found;
         Ok(())
     })
 }
@@ -248,7 +333,7 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 /// is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
 ///
 /// `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
-/// steps; start from zeros. `geometry` may be NULL.
+/// steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
 ///
 /// # Safety
 /// The pointers are as stated, NULL or valid.
@@ -277,19 +362,34 @@ pub unsafe extern "C" fn ellgran_contact(
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
         let force = unsafe { required_mut(force, "force") }?;
         let mut touches = *touching != 0;
-        let result = one_contact(laws, &i, &j, &step, &mut touches, history)
-            .map_err(law_failure(bi, Some(bj)))?;
-        *touching = touches as i32;
+        let names = (bi.identifier, Some(bj.identifier));
+        let mut kept = History::read(laws, touches, history, names.0, names.1)?;
+        let numbers = kept.numbers();
+        // The gap is not computed for nobody.
+        let (found, forces) = if geometry.is_null() {
+            one_contact(laws, &i, &j, &step, &mut touches, numbers).map(Option::unzip)
+        } else {
+            one_contact_or_gap(laws, &i, &j, &step, &mut touches, numbers)
+                .map(|(g, f)| (Some(g), f))
+        }
+        .map_err(law_failure(bi, Some(bj)))?;
         let law = laws.get(i.kind as usize, j.kind as usize);
-        *force = match &result {
-            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
-            None => no_force(),
-        };
-        if let Some(out) = unsafe { geometry.as_mut() } {
-            *out = match &result {
-                Some((g, _)) => EllgranContactGeometry::from(g),
-                None => (&self::geometry(&i, &j, law.constants.share_i, None)).into(),
-            };
+        let result = forces.map_or_else(no_force, |f| {
+            force_of(found.as_ref().filter(|_| !law.kinds.linear), &f)
+        });
+        let found = found.as_ref().map(EllgranContactGeometry::from);
+        if let Some(found) = &found {
+            found.check(names.0, names.1)?;
+        }
+        result.check(names.0, names.1)?;
+        if touches {
+            kept.check(laws, names.0, names.1)?;
+        }
+        history.copy_from_slice(kept.numbers());
+        *touching = touches as i32;
+        *force = result;
+        if let (Some(out), Some(found)) = (unsafe { geometry.as_mut() }, found) {
+            *out = found;
         }
         Ok(())
     })
@@ -326,20 +426,30 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
         let force = unsafe { required_mut(force, "force") }?;
         let mut touches = *touching != 0;
-        let result =
-            one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, history)
+        let mut kept = History::read(laws, touches, history, bi.identifier, None)?;
+        let numbers = kept.numbers();
+        let contact =
+            one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, numbers)
                 .map_err(law_failure(bi, None))?;
-        *touching = touches as i32;
         let law = laws.get(i.kind as usize, wall_type);
-        *force = match &result {
-            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
-            None => no_force(),
+        let (found, result) = match &contact {
+            Some((g, f)) => (*g, force_of((!law.kinds.linear).then_some(g), f)),
+            None => (
+                geometry_with_plane(&i, &plane, law.constants.share_i),
+                no_force(),
+            ),
         };
+        let found = EllgranContactGeometry::from(&found);
+        found.check(bi.identifier, None)?;
+        result.check(bi.identifier, None)?;
+        if touches {
+            kept.check(laws, bi.identifier, None)?;
+        }
+        history.copy_from_slice(kept.numbers());
+        *touching = touches as i32;
+        *force = result;
         if let Some(out) = unsafe { geometry.as_mut() } {
-            *out = match &result {
-                Some((g, _)) => EllgranContactGeometry::from(g),
-                None => (&geometry_with_plane(&i, &plane, law.constants.share_i)).into(),
-            };
+            *out = found;
         }
         Ok(())
     })

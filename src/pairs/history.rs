@@ -9,6 +9,8 @@
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
 
+use super::ranges::LARGEST_REMEMBERED;
+
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HistoryLayout {
@@ -23,6 +25,9 @@ pub struct HistoryLayout {
 }
 
 impl HistoryLayout {
+    /// Doubles per contact of the longest layout.
+    pub const LONGEST: usize = 7;
+
     /// The layout for a scene.
     pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
         let mut length = 0;
@@ -42,6 +47,21 @@ impl HistoryLayout {
             stiffness,
             length,
         }
+    }
+
+    /// The first number of a touching contact that no call has written: its place and its value. A normal that is none is
+    /// not used, and not looked at.
+    pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
+        let at = self.memory?;
+        let wrong = |k: &usize| {
+            let least = if Some(*k) == self.stiffness {
+                0.0
+            } else {
+                -LARGEST_REMEMBERED
+            };
+            !(least..=LARGEST_REMEMBERED).contains(&history[*k])
+        };
+        (at..self.length).find(wrong).map(|k| (k, history[k]))
     }
 
     /// Writes the history of `(j, i)` from that of `(i, j)`.
