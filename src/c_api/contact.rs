@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact at a time: for per-contact engines, for inspection, and for anyone who links the law alone.
 
+use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, history_failure, result_failure, EllgranStep};
 use super::planes::EllgranPlane;
 use super::status::{
-    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER,
-    ELLGRAN_ERROR_PARTICLE,
+    at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::Vector3;
@@ -17,11 +17,14 @@ use crate::pairs::particles::Particle;
 use crate::pairs::{
     one_contact, one_contact_with_plane, Body, ContactForces, HistoryLayout, Laws, OneContact,
 };
+use libc::size_t;
 
 /// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranBody {
+    /// `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Centre; components up to 1e20.
     pub position: [f64; 3],
     /// Rotation from body to world, (w, x, y, z); of any length but zero.
@@ -40,10 +43,14 @@ pub struct EllgranBody {
     pub identifier: i64,
 }
 
+growing!(EllgranBody);
+
 /// Geometry of a contact.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactGeometry {
+    /// `sizeof(EllgranContactGeometry)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// 1 if the penetration is greater than 0.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies; minus the gap when they are apart.
@@ -64,10 +71,14 @@ pub struct EllgranContactGeometry {
     pub major_direction: [f64; 3],
 }
 
+growing!(EllgranContactGeometry);
+
 /// Force of a contact.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactForce {
+    /// `sizeof(EllgranContactForce)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Force on j, world frame; on i the opposite.
     pub force: [f64; 3],
     /// Torque on i about its own centre, world frame.
@@ -94,6 +105,8 @@ pub struct EllgranContactForce {
     pub contact_semi_axes: [f64; 2],
 }
 
+growing!(EllgranContactForce);
+
 impl EllgranBody {
     pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
         prepare_body(
@@ -116,6 +129,7 @@ impl EllgranBody {
 impl From<&OneContact> for EllgranContactGeometry {
     fn from(g: &OneContact) -> Self {
         EllgranContactGeometry {
+            size: size_of::<EllgranContactGeometry>(),
             touching: g.touching as i32,
             penetration: g.penetration,
             normal: g.normal.to_array(),
@@ -217,6 +231,7 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
         [a, a * e.axis_ratio]
     });
     EllgranContactForce {
+        size: size_of::<EllgranContactForce>(),
         force: f.force.to_array(),
         torque_i: f.torque_i.to_array(),
         torque_j: f.torque_j.to_array(),
@@ -250,6 +265,7 @@ fn flag<'a>(
 
 fn no_force() -> EllgranContactForce {
     EllgranContactForce {
+        size: size_of::<EllgranContactForce>(),
         force: [0.0; 3],
         torque_i: [0.0; 3],
         torque_j: [0.0; 3],
@@ -290,17 +306,17 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
         // SAFETY: promised by the caller, for all of this function.
         let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
         let types = laws.map(Laws::types);
-        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
         let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
             .and_then(|n| Vector3::from_array(*n).direction());
-        let out = unsafe { required_mut(geometry, "geometry") }?;
+        let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share = laws.map_or(0.5, |l| {
             l.get(i.kind as usize, j.kind as usize).constants.share_i
         });
         let found = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
         found.check(bi.identifier, Some(bj.identifier))?;
-        *out = found;
+        out.write(&found);
         Ok(())
     })
 }
@@ -318,13 +334,13 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 ) -> i32 {
     at_border("ellgran_contact_geometry_plane", || {
         // SAFETY: promised by the caller, for all of this function.
-        let body = unsafe { required(i, "i") }?;
+        let body = unsafe { given(i, "i") }?;
         let i = body.to_core(None)?;
-        let plane = unsafe { required(plane, "plane") }?.to_core()?;
-        let out = unsafe { required_mut(geometry, "geometry") }?;
+        let plane = unsafe { given(plane, "plane") }?.to_core()?;
+        let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let found = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
         found.check(body.identifier, None)?;
-        *out = found;
+        out.write(&found);
         Ok(())
     })
 }
@@ -351,16 +367,17 @@ pub unsafe extern "C" fn ellgran_contact(
     at_border("ellgran_contact", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let (i, j) = (
             bi.to_core(Some(laws.types()))?,
             bj.to_core(Some(laws.types()))?,
         );
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
-        let force = unsafe { required_mut(force, "force") }?;
+        let mut force = unsafe { Output::new(force, "force") }?;
+        let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
         let names = (bi.identifier, Some(bj.identifier));
         let mut kept = History::read(laws, touches, history, names.0, names.1)?;
@@ -372,7 +389,7 @@ pub unsafe extern "C" fn ellgran_contact(
             one_contact_or_gap(laws, &i, &j, &step, &mut touches, numbers)
                 .map(|(g, f)| (Some(g), f))
         }
-        .map_err(law_failure(bi, Some(bj)))?;
+        .map_err(law_failure(&bi, Some(&bj)))?;
         let law = laws.get(i.kind as usize, j.kind as usize);
         let result = forces.map_or_else(no_force, |f| {
             force_of(found.as_ref().filter(|_| !law.kinds.linear), &f)
@@ -387,9 +404,9 @@ pub unsafe extern "C" fn ellgran_contact(
         }
         history.copy_from_slice(kept.numbers());
         *touching = touches as i32;
-        *force = result;
-        if let (Some(out), Some(found)) = (unsafe { geometry.as_mut() }, found) {
-            *out = found;
+        force.write(&result);
+        if let (Some(mut out), Some(found)) = (out, found) {
+            out.write(&found);
         }
         Ok(())
     })
@@ -416,21 +433,22 @@ pub unsafe extern "C" fn ellgran_contact_plane(
     at_border("ellgran_contact_plane", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let bi = unsafe { required(i, "i") }?;
+        let bi = unsafe { given(i, "i") }?;
         let i = bi.to_core(Some(laws.types()))?;
-        let plane = unsafe { required(plane, "plane") }?.to_core()?;
+        let plane = unsafe { given(plane, "plane") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
-        let force = unsafe { required_mut(force, "force") }?;
+        let mut force = unsafe { Output::new(force, "force") }?;
+        let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
         let mut kept = History::read(laws, touches, history, bi.identifier, None)?;
         let numbers = kept.numbers();
         let contact =
             one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, numbers)
-                .map_err(law_failure(bi, None))?;
+                .map_err(law_failure(&bi, None))?;
         let law = laws.get(i.kind as usize, wall_type);
         let (found, result) = match &contact {
             Some((g, f)) => (*g, force_of((!law.kinds.linear).then_some(g), f)),
@@ -447,9 +465,9 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         }
         history.copy_from_slice(kept.numbers());
         *touching = touches as i32;
-        *force = result;
-        if let Some(out) = unsafe { geometry.as_mut() } {
-            *out = found;
+        force.write(&result);
+        if let Some(mut out) = out {
+            out.write(&found);
         }
         Ok(())
     })

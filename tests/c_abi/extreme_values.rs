@@ -175,8 +175,8 @@ impl One {
         One {
             touching,
             history,
-            geometry: Untouched::new(),
-            force: Untouched::new(),
+            geometry: Untouched::sized(),
+            force: Untouched::sized(),
         }
     }
 
@@ -260,6 +260,7 @@ fn contact_plane(
 }
 
 const PLANE: EllgranPlane = EllgranPlane {
+    size: size_of::<EllgranPlane>(),
     point: [0.0, 0.0, -0.7],
     normal: [0.0, 0.1, 1.0],
     velocity: [0.1, 0.2, 0.3],
@@ -286,7 +287,7 @@ fn bodies_of_one_contact() {
                     count.0[failed] += 1;
                 }
             }
-            let mut geometry = Untouched::new();
+            let mut geometry = Untouched::<EllgranContactGeometry>::sized();
             let [i, j] = &bodies;
             // SAFETY: all pointers are valid.
             let status =
@@ -611,6 +612,7 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
     let far = random.between(0.0, 1.0).powi(3) * (reach[0] + reach[1]);
     bodies[1].position = random.vector::<3>(-1.0, 1.0).map(|x| x * far);
     let step = EllgranStep {
+        size: size_of::<EllgranStep>(),
         time_step: 10f64.powf(end(random, 9.9)),
         advance_history: 1,
     };
@@ -658,6 +660,7 @@ fn contacts_at_the_ends_of_all_ranges() {
             one.check(status, laws.length(), given, &what);
         }
         let plane = EllgranPlane {
+            size: size_of::<EllgranPlane>(),
             point: random
                 .vector::<3>(-1.0, 1.0)
                 .map(|x| x * power(&mut random, -15.0, 19.7)),
@@ -718,7 +721,7 @@ fn stages() {
     ok(unsafe { ellgran_staged_new(&mut staged) });
     let staged = Staged(staged);
     let [i, j] = pair_of(SHAPES[0]);
-    let (mut geometry, mut normal) = (Untouched::<EllgranStagedGeometry>::new(), [0.0; 3]);
+    let (mut geometry, mut normal) = (Untouched::<EllgranStagedGeometry>::sized(), [0.0; 3]);
     let g = geometry.pointer();
     // SAFETY: all pointers are valid, here and below.
     let pair =
@@ -732,7 +735,7 @@ fn stages() {
         let laws = Laws::new(&[deck]);
         for x in EXTREMES {
             let what = format!("{deck}: {x:e}");
-            let mut force = Untouched::<EllgranContactForce>::new();
+            let mut force = Untouched::<EllgranContactForce>::sized();
             let f = force.pointer();
             let status = unsafe { ellgran_staged_normal(staged.0, laws.0, 1, 1, x, f) };
             let reads_mass = deck.contains("restitution");
@@ -750,6 +753,7 @@ fn stages() {
             }
             for place in 0..9 {
                 let mut past = EllgranStagedPast {
+                    size: size_of::<EllgranStagedPast>(),
                     friction: 0.4,
                     touched: 1,
                     normal,
@@ -766,7 +770,7 @@ fn stages() {
                 }
                 let given = memory;
                 for call in [ellgran_staged_tangential, ellgran_staged_forces] {
-                    let mut force = Untouched::<EllgranContactForce>::new();
+                    let mut force = Untouched::<EllgranContactForce>::sized();
                     let (f, m) = (force.pointer(), memory.as_mut_ptr());
                     let status = unsafe { call(staged.0, laws.0, 1, 1, mass, &step, &past, m, f) };
                     if status == 0 {
@@ -862,6 +866,7 @@ fn surfaces_of_walls() {
         for k in 0..16 {
             let what = format!("wall {k} {x:e}");
             let mut wall = EllgranWallSurface {
+                size: size_of::<EllgranWallSurface>(),
                 point: [0.0, 0.0, -0.7],
                 normal: [0.0, 0.0, 1.0],
                 direction: [1.0, 0.0, 0.0],
@@ -877,7 +882,7 @@ fn surfaces_of_walls() {
                 11..13 => wall.turning_radii[k - 11] = x,
                 _ => wall.velocity[k - 13] = x,
             }
-            let mut geometry = Untouched::<EllgranStagedGeometry>::new();
+            let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
             let g = geometry.pointer();
             let status = unsafe { ellgran_staged_wall(staged.0, &body, &wall, 0.5, g) };
             if status != 0 {
@@ -888,9 +893,10 @@ fn surfaces_of_walls() {
             if unsafe { (*g).touching } == 0 {
                 continue;
             }
-            let mut force = Untouched::<EllgranContactForce>::new();
+            let mut force = Untouched::<EllgranContactForce>::sized();
             let f = force.pointer();
             let past = EllgranStagedPast {
+                size: size_of::<EllgranStagedPast>(),
                 friction: 0.4,
                 touched: 0,
                 normal: [0.0; 3],

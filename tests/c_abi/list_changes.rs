@@ -220,6 +220,7 @@ fn planes_are_no_call_for_a_list() {
     use ellgran::c_api::planes::*;
     let (mut scene, mut other) = (Scene::new(), Scene::new());
     let plane = EllgranPlane {
+        size: size_of::<EllgranPlane>(),
         point: [-0.9, 0.0, 0.0],
         normal: [1.0, 0.0, 0.0],
         velocity: [0.0; 3],

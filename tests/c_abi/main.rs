@@ -8,6 +8,7 @@ mod emulator;
 mod errors;
 mod extreme_values;
 mod friction;
+mod growing;
 mod instruction_sets;
 mod kept_history;
 mod list_changes;
