@@ -26,7 +26,7 @@ pub struct HistoryLayout {
 
 impl HistoryLayout {
     /// Doubles per contact of the longest layout.
-    pub const LONGEST: usize = 7;
+    pub(crate) const LONGEST: usize = 7;
 
     /// The layout for a scene.
     pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
