@@ -126,17 +126,17 @@ template <typename Type> inline Type init()
 #define ELLGRAN_FACTORS_HALE 1
 
 /*
- The tangential displacement since first touch is remembered.
+ The tangential displacement since first touch is remembered: the published form, which can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered.
+ The tangential force is remembered; can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force is remembered, and falls with the stiffness.
+ The tangential force and its energy are remembered, and no energy is created. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -967,7 +967,8 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
- Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+ Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+ zero.
 
  # Safety
  `parameters` is NULL or valid for writes.
@@ -1023,6 +1024,29 @@ int32_t ellgran_laws_new(int32_t type_count,
 int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
                                    const double *friction,
                                    struct EllgranLaws **result);
+
+/*
+ The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+ per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+ ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
+                                      const double *restitution,
+                                      struct EllgranLaws **result);
+
+/*
+ Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+ `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+
+ # Safety
+ `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+ */
+int32_t ellgran_laws_create_energy(const struct EllgranLaws *laws,
+                                   int32_t *type_i,
+                                   int32_t *type_j);
 
 /*
  Frees laws; NULL is allowed.
@@ -1261,6 +1285,16 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
                                          double *radius);
 
 /*
+ Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+ and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+ is half of it.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged, double *area);
+
+/*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
  the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
  ellipse are not computed here.
@@ -1279,8 +1313,8 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
  Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
  of `past`.
 
- `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
- `displacement rescaled`, which remembers more, is not available here.
+ `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+ where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 
  # Safety
  The pointers are NULL or valid.

@@ -8,14 +8,17 @@ use super::particles::{
     hale_failure, history_failure, identifier, prepare, result_failure, EllgranParticles,
     EllgranStep, Purpose,
 };
-use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::status::{
+    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+};
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
 use crate::geometry::Vector3;
 use crate::message::{Number, Numbers};
 use crate::pairs::one_contact::HaleRatio;
 use crate::pairs::ranges::{
-    self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_REMEMBERED, LARGEST_VELOCITY,
+    self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY,
+    LARGEST_VELOCITY,
 };
 use crate::pairs::staged::{Past, StagedContact, WallSurface};
 use crate::pairs::{ContactForces, InstructionSet, Step, Workspace};
@@ -397,6 +400,26 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
     })
 }
 
+/// Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+/// and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+/// is half of it.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_section_area(
+    staged: *const EllgranStagedContact,
+    area: *mut f64,
+) -> i32 {
+    at_border("ellgran_staged_section_area", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let out = unsafe { required_mut(area, "area") }?;
+        *out = contact.section_area();
+        Ok(())
+    })
+}
+
 /// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
 /// the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
 /// ellipse are not computed here.
@@ -436,8 +459,8 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 /// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
 /// of `past`.
 ///
-/// `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
-/// `displacement rescaled`, which remembers more, is not available here.
+/// `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+/// where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -518,6 +541,17 @@ pub unsafe extern "C" fn ellgran_staged_forces(
     })
 }
 
+/// The place of the first number of a memory that no call has written.
+fn wrong_memory(memory: &[f64]) -> Option<usize> {
+    let largest = [
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED_ENERGY,
+    ];
+    (memory.iter().zip(largest)).position(|(x, largest)| !(x.abs() <= largest))
+}
+
 type PastArguments = (
     *const EllgranStagedContact,
     *const EllgranLaws,
@@ -549,7 +583,7 @@ unsafe fn with_past(
     let laws = &unsafe { required(laws, "laws") }?.laws;
     let mut out = unsafe { Output::new(force, "force") }?;
     let past = unsafe { given(past, "past") }?;
-    let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
+    unsafe { required(memory.cast_const(), "memory") }?;
     let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,
@@ -565,33 +599,32 @@ unsafe fn with_past(
             ),
         ));
     }
-    if laws.layout().stiffness.is_some() {
-        return Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            "displacement rescaled is not available in stages",
-        ));
-    }
     let contact = staged.known()?;
+    let remembered = if laws.layout().energy.is_some() { 4 } else { 3 };
+    // SAFETY: promised by the caller.
+    let memory = unsafe { slice_mut(memory, remembered, "memory") }?;
     checked_mass(law, effective_mass)?;
     let (i, j) = staged.identifiers;
     if past.touched != 0 {
-        if let Some(place) = memory.iter().position(|x| !(x.abs() <= LARGEST_REMEMBERED)) {
+        if let Some(place) = wrong_memory(memory) {
             return Err(history_failure(i, j, place, memory[place]));
         }
     }
     let mut past = Past {
         touched: past.touched != 0,
         normal: Vector3::from_array(past.normal),
-        memory: Vector3::from_array(*memory),
+        memory: Vector3::new(memory[0], memory[1], memory[2]),
+        energy: memory.get(3).copied().unwrap_or(0.0),
     };
     let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
     let result = force_of(None, &f);
     result.check(i, j)?;
-    let remembered = past.memory.to_array();
-    if let Some(x) = (remembered.iter()).find(|x| !(x.abs() <= LARGEST_REMEMBERED)) {
-        return Err(result_failure(i, j, "memory", *x));
+    let [x, y, z] = past.memory.to_array();
+    let remembered = [x, y, z, past.energy];
+    if let Some(place) = wrong_memory(&remembered) {
+        return Err(result_failure(i, j, "memory", remembered[place]));
     }
-    *memory = remembered;
+    memory.copy_from_slice(&remembered[..memory.len()]);
     out.write(&result);
     Ok(())
 }

@@ -4,12 +4,12 @@
 //! ```text
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
-//! [ stiffness ]            normal stiffness at the last step with friction and `displacement rescaled`
+//! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
 
-use super::ranges::LARGEST_REMEMBERED;
+use super::ranges::{LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY};
 
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +18,8 @@ pub struct HistoryLayout {
     pub normal: Option<usize>,
     /// Where the tangential memory stands.
     pub memory: Option<usize>,
-    /// Where the remembered stiffness stands.
-    pub stiffness: Option<usize>,
+    /// Where the elastic energy of the memory stands.
+    pub energy: Option<usize>,
     /// Doubles per contact.
     pub length: usize,
 }
@@ -40,11 +40,11 @@ impl HistoryLayout {
         };
         let normal = take(cached_normal, 3);
         let memory = take(friction, 3);
-        let stiffness = take(friction && rescaled, 1);
+        let energy = take(friction && rescaled, 1);
         HistoryLayout {
             normal,
             memory,
-            stiffness,
+            energy,
             length,
         }
     }
@@ -54,12 +54,12 @@ impl HistoryLayout {
     pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
         let at = self.memory?;
         let wrong = |k: &usize| {
-            let least = if Some(*k) == self.stiffness {
-                0.0
+            let largest = if Some(*k) == self.energy {
+                LARGEST_REMEMBERED_ENERGY
             } else {
-                -LARGEST_REMEMBERED
+                LARGEST_REMEMBERED
             };
-            !(least..=LARGEST_REMEMBERED).contains(&history[*k])
+            !(history[*k].abs() <= largest)
         };
         (at..self.length).find(wrong).map(|k| (k, history[k]))
     }
@@ -74,7 +74,7 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            *t = if Some(k) == self.stiffness { *s } else { -s };
+            *t = if Some(k) == self.energy { *s } else { -s };
         }
     }
 }

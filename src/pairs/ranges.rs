@@ -18,8 +18,10 @@ pub const LONGEST_TIME_STEP: f64 = 1e10;
 pub const LEAST_MASS: f64 = 1e-50;
 /// See [`LEAST_MASS`].
 pub const LARGEST_MASS: f64 = 1e50;
-/// Largest size of a remembered tangential displacement, force or stiffness.
+/// Largest size of a component of a remembered tangential displacement or force.
 pub const LARGEST_REMEMBERED: f64 = 1e100;
+/// Largest size of a remembered energy.
+pub const LARGEST_REMEMBERED_ENERGY: f64 = 1e150;
 
 /// A vector whose components are at most so large.
 pub(crate) fn vector(v: [f64; 3], largest: f64, what: &str) -> Result<Vector3, String> {
