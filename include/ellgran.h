@@ -202,73 +202,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- Smallest modulus and normal stiffness, in any unit.
- */
-#define LEAST_CONSTANT 1e-30
-
-/*
- Largest of any constant but a relaxation time, in any unit: forces of bodies within their ranges then stay within double
- precision.
- */
-#define LARGEST_CONSTANT 1e30
-
-/*
- Longest relaxation time of `damping relaxation`.
- */
-#define LONGEST_RELAXATION_TIME 1e15
-
-/*
- Smallest and largest semi-axis, length. The sixth power of their ratio must be far within double precision.
- */
-#define LEAST_SEMI_AXIS 1e-15
-
-/*
- See [`LEAST_SEMI_AXIS`].
- */
-#define LARGEST_SEMI_AXIS 1e15
-
-/*
- Largest over smallest semi-axis. Curvatures at one point differ by its square, and the determinant of their matrix, which
- loses as many digits, must stay greater than zero.
- */
-#define LARGEST_ASPECT_RATIO 1e6
-
-/*
- Doubles per contact of the longest layout.
- */
-#define HistoryLayout_LONGEST 7
-
-/*
- Largest size of a coordinate of a centre or of a wall, length.
- */
-#define LARGEST_COORDINATE 1e20
-
-/*
- Largest size of a component of a velocity (length/time) and of an angular velocity (1/time).
- */
-#define LARGEST_VELOCITY 1e20
-
-/*
- Longest time step.
- */
-#define LONGEST_TIME_STEP 1e10
-
-/*
- Smallest and largest mass; a body may also be infinitely heavy.
- */
-#define LEAST_MASS 1e-50
-
-/*
- See [`LEAST_MASS`].
- */
-#define LARGEST_MASS 1e50
-
-/*
- Largest size of a remembered tangential displacement, force or stiffness.
- */
-#define LARGEST_REMEMBERED 1e100
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;
@@ -1292,7 +1225,8 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
  # Safety
  The pointers are NULL or valid.
  */
-int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged, double *area);
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
+                                    double *area);
 
 /*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
