@@ -14,6 +14,7 @@ use crate::force::{
 use crate::pairs::Laws;
 use libc::{c_char, size_t};
 use std::ffi::CStr;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Normal law: elastic, from E and nu.
 pub const ELLGRAN_NORMAL_HERTZ: i32 = 0;
@@ -60,7 +61,8 @@ pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
 pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 
 /// The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
-/// units.
+/// units. Moduli and `normal_stiffness` are from 1e-30 to 1e30, the other constants at most 1e30, a relaxation time at most
+/// 1e15.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {
@@ -113,6 +115,16 @@ growing!(EllgranLawParameters);
 /// The laws between all types of a scene. Opaque, immutable.
 pub struct EllgranLaws {
     pub(super) laws: Laws,
+    /// No other laws of this process have it, those at the same address before or after neither.
+    pub(super) number: u64,
+}
+
+impl EllgranLaws {
+    fn new(laws: Laws) -> Box<EllgranLaws> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        Box::new(EllgranLaws { laws, number })
+    }
 }
 
 impl From<&LawParameters> for EllgranLawParameters {
@@ -371,7 +383,7 @@ pub unsafe extern "C" fn ellgran_laws_new(
         }
         let warm = options & ELLGRAN_OPTION_NO_WARM_START == 0;
         let built = Laws::new(types, &table, warm).map_err(law_failure)?;
-        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        *out = Box::into_raw(EllgranLaws::new(built));
         Ok(())
     })
 }
@@ -394,7 +406,7 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
         let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
-        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        *out = Box::into_raw(EllgranLaws::new(built));
         Ok(())
     })
 }
@@ -418,7 +430,7 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
             unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_restitution(restitution).map_err(law_failure)?;
-        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        *out = Box::into_raw(EllgranLaws::new(built));
         Ok(())
     })
 }

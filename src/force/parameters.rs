@@ -2,6 +2,15 @@
 //! What a user chooses and gives for one pair of types, and the checks of its ranges.
 
 use super::material::Material;
+use crate::message::Number;
+
+/// Smallest modulus and normal stiffness, in any unit.
+pub const LEAST_CONSTANT: f64 = 1e-30;
+/// Largest of any constant but a relaxation time, in any unit: forces of bodies within their ranges then stay within double
+/// precision.
+pub const LARGEST_CONSTANT: f64 = 1e30;
+/// Longest relaxation time of `damping relaxation`.
+pub const LONGEST_RELAXATION_TIME: f64 = 1e15;
 
 /// Normal law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,25 +176,26 @@ fn check(holds: bool, name: &str, value: f64, range: &str) -> Result<(), Paramet
     if holds {
         Ok(())
     } else {
+        let value = Number(value);
         Err(ParameterError(format!("{name} = {value} must be {range}")))
     }
 }
 
 fn positive(name: &str, value: f64) -> Result<(), ParameterError> {
     check(
-        value > 0.0 && value.is_finite(),
+        (LEAST_CONSTANT..=LARGEST_CONSTANT).contains(&value),
         name,
         value,
-        "a finite number greater than 0",
+        &format!("a finite number greater than 0, from {LEAST_CONSTANT:e} to {LARGEST_CONSTANT:e}"),
     )
 }
 
 fn not_negative(name: &str, value: f64) -> Result<(), ParameterError> {
     check(
-        value >= 0.0 && value.is_finite(),
+        (0.0..=LARGEST_CONSTANT).contains(&value),
         name,
         value,
-        "a finite number, 0 or greater",
+        &format!("a finite number, 0 or greater, at most {LARGEST_CONSTANT:e}"),
     )
 }
 
@@ -248,7 +258,12 @@ impl LawParameters {
         match self.damping {
             Damping::None => {}
             Damping::Restitution => check_restitution(self.restitution)?,
-            Damping::Relaxation => not_negative("relaxation time A_n", self.relaxation_time)?,
+            Damping::Relaxation => check(
+                (0.0..=LONGEST_RELAXATION_TIME).contains(&self.relaxation_time),
+                "relaxation time A_n",
+                self.relaxation_time,
+                &format!("a finite number, 0 or greater, at most {LONGEST_RELAXATION_TIME:e}"),
+            )?,
         }
         if self.tangential != Tangential::None {
             not_negative("coefficient of friction mu", self.friction)?;

@@ -244,6 +244,16 @@ impl Batches {
         self.i.iter().chain(&self.j).copied()
     }
 
+    /// Central particles and places in their rows of all pairs.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.bits.iter().enumerate().flat_map(move |(batch, bits)| {
+            (0..bits.present.count_ones() as usize).map(move |lane| {
+                let pair = self.pair(batch, lane);
+                (pair.i as usize, pair.entry as usize)
+            })
+        })
+    }
+
     /// First particles, second particles (from this batch on), bits and numbers of one batch.
     #[inline(always)]
     pub fn batch(&mut self, batch: usize) -> (&[u32], &[u32], &mut LaneBits, Numbers<'_>) {

@@ -371,10 +371,11 @@ pub fn contact_forces<
         let turned = quarter_turn(turned).scale_add(spin, turned);
         let old = remembered.memory.norm_squared();
         let both = old * turned.dot(turned);
-        let least = zero.constant(1e-290);
-        // Neither product nor root may leave the range of the numbers.
-        let root = both.max(least).min(zero.constant(1e290)).reciprocal_sqrt();
+        let (least, most) = (zero.constant(1e-290), zero.constant(1e290));
+        // Neither product nor root may leave the range of the numbers; where they would, the length is left as it is.
+        let root = both.max(least).min(most).reciprocal_sqrt();
         let keep = T::select(least.less(both), old * root, one);
+        let keep = T::select(both.less(most), keep, one);
         let t: TangentialForce<T> = tangential_force(
             kinds,
             c,

@@ -9,6 +9,8 @@
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
 
+use super::ranges::{LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY};
+
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HistoryLayout {
@@ -23,6 +25,9 @@ pub struct HistoryLayout {
 }
 
 impl HistoryLayout {
+    /// Doubles per contact of the longest layout.
+    pub(crate) const LONGEST: usize = 7;
+
     /// The layout for a scene.
     pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
         let mut length = 0;
@@ -42,6 +47,21 @@ impl HistoryLayout {
             energy,
             length,
         }
+    }
+
+    /// The first number of a touching contact that no call has written: its place and its value. A normal that is none is
+    /// not used, and not looked at.
+    pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
+        let at = self.memory?;
+        let wrong = |k: &usize| {
+            let largest = if Some(*k) == self.energy {
+                LARGEST_REMEMBERED_ENERGY
+            } else {
+                LARGEST_REMEMBERED
+            };
+            !(history[*k].abs() <= largest)
+        };
+        (at..self.length).find(wrong).map(|k| (k, history[k]))
     }
 
     /// Writes the history of `(j, i)` from that of `(i, j)`.

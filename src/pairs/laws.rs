@@ -2,7 +2,9 @@
 //! The laws between all types of a scene, resolved before the run.
 
 use super::history::HistoryLayout;
+use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::{Displacement, LawParameters, PairLaw, ParameterError, Tangential};
+use crate::message::Number;
 
 /// Immutable table of laws; threads may share it.
 #[derive(Clone, Debug)]
@@ -103,10 +105,11 @@ impl Laws {
         assert_eq!(friction.len(), self.table.len());
         let mut laws = self.clone();
         for (k, (law, &mu)) in laws.table.iter_mut().zip(friction).enumerate() {
-            if !(mu >= 0.0 && mu.is_finite()) {
+            if !(0.0..=LARGEST_CONSTANT).contains(&mu) {
                 let (i, j) = (k / self.types + 1, k % self.types + 1);
                 return Err(ParameterError(format!(
-                    "types {i} and {j}: friction = {mu} must be at least 0"
+                    "types {i} and {j}: friction = {} must be at least 0 and at most {LARGEST_CONSTANT:e}",
+                    Number(mu)
                 )));
             }
             law.constants.friction = mu;
