@@ -126,17 +126,17 @@ template <typename Type> inline Type init()
 #define ELLGRAN_FACTORS_HALE 1
 
 /*
- The tangential displacement since first touch is remembered.
+ The tangential displacement since first touch is remembered: the published form, which can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered.
+ The tangential force is remembered; can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force is remembered, and falls with the stiffness.
+ The tangential force and its energy are remembered, and no energy is created. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -855,7 +855,8 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
- Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+ Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+ zero.
 
  # Safety
  `parameters` is NULL or valid for writes.
@@ -911,6 +912,29 @@ int32_t ellgran_laws_new(int32_t type_count,
 int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
                                    const double *friction,
                                    struct EllgranLaws **result);
+
+/*
+ The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+ per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+ ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
+                                      const double *restitution,
+                                      struct EllgranLaws **result);
+
+/*
+ Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+ `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+
+ # Safety
+ `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+ */
+int32_t ellgran_laws_create_energy(const struct EllgranLaws *laws,
+                                   int32_t *type_i,
+                                   int32_t *type_j);
 
 /*
  Frees laws; NULL is allowed.
@@ -1169,8 +1193,8 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
  Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
  of `past`.
 
- `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
- `displacement rescaled`, which remembers more, is not available here.
+ `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+ where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 
  # Safety
  The pointers are NULL or valid.

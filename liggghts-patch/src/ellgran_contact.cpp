@@ -9,6 +9,7 @@
 #include <map>
 
 #include "atom.h"
+#include "comm.h"
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
@@ -96,6 +97,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     surface_is_ellipsoid(false),
     needs_equivalent_radius(true),
     tangential_is_tfd(false),
+    displacement_is_total(false),
     friction(NULL),
     past(ELLGRAN_INIT(EllgranStagedPast)),
     memory_offset(-1),
@@ -106,6 +108,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     poissons_ratio(NULL),
     list_laws(NULL),
     workspace(NULL),
+    warned_of_created_energy(false),
     lists_before(-1)
 {
   check(ellgran_staged_new(&staged));
@@ -340,15 +343,19 @@ EllgranStep EllgranContact::step(int advance_history) const
   return step;
 }
 
-void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
+void EllgranContact::build_laws(const double *shear, const double *bulk, double *const *restitution, bool conservative,
+                                bool ting, bool limit_force)
 {
   std::vector<EllgranLawParameters> parameters(types * types, ELLGRAN_INIT(EllgranLawParameters));
   std::vector<uint8_t> is_set(types * types, 0);
   for (int k = 0; k < types; k++) {
     EllgranLawParameters &p = parameters[k * types + k];
     check(ellgran_law_parameters_default(&p));
-    p.normal = ELLGRAN_NORMAL_NFD;
+    p.normal = restitution ? ELLGRAN_NORMAL_HERTZ : ELLGRAN_NORMAL_NFD;
+    // The coefficient of restitution is per pair of types too, and replaces this one below.
+    if (restitution) p.damping = ELLGRAN_DAMPING_RESTITUTION;
     p.tangential = tangential_is_tfd ? ELLGRAN_TANGENTIAL_TFD : ELLGRAN_TANGENTIAL_NONE;
+    if (displacement_is_total) p.displacement = ELLGRAN_DISPLACEMENT_TOTAL;
     // The coefficient of friction is per pair of types and given with each contact: any value that is not zero serves.
     p.friction = 1.0;
     p.unloading = ting ? ELLGRAN_UNLOADING_TING : ELLGRAN_UNLOADING_FIRST_ORDER;
@@ -356,16 +363,43 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, bool co
     p.limit_force = limit_force;
     p.youngs_modulus = youngs_modulus[k + 1];
     p.poissons_ratio = poissons_ratio[k + 1];
-    p.shear_viscosity = shear[k + 1];
-    p.bulk_viscosity = bulk[k + 1];
+    if (!restitution) {
+      p.shear_viscosity = shear[k + 1];
+      p.bulk_viscosity = bulk[k + 1];
+    }
     is_set[k * types + k] = 1;
   }
   EllgranLaws *built = NULL;
   check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
+  if (restitution) {
+    std::vector<double> coefficients(types * types);
+    for (int i = 0; i < types; i++)
+      for (int j = 0; j < types; j++) coefficients[i * types + j] = restitution[i + 1][j + 1];
+    EllgranLaws *with_restitution = NULL;
+    const int32_t status = ellgran_laws_with_restitution(built, &coefficients[0], &with_restitution);
+    ellgran_laws_free(built);
+    check(status);
+    built = with_restitution;
+  }
   ellgran_laws_free(laws);
   laws = built;
   ellgran_laws_free(list_laws);
   list_laws = NULL;
+  warn_of_created_energy();
+}
+
+void EllgranContact::warn_of_created_energy()
+{
+  int32_t i = 0, j = 0;
+  check(ellgran_laws_create_energy(laws, &i, &j));
+  if (i == 0 || warned_of_created_energy) return;
+  warned_of_created_energy = true;
+  if (lmp->comm->me != 0) return;
+  char message[240];
+  snprintf(message, sizeof(message),
+           "tangential tfd: totalDisplacement on can create energy, and nothing in the law of types %d and %d dissipates "
+           "any: leave it off, or give viscosities or restitutionDamping", (int)i, (int)j);
+  lmp->error->warning(FLERR, message);
 }
 
 void EllgranContact::build_list_laws()
@@ -389,6 +423,9 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   if (pair->storeContactForces() || pair->storeContactForcesStress() || pair->storeSumDelta()) return false;
   if (pair->store_sum_normal_force()) return false;
   if (lmp->modify->n_fixes_style("insert/stream/predefined")) return false;
+  const bool masses = ellgran_laws_uses_mass(laws) == 1;
+  // there the mass of a body counts, not that of its particle
+  if (masses && (lmp->modify->n_fixes_style("rigid") || lmp->modify->n_fixes_style("multisphere"))) return false;
   // another fix keeps numbers of its own with each contact
   if (!pair->listgranhistory || pair->dnum() != ellgran_laws_history_length(laws)) return false;
 
@@ -401,7 +438,15 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   // the library is told when it sees what it saw before, but for the motion
   const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_last;
   if (!list_laws) build_list_laws();
-  const EllgranParticles all = particles();
+  EllgranParticles all = particles();
+  if (masses) {
+    contact_masses.resize(all.count);
+    for (int i = 0; i < all.count; i++) {
+      contact_masses[i] = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+      if (atom->mask[i] & pair->freeze_group_bit()) contact_masses[i] = HUGE_VAL;
+    }
+    all.masses = all.contact_masses = &contact_masses[0];
+  }
 
   EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
   neighbours.count = list->inum;

@@ -42,6 +42,7 @@ struct EllgranContact {
   bool surface_is_ellipsoid;     // else the normal model stages spheres
   bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own, or rolling friction, reads sidata.reff
   bool tangential_is_tfd;        // else a tangential model of LIGGGHTS' own may read sidata.kt
+  bool displacement_is_total;    // setting totalDisplacement of tangential tfd
   double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
@@ -66,8 +67,10 @@ struct EllgranContact {
   // all particles of the step, for the contacts that are staged by their indices
   void prepare_particles();
   EllgranStep step(int advance_history) const;
-  // a law of E, nu, eta1, eta2 per type
-  void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
+  // A law of E, nu, eta1, eta2 per type; or, with restitution (per pair of types, from 1) in place of viscosities, elastic with
+  // the damping that gives it.
+  void build_laws(const double *shear, const double *bulk, double *const *restitution, bool conservative, bool ting,
+                  bool limit_force);
 
   // Forces of all pairs of the neighbour list by one call of the library. False, and nothing done, when something needs
   // the contacts one by one.
@@ -94,6 +97,7 @@ private:
   void check_blockiness(int i) const;
   EllgranParticles particles() const;
   void build_list_laws();
+  void warn_of_created_energy();
 
   LAMMPS_NS::LAMMPS *lmp;
   ContactModelBase *model;
@@ -104,6 +108,8 @@ private:
   EllgranWorkspace *workspace;
   std::vector<EllgranContactReport> reports;
   std::vector<double> told_history;  // of a contact, as compute pair/gran/local reads it
+  bool warned_of_created_energy;
+  std::vector<double> contact_masses;  // of all particles, infinite for those of fix freeze
   int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
 };
 

@@ -5,7 +5,9 @@ use super::contact::{force_of, EllgranBody, EllgranContactForce};
 use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
-use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::status::{
+    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+};
 use crate::force::PairLaw;
 use crate::geometry::Vector3;
 use crate::pairs::one_contact::HaleRatio;
@@ -422,8 +424,8 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 /// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
 /// of `past`.
 ///
-/// `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
-/// `displacement rescaled`, which remembers more, is not available here.
+/// `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+/// where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -514,7 +516,7 @@ unsafe fn with_past(
     let laws = &unsafe { required(laws, "laws") }?.laws;
     let mut out = unsafe { Output::new(force, "force") }?;
     let past = unsafe { given(past, "past") }?;
-    let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
+    unsafe { required(memory.cast_const(), "memory") }?;
     let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,
@@ -527,20 +529,21 @@ unsafe fn with_past(
             format!("friction = {friction} must be at least 0"),
         ));
     }
-    if laws.layout().stiffness.is_some() {
-        return Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            "displacement rescaled is not available in stages",
-        ));
-    }
     let contact = staged.known()?;
+    let remembered = if laws.layout().energy.is_some() { 4 } else { 3 };
+    // SAFETY: promised by the caller.
+    let memory = unsafe { slice_mut(memory, remembered, "memory") }?;
     let mut past = Past {
         touched: past.touched != 0,
         normal: Vector3::from_array(past.normal),
-        memory: Vector3::from_array(*memory),
+        memory: Vector3::new(memory[0], memory[1], memory[2]),
+        energy: memory.get(3).copied().unwrap_or(0.0),
     };
     let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
-    *memory = past.memory.to_array();
+    memory[..3].copy_from_slice(&past.memory.to_array());
+    if let Some(energy) = memory.get_mut(3) {
+        *energy = past.energy;
+    }
     out.write(&force_of(None, &f));
     Ok(())
 }

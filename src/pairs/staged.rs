@@ -42,8 +42,10 @@ pub struct Past {
     pub touched: bool,
     /// The normal then.
     pub normal: Vector3,
-    /// The tangential displacement; written.
+    /// The tangential memory; written.
     pub memory: Vector3,
+    /// Its elastic energy, of `displacement rescaled`; written.
+    pub energy: f64,
 }
 
 /// A contact whose geometry is known.
@@ -190,7 +192,7 @@ impl StagedContact {
             continued: false,
             normal: x.normal,
             memory: Vector3::ZERO,
-            stiffness: 0.0,
+            energy: 0.0,
             time: 0.0,
         };
         let mut f = self.forces::<false>(&law, &x, &nothing)?;
@@ -271,7 +273,7 @@ impl StagedContact {
             } else {
                 Vector3::ZERO
             },
-            stiffness: 0.0,
+            energy: if past.touched { past.energy } else { 0.0 },
             time: if step.advance_history {
                 step.time_step
             } else {
@@ -280,6 +282,7 @@ impl StagedContact {
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
         past.memory = f.memory;
+        past.energy = f.tangential_energy;
         Ok(f)
     }
 
