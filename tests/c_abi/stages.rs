@@ -153,6 +153,11 @@ fn pointers_of_the_stages() {
             "staged",
         );
         is_null(ellgran_staged_equivalent_radius(s, null_mut()), "radius");
+        is_null(
+            ellgran_staged_section_area(null(), radius.pointer()),
+            "staged",
+        );
+        is_null(ellgran_staged_section_area(s, null_mut()), "area");
         is_null(ellgran_staged_normal(null(), l, 1, 1, 1.0, f), "staged");
         is_null(ellgran_staged_normal(s, null(), 1, 1, 1.0, f), "laws");
         is_null(ellgran_staged_normal(s, l, 1, 1, 1.0, null_mut()), "force");
@@ -209,6 +214,8 @@ fn values_of_the_stages() {
     unsafe {
         // Nothing was found yet.
         let status = ellgran_staged_equivalent_radius(s, radius.pointer());
+        fails(status, argument, &["do not touch"]);
+        let status = ellgran_staged_section_area(s, radius.pointer());
         fails(status, argument, &["do not touch"]);
         fails(
             ellgran_staged_normal(s, l, 1, 1, 1.0, f),
@@ -514,6 +521,12 @@ fn a_wall_in_stages_is_a_plane() {
         close(f.force, w.force, size(w.force));
         close(f.torque_i, w.torque_i, size(w.force));
         assert!(radius > 0.5 && radius < 2.0, "{radius}");
+        let (mut area, mut known) = (0.0, Untouched::<EllgranContactGeometry>::sized());
+        ok(ellgran_staged_section_area(staged.0, &mut area));
+        ok(ellgran_contact_geometry_plane(&i, &plane, known.pointer()));
+        let k = *known.pointer();
+        let section = std::f64::consts::PI * k.penetration / (k.curvature_a * k.curvature_b).sqrt();
+        assert!((area - section).abs() < 1e-12 * section, "{area} {section}");
     }
 }
 
