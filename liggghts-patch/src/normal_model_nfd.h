@@ -41,6 +41,8 @@ public:
       bulk(NULL),
       restitution(NULL),
       Geff(NULL),
+      Yeff(NULL),
+      rolls(false),
       conservative(true),
       ting(true),
       limit_force(true),
@@ -48,6 +50,7 @@ public:
       elastic_potential(false),
       dissipated_energy(false)
   {
+    contact->owner = hsetup;
     contact->needs_equivalent_radius = false;
   }
 
@@ -84,6 +87,11 @@ public:
     }
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff);
     registry.connect("Geff", Geff, "model nfd");
+    registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff);
+    registry.connect("Yeff", Yeff, "model nfd");
+    contact->check_models();
+    rolls = !contact->matches("rolling_friction", "off");
+    contact->needs_equivalent_radius = rolls;
     contact->build_laws(shear, bulk, restitution, conservative, ting, limit_force);
     neighbor->register_contact_dist_factor(1.01);
   }
@@ -98,7 +106,7 @@ public:
       contact->stage_spheres(sidata);
       if (!contact->geometry.touching) return;
     }
-    EllgranContactForce f;
+    EllgranContactForce f = ELLGRAN_INIT(EllgranContactForce);
     if (contact->tangential_is_tfd && contact->surface_is_ellipsoid) {
       // both at once: tangential tfd has nothing to add
       const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
@@ -111,11 +119,14 @@ public:
     sidata.Fn = f.normal_force;
     sidata.kn = f.normal_force / sidata.deltan;
     sidata.kt = 0.0;
-    if (!contact->tangential_is_tfd) {
-      // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
+    if (rolls || !contact->tangential_is_tfd) {
+      // for LIGGGHTS' own rolling and tangential models: the stiffnesses of a circular contact with the same elastic force, as
+      // model hertz has them
       double radius = 0.0;
       contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
-      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+      const double root = sqrt(radius * sidata.deltan);
+      sidata.kn = 4.0 / 3.0 * Yeff[sidata.itype][sidata.jtype] * root;
+      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * root;
     }
     sidata.gamman = 0.0;
     sidata.gammat = 0.0;
@@ -144,7 +155,8 @@ private:
   ContactModelBase *model;
   EllgranContact *contact;
   double *shear, *bulk;
-  double **restitution, **Geff;
+  double **restitution, **Geff, **Yeff;
+  bool rolls;  // a rolling model reads kn, and reff under surface ellipsoid
   bool conservative, ting, limit_force, damping_is_restitution, elastic_potential, dissipated_energy;
 };
 

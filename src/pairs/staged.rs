@@ -167,6 +167,12 @@ impl StagedContact {
         0.5 / determinant.sqrt() * phi * phi
     }
 
+    /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
+    /// spheres that of the circle in which they intersect, and twice the contact area of Hertz.
+    pub fn section_area(&self) -> f64 {
+        std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
+    }
+
     /// Normal force and the further terms of the conservative law, without the tangential force.
     ///
     /// # Errors
