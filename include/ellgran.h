@@ -1172,7 +1172,8 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
  # Safety
  The pointers are NULL or valid.
  */
-int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged, double *area);
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
+                                    double *area);
 
 /*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
