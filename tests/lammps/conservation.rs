@@ -415,10 +415,16 @@ fn both_versions_an_elastic_gas_keeps_its_energy() {
 #[test]
 fn both_versions_an_elastic_frictional_gas_gains_no_energy() {
     let engine = Engine::from_environment();
-    let scene = crate::harness::crowd(64);
+    // pressed together and nearly at rest: what slides dissipates, and would hide the gain
+    let mut scene = crate::harness::crowd(64);
+    for g in &mut scene.grains {
+        g.semi_axes = [1.32e-2, 1.26e-2, 1.23e-2];
+        g.velocity = scale(0.1, g.velocity);
+        g.angular_momentum = [0.0; 3];
+    }
     let gains = |displacement: &str, steps: u64| {
         let deck = Deck {
-            time_step: 4e-6,
+            time_step: 1e-5,
             steps,
             thermo_every: 50,
             thermo_columns: "step pe ke c_turning".into(),
@@ -442,11 +448,11 @@ fn both_versions_an_elastic_frictional_gas_gains_no_energy() {
     let (left, gain, warned) = gains("", 10_000);
     let (published, most, warnings) = gains(" displacement total", 10_000);
     println!(
-        "energy after 0.04 s over that at the start: {left:.3} by default (most gained in 50 steps {gain:.1e}), {published:.3} with displacement total ({most:.1e})"
+        "energy after 0.1 s over that at the start: {left:.3} by default (most gained in 50 steps {gain:.1e}), {published:.3} with displacement total ({most:.1e})"
     );
     assert!(gain < 1e-5 && left < 1.0);
     assert!(
-        most > 1e-3,
+        published > 1.002,
         "displacement total gained nothing to be warned about"
     );
     assert_eq!((warned, warnings), (0, 1));
