@@ -258,7 +258,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             },
             owned: p.owned_count,
         };
-        let many_starts = compute_pairs(
+        let deep_contacts = compute_pairs(
             laws,
             workspace,
             &mut rows,
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             sums.as_mut(),
         )
         .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
-        workspace.many_starts += many_starts;
+        workspace.deep_contacts += deep_contacts;
         if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
             write_back(out, &sums);
         }

@@ -149,7 +149,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         if !workspace.keeps_history {
             workspace.candidates.batches.write(self.rows);
         }
-        self.many_starts
+        self.deep_contacts
     }
 
     /// With the closed form of one kind of shape.

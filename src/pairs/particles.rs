@@ -192,8 +192,8 @@ pub struct Workspace {
     pub instruction_set: InstructionSet,
     /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
     pub keeps_history: bool,
-    /// Contacts so far that took the slow search from many starts.
-    pub many_starts: u64,
+    /// Contacts so far that were deeper than Hertz' law allows ([`crate::geometry::ContactSearch::deep`]).
+    pub deep_contacts: u64,
     /// Is told of large memory just allocated, with its length in bytes.
     pub allocated: Allocated,
 }
@@ -242,7 +242,7 @@ impl Workspace {
             walls: Vec::new(),
             instruction_set,
             keeps_history: false,
-            many_starts: 0,
+            deep_contacts: 0,
             allocated: |_, _| (),
         }
     }
