@@ -17,6 +17,28 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/*
+ * Every struct begins with its size: by it a program and a library of different versions understand each other.
+ * ELLGRAN_INIT(EllgranBody) is an EllgranBody that has its size and is zero elsewhere. Start every struct from it, those
+ * too that the library writes; in other languages set `size` to the size of the struct and the rest to zero.
+ *
+ * Later versions add fields at the end, of which zero means what it was before there was the field. A struct of an older
+ * ellgran.h is read as if such a field were zero, and written as far as it goes. A struct of a newer ellgran.h is refused
+ * only if it sets what the library does not know. In an array of structs all sizes are the same.
+ */
+#ifdef __cplusplus
+namespace ellgran {
+template <typename Type> inline Type init()
+{
+  Type value = Type();
+  value.size = sizeof(Type);
+  return value;
+}
+}
+#define ELLGRAN_INIT(Type) (::ellgran::init<Type>())
+#else
+#define ELLGRAN_INIT(Type) ((Type){.size = sizeof(Type)})
+#endif
 
 /*
  Normal law: elastic, from E and nu.
@@ -104,17 +126,17 @@
 #define ELLGRAN_FACTORS_HALE 1
 
 /*
- The tangential displacement since first touch is remembered.
+ The tangential displacement since first touch is remembered: the published form, which can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered.
+ The tangential force is remembered; can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force is remembered, and falls with the stiffness.
+ The tangential force and its energy are remembered, and no energy is created. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -160,6 +182,16 @@
 #define ELLGRAN_ERROR_PARTICLE 200
 
 /*
+ The history of a touching contact holds a number that no call has written, such as NaN.
+ */
+#define ELLGRAN_ERROR_HISTORY 201
+
+/*
+ The numbers of a contact, each within its range, together leave the range of double precision.
+ */
+#define ELLGRAN_ERROR_RESULT 202
+
+/*
  Block 900 to 999, the library itself: a panic was caught. A defect: please report it.
  */
 #define ELLGRAN_ERROR_PANIC 900
@@ -187,35 +219,43 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 
 /*
  Memory that one thread of calls keeps from step to step. Opaque.
+
+ Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
+ After an error a workspace is as good as before the call: what it keeps of the last call that succeeded is still there.
+ After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
  */
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- A body of one contact, world frame.
+ A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {
   /*
-   Centre.
+   `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Centre; components up to 1e20.
    */
   double position[3];
   /*
-   Rotation from body to world, (w, x, y, z); need not be of unit length.
+   Rotation from body to world, (w, x, y, z); of any length but zero.
    */
   double quaternion[4];
   /*
-   Semi-axes along the body axes.
+   Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
    */
   double semi_axes[3];
   /*
-   Velocity of the centre.
+   Velocity of the centre; components up to 1e20. See `EllgranStep`.
    */
   double velocity[3];
   /*
-   Angular velocity, world frame.
+   Angular velocity, world frame; components up to 1e20.
    */
   double angular_velocity[3];
   /*
-   Mass > 0, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+   Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
    */
   double mass;
   /*
@@ -232,6 +272,10 @@ typedef struct EllgranBody {
  Geometry of a contact.
  */
 typedef struct EllgranContactGeometry {
+  /*
+   `sizeof(EllgranContactGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    1 if the penetration is greater than 0.
    */
@@ -275,7 +319,11 @@ typedef struct EllgranContactGeometry {
  */
 typedef struct EllgranPlane {
   /*
-   A point of its surface.
+   `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   A point of its surface; components up to 1e20.
    */
   double point[3];
   /*
@@ -283,7 +331,7 @@ typedef struct EllgranPlane {
    */
   double normal[3];
   /*
-   Velocity.
+   Velocity; components up to 1e20.
    */
   double velocity[3];
 } EllgranPlane;
@@ -293,19 +341,29 @@ typedef struct EllgranPlane {
  */
 typedef struct EllgranStep {
   /*
-   Time step: the velocities moved the particles over it to where they are.
+   `sizeof(EllgranStep)`; `ELLGRAN_INIT` sets it.
    */
-  double time_step;
+  size_t size;
   /*
    1 in a step; 0 in the set-up of a run: forces from the history as it stands.
    */
   int32_t advance_history;
+  /*
+   Time step, from 0 to 1e10. The velocities are those of the half step, which moved the particles over it to where they
+   are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
+   tangential displacement has an error of the order of the time step.
+   */
+  double time_step;
 } EllgranStep;
 
 /*
  Force of a contact.
  */
 typedef struct EllgranContactForce {
+  /*
+   `sizeof(EllgranContactForce)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Force on j, world frame; on i the opposite.
    */
@@ -358,13 +416,14 @@ typedef struct EllgranContactForce {
 
 /*
  The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
- units.
+ units. Moduli and `normal_stiffness` are from 1e-30 to 1e30, the other constants at most 1e30, a relaxation time at most
+ 1e15.
  */
 typedef struct EllgranLawParameters {
   /*
-   ELLGRAN_ABI_VERSION; set by `ellgran_law_parameters_default`.
+   `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
    */
-  uint32_t struct_version;
+  size_t size;
   /*
    ELLGRAN_NORMAL_*
    */
@@ -449,8 +508,16 @@ typedef struct EllgranLawParameters {
 
 /*
  Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
+
+ The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
+ and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
+ the range stated at a field is an error that names the particle and the value.
  */
 typedef struct EllgranParticles {
+  /*
+   `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Particles that the caller owns.
    */
@@ -460,15 +527,16 @@ typedef struct EllgranParticles {
    */
   size_t count;
   /*
-   Centres, [count][3].
+   Centres, [count][3]; components up to 1e20.
    */
   const double *positions;
   /*
-   Velocities of the centres, [count][3].
+   Velocities of the centres, [count][3]; components up to 1e20. Those that moved the particles to where they are, see
+   `EllgranStep`.
    */
   const double *velocities;
   /*
-   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`.
+   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e20.
    */
   const double *angular_velocities;
   /*
@@ -476,7 +544,7 @@ typedef struct EllgranParticles {
    */
   const double *angular_momenta;
   /*
-   Masses, [count]; may be NULL where neither `angular_momenta` nor a law reads them.
+   Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
    */
   const double *masses;
   /*
@@ -494,7 +562,8 @@ typedef struct EllgranParticles {
    */
   const int32_t *shape_indices;
   /*
-   Semi-axes, 3 doubles an entry.
+   Semi-axes, 3 doubles an entry, from 1e-15 to 1e15, the largest at most 1e6 times the smallest. As many entries as there
+   are particles, or as `shape_indices` name.
    */
   const double *semi_axes;
   /*
@@ -502,7 +571,7 @@ typedef struct EllgranParticles {
    */
   size_t semi_axes_stride;
   /*
-   Quaternions (w, x, y, z), body to world, 4 doubles an entry.
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
    */
   const double *quaternions;
   /*
@@ -518,19 +587,35 @@ typedef struct EllgranParticles {
    */
   int32_t identifier_bytes;
   /*
-   Forces, [count][3], added to.
+   Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
    */
   double *forces;
   /*
-   Torques about the centres, [count][3], added to.
+   Torques about the centres, [count][3], added to; as `forces`.
    */
   double *torques;
 } EllgranParticles;
 
 /*
- An engine's neighbour list: every pair once.
+ An engine's neighbour list: every pair once, in the row of one of its two particles.
+
+ A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
+ semi-axes, and, to be used for several steps, a margin to that: no particle may have moved by more than half of it since the
+ list was built. More pairs do no harm.
+
+ `touching` and `history` belong to the caller. When a pair enters the list, they are to be 0 (the normal may hold anything:
+ it is a start of the search); while it stays, in whatever list and place, they go with it; where it comes back with its
+ particles exchanged, `ellgran_history_swap` turns the history. A contact whose history is lost begins anew, without
+ tangential force.
+
+ The pointers are read during a call and not kept after it. Of arrays by particle index only the entries of central particles
+ are read.
  */
 typedef struct EllgranNeighbourList {
+  /*
+   `sizeof(EllgranNeighbourList)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Number of central particles.
    */
@@ -540,11 +625,12 @@ typedef struct EllgranNeighbourList {
    */
   const int32_t *central;
   /*
-   Number of neighbours, by particle index.
+   Number of neighbours, by particle index; a negative number is 0.
    */
   const int32_t *neighbour_counts;
   /*
-   Neighbours, by particle index.
+   Neighbours, by particle index: [neighbour_counts] entries each, none of them the central particle itself. A row
+   without neighbours may be NULL.
    */
   const int32_t *const *neighbours;
   /*
@@ -552,21 +638,14 @@ typedef struct EllgranNeighbourList {
    */
   int32_t index_mask;
   /*
-   The bits above this one select one of `special_factors`.
+   Number of the lowest of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30); they
+   are to be 0 in `index_mask`. Not read if `special_factors` is NULL.
    */
   int32_t special_shift;
   /*
    [4] or NULL; a pair whose factor is 0 is left out. Other factors do not scale a contact force.
    */
   const double *special_factors;
-  /*
-   One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
-   */
-  int32_t *const *touching;
-  /*
-   History per neighbour, by particle index, written. NULL if the history length is 0.
-   */
-  double *const *history;
   /*
    1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
    with a ghost appears on both ranks.
@@ -577,6 +656,12 @@ typedef struct EllgranNeighbourList {
    `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
    pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
    the workspace. 0: they may have. When in doubt, 0.
+
+   `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+   call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
+   `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
+   said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
+   places, forces are wrong.
    */
   int32_t unchanged;
   /*
@@ -584,12 +669,26 @@ typedef struct EllgranNeighbourList {
    changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
    */
   int32_t keep_history;
+  /*
+   One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
+   NULL if the history length is 0.
+   */
+  int32_t *const *touching;
+  /*
+   History per neighbour, by particle index, [neighbour_counts][ellgran_laws_history_length] each, read and written.
+   NULL if the history length is 0.
+   */
+  double *const *history;
 } EllgranNeighbourList;
 
 /*
  What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
  */
 typedef struct EllgranTallies {
+  /*
+   `sizeof(EllgranTallies)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    In: [count] or NULL; elastic energy per particle, added to, half to each body.
    */
@@ -634,7 +733,11 @@ typedef struct EllgranTallies {
  */
 typedef struct EllgranStagedGeometry {
   /*
-   1 if the bodies touch; otherwise the rest says nothing.
+   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   1 if the bodies touch; otherwise the rest is zero.
    */
   int32_t touching;
   /*
@@ -656,7 +759,11 @@ typedef struct EllgranStagedGeometry {
  */
 typedef struct EllgranWallSurface {
   /*
-   The point of the surface that lies deepest in the body, world frame.
+   `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   The point of the surface that lies deepest in the body, world frame; components up to 1e20.
    */
   double point[3];
   /*
@@ -669,7 +776,7 @@ typedef struct EllgranWallSurface {
    */
   double direction[3];
   /*
-   Curvatures along `direction` and across it, 1/length: 0 for a plane, negative in a cavity.
+   Curvatures along `direction` and across it, 1/length, up to 1e21: 0 for a plane, negative in a cavity.
    */
   double curvatures[2];
   /*
@@ -678,7 +785,7 @@ typedef struct EllgranWallSurface {
    */
   double turning_radii[2];
   /*
-   Velocity of the surface there.
+   Velocity of the surface there; components up to 1e20.
    */
   double velocity[3];
 } EllgranWallSurface;
@@ -687,6 +794,10 @@ typedef struct EllgranWallSurface {
  What is remembered of a contact, and what the tangential law needs beside its law.
  */
 typedef struct EllgranStagedPast {
+  /*
+   `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Coefficient of friction of the pair of types.
    */
@@ -702,13 +813,13 @@ typedef struct EllgranStagedPast {
 } EllgranStagedPast;
 
 /*
- A contact of an ellipsoid with a wall.
+ Which triangle stands for a contact of an ellipsoid with a wall.
  */
 typedef struct EllgranWallContact {
   /*
-   The wall's surface; its velocity is zero and is the caller's to set.
+   `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
    */
-  struct EllgranWallSurface surface;
+  size_t size;
   /*
    Index of the triangle that stands for the contact, 0 where there are none.
    */
@@ -730,7 +841,7 @@ extern "C" {
  curvature.
 
  `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
- `start_normal` is the normal of the last step as a start of the search, or NULL.
+ `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
 
  # Safety
  `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -757,7 +868,7 @@ int32_t ellgran_contact_geometry_plane(const struct EllgranBody *i,
  is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
 
  `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
- steps; start from zeros. `geometry` may be NULL.
+ steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
 
  # Safety
  The pointers are as stated, NULL or valid.
@@ -789,7 +900,8 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
- Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+ Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+ zero.
 
  # Safety
  `parameters` is NULL or valid for writes.
@@ -818,7 +930,8 @@ int32_t ellgran_law_parameters_parse(size_t word_count,
 /*
  Builds the laws of a scene with `type_count` types, counted from 1.
 
- `parameters` and `is_set` are `type_count` x `type_count`, row by row; a pair may be set as I J or as J I. A pair that
+ `parameters` and `is_set` are `type_count` x `type_count`, row by row; the first entry of `parameters` has its size even
+ where it is not set. A pair may be set as I J or as J I. A pair that
  is not set is mixed from I I and J J: moduli in series, relaxation times by compliance, friction and restitution by
  geometric mean; laws of different kinds cannot be mixed.
 
@@ -844,6 +957,29 @@ int32_t ellgran_laws_new(int32_t type_count,
 int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
                                    const double *friction,
                                    struct EllgranLaws **result);
+
+/*
+ The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+ per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+ ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
+                                      const double *restitution,
+                                      struct EllgranLaws **result);
+
+/*
+ Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+ `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+
+ # Safety
+ `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+ */
+int32_t ellgran_laws_create_energy(const struct EllgranLaws *laws,
+                                   int32_t *type_i,
+                                   int32_t *type_j);
 
 /*
  Frees laws; NULL is allowed.
@@ -904,7 +1040,13 @@ int32_t ellgran_laws_describe(const struct EllgranLaws *laws,
 /*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
- All particles are checked first; on failure nothing is written.
+ Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
+ written.
+
+ The same calls with the same numbers give the same bits, run after run, on one machine with one instruction set. They differ
+ by rounding from one instruction set to another (and between makers of processors with AVX-512, whose approximate
+ reciprocals differ), from `ellgran_contact` for the same pair, with the order of the list, and between a list that was said
+ to be unchanged and a new one.
 
  # Safety
  The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
@@ -928,7 +1070,8 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
 
 /*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
- environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`.
+ environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
+ set.
 
  # Safety
  `workspace` is NULL or valid for writes.
@@ -973,7 +1116,8 @@ int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *wor
 
  Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
  `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
- `history` [owned_count][wall_count][history length] (both NULL if the history length is 0). `wall_forces`,
+ `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
+ particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
  [wall_count][3] or NULL, receives the force on each wall, added to.
 
  All particles are checked first; on failure nothing is written.
@@ -1035,8 +1179,8 @@ int32_t ellgran_staged_neighbours(struct EllgranStagedContact *staged,
                                   struct EllgranStagedGeometry *geometry);
 
 /*
- First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
- is not written. Types are not read.
+ First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
+ rest of it. Types are not read.
 
  `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
  is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -1074,8 +1218,19 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
                                          double *radius);
 
 /*
+ Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+ and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+ is half of it.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
+                                    double *area);
+
+/*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
- the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
+ the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
  ellipse are not computed here.
 
  # Safety
@@ -1092,8 +1247,8 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
  Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
  of `past`.
 
- `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
- `displacement rescaled`, which remembers more, is not available here.
+ `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+ where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 
  # Safety
  The pointers are NULL or valid.
@@ -1166,13 +1321,16 @@ void ellgran_wall_contacts_free(struct EllgranWallContacts *contacts);
 size_t ellgran_wall_contacts_count(const struct EllgranWallContacts *contacts);
 
 /*
- The contact of this index, of the last call; NULL if there is none. Valid until the next call.
+ The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
+ and, unless `contact` is NULL, the triangle.
 
  # Safety
- `contacts` is NULL or valid.
+ The pointers are NULL or valid.
  */
-const struct EllgranWallContact *ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
-                                                           size_t index);
+int32_t ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
+                                  size_t index,
+                                  struct EllgranWallContact *contact,
+                                  struct EllgranWallSurface *surface);
 
 /*
  The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.

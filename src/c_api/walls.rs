@@ -2,36 +2,43 @@
 //! Where an ellipsoid touches a wall: plane, cylinder, triangles. What `ellgran_staged_wall` is then told.
 
 use super::contact::EllgranBody;
+use super::growing::{given, growing, Output};
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::geometry::cylinder::{touch_cylinder, Cylinder};
+use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::geometry::triangles::{touch_triangles, Feature, Triangle, TriangleContact};
 use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
+use crate::message::{Number, Numbers};
+use crate::pairs::ranges::{self, LARGEST_COORDINATE};
 use libc::size_t;
 
-/// A contact of an ellipsoid with a wall.
+/// Which triangle stands for a contact of an ellipsoid with a wall.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallContact {
-    /// The wall's surface; its velocity is zero and is the caller's to set.
-    pub surface: EllgranWallSurface,
+    /// `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Index of the triangle that stands for the contact, 0 where there are none.
     pub triangle: size_t,
     /// Weights of that triangle's corners at the point of the surface; the velocity there is their mean so weighted.
     pub weights: [f64; 3],
 }
 
+growing!(EllgranWallContact);
+
 /// Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
 /// or triangles than any before it.
 #[derive(Default)]
 pub struct EllgranWallContacts {
-    all: Vec<EllgranWallContact>,
+    all: Vec<(EllgranWallContact, EllgranWallSurface)>,
     triangles: Vec<Triangle>,
     found: Vec<TriangleContact>,
 }
 
 fn surface(point: Vector3, normal: Vector3) -> EllgranWallSurface {
     EllgranWallSurface {
+        size: size_of::<EllgranWallSurface>(),
         point: point.to_array(),
         normal: normal.to_array(),
         direction: Tangent::new(normal).u.to_array(),
@@ -79,20 +86,43 @@ pub unsafe extern "C" fn ellgran_wall_contacts_count(
     unsafe { contacts.as_ref() }.map_or(0, |c| c.all.len())
 }
 
-/// The contact of this index, of the last call; NULL if there is none. Valid until the next call.
+/// The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
+/// and, unless `contact` is NULL, the triangle.
 ///
 /// # Safety
-/// `contacts` is NULL or valid.
+/// The pointers are NULL or valid.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_contacts_get(
     contacts: *const EllgranWallContacts,
     index: size_t,
-) -> *const EllgranWallContact {
-    // SAFETY: promised by the caller.
-    unsafe { contacts.as_ref() }
-        .and_then(|c| c.all.get(index))
-        .map_or(core::ptr::null(), core::ptr::from_ref)
+    contact: *mut EllgranWallContact,
+    surface: *mut EllgranWallSurface,
+) -> i32 {
+    at_border("ellgran_wall_contacts_get", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let all = &unsafe { required(contacts, "contacts") }?.all;
+        let of_contact = unsafe { Output::optional(contact, "contact") }?;
+        let mut of_surface = unsafe { Output::new(surface, "surface") }?;
+        let (contact, surface) = all.get(index).ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("index = {index} is not one of {} contacts", all.len()),
+            )
+        })?;
+        of_surface.write(surface);
+        if let Some(mut out) = of_contact {
+            out.write(contact);
+        }
+        Ok(())
+    })
 }
+
+/// A contact where there are no triangles.
+const NO_TRIANGLE: EllgranWallContact = EllgranWallContact {
+    size: size_of::<EllgranWallContact>(),
+    triangle: 0,
+    weights: [0.0; 3],
+};
 
 /// The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.
 ///
@@ -108,7 +138,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
     at_border("ellgran_plane_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let point = unsafe { vector(point, "point") }?;
         let mut normal = unsafe { direction(normal, "normal") }?;
         if normal.dot(body.position - point) < 0.0 {
@@ -118,11 +148,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         let found = touch_plane(&body.body, body.position, &Plane { point, normal });
         if found.penetration > 0.0 {
             let deepest = body.position + found.support.point - found.normal * found.penetration;
-            contacts.all.push(EllgranWallContact {
-                surface: surface(deepest, normal),
-                triangle: 0,
-                weights: [0.0; 3],
-            });
+            contacts.all.push((NO_TRIANGLE, surface(deepest, normal)));
         }
         Ok(())
     })
@@ -144,32 +170,32 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
     at_border("ellgran_cylinder_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let cylinder = Cylinder {
             point: unsafe { vector(point, "point") }?,
             axis: unsafe { direction(axis, "axis") }?,
             radius,
         };
-        if !(radius > 0.0 && radius.is_finite()) {
+        if !(LEAST_SEMI_AXIS..=LARGEST_COORDINATE).contains(&radius) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                format!("radius = {radius} must be greater than 0"),
+                format!(
+                    "radius = {} must be greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_COORDINATE:e}",
+                    Number(radius)
+                ),
             ));
         }
         contacts.all.clear();
         let all = &mut contacts.all;
         touch_cylinder(&body.body, body.position, &cylinder, |c| {
             let signed = if c.within { -radius } else { radius };
-            all.push(EllgranWallContact {
-                surface: EllgranWallSurface {
-                    direction: cylinder.axis.cross(c.normal).to_array(),
-                    curvatures: [1.0 / signed, 0.0],
-                    turning_radii: [signed, f64::INFINITY],
-                    ..surface(c.point, c.normal)
-                },
-                triangle: 0,
-                weights: [0.0; 3],
-            });
+            let surface = EllgranWallSurface {
+                direction: cylinder.axis.cross(c.normal).to_array(),
+                curvatures: [1.0 / signed, 0.0],
+                turning_radii: [signed, f64::INFINITY],
+                ..surface(c.point, c.normal)
+            };
+            all.push((NO_TRIANGLE, surface));
         });
         Ok(())
     })
@@ -193,21 +219,19 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
     at_border("ellgran_triangle_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let corners = unsafe { slice(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
         let EllgranWallContacts {
             all,
             triangles,
             found,
         } = contacts;
-        if let Some(index) = corners
-            .iter()
-            .position(|t| t.iter().flatten().any(|x| !x.is_finite()))
-        {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("corners[{index}] = {:?} is not finite", corners[index]),
-            ));
+        for (index, corner) in corners.iter().flatten().enumerate() {
+            if !corner.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+                let name = format!("corners[{}][{}]", index / 3, index % 3);
+                ranges::vector(*corner, LARGEST_COORDINATE, &name)
+                    .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
+            }
         }
         all.clear();
         triangles.clear();
@@ -216,22 +240,24 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         touch_triangles(&body.body, body.position, triangles, found);
         all.extend(found.iter().map(|c| {
             let flat = surface(c.point, c.normal);
-            EllgranWallContact {
-                surface: match c.feature {
-                    Feature::Face => flat,
-                    Feature::Edge(along) => EllgranWallSurface {
-                        direction: along.cross(c.normal).to_array(),
-                        turning_radii: [0.0, f64::INFINITY],
-                        ..flat
-                    },
-                    Feature::Corner => EllgranWallSurface {
-                        turning_radii: [0.0; 2],
-                        ..flat
-                    },
+            let surface = match c.feature {
+                Feature::Face => flat,
+                Feature::Edge(along) => EllgranWallSurface {
+                    direction: along.cross(c.normal).to_array(),
+                    turning_radii: [0.0, f64::INFINITY],
+                    ..flat
                 },
+                Feature::Corner => EllgranWallSurface {
+                    turning_radii: [0.0; 2],
+                    ..flat
+                },
+            };
+            let contact = EllgranWallContact {
                 triangle: c.triangle,
                 weights: weights(&triangles[c.triangle], c.point),
-            }
+                ..NO_TRIANGLE
+            };
+            (contact, surface)
         }));
         Ok(())
     })
@@ -256,29 +282,19 @@ fn weights(t: &Triangle, p: Vector3) -> [f64; 3] {
 unsafe fn vector(pointer: *const f64, name: &str) -> Result<Vector3, Failure> {
     // SAFETY: promised by the caller.
     let value = unsafe { required(pointer.cast::<[f64; 3]>(), name) }?;
-    let vector = Vector3::from_array(*value);
-    if vector.is_finite() {
-        Ok(vector)
-    } else {
-        Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            format!("{name} = {value:?} is not finite"),
-        ))
-    }
+    ranges::vector(*value, LARGEST_COORDINATE, name)
+        .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
 }
 
 /// # Safety
 /// `pointer` is NULL or has 3 doubles.
 unsafe fn direction(pointer: *const f64, name: &str) -> Result<Vector3, Failure> {
     // SAFETY: promised by the caller.
-    let vector = unsafe { vector(pointer, name) }?;
-    let length = vector.norm();
-    if length > 0.0 && length.is_finite() {
-        Ok(vector * (1.0 / length))
-    } else {
-        Err(Failure::new(
+    let value = unsafe { required(pointer.cast::<[f64; 3]>(), name) }?;
+    Vector3::from_array(*value).direction().ok_or_else(|| {
+        Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
-            format!("{name} = {:?} has no direction", vector.to_array()),
-        ))
-    }
+            format!("{name} = {} has no direction", Numbers(value)),
+        )
+    })
 }

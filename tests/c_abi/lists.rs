@@ -82,9 +82,11 @@ fn shapes_in_an_array_of_structures() {
     let (mut again, mut fresh) = scene();
     let found = forces(&mut again, &mut fresh, true, |p, _| {
         p.shape_indices = indices.as_ptr();
-        p.semi_axes = shapes[0].semi_axes.as_ptr();
+        // From the whole array: a pointer to one field may not leave it.
+        let field = |offset: usize| shapes.as_ptr().wrapping_byte_add(offset).cast();
+        p.semi_axes = field(std::mem::offset_of!(Shape, semi_axes));
         p.semi_axes_stride = size_of::<Shape>();
-        p.quaternions = shapes[0].quaternion.as_ptr();
+        p.quaternions = field(std::mem::offset_of!(Shape, quaternion));
         p.quaternions_stride = size_of::<Shape>();
     });
     assert_eq!(found, expected);
@@ -252,7 +254,7 @@ fn a_swapped_history_is_that_of_the_other_order() {
             let run = |a: usize, b: usize| {
                 let (mut touching, mut history) = (0, vec![0.0; length]);
                 let mut moving = bodies.clone();
-                let mut force = Untouched::new();
+                let mut force = Untouched::sized();
                 for _ in 0..5 {
                     advance(&mut moving, STEP.time_step);
                     // SAFETY: all pointers are valid.
