@@ -570,7 +570,7 @@ void PairGranEllipsoid::gather_work()
 void PairGranEllipsoid::finish()
 {
   gather_work();
-  const bigint so_far = ellgran_workspace_many_starts_count(workspace);
+  const bigint so_far = ellgran_workspace_deep_contacts_count(workspace);
   bigint deep = so_far - deep_told, sum = 0;
   deep_told = so_far;
   MPI_Allreduce(&deep, &sum, 1, MPI_LMP_BIGINT, MPI_SUM, world);
