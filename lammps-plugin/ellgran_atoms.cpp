@@ -199,14 +199,14 @@ void EllgranAtoms::unpack_shapes(int n, int first, const double *buffer)
   }
 }
 
-EllgranParticles EllgranAtoms::view(const double *velocities) const
+EllgranParticles EllgranAtoms::view() const
 {
   const Shapes found = shapes();
   EllgranParticles particles{};
   particles.owned_count = atom->nlocal;
   particles.count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
   particles.positions = rows(atom->x);
-  particles.velocities = velocities ? velocities : rows(atom->v);
+  particles.velocities = rows(atom->v);
   particles.angular_momenta = rows(atom->angmom);
   particles.masses = atom->rmass;
   particles.types = atom->type;

@@ -38,8 +38,7 @@ class EllgranAtoms : protected Pointers {
   [[nodiscard]] bool all_spheres() const;
 
   /// Pointers to the arrays as they are now (they move when LAMMPS migrates atoms).
-  /// `velocities`: NULL, or to be used in the place of `atom->v`.
-  [[nodiscard]] EllgranParticles view(const double *velocities = nullptr) const;
+  [[nodiscard]] EllgranParticles view() const;
 
   /// Semi-axes and mass of the atoms at `indices`, `SHAPE_SIZE` doubles each, into `buffer`; 0 for what has no shape.
   void pack_shapes(int n, const int *indices, double *buffer) const;

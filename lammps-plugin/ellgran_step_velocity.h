@@ -7,6 +7,8 @@
 
 #include "fix.h"
 
+#include "ellgran_atoms.h"
+
 #include <string>
 #include <vector>
 
@@ -14,9 +16,10 @@ namespace LAMMPS_NS {
 
 /// The contact laws take velocities that belong to the half step: those with which the grains came where they are. The
 /// integrators by half steps (`fix nve/asphere`) leave them in `v` while forces are computed. `fix move` leaves the
-/// velocity at the end of the step, and `fix rigid` lets the body's spin act on its position at the end of the step: the
-/// acceleration over half a step would leak into the tangential displacement. For the atoms of such fixes this fix keeps
-/// the difference between displacement over time step and `v`. It does nothing where no such fix is defined.
+/// velocity at the end of the step, and an angular momentum that makes the given spin only with the orientation at its
+/// start; `fix rigid` lets the body's spin act on positions at the end of the step. All that would leak into the
+/// tangential displacement in proportion to the step. For the atoms of such fixes this fix finds the velocities from the
+/// displacement and the rotation over the step. It does nothing where no such fix is defined.
 class FixEllgranStepVelocity : public Fix {
  public:
   FixEllgranStepVelocity(class LAMMPS *, int, char **);
@@ -31,9 +34,9 @@ class FixEllgranStepVelocity : public Fix {
   /// True if a fix is defined whose atoms do not carry the velocity of the half step.
   static bool needed(class Modify *modify);
 
-  /// Velocities over the last step, x y z of each atom, of owned atoms and, if asked for, of ghosts; NULL where
-  /// `atom->v` is right. With ghosts it communicates: all processors call it in the same step.
-  const double *velocities(bool with_ghosts);
+  /// Lets `velocities` and `angular_momenta` point to those over the last step where the atoms' own are not those; of
+  /// ghosts too if asked for. With ghosts it communicates: all processors call it in the same step.
+  void replace_velocities(EllgranParticles &particles, bool with_ghosts);
 
   double memory_usage() override;
   void grow_arrays(int) override;
@@ -49,11 +52,14 @@ class FixEllgranStepVelocity : public Fix {
   void set_molecule(int, tagint, int, double *, double *, double *) override;
 
  private:
+  EllgranAtoms atoms;
   int moved_bits;         // groups of fixes that prescribe motions
   int rigid_bits;         // groups of rigid bodies
-  double **difference;    // velocity over the last step less `v`
-  double **start;         // positions and velocities when the step began, valid until atoms change processors
-  std::vector<double> result;
+  double **difference;    // velocity and angular momentum over the last step less the atom's own
+  double **start;         // position, velocity, quaternion when the step began, valid until atoms change processors
+  std::vector<double> velocities, angular_momenta;
+
+  void store_start(int i);
 };
 
 /// Adds the fix under a name that begins with `prefix` and is not taken; the owner deletes it by its ID.

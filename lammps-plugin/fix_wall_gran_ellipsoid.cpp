@@ -295,8 +295,8 @@ void FixWallGranEllipsoid::post_force(int)
   step.advance_history = time_passes ? 1 : 0;
 
   if (atom->nlocal > 0) {
-    EllgranParticles particles =
-        atoms.view(fix_step_velocity ? fix_step_velocity->velocities(false) : nullptr);
+    EllgranParticles particles = atoms.view();
+    if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     const int wall_type = 1;    // every pair of types has the law of this fix
     if (ellgran_compute_planes(laws, workspace, &particles, atom->mask, groupbit, wall_type,

@@ -156,7 +156,8 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   }
   refresh_contact_masses();
   std::fill_n(pvector, nextra, 0.0);
-  if (atom->nlocal + atom->nghost > 0) add_forces();
+  // A processor without atoms still takes part in the messages of others.
+  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
 }
 
@@ -191,8 +192,8 @@ void PairGranEllipsoid::write_history()
 
 void PairGranEllipsoid::add_forces()
 {
-  EllgranParticles particles =
-      atoms.view(fix_step_velocity ? fix_step_velocity->velocities(true) : nullptr);
+  EllgranParticles particles = atoms.view();
+  if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
