@@ -137,9 +137,8 @@ void LAMMPS_NS::refuse_styles(LAMMPS *lmp, const char *caller, bool remembers)
   for (const auto *fix : modify->get_fix_list()) {
     if (const Refusal *found = find(FIXES, fix->style, remembers))
       refuse(lmp, caller, "fix", fix->id, fix->style, found->reason, found->cure);
-    // The name that LAMMPS gives the fix in which 'fix adapt' keeps diameters.
-    if (is_style(fix->style, "adapt") &&
-        modify->get_fix_by_id(std::string(fix->id) + "_FIX_STORE_DIAM"))
+    // set where it adapts diameters, which need not come with the other things that it adapts
+    if (is_style(fix->style, "adapt") && fix->diam_flag)
       refuse(lmp, caller, "fix", fix->id, fix->style,
              "its 'diameter' changes an enclosing radius but no shape", "use 'fix set ... shape'");
     if (remembers && lmp->comm->me == 0 &&

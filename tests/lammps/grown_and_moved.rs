@@ -31,10 +31,8 @@ fn forces_follow_grains_that_grow_across_a_periodic_boundary() {
         fixes,
         ..Deck::with_pair(cutoff.clone())
     };
-    let growth = 1.2f64;
     // The shape that the last step saw was set at the end of the step before.
-    let grow = "compute shape all property/atom shapex shapey shapez\n\
-        variable a atom c_shape[1]*1.02\nvariable b atom c_shape[2]*1.02\nvariable c atom c_shape[3]*1.02\n\
+    let grow = "variable a atom 2.0*1.02^step\nvariable b atom 1.4*1.02^step\nvariable c atom 1.2*1.02^step\n\
         fix grow all set 1 0 group all shape v_a v_b v_c";
     for atom_style in ["ellipsoid", "ellipsoid superellipsoid"] {
         for ranks in [1, 2] {
@@ -50,10 +48,16 @@ fn forces_follow_grains_that_grow_across_a_periodic_boundary() {
                 ..deck(0, vec![])
             };
             let expected = run(&engine, "large", &pair(size), &started, 1);
-            let (a, b) = (outcome.last().states[0].force, expected.last().states[0].force);
+            let (a, b) = (
+                outcome.last().states[0].force,
+                expected.last().states[0].force,
+            );
             let error = length(sub(a, b)) / length(b);
-            println!("{atom_style}, {ranks} ranks: size {size:.3} of {growth}: force {a:?}, {error:.1e} from that of grains of this size");
-            assert!(length(b) > 0.0 && error < 1e-10, "{atom_style}, {ranks} ranks");
+            println!("{atom_style}, {ranks} ranks: size {size:.3}: force {a:?}, {error:.1e} from that of grains of this size");
+            assert!(
+                length(b) > 0.0 && error < 1e-10,
+                "{atom_style}, {ranks} ranks"
+            );
         }
     }
 }
@@ -94,7 +98,9 @@ fn both_versions_a_turn_prescribed_by_fix_move_leaks_no_friction() {
         last["c_s[2]"] / last["c_s[1]"]
     };
     let (coarse, fine) = (leak(500), leak(2000));
-    println!("tangential over normal force after a turn: {coarse:.2e} in 500 steps, {fine:.2e} in 2000");
+    println!(
+        "tangential over normal force after a turn: {coarse:.2e} in 500 steps, {fine:.2e} in 2000"
+    );
     // second order: a sixteenth of it at a quarter of the step
     assert!(fine < 2e-5 && fine < coarse / 10.0);
 }
@@ -135,14 +141,36 @@ fn both_versions_a_wiggling_wall_keeps_its_phase() {
     let column = "thermo_style custom step f_w[3]";
     let plain = force("plain", &[column, "run 400", show]);
     for (name, runs) in [
-        ("new time step", vec![column, "run 100", "timestep 5e-4", "run 200", "timestep 2e-3", "run 100", show]),
-        ("restart", vec![column, "run 100", "write_restart half", "run 300", show]),
+        (
+            "new time step",
+            vec![
+                column,
+                "run 100",
+                "timestep 5e-4",
+                "run 200",
+                "timestep 2e-3",
+                "run 100",
+                show,
+            ],
+        ),
+        (
+            "restart",
+            vec![column, "run 100", "write_restart half", "run 300", show],
+        ),
         (
             "after restart",
             vec![
-                column, "run 150", "write_restart half.restart", "clear", "PLUGIN", "read_restart half.restart",
+                column,
+                "run 150",
+                "write_restart half.restart",
+                "clear",
+                "PLUGIN",
+                "read_restart half.restart",
                 "fix w all wall/gran/ellipsoid hertz 1e7 0.3 zplane -0.9 NULL wiggle z 0.05 1.0",
-                "timestep 1e-3", "thermo_style custom step f_w[3]", "run 250", show,
+                "timestep 1e-3",
+                "thermo_style custom step f_w[3]",
+                "run 250",
+                show,
             ],
         ),
     ] {
@@ -153,6 +181,9 @@ fn both_versions_a_wiggling_wall_keeps_its_phase() {
             .collect();
         let got = force(&name.replace(' ', "_"), &runs);
         println!("{name}: {got} beside {plain}");
-        assert!(plain.abs() > 1.0 && (got - plain).abs() < 1e-9 * plain.abs(), "{name}");
+        assert!(
+            plain.abs() > 1.0 && (got - plain).abs() < 1e-9 * plain.abs(),
+            "{name}"
+        );
     }
 }
