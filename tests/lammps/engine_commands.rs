@@ -185,12 +185,6 @@ fn forces() -> Vec<Case> {
             "run 60\nprint \"HELD $(ke(all):%.17g) ${k0} 1e-12\""),
         held("`fix aveforce`", "variable k0 equal $(ke(all):%.17g)\nfix g all aveforce 0 0 0",
             "run 60\nprint \"HELD $(ke(all):%.17g) ${k0} 1e-9\""),
-        held("`fix addtorque/atom`",
-            "neigh_modify exclude group all all\ncompute l all property/atom angmomx\ncompute s all reduce sum c_l\nrun 0\nvariable l0 equal $(c_s:%.17g)\nfix g all addtorque/atom 1e-3 0 0",
-            "thermo_style custom step c_s\nrun 60\nprint \"HELD $(c_s-v_l0:%.17g) $(1e-3*count(all)*60e-5:%.17g) 1e-9\""),
-        held("`fix settorque/atom`",
-            "compute l all property/atom angmomx angmomy angmomz\ncompute s all reduce sumsq c_l[*]\nthermo_style custom step c_s[*]\nrun 0\nvariable l0 equal $(c_s[1]+c_s[2]+c_s[3]:%.17g)\nfix g all settorque/atom 0 0 0",
-            "thermo_style custom step c_s[*]\nrun 60\nprint \"HELD $(c_s[1]+c_s[2]+c_s[3]:%.17g) ${l0} 1e-12\""),
         Case { integrator: "group a id 1:9\ngroup b subtract all a\nvelocity a set 0 0 0\nset group a angmom 0 0 0\nfix f a freeze\nfix move b nve/asphere",
             ..held("`fix freeze`", "compute d a displace/atom\ncompute s a reduce max c_d[4]",
             "thermo_style custom step c_s\nrun 60\nprint \"HELD $(c_s:%.17g) 0 0\"\nprint \"HELD $(ke(a)) 0 0\"\nprint \"HELD $(fcm(a,x)) 0 0\"") },
@@ -255,10 +249,10 @@ fn decomposition() -> Vec<Case> {
 /// Computes.
 fn outputs() -> Vec<Case> {
     vec![
-        held("`compute stress/atom`, `compute pressure`", "compute s all stress/atom NULL pair\ncompute r all reduce sum c_s[1] c_s[4]\ncompute p all pressure NULL pair\nthermo_style custom step c_r[*] c_p[1] c_p[4]",
-            "run 60\nprint \"HELD $(-c_r[1]/vol:%.17g) $(c_p[1]:%.17g) 1e-9\"\nprint \"HELD $(-c_r[2]/vol:%.17g) $(c_p[4]:%.17g) 1e-9\""),
-        held("`compute pe/atom`", "compute s all pe/atom\ncompute r all reduce sum c_s\nthermo_style custom step c_r pe",
-            "run 60\nprint \"HELD $(c_r:%.17g) $(pe:%.17g) 1e-9\""),
+        held("`compute stress/atom`, `compute pressure`", "compute s all stress/atom NULL pair\ncompute r all reduce sum c_s[1] c_s[4]\ncompute p all pressure NULL pair",
+            "thermo_style custom step c_r[*] c_p[1] c_p[4]\nrun 60\nprint \"HELD $(-c_r[1]/vol:%.17g) $(c_p[1]:%.17g) 1e-9\"\nprint \"HELD $(-c_r[2]/vol:%.17g) $(c_p[4]:%.17g) 1e-9\""),
+        held("`compute pe/atom`", "compute s all pe/atom\ncompute r all reduce sum c_s",
+            "thermo_style custom step c_r pe\nrun 60\nprint \"HELD $(c_r:%.17g) $(pe:%.17g) 1e-9\""),
         held("`compute erotate/asphere`", "compute e all erotate/asphere\ncompute b all property/atom angmomx angmomy angmomz\nthermo_style custom step c_e\nneigh_modify exclude group all all\nrun 0\nvariable e0 equal $(c_e:%.17g)",
             "run 60\nprint \"HELD $(c_e:%.17g) ${e0} 1e-3\""),
         held("`compute temp/asphere`", "compute t all temp/asphere dof all\ncompute e all erotate/asphere\nthermo_style custom step c_t c_e",
@@ -270,21 +264,27 @@ fn outputs() -> Vec<Case> {
         held("`compute pair/local`, `compute property/local`", "compute c all pair/local p12\ncompute n all reduce sum c_c inputs local\ncompute e all pair gran/ellipsoid\ncompute f all pair/local eng\ncompute g all reduce sum c_f inputs local\nthermo_style custom step c_n c_g pe",
             "run 1\nprint \"HELD $(c_n>0) 1 0\"\nprint \"HELD $(c_g:%.17g) $(pe:%.17g) 1e-6\""),
         refused("`compute centroid/stress/atom`", "compute c all centroid/stress/atom NULL", &["centroid/stress/atom"]),
-        held("`compute heat/flux`", "compute k all ke/atom\ncompute p all pe/atom\ncompute s all stress/atom NULL virial\ncompute h all heat/flux k p s\nset group all angmom 0 0 0\nthermo_style custom step c_h[1]\nrun 0\nvariable h0 equal $(c_h[1]:%.17g)\nset group all angmom 1e-3 0 0\nvariable same equal $(c_h[1]:%.17g)",
-            "print \"HELD ${h0} ${same} 1e-12\""),
         refused("`compute group/group`", "group a id 1:9\ncompute g a group/group all", &["group/group", "line of centres", "pair/local"]),
         refused("`compute temp/sphere`, `compute erotate/sphere`", "compute t all temp/sphere", &["temp/sphere"]),
         Case { runs: "rerun some.dump dump x y z", ..refused("`rerun`", "", &["rerun", "orientations", "read_restart"]) },
     ]
 }
 
-/// What a LAMMPS without `atom_style ellipsoid superellipsoid` and `fix set` cannot run.
+/// What the oldest supported LAMMPS cannot run: it lacks some styles, and evaluates per-atom sums only in steps with output.
 fn newest() -> Vec<Case> {
     let superellipsoid = |case: Case| Case {
         atom_style: "ellipsoid superellipsoid",
         ..case
     };
     vec![
+        held("`fix addtorque/atom`",
+            "neigh_modify exclude group all all\ncompute l all property/atom angmomx\ncompute s all reduce sum c_l\nrun 0\nvariable l0 equal $(c_s:%.17g)\nfix g all addtorque/atom 1e-3 0 0",
+            "thermo_style custom step c_s\nrun 60\nprint \"HELD $(c_s-v_l0:%.17g) $(1e-3*count(all)*60e-5:%.17g) 1e-9\""),
+        held("`fix settorque/atom`",
+            "compute l all property/atom angmomx angmomy angmomz\ncompute s all reduce sumsq c_l[*]\nthermo_style custom step c_s[*]\nrun 0\nvariable l0 equal $(c_s[1]+c_s[2]+c_s[3]:%.17g)\nfix g all settorque/atom 0 0 0",
+            "thermo_style custom step c_s[*]\nrun 60\nprint \"HELD $(c_s[1]+c_s[2]+c_s[3]:%.17g) ${l0} 1e-12\""),
+        held("`compute heat/flux`", "compute k all ke/atom\ncompute p all pe/atom\ncompute s all stress/atom NULL virial\ncompute h all heat/flux k p s\nset group all angmom 0 0 0\nthermo_style custom step c_h[1]\nrun 0\nvariable h0 equal $(c_h[1]:%.17g)\nset group all angmom 1e-3 0 0\nvariable same equal $(c_h[1]:%.17g)",
+            "print \"HELD ${h0} ${same} 1e-12\""),
         superellipsoid(refused("`compute contact/atom`, `compute fabric`, `compute rattlers/atom`", "compute c all contact/atom", &["contact/atom", "enclosing spheres", "p12"])),
         superellipsoid(refused("`fix adapt ... diameter`", "variable d equal 0.01\nfix a all adapt 1 atom diameter v_d", &["adapt", "shape"])),
         superellipsoid(Case { boundary: "p p f", ..refused("`fix pour`, `fix deposit`", "region top block 0 0.05 0 0.05 0.04 0.06\nfix p all pour 1 1 123 region top diam one 0.01", &["pour", "no shape"]) }),
