@@ -1103,13 +1103,13 @@ const char *ellgran_workspace_instruction_set(const struct EllgranWorkspace *wor
 size_t ellgran_workspace_bytes(const struct EllgranWorkspace *workspace);
 
 /*
- Contacts that took the slow search from many starts, since the workspace was made (overlap deeper than half the local
- radius of curvature: the scene is too soft for Hertz' law, and slow); 0 for NULL.
+ Contacts deeper than half the smallest local radius of curvature, since the workspace was made, counted in every call: the
+ scene is too soft for Hertz' law, and slow, for the deepest need a search for the global minimum; 0 for NULL.
 
  # Safety
  `workspace` is NULL or valid.
  */
-int64_t ellgran_workspace_many_starts_count(const struct EllgranWorkspace *workspace);
+int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *workspace);
 
 /*
  Forces and torques between all owned particles and plane walls, added to the particles' arrays.

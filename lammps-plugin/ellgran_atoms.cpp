@@ -290,6 +290,27 @@ bool EllgranAtoms::all_spheres() const
   return true;
 }
 
+void EllgranAtoms::pack_shapes(int n, const int *indices, double *buffer) const
+{
+  const Shapes found = shapes();
+  for (int k = 0; k < n; k++, buffer += SHAPE_SIZE) {
+    std::fill_n(buffer, SHAPE_SIZE, 0.0);
+    const int i = indices[k];
+    if (const double *axes = semi_axes(found, i)) std::copy_n(axes, 3, buffer);
+    buffer[3] = atom->rmass[i];
+  }
+}
+
+void EllgranAtoms::unpack_shapes(int n, int first, const double *buffer)
+{
+  const Shapes found = shapes();
+  for (int i = first; i < first + n; i++, buffer += SHAPE_SIZE) {
+    // LAMMPS hands the array out for writing; only the view of it here is constant.
+    if (const double *axes = semi_axes(found, i)) std::copy_n(buffer, 3, const_cast<double *>(axes));
+    atom->rmass[i] = buffer[3];
+  }
+}
+
 EllgranParticles EllgranAtoms::view() const
 {
   const Shapes found = shapes();

@@ -48,6 +48,14 @@ class EllgranAtoms : protected Pointers {
   /// Pointers to the arrays as they are now (they move when LAMMPS migrates atoms).
   [[nodiscard]] EllgranParticles view() const;
 
+  /// Semi-axes and mass of the atoms at `indices`, `SHAPE_SIZE` doubles each, into `buffer`; 0 for what has no shape.
+  void pack_shapes(int n, const int *indices, double *buffer) const;
+
+  /// What `pack_shapes` wrote, for the ghosts from `first` on.
+  void unpack_shapes(int n, int first, const double *buffer);
+
+  static constexpr int SHAPE_SIZE = 4;
+
   /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
   /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom).
   [[nodiscard]] EllgranBody body(int i, double contact_mass) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// LAMMPS' neighbour history, right in restart files that `write_restart` makes between runs.
+/// LAMMPS' neighbour history, right in restart files that `write_restart` makes between runs and under `comm_style tiled`.
 
 #ifndef ELLGRAN_HISTORY_H
 #define ELLGRAN_HISTORY_H
@@ -16,6 +16,10 @@ namespace LAMMPS_NS {
 /// processors and renumbers ghosts, so that the list of the last run points to other atoms, and the base class
 /// reads it all the same: contacts across processors and periodic boundaries are lost or mixed up. Here the
 /// list is read only while a run goes on.
+///
+/// With `newton on` a contact across processors is in the list of one of them and must be told to the other. The base
+/// class does so by a message of variable size, which `comm_style tiled` does not have: here it is told in rounds of one
+/// contact a ghost.
 class FixEllgranHistory : public FixNeighHistory {
  public:
   FixEllgranHistory(class LAMMPS *, int, char **);
@@ -23,11 +27,14 @@ class FixEllgranHistory : public FixNeighHistory {
   // Brings firstflag and firstvalue up to date.
   std::function<void()> before_reading;
 
+  void init() override;
   void pre_exchange() override;
   void setup(int) override;
   void min_setup(int) override;
   void post_run() override;
   void write_restart(FILE *) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
 
   // Does what the base class does, whose symbol has the width of atom IDs in its name: not to need it
   // lets a LAMMPS with other integer sizes load the plugin, which then says what is wrong.
@@ -35,6 +42,12 @@ class FixEllgranHistory : public FixNeighHistory {
 
  private:
   bool list_is_current;
+  int round;    // of messages under `comm_style tiled`, -1: the base class' messages
+
+  void pre_exchange_newton() override;
+
+  // Room for the history of one more contact of atom i.
+  double *add_partner(int i, tagint partner_id);
 };
 
 /// Replaces the fix `old_id` by one with `id` that keeps `length` doubles per neighbour, in the same place.

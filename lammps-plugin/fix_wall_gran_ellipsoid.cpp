@@ -2,10 +2,14 @@
 
 #include "fix_wall_gran_ellipsoid.h"
 
+#include "ellgran_refusals.h"
+#include "ellgran_step_velocity.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "input.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -33,7 +37,8 @@ constexpr double TWO_PI = 6.283185307179586476925286766559;
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), dimension(0),
     motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
-    time_origin(update->ntimestep), history_length(0), touching(nullptr), history(nullptr),
+    time_then(0.0), time_step(update->dt), step_then(update->ntimestep),
+    last_step(update->ntimestep), fix_step_velocity(nullptr), history_length(0), touching(nullptr), history(nullptr),
     fix_rigid(nullptr), accumulated_work(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
@@ -56,6 +61,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   energy_global_flag = 1;
   create_attribute = 1;
   restart_global = 1;
+  time_depend = (motion == Motion::WIGGLE) ? 1 : 0;
   restart_peratom = (history_length > 0) ? 1 : 0;
   maxexchange = static_cast<int>(walls.size()) * (history_length + 1);
 
@@ -73,6 +79,9 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
   memory->destroy(history);
   ellgran_laws_free(laws);
   ellgran_workspace_free(workspace);
+  // Its place in LAMMPS' list is behind this fix, so that to delete it here shifts nothing before.
+  if (fix_step_velocity && modify->nfix > 0 && modify->get_fix_by_id(id_step_velocity))
+    modify->delete_fix(id_step_velocity);
 }
 
 /* The words of the fix are the law of the contact itself: both sides have these constants. */
@@ -197,6 +206,10 @@ void FixWallGranEllipsoid::init()
   if (domain->periodicity[dimension])
     error->all(FLERR, "{} {}: the dimension of the wall became periodic", CALLER, id);
   atoms.require_shapes(groupbit);
+  refuse_styles(lmp, CALLER, history_length > 0);
+  if (motion == Motion::WIGGLE && input->command && std::strcmp(input->command, "rerun") == 0)
+    error->all(FLERR, "{} {}: 'rerun' does not say where in its motion a wiggling wall is", CALLER, id);
+  place_step_velocity_fix();
 
   fix_rigid = nullptr;
   for (auto *fix : modify->get_fix_list())
@@ -221,14 +234,44 @@ void FixWallGranEllipsoid::min_post_force(int vflag)
   post_force(vflag);
 }
 
-std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now() const
+void FixWallGranEllipsoid::place_step_velocity_fix()
+{
+  if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
+  if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
+  fix_step_velocity = add_step_velocity(modify, std::string("ELLGRAN_STEP_VELOCITY_") + id);
+  id_step_velocity = fix_step_velocity->id;
+}
+
+/* Called in every step and when forces are computed without a step: a step may have got another length or number. */
+
+void FixWallGranEllipsoid::follow_time(bool passes)
+{
+  const bigint before = passes ? update->ntimestep - 1 : update->ntimestep;
+  if (update->dt != time_step || before != last_step) {
+    time_then += static_cast<double>(last_step - step_then) * time_step;
+    time_step = update->dt;
+    step_then = before;
+  }
+  last_step = update->ntimestep;
+}
+
+double FixWallGranEllipsoid::time_passed() const
+{
+  return time_then + static_cast<double>(last_step - step_then) * time_step;
+}
+
+std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now(bool time_passes) const
 {
   double shift = 0.0, velocity = 0.0;
   if (motion == Motion::WIGGLE) {
-    const double time = static_cast<double>(update->ntimestep - time_origin) * update->dt;
-    const double phase = TWO_PI * time / period;
+    const double rate = TWO_PI / period;
+    const double phase = rate * time_passed();
     if (motion_axis == dimension) shift = amplitude * (1.0 - std::cos(phase));
-    velocity = amplitude * TWO_PI / period * std::sin(phase);
+    // As the grains' velocities, that of the wall is the one that brought it here in this step.
+    velocity = time_passes
+        ? 2.0 * amplitude * std::sin(phase - 0.5 * rate * time_step) *
+            std::sin(0.5 * rate * time_step) / time_step
+        : amplitude * rate * std::sin(phase);
   } else if (motion == Motion::SHEAR) {
     velocity = shear_velocity;
   }
@@ -247,18 +290,21 @@ void FixWallGranEllipsoid::post_force(int)
   summed = false;
   find_contact_masses();
 
-  const std::vector<EllgranPlane> planes = planes_now();
+  // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
+  const bool time_passes = update->setupflag == 0 && update->whichflag != 2;
+  follow_time(time_passes);
+  const std::vector<EllgranPlane> planes = planes_now(time_passes);
   double wall_forces[6] = {};
   EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
   tallies.accumulated_work = accumulated_work;
 
-  // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
-  step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
+  step.advance_history = time_passes ? 1 : 0;
 
   if (atom->nlocal > 0) {
     EllgranParticles particles = atoms.view();
+    if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     const int wall_type = 1;    // every pair of types has the law of this fix
     if (ellgran_compute_planes(laws, workspace, &particles, atom->mask, groupbit, wall_type,
@@ -401,7 +447,7 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
   double sum = 0.0;
   MPI_Allreduce(&accumulated_work, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[2] = {sum, static_cast<double>(time_origin)};
+    const double values[2] = {sum, time_passed()};
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), 2, fp);
@@ -413,7 +459,8 @@ void FixWallGranEllipsoid::restart(char *buffer)
   double values[2];
   std::memcpy(values, buffer, sizeof(values));
   accumulated_work = (comm->me == 0) ? values[0] : 0.0;
-  time_origin = static_cast<bigint>(values[1]);
+  time_then = values[1];
+  step_then = last_step = update->ntimestep;
 }
 
 void FixWallGranEllipsoid::set_molecule(int, tagint, int, double *, double *, double *)

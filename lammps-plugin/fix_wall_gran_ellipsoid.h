@@ -15,6 +15,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 
 #include "ellgran_atoms.h"
 
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -69,7 +70,14 @@ class FixWallGranEllipsoid : public Fix {
   Motion motion;
   int motion_axis;
   double amplitude, period, shear_velocity;
-  bigint time_origin;
+
+  // Time of a motion: `time_then` had passed at the step `step_then`, and steps are as long as `time_step` since. It goes on
+  // whatever becomes of the number or the length of the steps.
+  double time_then, time_step;
+  bigint step_then, last_step;
+
+  std::string id_step_velocity;
+  class FixEllgranStepVelocity *fix_step_velocity;    // nullptr: `atom->v` is right
 
   // History of the contact of each atom with each wall, one row per atom
   int history_length;
@@ -98,7 +106,10 @@ class FixWallGranEllipsoid : public Fix {
   int parse_wall(int iarg, int narg, char **arg);
   int parse_motion(int iarg, int narg, char **arg);
   int axis_word(const char *keyword, const char *word) const;
-  [[nodiscard]] std::vector<EllgranPlane> planes_now() const;
+  void follow_time(bool passes);
+  [[nodiscard]] double time_passed() const;
+  [[nodiscard]] std::vector<EllgranPlane> planes_now(bool time_passes) const;
+  void place_step_velocity_fix();
   void find_contact_masses();
   void sum_output();
 };

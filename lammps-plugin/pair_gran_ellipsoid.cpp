@@ -3,6 +3,8 @@
 #include "pair_gran_ellipsoid.h"
 
 #include "ellgran_history.h"
+#include "ellgran_refusals.h"
+#include "ellgran_step_velocity.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -10,6 +12,7 @@
 #include "error.h"
 #include "fix.h"
 #include "force.h"
+#include "input.h"
 #include "memory.h"
 #include "modify.h"
 #include "neigh_list.h"
@@ -84,7 +87,8 @@ double length(const double *v)
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
-    history_length(0), fix_history(nullptr), neighbour_previous(0), fix_rigid(nullptr),
+    history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
+    shapes_may_change(false), shapes_in_message(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), accumulated_work(0.0), work_wanted(false),
     deep_told(0)
 {
@@ -101,7 +105,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
   no_virial_fdotr_compute = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
   finitecutflag = 1;
-  comm_forward = 1;    // masses of rigid bodies
+  comm_forward = EllgranAtoms::SHAPE_SIZE;    // shapes, or masses of rigid bodies
   nondefault_history_transfer = 1;
 
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
@@ -128,6 +132,8 @@ PairGranEllipsoid::~PairGranEllipsoid()
   svector = pvector = nullptr;
 
   if (modify->get_fix_by_id(id_history)) modify->delete_fix(id_history);
+  if (fix_step_velocity && modify->get_fix_by_id(id_step_velocity))
+    modify->delete_fix(id_step_velocity);
 
   ellgran_laws_free(laws);
   ellgran_workspace_free(workspace);
@@ -141,15 +147,22 @@ PairGranEllipsoid::~PairGranEllipsoid()
 void PairGranEllipsoid::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  if (neighbor->ago == 0 || shapes_may_change || update->setupflag) require_allowed_sizes();
   if (neighbor->ago == 0) {
     // A fix may have added atoms.
     atoms.require_shapes(~0);
-    require_allowed_sizes();
     refresh_body_masses();
+  } else if (shapes_may_change || update->setupflag) {
+    // Ghosts were given their shapes when the list was built. Commands may have changed shapes before a run that
+    // goes on with an old list ('run ... pre no', 'run ... every').
+    shapes_in_message = true;
+    comm->forward_comm(this);
+    shapes_in_message = false;
   }
   refresh_contact_masses();
   std::fill_n(pvector, nextra, 0.0);
-  if (atom->nlocal + atom->nghost > 0) add_forces();
+  // A processor without atoms still takes part in the messages of others.
+  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
 }
 
@@ -185,6 +198,7 @@ void PairGranEllipsoid::write_history()
 void PairGranEllipsoid::add_forces()
 {
   EllgranParticles particles = atoms.view();
+  if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
@@ -296,18 +310,26 @@ void PairGranEllipsoid::init_style()
   atoms.require_shapes(~0);
   warn_of_masses();
 
+  // What may write shapes in a run: `fix set`, and whatever runs a user's own code.
+  shapes_may_change = false;
+  for (const char *style : {"^set$", "^python", "^external"})
+    if (!modify->get_fix_by_style(style).empty()) shapes_may_change = true;
+
   gather_work();
   work_wanted = !modify->get_compute_by_style("^pair$").empty();
 
   find_largest_semi_axes();
   find_mass_sources();
   build_laws();
+  refuse_what_cannot_work();
   place_history_fix();
+  place_step_velocity_fix();
 
   // Only `atom_style ellipsoid superellipsoid` has a per-atom radius that encloses the shape; else
   // the list is cut at the largest semi-axes of the two types. A list cut by radius marks in its
   // entries what may touch; the other does not, and then every entry keeps its history.
-  const bool by_size = atoms.has_enclosing_radius();
+  // A list cut by radius holds no pairs that touch only after they have grown.
+  const bool by_size = atoms.has_enclosing_radius() && !shapes_may_change;
   int request = NeighConst::REQ_DEFAULT;
   if (by_size) request |= NeighConst::REQ_SIZE;
   if (by_size && history_length > 0) request |= NeighConst::REQ_HISTORY;
@@ -435,7 +457,7 @@ void PairGranEllipsoid::build_laws()
   // Two spheres need no remembered normal to start the search for contact from.
   int spheres_here = atoms.all_spheres() ? 1 : 0, all_spheres = 0;
   MPI_Allreduce(&spheres_here, &all_spheres, 1, MPI_INT, MPI_MIN, world);
-  const bool scene_is_fixed = atom->natoms > 0 && modify->get_fix_by_style("^pour").empty() &&
+  const bool scene_is_fixed = atom->natoms > 0 && !shapes_may_change && modify->get_fix_by_style("^pour").empty() &&
       modify->get_fix_by_style("^deposit").empty();
   const uint32_t options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
 
@@ -493,6 +515,28 @@ void PairGranEllipsoid::place_history_fix()
   fix_history->before_reading = [this] { write_history(); };
 }
 
+/* Stops where LAMMPS would go on and compute something else than it says. */
+
+void PairGranEllipsoid::refuse_what_cannot_work()
+{
+  const bool remembers = ellgran_laws_history_length(laws) > 0;
+  refuse_styles(lmp, CALLER, remembers);
+  if (remembers && input->command && std::strcmp(input->command, "rerun") == 0)
+    error->all(FLERR,
+               "{}: 'rerun' reads positions and velocities from a dump, but no orientations, angular "
+               "momenta and histories of contacts, which would be those of the last run: write "
+               "restart files ('restart N frame.*'), and 'read_restart' and 'run 0' each",
+               CALLER);
+}
+
+void PairGranEllipsoid::place_step_velocity_fix()
+{
+  if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
+  if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
+  fix_step_velocity = add_step_velocity(modify, "ELLGRAN_STEP_VELOCITY_PAIR");
+  id_step_velocity = fix_step_velocity->id;
+}
+
 void PairGranEllipsoid::find_mass_sources()
 {
   const auto freezing = modify->get_fix_by_style("^freeze");
@@ -520,7 +564,7 @@ void PairGranEllipsoid::refresh_body_masses()
   if (body && body_masses)
     for (int i = 0; i < atom->nlocal; i++)
       if (body[i] >= 0) body_mass[i] = body_masses[body[i]];
-  comm->forward_comm(this);
+  comm->forward_comm(this, 1);
 }
 
 void PairGranEllipsoid::refresh_contact_masses()
@@ -541,12 +585,20 @@ double PairGranEllipsoid::contact_mass(int i) const
 
 int PairGranEllipsoid::pack_forward_comm(int n, int *indices, double *buffer, int, int *)
 {
+  if (shapes_in_message) {
+    atoms.pack_shapes(n, indices, buffer);
+    return n * EllgranAtoms::SHAPE_SIZE;
+  }
   for (int k = 0; k < n; k++) buffer[k] = body_mass[indices[k]];
   return n;
 }
 
 void PairGranEllipsoid::unpack_forward_comm(int n, int first, double *buffer)
 {
+  if (shapes_in_message) {
+    atoms.unpack_shapes(n, first, buffer);
+    return;
+  }
   for (int k = 0; k < n; k++) body_mass[first + k] = buffer[k];
 }
 
@@ -570,7 +622,7 @@ void PairGranEllipsoid::gather_work()
 void PairGranEllipsoid::finish()
 {
   gather_work();
-  const bigint so_far = ellgran_workspace_many_starts_count(workspace);
+  const bigint so_far = ellgran_workspace_deep_contacts_count(workspace);
   bigint deep = so_far - deep_told, sum = 0;
   deep_told = so_far;
   MPI_Allreduce(&deep, &sum, 1, MPI_LMP_BIGINT, MPI_SUM, world);

@@ -64,6 +64,14 @@ class PairGranEllipsoid : public Pair {
   int neighbour_previous;        // single() finds its pair in constant time when called in order
   std::vector<double> scratch;    // history that single() may overwrite
 
+  // Velocities over the last step, where a fix needs it; nullptr: `atom->v` is right
+  std::string id_step_velocity;
+  class FixEllgranStepVelocity *fix_step_velocity;
+
+  // Something may change shapes while a run goes on: ghosts are told in every step
+  bool shapes_may_change;
+  bool shapes_in_message;    // what the next forward communication carries: shapes, else masses of bodies
+
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;
 
@@ -89,6 +97,8 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
+  void refuse_what_cannot_work();
+  void place_step_velocity_fix();
   void find_mass_sources();
   void refresh_body_masses();
   void refresh_contact_masses();

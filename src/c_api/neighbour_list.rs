@@ -413,7 +413,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             sums.as_mut(),
         );
         *is_computing = false;
-        workspace.many_starts += computed.map_err(|e| list_failure(p, list, e))?;
+        workspace.deep_contacts += computed.map_err(|e| list_failure(p, list, e))?;
         *last_list = Some(look);
         if let (Some(asked), Some(sums)) = (&mut asked, sums) {
             asked.write(&sums);

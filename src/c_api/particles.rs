@@ -171,17 +171,17 @@ pub unsafe extern "C" fn ellgran_workspace_bytes(workspace: *const EllgranWorksp
     unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.bytes())
 }
 
-/// Contacts that took the slow search from many starts, since the workspace was made (overlap deeper than half the local
-/// radius of curvature: the scene is too soft for Hertz' law, and slow); 0 for NULL.
+/// Contacts deeper than half the smallest local radius of curvature, since the workspace was made, counted in every call: the
+/// scene is too soft for Hertz' law, and slow, for the deepest need a search for the global minimum; 0 for NULL.
 ///
 /// # Safety
 /// `workspace` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_workspace_many_starts_count(
+pub unsafe extern "C" fn ellgran_workspace_deep_contacts_count(
     workspace: *const EllgranWorkspace,
 ) -> i64 {
     // SAFETY: promised by the caller.
-    unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.many_starts as i64)
+    unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.deep_contacts as i64)
 }
 
 impl EllgranStep {

@@ -8,11 +8,12 @@
 //! (THEORY, section 1). `f < 0` for any single `n` proves that the bodies do not touch, so a neighbour pair is
 //! rejected by one evaluation with the normal remembered from the last step. A touching pair costs about two Newton
 //! steps in the tangent plane from that normal. What plain Newton gets wrong (it runs into maxima and saddles for
-//! elongated bodies) is caught by a shifted Hessian, a limited step and backtracking; a contact deeper than half the
-//! smallest radius of curvature or a quarter of the bodies' thickness, where `f` has several minima, is searched from many
-//! starts every time.
+//! elongated bodies) is caught by a shifted Hessian, a limited step and backtracking. Whether the minimum that is found is
+//! the global one does not depend on the way to it: it is proved, or the global one is searched for
+//! (`global_minimum.rs`).
 
 use super::ellipsoid::{Ellipsoid, Support};
+use super::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal, Circumscribed};
 use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// A pair that touches.
@@ -29,8 +30,9 @@ pub struct ContactSearch {
     pub support_j: Support,
     /// Tangent basis of the normal.
     pub tangent: Tangent,
-    /// Whether the slower search from many starts was used.
-    pub many_starts: bool,
+    /// Whether the contact is deeper than Hertz' law allows: than half the smallest combined radius of curvature, or so
+    /// deep that the slow search for the global minimum was needed.
+    pub deep: bool,
     /// Whether the gradient reached rounding; if not, this is the best point of the safeguarded search.
     pub converged: bool,
 }
@@ -44,11 +46,16 @@ pub enum Outcome {
     Touching(ContactSearch),
 }
 
-const MOST_STEPS: usize = 80;
+/// Of Newton's method; a curved valley of slender bodies may take a hundred, along its floor.
+const MOST_STEPS: usize = 400;
 const LARGEST_STEP: f64 = 0.5;
-/// Starts that are evaluated, not descended from, in the search from many starts, per body frame.
-const LATTICE: usize = 32;
-const BEST_STARTS: usize = 8;
+/// Intervals of the search for the global minimum, at most. More are wanted only by pairs of aspect ratio 100 and beyond, deeper than the
+/// radius of their tips or rims; then what is left is searched at the resolution that was reached.
+const MOST_INTERVALS: usize = 512;
+/// Share of the least minimum: the search ends when no other can be less by more than this.
+const RESOLUTION: f64 = 1e-6;
+/// Minima that are told apart in one search.
+const MOST_MINIMA: usize = 32;
 
 struct Pair<'a> {
     i: &'a Ellipsoid,
@@ -71,9 +78,50 @@ struct Point {
 struct Minimum {
     at: Point,
     tangent: Tangent,
+    /// Whether the gradient reached rounding.
+    stationary: bool,
+    /// Whether it did where the Hessian is safely positive.
     converged: bool,
-    /// Smaller eigenvalue of `W_i + W_j`: the smallest combined radius of curvature at the contact.
-    smallest_radius: f64,
+    /// `W_i` and `W_j`.
+    radii: [Symmetric2; 2],
+}
+
+/// The minima that a search for the global one has come to.
+struct Minima {
+    best: Minimum,
+    normals: [Vector3; MOST_MINIMA],
+    count: usize,
+    /// Cosine of the angle that tells two of them apart.
+    near: f64,
+}
+
+impl Minima {
+    fn new(best: Minimum, thinness: f64) -> Self {
+        Minima {
+            normals: [best.at.n; MOST_MINIMA],
+            count: 1,
+            // A tenth of the angle between the flat sides of a disc.
+            near: 1.0 - 0.005 * thinness * thinness,
+            best,
+        }
+    }
+
+    /// Whether none of them is in this direction, or opposite to it, and there is room for one more.
+    fn are_without(&self, n: Vector3) -> bool {
+        let known = &self.normals[..self.count];
+        self.count < MOST_MINIMA && !known.iter().any(|k| k.dot(n).abs() > self.near)
+    }
+
+    /// One more, the best if it is less by more than rounding.
+    fn add(&mut self, m: Minimum, rounding: f64) {
+        if self.count < MOST_MINIMA {
+            self.normals[self.count] = m.at.n;
+            self.count += 1;
+        }
+        if m.at.f < self.best.at.f - rounding {
+            self.best = m;
+        }
+    }
 }
 
 enum Descent {
@@ -94,15 +142,17 @@ impl Pair<'_> {
         }
     }
 
-    /// `W_i + W_j` in the tangent basis.
+    /// `W_i` and `W_j` in the tangent basis.
     #[inline(always)]
-    fn radii(&self, at: &Point, tangent: &Tangent) -> Symmetric2 {
+    fn radii(&self, at: &Point, tangent: &Tangent) -> [Symmetric2; 2] {
         let inverse = |body: &Ellipsoid, support: &Support, determinant: f64| {
             let h2 = support.h * support.h;
             body.weingarten(support, tangent).adjugate() * (determinant / (h2 * h2))
         };
-        inverse(self.i, &at.support_i, self.determinant_i)
-            + inverse(self.j, &at.support_j, self.determinant_j)
+        [
+            inverse(self.i, &at.support_i, self.determinant_i),
+            inverse(self.j, &at.support_j, self.determinant_j),
+        ]
     }
 
     /// Safeguarded Newton from `n`; with `stop_when_separated` it ends at the first separating plane.
@@ -119,7 +169,7 @@ impl Pair<'_> {
             let w = at.support_i.point + at.support_j.point - self.d;
             let g = tangent.components(w);
             let radii = self.radii(&at, &tangent);
-            let hessian = radii.shifted(-at.f);
+            let hessian = (radii[0] + radii[1]).shifted(-at.f);
             let (smaller, larger, direction) = eigen_of_any_sign(hessian);
             let settled = g.dot(g) <= tolerance * tolerance || last_step < 1e-11;
             let definite = smaller > 1e-12 * larger.abs();
@@ -129,8 +179,9 @@ impl Pair<'_> {
                 return Descent::Minimum(Minimum {
                     at,
                     tangent,
+                    stationary: true,
                     converged: definite,
-                    smallest_radius: smaller_eigenvalue(radii),
+                    radii,
                 });
             }
             let mut y;
@@ -178,12 +229,12 @@ impl Pair<'_> {
             at = next;
         }
         let tangent = Tangent::new(at.n);
-        let smallest_radius = smaller_eigenvalue(self.radii(&at, &tangent));
         Descent::Minimum(Minimum {
+            radii: self.radii(&at, &tangent),
             at,
             tangent,
+            stationary: false,
             converged: false,
-            smallest_radius,
         })
     }
 
@@ -195,8 +246,9 @@ impl Pair<'_> {
             Descent::Separated(n) => Minimum {
                 at: self.evaluate(n),
                 tangent: Tangent::new(n),
+                stationary: false,
                 converged: false,
-                smallest_radius: 0.0,
+                radii: [Symmetric2::default(); 2],
             },
         }
     }
@@ -231,73 +283,109 @@ impl Pair<'_> {
         }
     }
 
-    /// Minima from the best of a few hundred directions: the axes of both bodies, the cross products of their axes,
-    /// and lattices in world axes and stretched to each body, all signed towards `d`.
-    fn many_starts(&self, stop_when_separated: bool) -> Descent {
-        let mut best = [(f64::INFINITY, Vector3::ZERO); BEST_STARTS];
-        let mut offer = |n: Vector3| {
-            // In units of its largest component: it may be a length, in any unit.
-            let largest = n.x.abs().max(n.y.abs()).max(n.z.abs());
-            if !(largest > 0.0 && largest < f64::INFINITY) {
-                return;
-            }
-            let n = (n * (1.0 / largest)).normalised();
-            let n = if n.dot(self.d) < 0.0 { -n } else { n };
-            let f = self.evaluate(n).f;
-            if f < best[BEST_STARTS - 1].0 {
-                // Not two starts in one valley floor next to each other.
-                if let Some(k) = best.iter().position(|b| b.1.dot(n) > 0.9998) {
-                    if f < best[k].0 {
-                        best[k] = (f, n);
-                    }
-                } else {
-                    best[BEST_STARTS - 1] = (f, n);
-                }
-                best.sort_by(|a, b| a.0.total_cmp(&b.0));
-            }
+    /// Whether a minimum is proved to be the global one.
+    fn is_proved(&self, m: &Minimum) -> bool {
+        let at = &m.at;
+        let balls = self.i.inscribed_radius(&at.support_i) + self.j.inscribed_radius(&at.support_j);
+        m.stationary && (at.f <= balls || self.inscribed_ellipsoid_proves(m))
+    }
+
+    fn inscribed_ellipsoid_proves(&self, m: &Minimum) -> bool {
+        let at = &m.at;
+        if !(m.at.n.dot(self.d) > 0.0) {
+            return false;
+        }
+        let body = |support: &Support, squared_product: f64, radii: Symmetric2| BodyAtNormal {
+            h: support.h,
+            inverse_h: support.inverse_h,
+            squared_product,
+            radii,
         };
-        offer(self.d);
-        for a in self.i.axes.into_iter().chain(self.j.axes) {
-            offer(a);
-        }
-        for a in self.i.axes {
-            for b in self.j.axes {
-                let n = a.cross(b);
-                // Parallel axes have none.
-                if n.norm_squared() > 1e-24 {
-                    offer(n);
+        let margin = inscribed_ellipsoid_margin(
+            &body(&at.support_i, self.determinant_i, m.radii[0]),
+            &body(&at.support_j, self.determinant_j, m.radii[1]),
+            at.f,
+            m.tangent.components(self.d),
+        );
+        let trace = margin.trace();
+        trace > 0.0 && margin.determinant() > 1e-12 * trace * trace
+    }
+
+    /// The global minimum, by branch and bound over the circumscribed ellipsoids; `best` is a minimum that is known.
+    ///
+    /// All intervals of one round have the same width, and are halved until none of them can hold a direction that is
+    /// better by more than [`RESOLUTION`], or there are too many of them. Every dip of the distance that is left is
+    /// descended into.
+    fn global(&self, best: Minimum, stop_when_separated: bool) -> Descent {
+        let around = Circumscribed::new(self.i, self.j, self.d);
+        let distance = self.d.norm();
+        let floor = 8.0 * f64::EPSILON * self.size;
+        let mut minima = Minima::new(best, self.thinness());
+        let [low, high] = around.range();
+        let mut width = high - low;
+        // Lower ends, and the distances of the ellipsoids in the middle.
+        let mut intervals = [low; MOST_INTERVALS];
+        let mut distances = [0.0; MOST_INTERVALS];
+        let mut count = 1;
+        loop {
+            let halves = intervals;
+            let wide = width;
+            width *= 0.5;
+            let mut resolved = true;
+            let halved = count;
+            count = 0;
+            for low in halves[..halved]
+                .iter()
+                .flat_map(|low| [*low, low + 0.5 * wide])
+            {
+                let middle = low + 0.5 * width;
+                let foot = around.foot(middle);
+                if self.evaluate(foot.normal).f < minima.best.at.f - floor {
+                    match self.descend(foot.normal, stop_when_separated) {
+                        Descent::Separated(n) => return Descent::Separated(n),
+                        Descent::Minimum(m) => minima.add(m, floor),
+                    }
+                    if self.is_proved(&minima.best) {
+                        return Descent::Minimum(minima.best);
+                    }
+                }
+                let least = minima.best.at.f;
+                // h_i + h_j of any direction that is better than the best is less than this.
+                let most = least.max(0.0) + distance;
+                let excess = most * Circumscribed::excess(middle, width);
+                if foot.distance - excess < least {
+                    intervals[count] = low;
+                    distances[count] = foot.distance;
+                    count += 1;
+                    resolved &= excess < RESOLUTION * least;
                 }
             }
-        }
-        for k in 0..LATTICE {
-            // Fibonacci lattice on the sphere.
-            let z = 1.0 - (2 * k + 1) as f64 / LATTICE as f64;
-            let radius = (1.0 - z * z).sqrt();
-            let (sin, cos) = (2.399963229728653 * k as f64).sin_cos();
-            let m = Vector3::new(radius * cos, radius * sin, z);
-            offer(m);
-            for body in [self.i, self.j] {
-                let a = body.semi_axes;
-                let scaled =
-                    |s: f64| Vector3::new(m.x * a.x.powf(s), m.y * a.y.powf(s), m.z * a.z.powf(s));
-                offer(body.to_world(scaled(-1.0)));
-                offer(body.to_world(scaled(-2.0)));
-                offer(body.to_world(scaled(1.0)));
+            if resolved || 2 * count > MOST_INTERVALS || !(width > 1e-12) {
+                break;
             }
         }
-        let mut result: Option<Minimum> = None;
-        for (f, n) in best {
-            if f.is_finite() {
+        for k in 0..count {
+            let beside = |other: usize| {
+                let near = (intervals[other] - intervals[k]).abs() < 1.5 * width;
+                near && distances[other] < distances[k]
+            };
+            if (k > 0 && beside(k - 1)) || (k + 1 < count && beside(k + 1)) {
+                continue;
+            }
+            let n = around.foot(intervals[k] + 0.5 * width).normal;
+            if minima.are_without(n) {
                 match self.descend(n, stop_when_separated) {
                     Descent::Separated(n) => return Descent::Separated(n),
-                    Descent::Minimum(m) => result = Self::better(result, m),
+                    Descent::Minimum(m) => minima.add(m, floor),
                 }
             }
         }
-        match result {
-            Some(m) => Descent::Minimum(m),
-            None => self.descend(Vector3::new(1.0, 0.0, 0.0), stop_when_separated),
-        }
+        Descent::Minimum(minima.best)
+    }
+
+    /// The smallest semi-axis over the size.
+    fn thinness(&self) -> f64 {
+        self.i.smallest_semi_axis().min(self.j.smallest_semi_axis()) / self.size
     }
 
     fn cold(&self, stop_when_separated: bool) -> Descent {
@@ -308,68 +396,42 @@ impl Pair<'_> {
             for start in self.ray_start().into_iter().chain([along_d]) {
                 match self.descend(start, stop_when_separated) {
                     Descent::Separated(n) => return Descent::Separated(n),
+                    Descent::Minimum(m) if self.is_proved(&m) => return Descent::Minimum(m),
                     Descent::Minimum(m) => result = Self::better(result, m),
                 }
             }
         }
         match result {
-            Some(m)
-                if m.at.f < 0.1 * self.i.smallest_semi_axis().min(self.j.smallest_semi_axis()) =>
-            {
-                Descent::Minimum(m)
+            Some(m) => Descent::Minimum(m),
+            None => {
+                let n = Circumscribed::new(self.i, self.j, self.d).foot(0.0).normal;
+                self.descend(n, stop_when_separated)
             }
-            Some(m) => match self.many_starts(stop_when_separated) {
-                Descent::Minimum(other) => match Self::better(Some(m), other) {
-                    Some(b) => Descent::Minimum(b),
-                    None => Descent::Separated(along_any(self.d)),
-                },
-                separated => separated,
-            },
-            None => self.many_starts(stop_when_separated),
         }
     }
 
-    fn found(&self, m: Minimum, many_starts: bool) -> ContactSearch {
+    fn found(&self, m: Minimum, deep: bool) -> ContactSearch {
         ContactSearch {
             normal: m.at.n,
             penetration: m.at.f,
             support_i: m.at.support_i,
             support_j: m.at.support_j,
             tangent: m.tangent,
-            many_starts,
+            deep,
             converged: m.converged,
         }
     }
 
     fn finish(&self, mut m: Minimum) -> Outcome {
-        let mut many = false;
-        // Beyond half the smallest radius of curvature, or a quarter of the way through the bodies, f has several minima,
-        // and the one that a contact followed through the steps need not be the least any more.
-        let through = self.i.chord(&m.at.support_i) + self.j.chord(&m.at.support_j);
-        if m.at.f > 0.5 * m.smallest_radius
-            || m.at.f > 0.25 * through
-            || m.at.n.dot(self.d) < 0.0
-            || !m.converged
-        {
-            many = true;
-            match self.many_starts(true) {
+        let mut deep = m.at.f > 0.5 * smaller_eigenvalue(m.radii[0] + m.radii[1]);
+        if !self.is_proved(&m) {
+            deep = true;
+            match self.global(m, true) {
                 Descent::Separated(n) => return Outcome::Separated(n),
-                Descent::Minimum(other) => {
-                    if other.at.f < m.at.f {
-                        m = other;
-                    }
-                }
+                Descent::Minimum(other) => m = other,
             }
         }
-        Outcome::Touching(self.found(m, many))
-    }
-}
-
-fn along_any(d: Vector3) -> Vector3 {
-    if d.norm() > 0.0 {
-        d.normalised()
-    } else {
-        Vector3::new(1.0, 0.0, 0.0)
+        Outcome::Touching(self.found(m, deep))
     }
 }
 
@@ -428,8 +490,8 @@ fn pair<'a>(i: &'a Ellipsoid, j: &'a Ellipsoid, d: Vector3) -> Pair<'a> {
 /// Whether bodies `i` and `j` touch, and where.
 ///
 /// `d` is the vector from the centre of `i` to that of `j`. `start` is the normal found at the last step (any length
-/// but zero), `None` when there is none. Never fails: for coincident centres and deep overlap the slower search from
-/// many starts decides; of several equal minima one is taken.
+/// but zero), `None` when there is none: it makes the search faster and does not change what is found. Never fails; of
+/// several equal minima one is taken.
 pub fn search(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) -> Outcome {
     let pair = pair(i, j, d);
     let descent = match start {

@@ -18,8 +18,9 @@ pub trait ConvexBody<T: Real>: Copy {
     fn support_in_frame(&self, view: &Self::View) -> SupportInFrame<T>;
     /// The Weingarten map at the witness, 1/length, in the tangent basis; `h` is the support function there.
     fn weingarten_in_frame(&self, view: &Self::View, h: T) -> Symmetric2<T>;
-    /// `2/chord`: the inverse of half the length of the chord from the witness along the inward normal.
-    fn inverse_half_chord(&self, view: &Self::View, h: T) -> T;
+    /// Radius of the largest ball in the body that touches its surface at the witness where the support function has the
+    /// inverse `inverse_h`.
+    fn inscribed_radius(&self, inverse_h: T) -> T;
     /// `(a1 a2 a3)^2`, which makes `det V = h^4 / (a1 a2 a3)^2`.
     fn squared_product(&self) -> T;
     /// Support function and witness, from the centre, in the world frame.

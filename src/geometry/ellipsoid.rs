@@ -196,19 +196,17 @@ impl<T: Real> Ellipsoid<T> {
         }
     }
 
-    /// Length of the chord from the witness along the inward normal, `2/(h n.S^-1 n)`: how thick the body is there.
+    /// Radius of the largest ball in the ellipsoid that touches its surface at the witness: `a_min^2/h`.
     #[inline(always)]
-    pub fn chord(&self, support: &Support<T>) -> T {
-        self.inverse_half_chord_along(support.local_normal, support.h)
-            .reciprocal()
-            * 2.0
+    pub fn inscribed_radius(&self, support: &Support<T>) -> T {
+        self.inscribed_radius_at(support.inverse_h)
     }
 
     #[inline(always)]
-    fn inverse_half_chord_along(&self, local_normal: Vector3<T>, h: T) -> T {
-        h * local_normal
-            .componentwise(self.inverse_semi_axes)
-            .norm_squared()
+    fn inscribed_radius_at(&self, inverse_h: T) -> T {
+        let a = self.semi_axes;
+        let least = a.x.min(a.y).min(a.z);
+        least * least * inverse_h
     }
 
     /// `(a1 a2 a3)^2`.
@@ -271,8 +269,8 @@ impl<T: Real> ConvexBody<T> for Ellipsoid<T> {
     }
 
     #[inline(always)]
-    fn inverse_half_chord(&self, view: &AxesInBody<T>, h: T) -> T {
-        self.inverse_half_chord_along(view.n, h)
+    fn inscribed_radius(&self, inverse_h: T) -> T {
+        self.inscribed_radius_at(inverse_h)
     }
 
     #[inline(always)]

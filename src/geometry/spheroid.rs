@@ -105,10 +105,9 @@ impl<T: Real> ConvexBody<T> for Spheroid<T> {
     }
 
     #[inline(always)]
-    fn inverse_half_chord(&self, view: &AxisInFrame<T>, h: T) -> T {
-        let s = view.along * self.inverse_polar;
-        let t = view.across * self.inverse_equatorial;
-        h * s.multiply_add(s, t.dot(t))
+    fn inscribed_radius(&self, inverse_h: T) -> T {
+        let least = self.polar.min(self.equatorial);
+        least * least * inverse_h
     }
 
     #[inline(always)]
@@ -198,8 +197,12 @@ mod tests {
         near(va.uu, vb.uu, tolerance * vb.uu);
         near(va.vv, vb.vv, tolerance * vb.vv);
         near(va.uv, vb.uv, tolerance * (vb.uu * vb.vv).sqrt());
-        let chord = b.inverse_half_chord(&view_b, r.h);
-        near(a.inverse_half_chord(&view_a, s.h), chord, tolerance * chord);
+        let radius = ConvexBody::inscribed_radius(b, r.inverse_h);
+        near(
+            ConvexBody::inscribed_radius(a, s.inverse_h),
+            radius,
+            tolerance * radius,
+        );
         near(
             a.squared_product(),
             b.squared_product(),

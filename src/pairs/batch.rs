@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
 //!
-//! A lane that misbehaves - a Hessian that is not safely positive, a long step, no descent, a deep contact, a curvature
-//! ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
+//! A lane that misbehaves - a Hessian that is not safely positive, a long step, a deep contact, a minimum not proved to be the
+//! global one, a curvature ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
 
 use super::batches::{LaneBits, Numbers};
 use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembered};
@@ -14,6 +14,7 @@ use crate::force::hertz_factors::{
     fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
 };
 use crate::force::{Factors, LawConstants, PairLaw};
+use crate::geometry::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal};
 use crate::geometry::tangent_model::{TangentModel, TangentPoint};
 use crate::geometry::{ConvexBody, SupportInFrame, Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
@@ -342,25 +343,44 @@ fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     let size = support_i.h + support_j.h;
     let falling = penetration.less(first + size * 1e-13);
 
-    // Deep contacts have several minima, and a normal against d is not the least of them: the penetration must be less
-    // than half the smaller eigenvalue of the radii, and than a quarter of the two chords together.
+    // Deeper than half the smallest radius of curvature, Hertz' law ends: the scalar path counts such contacts.
     let twice = penetration * 2.0;
     let remaining = radii.shifted(-twice);
-    let (thin_i, thin_j) = (
-        i.inverse_half_chord(&view_i, support_i.h),
-        j.inverse_half_chord(&view_j, support_j.h),
-    );
     let shallow = registers.and(
-        registers.and(
-            zero.less(remaining.determinant()),
-            zero.less(remaining.trace()),
-        ),
-        registers.and(
-            (twice * thin_i * thin_j).less(thin_i + thin_j),
-            zero.less(along),
-        ),
+        zero.less(remaining.determinant()),
+        zero.less(remaining.trace()),
     );
-    let sound = registers.and(registers.and(converged, falling), shallow);
+    // Any start may lead to a minimum that is not the global one: the scalar path searches where this one is not proved to be.
+    let balls = i.inscribed_radius(support_i.inverse_h) + j.inscribed_radius(support_j.inverse_h);
+    let mut proved = penetration.less(balls);
+    let open = registers.and_not(
+        registers.and(shallow, zero.less(penetration)),
+        registers.or(registers.or(apart, hard), proved),
+    );
+    if registers.bits(open) != 0 {
+        let at = |support: &SupportInFrame<Lanes<S>>, squared_product, radii| BodyAtNormal {
+            h: support.h,
+            inverse_h: support.inverse_h,
+            squared_product,
+            radii,
+        };
+        let margin = inscribed_ellipsoid_margin(
+            &at(&support_i, i.squared_product(), radii_i),
+            &at(&support_j, j.squared_product(), radii_j),
+            penetration,
+            across,
+        );
+        let trace = margin.trace();
+        let positive = registers.and(
+            (trace * trace * 1e-12).less(margin.determinant()),
+            zero.less(trace),
+        );
+        proved = registers.or(proved, registers.and(positive, zero.less(along)));
+    }
+    let sound = registers.and(
+        registers.and(converged, falling),
+        registers.and(shallow, proved),
+    );
     hard = registers.or(hard, registers.and_not(zero.less(one), sound));
     let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));
     support_i = moved(&support_i, radii_i, change);

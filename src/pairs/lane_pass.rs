@@ -151,7 +151,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         if !workspace.keeps_history {
             workspace.candidates.batches.write(self.rows);
         }
-        Ok(self.many_starts)
+        Ok(self.deep_contacts)
     }
 
     /// With the closed form of one kind of shape.

@@ -222,7 +222,7 @@ pub(super) fn touch_spheres(
         support_i: support(i, ri),
         support_j: support(j, rj),
         tangent: Tangent::new(normal),
-        many_starts: false,
+        deep: false,
         converged: true,
     }
 }
@@ -319,7 +319,7 @@ pub(super) fn normal_before(
 }
 
 /// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare_for_pairs`]). Returns how many
-/// contacts took the slow search from many starts.
+/// contacts were deeper than Hertz' law allows.
 ///
 /// # Errors
 /// What is wrong with the list, before any force is written.
@@ -350,7 +350,7 @@ pub fn compute_pairs<R: NeighbourRows>(
         step,
         accumulators,
         tallies,
-        many_starts: 0,
+        deep_contacts: 0,
     };
     match (features.friction, rate, features.conservative) {
         (true, _, true) => pass.run::<true, true, true>(workspace),
@@ -413,7 +413,7 @@ pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
     pub step: &'a Step,
     pub accumulators: &'a mut Accumulators<'b>,
     pub tallies: Option<&'a mut Tallies<'c>>,
-    pub many_starts: u64,
+    pub deep_contacts: u64,
 }
 
 /// Where a pair stands: its particles, the first with the row, and its place in the row.
@@ -449,7 +449,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 }
             }
         }
-        self.many_starts
+        self.deep_contacts
     }
 
     #[inline(always)]
@@ -544,7 +544,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             &x,
             &remembered,
         );
-        self.many_starts += found.many_starts as u64;
+        self.deep_contacts += found.deep as u64;
         self.apply(place, d, found.normal, &f, remembered.time);
     }
 

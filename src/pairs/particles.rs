@@ -198,8 +198,8 @@ pub struct Workspace {
     pub keeps_history: bool,
     /// Whether the rows of the list were looked through since the list changed.
     pub(super) list_is_known: bool,
-    /// Contacts so far that took the slow search from many starts.
-    pub many_starts: u64,
+    /// Contacts so far that were deeper than Hertz' law allows ([`crate::geometry::ContactSearch::deep`]).
+    pub deep_contacts: u64,
     /// Is told of large memory just allocated, with its length in bytes.
     pub allocated: Allocated,
 }
@@ -249,7 +249,7 @@ impl Workspace {
             instruction_set,
             keeps_history: false,
             list_is_known: false,
-            many_starts: 0,
+            deep_contacts: 0,
             allocated: |_, _| (),
         }
     }

@@ -806,8 +806,11 @@ fn walls() {
             return;
         }
         for k in 0..unsafe { ellgran_wall_contacts_count(contacts) } {
-            let c = unsafe { *ellgran_wall_contacts_get(contacts, k) };
-            let s = &c.surface;
+            let mut contact = Untouched::<EllgranWallContact>::sized();
+            let mut surface = Untouched::<EllgranWallSurface>::sized();
+            let (p, q) = (contact.pointer(), surface.pointer());
+            ok(unsafe { ellgran_wall_contacts_get(contacts, k, p, q) });
+            let (c, s) = unsafe { (*p, *q) };
             for v in [s.point, s.normal, s.direction, c.weights] {
                 finite(&v, &format!("{what} {x:e}"));
             }

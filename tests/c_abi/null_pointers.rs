@@ -203,7 +203,7 @@ fn queries_and_frees_of_null() {
         assert_eq!(ellgran_laws_memory_offset(null()), -1);
         assert_eq!(ellgran_laws_uses_mass(null()), -1);
         assert_eq!(ellgran_workspace_bytes(null()), 0);
-        assert_eq!(ellgran_workspace_many_starts_count(null()), 0);
+        assert_eq!(ellgran_workspace_deep_contacts_count(null()), 0);
         ellgran_laws_free(null_mut());
         ellgran_workspace_free(null_mut());
     }

@@ -117,12 +117,12 @@ fn aspect_ratio_up_to_100_up_to_a_tenth_of_the_small_axis() {
 fn aspect_ratio_up_to_100_deep() {
     let tally = count(random_pairs(23, 1000, 100.0, [0.1, 0.9]), 200);
     tally.show("aspect ratio up to 100, depth 0.1 to 0.9 of the smallest semi-axis");
-    assert!(tally.wrong <= 3);
+    assert_eq!(tally.wrong, 0);
 }
 
 #[test]
 fn coincident_centres() {
-    for (aspect, most) in [(10.0, 0), (100.0, 1)] {
+    for aspect in [10.0, 100.0, 1000.0] {
         let mut stream = Stream::new(24);
         let pairs = (0..800).map(move |_| {
             let i = body(stream.semi_axes(aspect), Vector::zeros(), stream.rotation());
@@ -131,6 +131,6 @@ fn coincident_centres() {
         });
         let tally = count(pairs, 160);
         tally.show(&format!("coincident centres, aspect ratio up to {aspect}"));
-        assert!(tally.wrong <= most);
+        assert_eq!(tally.wrong, 0);
     }
 }

@@ -14,6 +14,7 @@ mod exchange_of_bodies;
 mod extremes;
 mod first_touch;
 mod gap;
+mod global_minimum;
 mod momentum;
 mod passivity;
 mod relabelling;

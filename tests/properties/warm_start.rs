@@ -51,5 +51,12 @@ fn warm_equals_cold_for_aspect_ratios_up_to_10() {
 fn warm_equals_cold_for_aspect_ratios_up_to_100() {
     let (steps, different, worst) = fly(100.0, 32, 80);
     println!("aspect ratio up to 100: {different} of {steps} steps differ, by up to {worst:.1e}");
-    assert!(different * 1000 <= steps);
+    assert_eq!(different, 0);
+}
+
+#[test]
+fn warm_equals_cold_for_aspect_ratios_up_to_1000() {
+    let (steps, different, worst) = fly(1000.0, 33, 40);
+    println!("aspect ratio up to 1000: {different} of {steps} steps differ, by up to {worst:.1e}");
+    assert_eq!(different, 0);
 }

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include "ellgran_step_velocity.h"
+
+#include "ellgran_substitute.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "math_extra.h"
+#include "memory.h"
+#include "modify.h"
+#include "update.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+namespace {
+
+bool prescribes_motion(const Fix *fix)
+{
+  return utils::strmatch(fix->style, "^move");
+}
+
+constexpr int DIFFERENCES = 6, STARTS = 10;
+
+// Angular velocity, world frame, of the rotation from one orientation to another within a time.
+void angular_velocity_between(const double *from, const double *to, double time, double *omega)
+{
+  double back[4] = {from[0], -from[1], -from[2], -from[3]}, turn[4];
+  double end[4] = {to[0], to[1], to[2], to[3]};
+  MathExtra::quatquat(end, back, turn);
+  if (turn[0] < 0.0)
+    for (double &component : turn) component = -component;
+  const double sine = std::sqrt(turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3]);
+  const double scale = (sine > 0.0) ? 2.0 * std::atan2(sine, turn[0]) / (sine * time) : 0.0;
+  for (int k = 0; k < 3; k++) omega[k] = scale * turn[1 + k];
+}
+
+// Angular momentum of a solid ellipsoid that spins with omega, both in the world frame.
+void angular_momentum_of(const EllgranBody &body, double mass, double *omega, double *momentum)
+{
+  double quaternion[4], rotation[3][3], own[3];
+  std::copy_n(body.quaternion, 4, quaternion);
+  MathExtra::qnormalize(quaternion);
+  MathExtra::quat_to_mat(quaternion, rotation);
+  MathExtra::transpose_matvec(rotation, omega, own);
+  const double *a = body.semi_axes;
+  own[0] *= 0.2 * mass * (a[1] * a[1] + a[2] * a[2]);
+  own[1] *= 0.2 * mass * (a[0] * a[0] + a[2] * a[2]);
+  own[2] *= 0.2 * mass * (a[0] * a[0] + a[1] * a[1]);
+  MathExtra::matvec(rotation, own, momentum);
+}
+
+double square(const double *v)
+{
+  return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+
+}    // namespace
+
+FixEllgranStepVelocity::FixEllgranStepVelocity(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), atoms(lmp, "Fix move or rigid"), moved_bits(0), rigid_bits(0), difference(nullptr), start(nullptr)
+{
+  nevery = 1;
+  create_attribute = 1;
+  comm_forward = DIFFERENCES;
+  maxexchange = DIFFERENCES;
+  FixEllgranStepVelocity::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  for (int i = 0; i < atom->nlocal; i++) FixEllgranStepVelocity::set_arrays(i);
+}
+
+FixEllgranStepVelocity::~FixEllgranStepVelocity()
+{
+  atom->delete_callback(id, Atom::GROW);
+  memory->destroy(difference);
+  memory->destroy(start);
+}
+
+bool FixEllgranStepVelocity::needed(Modify *modify)
+{
+  for (const auto *fix : modify->get_fix_list())
+    if (fix->rigid_flag || prescribes_motion(fix)) return true;
+  return false;
+}
+
+int FixEllgranStepVelocity::setmask()
+{
+  return POST_INTEGRATE | END_OF_STEP;
+}
+
+void FixEllgranStepVelocity::init()
+{
+  moved_bits = rigid_bits = 0;
+  for (const auto *fix : modify->get_fix_list()) {
+    if (fix->rigid_flag) rigid_bits |= fix->groupbit;
+    if (prescribes_motion(fix)) moved_bits |= fix->groupbit;
+  }
+}
+
+void FixEllgranStepVelocity::setup(int)
+{
+  end_of_step();
+}
+
+void FixEllgranStepVelocity::store_start(int i)
+{
+  std::copy_n(atom->x[i], 3, start[i]);
+  std::copy_n(atom->v[i], 3, start[i] + 3);
+  if (atom->ellipsoid[i] >= 0) std::copy_n(atoms.body(i, atom->rmass[i]).quaternion, 4, start[i] + 6);
+}
+
+void FixEllgranStepVelocity::end_of_step()
+{
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & (moved_bits | rigid_bits)) store_start(i);
+}
+
+void FixEllgranStepVelocity::post_integrate()
+{
+  const double time = update->dt;
+  for (int i = 0; i < atom->nlocal; i++) {
+    double *found = difference[i];
+    std::fill_n(found, DIFFERENCES, 0.0);
+    const int mask = atom->mask[i];
+    if (!(mask & (moved_bits | rigid_bits)) || atom->ellipsoid[i] < 0) continue;
+    const bool rigid = mask & rigid_bits;
+
+    double change[3];
+    for (int k = 0; k < 3; k++) {
+      found[k] = (atom->x[i][k] - start[i][k]) / time - atom->v[i][k];
+      change[k] = atom->v[i][k] - start[i][3 + k];
+    }
+    // A motion may be given with a velocity that is not its own: a belt that stays and conveys. The velocity
+    // over the step then does not lie between those at its ends.
+    if (!rigid && square(found) > square(change)) std::fill_n(found, 3, 0.0);
+
+    // Likewise a roller that spins and does not turn.
+    const EllgranBody body = atoms.body(i, atom->rmass[i]);
+    if (!rigid && std::equal(body.quaternion, body.quaternion + 4, start[i] + 6)) continue;
+    double omega[3];
+    angular_velocity_between(start[i] + 6, body.quaternion, time, omega);
+    for (int k = 0; k < 3; k++) omega[k] -= body.angular_velocity[k];
+    angular_momentum_of(body, atom->rmass[i], omega, found + 3);
+  }
+}
+
+void FixEllgranStepVelocity::replace_velocities(EllgranParticles &particles, bool with_ghosts)
+{
+  // When a run starts forces are computed anew from the velocities of that instant; no step led there.
+  if ((moved_bits | rigid_bits) == 0 || update->setupflag || update->whichflag == 2) return;
+  if (with_ghosts) comm->forward_comm(this);
+  const int count = atom->nlocal + (with_ghosts ? atom->nghost : 0);
+  velocities.resize(3 * static_cast<std::size_t>(atom->nmax));
+  angular_momenta.resize(velocities.size());
+  for (int i = 0; i < count; i++)
+    for (int k = 0; k < 3; k++) {
+      velocities[3 * i + k] = atom->v[i][k] + difference[i][k];
+      angular_momenta[3 * i + k] = atom->angmom[i][k] + difference[i][3 + k];
+    }
+  particles.velocities = velocities.data();
+  particles.angular_momenta = angular_momenta.data();
+}
+
+double FixEllgranStepVelocity::memory_usage()
+{
+  const double counts = static_cast<double>(DIFFERENCES + STARTS) * atom->nmax +
+      static_cast<double>(velocities.capacity() + angular_momenta.capacity());
+  return counts * sizeof(double);
+}
+
+void FixEllgranStepVelocity::grow_arrays(int nmax)
+{
+  memory->grow(difference, nmax, DIFFERENCES, "ellgran_step_velocity:difference");
+  memory->grow(start, nmax, STARTS, "ellgran_step_velocity:start");
+}
+
+void FixEllgranStepVelocity::copy_arrays(int i, int j, int)
+{
+  std::copy_n(difference[i], DIFFERENCES, difference[j]);
+  std::copy_n(start[i], STARTS, start[j]);
+}
+
+void FixEllgranStepVelocity::set_arrays(int i)
+{
+  std::fill_n(difference[i], DIFFERENCES, 0.0);
+}
+
+int FixEllgranStepVelocity::pack_exchange(int i, double *buffer)
+{
+  std::copy_n(difference[i], DIFFERENCES, buffer);
+  return DIFFERENCES;
+}
+
+int FixEllgranStepVelocity::unpack_exchange(int i, double *buffer)
+{
+  std::copy_n(buffer, DIFFERENCES, difference[i]);
+  return DIFFERENCES;
+}
+
+int FixEllgranStepVelocity::pack_forward_comm(int n, int *indices, double *buffer, int, int *)
+{
+  for (int k = 0; k < n; k++)
+    std::copy_n(difference[indices[k]], DIFFERENCES, buffer + DIFFERENCES * k);
+  return DIFFERENCES * n;
+}
+
+void FixEllgranStepVelocity::unpack_forward_comm(int n, int first, double *buffer)
+{
+  for (int k = 0; k < n; k++)
+    std::copy_n(buffer + DIFFERENCES * k, DIFFERENCES, difference[first + k]);
+}
+
+void FixEllgranStepVelocity::set_molecule(int, tagint, int, double *, double *, double *)
+{
+  error->all(FLERR, "Molecule update not implemented for fix {}", style);
+}
+
+FixEllgranStepVelocity *LAMMPS_NS::add_step_velocity(Modify *modify, const std::string &prefix)
+{
+  std::string id = prefix;
+  for (int number = 2; modify->get_fix_by_id(id); number++) id = prefix + std::to_string(number);
+  const SubstituteFix<FixEllgranStepVelocity> substitute(modify, "DUMMY");
+  return static_cast<FixEllgranStepVelocity *>(modify->add_fix(id + " all DUMMY", 0));
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Do forces follow shapes that grow in a run, velocities that a fix prescribes, and a wall whose time step changes?
+
+use crate::harness::{run, Deck, Engine, Grain, Scene};
+use crate::shapes::{length, sub};
+
+const LAW: &str = "hertz 1e7 0.3 tangential mindlin 0.5";
+
+/// Two grains that touch across a periodic boundary only, grown by a fix between list builds: the force is that of a deck that
+/// starts with grains of the final size.
+#[test]
+fn forces_follow_grains_that_grow_across_a_periodic_boundary() {
+    let engine = Engine::from_environment();
+    let pair = |size: f64| {
+        let grain = |x: f64| Grain::new([1.0 * size, 0.7 * size, 0.6 * size], [x, 0.1, 0.2]);
+        Scene::periodic(
+            [-4.0; 3],
+            [4.0; 3],
+            vec![grain(-3.1), grain(3.1).turned([0.9, 0.1, 0.3, -0.2])],
+        )
+    };
+    let cutoff = vec![
+        "pair_style gran/ellipsoid 4.0".to_string(),
+        format!("pair_coeff * * {LAW}"),
+    ];
+    let deck = |steps: u64, fixes: Vec<String>| Deck {
+        integrate: false,
+        time_step: 1e-4,
+        steps,
+        skin: 0.5,
+        fixes,
+        ..Deck::with_pair(cutoff.clone())
+    };
+    // The shape that the last step saw was set at the end of the step before.
+    let grow = "variable a atom 2.0*1.02^step\nvariable b atom 1.4*1.02^step\nvariable c atom 1.2*1.02^step\n\
+        fix grow all set 1 0 group all shape v_a v_b v_c";
+    for atom_style in ["ellipsoid", "ellipsoid superellipsoid"] {
+        for ranks in [1, 2] {
+            let steps = 10;
+            let grown = Deck {
+                atom_style: atom_style.into(),
+                ..deck(steps, grow.lines().map(|l| l.trim().to_string()).collect())
+            };
+            let outcome = run(&engine, "grown", &pair(1.0), &grown, ranks);
+            let size = 1.02f64.powi(steps as i32 - 1);
+            let started = Deck {
+                atom_style: atom_style.into(),
+                ..deck(0, vec![])
+            };
+            let expected = run(&engine, "large", &pair(size), &started, 1);
+            let (a, b) = (
+                outcome.last().states[0].force,
+                expected.last().states[0].force,
+            );
+            let error = length(sub(a, b)) / length(b);
+            println!("{atom_style}, {ranks} ranks: size {size:.3}: force {a:?}, {error:.1e} from that of grains of this size");
+            assert!(
+                length(b) > 0.0 && error < 1e-10,
+                "{atom_style}, {ranks} ranks"
+            );
+        }
+    }
+}
+
+/// Two grains in contact that `fix move rotate` turns as one: nothing slides, and what friction there is comes from the step.
+#[test]
+fn both_versions_a_turn_prescribed_by_fix_move_leaks_no_friction() {
+    let engine = Engine::from_environment();
+    let pair = || {
+        Scene::open(
+            10.0,
+            vec![
+                Grain::new([1.0, 0.8, 0.5], [0.3, 0.2, 0.1]).turned([0.9, 0.1, 0.3, 0.3]),
+                Grain::new([1.0, 0.7, 0.6], [0.42, 0.6, 1.35]).turned([0.5, 0.6, -0.2, 0.4]),
+            ],
+        )
+    };
+    let leak = |steps: u64| {
+        let deck = Deck {
+            integrate: false,
+            skin: 0.3,
+            time_step: 1.0 / steps as f64,
+            fixes: vec![
+                "fix turn all move rotate 0 0 0 0.2 0.5 1 1.0".into(),
+                "compute c all pair/local p1 p5".into(),
+                "compute s all reduce max c_c[1] c_c[2] inputs local".into(),
+            ],
+            runs: vec![
+                "thermo_style custom step c_s[*]".into(),
+                "thermo_modify format float %.17g".into(),
+                format!("run {steps}"),
+            ],
+            ..Deck::new(LAW)
+        };
+        let outcome = run(&engine, &format!("turn_{steps}"), &pair(), &deck, 1);
+        let rows = outcome.thermo();
+        let last = rows.last().expect("no thermo output");
+        last["c_s[2]"] / last["c_s[1]"]
+    };
+    let (coarse, fine) = (leak(500), leak(2000));
+    println!(
+        "tangential over normal force after a turn: {coarse:.2e} in 500 steps, {fine:.2e} in 2000"
+    );
+    // second order: a sixteenth of it at a quarter of the step
+    assert!(fine < 2e-5 && fine < coarse / 10.0);
+}
+
+/// A wall that wiggles is where its time says, whatever the steps on the way.
+#[test]
+fn both_versions_a_wiggling_wall_keeps_its_phase() {
+    let engine = Engine::from_environment();
+    let scene = || {
+        let mut scene = Scene::open(5.0, vec![Grain::new([1.0, 1.0, 1.0], [0.0; 3])]);
+        scene.boundary = "f f f".into();
+        scene
+    };
+    let deck = |runs: &[&str]| Deck {
+        integrate: false,
+        time_step: 1e-3,
+        fixes: vec![
+            "fix w all wall/gran/ellipsoid hertz 1e7 0.3 zplane -0.9 NULL wiggle z 0.05 1.0".into(),
+        ],
+        runs: runs.iter().map(|r| r.to_string()).collect(),
+        ..Deck::new("hertz 1e7 0.3")
+    };
+    let force = |name: &str, runs: &[&str]| {
+        let outcome = run(&engine, name, &scene(), &deck(runs), 1);
+        let rows = outcome.thermo();
+        assert!(!rows.is_empty());
+        outcome
+            .output
+            .lines()
+            .filter_map(|l| l.strip_prefix("FORCE "))
+            .last()
+            .expect("no force was printed")
+            .trim()
+            .parse::<f64>()
+            .unwrap()
+    };
+    let show = "print \"FORCE $(f_w[3]:%.17g)\"";
+    let column = "thermo_style custom step f_w[3]";
+    let plain = force("plain", &[column, "run 400", show]);
+    for (name, runs) in [
+        (
+            "new time step",
+            vec![
+                column,
+                "run 100",
+                "timestep 5e-4",
+                "run 200",
+                "timestep 2e-3",
+                "run 100",
+                show,
+            ],
+        ),
+        (
+            "restart",
+            vec![column, "run 100", "write_restart half", "run 300", show],
+        ),
+        (
+            "after restart",
+            vec![
+                column,
+                "run 150",
+                "write_restart half.restart",
+                "clear",
+                "PLUGIN",
+                "read_restart half.restart",
+                "fix w all wall/gran/ellipsoid hertz 1e7 0.3 zplane -0.9 NULL wiggle z 0.05 1.0",
+                "timestep 1e-3",
+                "thermo_style custom step f_w[3]",
+                "run 250",
+                show,
+            ],
+        ),
+    ] {
+        let load = format!("plugin load {}", engine.plugin.display());
+        let runs: Vec<&str> = runs
+            .iter()
+            .map(|r| if *r == "PLUGIN" { load.as_str() } else { *r })
+            .collect();
+        let got = force(&name.replace(' ', "_"), &runs);
+        println!("{name}: {got} beside {plain}");
+        assert!(
+            plain.abs() > 1.0 && (got - plain).abs() < 1e-9 * plain.abs(),
+            "{name}"
+        );
+    }
+}
