@@ -47,6 +47,8 @@ pub struct EllgranNeighbourList {
     /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
     /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
     pub keep_history: i32,
+    /// 1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+    pub record_contacts: i32,
     /// One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
     pub touching: *const *mut i32,
     /// History per neighbour, by particle index, written. NULL if the history length is 0.
@@ -168,6 +170,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
     at_border("ellgran_compute_pairs", || {
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        workspace.contacts.clear();
         let p = &*unsafe { given(particles, "particles") }?;
         let list = &*unsafe { given(list, "list") }?;
         let step = unsafe { given(step, "step") }?.to_core()?;
@@ -176,7 +179,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
                 "the list may have changed (unchanged = 0), but the history that the workspace keeps of the last list was \
-                 not written: call ellgran_write_history before the list changes",
+                 not written: call ellgran_write_history before the list changes, or ellgran_forget_history to lose it",
             ));
         }
         let central = unsafe { slice(list.central, list.count, "central") }?;
@@ -248,6 +251,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         };
         unsafe { prepare(p, p.count, Some(laws), workspace, purpose) }?;
         workspace.keeps_history = list.keep_history != 0;
+        workspace.records_contacts = list.record_contacts != 0;
         let entries = Entries {
             mask: list.index_mask,
             shift,
@@ -312,6 +316,23 @@ pub unsafe extern "C" fn ellgran_write_history(
         }
         let length = workspace.kept_history_length();
         workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
+        Ok(())
+    })
+}
+
+/// Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
+/// that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
+/// whatever `unchanged` says; those of the old list stay as the last writing left them.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_forget_history(workspace: *mut EllgranWorkspace) -> i32 {
+    at_border("ellgran_forget_history", || {
+        // SAFETY: promised by the caller.
+        unsafe { required_mut(workspace, "workspace") }?
+            .workspace
+            .forget_history();
         Ok(())
     })
 }

@@ -7,8 +7,10 @@
 use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
+use super::contact_record::{ContactRecord, ContactRecords};
 use super::history::HistoryLayout;
 use super::laws::Laws;
+use super::one_contact::geometry_of;
 use super::particles::{effective_mass, Particle, Workspace};
 use super::tallies::{Contribution, Tallies};
 use super::Step;
@@ -292,7 +294,8 @@ pub(super) fn normal_before(
 }
 
 /// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare_for_pairs`]). Returns how many
-/// contacts took the slow search from many starts.
+/// contacts took the slow search from many starts. Where [`Workspace::records_contacts`] is set, the touching pairs are in
+/// [`Workspace::contacts`] then.
 ///
 /// # Errors
 /// Only with `factors hale`, and before any force is written.
@@ -304,6 +307,7 @@ pub fn compute_pairs<R: NeighbourRows>(
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<u64, HaleBroke> {
+    workspace.contacts.clear();
     let features = laws.features();
     if features.hale {
         check_hale(laws, workspace.particles(), rows)?;
@@ -312,6 +316,9 @@ pub fn compute_pairs<R: NeighbourRows>(
         t.start_step();
     }
     let rate = features.viscous || features.friction || tallies.is_some();
+    // Lent to the pass, which has the workspace beside it.
+    let mut recorded = core::mem::take(&mut workspace.contacts);
+    let records = workspace.records_contacts;
     let pass = Pass {
         laws,
         layout: laws.layout(),
@@ -319,16 +326,22 @@ pub fn compute_pairs<R: NeighbourRows>(
         step,
         accumulators,
         tallies,
+        recorded: records.then_some(&mut recorded),
         many_starts: 0,
     };
-    Ok(match (features.friction, rate, features.conservative) {
-        (true, _, true) => pass.run::<true, true, true>(workspace),
-        (true, _, false) => pass.run::<true, true, false>(workspace),
-        (false, true, true) => pass.run::<false, true, true>(workspace),
-        (false, true, false) => pass.run::<false, true, false>(workspace),
-        (false, false, true) => pass.run::<false, false, true>(workspace),
-        (false, false, false) => pass.run::<false, false, false>(workspace),
-    })
+    let many_starts = match (features.friction, rate, features.conservative) {
+        // One kernel with all terms, of which the laws use theirs, serves all scenes.
+        _ if records => pass.run::<true, true, true, true>(workspace),
+        (true, _, true) => pass.run::<true, true, true, false>(workspace),
+        (true, _, false) => pass.run::<true, true, false, false>(workspace),
+        (false, true, true) => pass.run::<false, true, true, false>(workspace),
+        (false, true, false) => pass.run::<false, true, false, false>(workspace),
+        (false, false, true) => pass.run::<false, false, true, false>(workspace),
+        (false, false, false) => pass.run::<false, false, false, false>(workspace),
+    };
+    recorded.sort();
+    workspace.contacts = recorded;
+    Ok(many_starts)
 }
 
 /// One pass over the list.
@@ -339,6 +352,8 @@ pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
     pub step: &'a Step,
     pub accumulators: &'a mut Accumulators<'b>,
     pub tallies: Option<&'a mut Tallies<'c>>,
+    /// Every touching pair, where asked for.
+    pub recorded: Option<&'a mut ContactRecords>,
     pub many_starts: u64,
 }
 
@@ -351,12 +366,12 @@ pub(super) struct Place {
 }
 
 impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
-    fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool, const RECORD: bool>(
         self,
         workspace: &mut Workspace,
     ) -> u64 {
         if workspace.works_in_lanes(self.laws) {
-            self.in_lanes::<FRICTION, RATE, CONSERVATIVE>(workspace)
+            self.in_lanes::<FRICTION, RATE, CONSERVATIVE, RECORD>(workspace)
         } else {
             self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles())
         }
@@ -471,6 +486,16 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             &remembered,
         );
         self.many_starts += found.many_starts as u64;
+        if let Some(recorded) = self.recorded.as_deref_mut() {
+            recorded.push(ContactRecord {
+                i: place.i,
+                j: place.j,
+                entry: place.entry,
+                linear: law.kinds.linear,
+                geometry: geometry_of(&found, i, j, law.constants.share_i),
+                forces: f,
+            });
+        }
         self.apply(place, d, found.normal, &f, remembered.time);
     }
 

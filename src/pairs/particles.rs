@@ -192,6 +192,10 @@ pub struct Workspace {
     pub instruction_set: InstructionSet,
     /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
     pub keeps_history: bool,
+    /// Whether [`super::compute_pairs`] records every touching pair.
+    pub records_contacts: bool,
+    /// The touching pairs of the last call that recorded them; none after one that did not.
+    pub contacts: super::ContactRecords,
     /// Contacts so far that took the slow search from many starts.
     pub many_starts: u64,
     /// Is told of large memory just allocated, with its length in bytes.
@@ -242,6 +246,8 @@ impl Workspace {
             walls: Vec::new(),
             instruction_set,
             keeps_history: false,
+            records_contacts: false,
+            contacts: super::ContactRecords::default(),
             many_starts: 0,
             allocated: |_, _| (),
         }
@@ -369,6 +375,12 @@ impl Workspace {
         self.candidates.batches.write(rows);
     }
 
+    /// Forgets the histories that are kept here and were not written: those of the next list are what its arrays say.
+    pub fn forget_history(&mut self) {
+        self.candidates.batches.discard();
+        self.candidates.forget();
+    }
+
     /// Forgets the particles; keeps the memory.
     pub fn clear(&mut self) {
         self.particles.clear();
@@ -381,6 +393,7 @@ impl Workspace {
         self.particles.capacity() * core::mem::size_of::<Particle>()
             + self.records.bytes()
             + self.candidates.bytes()
+            + self.contacts.bytes()
     }
 
     /// The particles prepared one at a time.
