@@ -187,7 +187,8 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_PANIC 900
 
 /*
- Version of the binary interface: changes whenever a struct's layout, a signature or the meaning of a value does.
+ Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
+ are added at the end of a struct do not change it.
  */
 #define ELLGRAN_ABI_VERSION 1
 
