@@ -302,7 +302,13 @@ mod tests {
 
     #[test]
     fn older_structs_in_an_array_are_as_far_apart_as_they_say() {
-        let two = [OLDER, Before { length: 4.0, ..OLDER }];
+        let two = [
+            OLDER,
+            Before {
+                length: 4.0,
+                ..OLDER
+            },
+        ];
         // SAFETY: two of them, as long as the first says.
         let array = unsafe { GivenArray::new(two.as_ptr().cast::<Now>(), 2, "x") };
         let array = array.ok().expect("an array");

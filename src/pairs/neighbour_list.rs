@@ -89,10 +89,37 @@ pub struct Accumulators<'a> {
 pub struct HaleBroke {
     /// First particle's index.
     pub i: usize,
-    /// Second particle's index (that of the first again for a wall).
+    /// Second particle's index.
     pub j: usize,
     /// `B/A`.
     pub ratio: f64,
+}
+
+/// Why a list was not computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ListError {
+    /// Hale's form broke at a contact.
+    Hale(HaleBroke),
+    /// An entry that names no particle, or the one whose row it stands in.
+    Entry {
+        /// The particle of the row.
+        central: usize,
+        /// Place in the row.
+        place: usize,
+        /// What stands there.
+        entry: i32,
+    },
+    /// A history of a touching pair that holds a number which no call has written.
+    History {
+        /// First particle's index.
+        i: usize,
+        /// Second particle's index.
+        j: usize,
+        /// Place in the pair's history.
+        place: usize,
+        /// What stands there.
+        value: f64,
+    },
 }
 
 #[inline(always)]
@@ -119,7 +146,7 @@ pub(super) fn recall(
             Some(at) if touching => read(at),
             _ => Vector3::ZERO,
         },
-        stiffness: match layout.stiffness {
+        energy: match layout.energy {
             Some(at) if touching => history[at],
             _ => 0.0,
         },
@@ -146,8 +173,8 @@ pub(super) fn remember(
     if let Some(at) = layout.memory {
         write(at, forces.memory);
     }
-    if let Some(at) = layout.stiffness {
-        history[at] = forces.stiffness;
+    if let Some(at) = layout.energy {
+        history[at] = forces.tangential_energy;
     }
 }
 
@@ -298,7 +325,7 @@ pub(super) fn normal_before(
 /// [`Workspace::contacts`] then.
 ///
 /// # Errors
-/// Only with `factors hale`, and before any force is written.
+/// What is wrong with the list, before any force is written.
 pub fn compute_pairs<R: NeighbourRows>(
     laws: &Laws,
     workspace: &mut Workspace,
@@ -306,11 +333,15 @@ pub fn compute_pairs<R: NeighbourRows>(
     step: &Step,
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
-) -> Result<u64, HaleBroke> {
+) -> Result<u64, ListError> {
     workspace.contacts.clear();
     let features = laws.features();
+    if !workspace.works_in_lanes(laws) && !workspace.list_is_known {
+        check_rows(&laws.layout(), workspace.particles().len(), rows)?;
+        workspace.list_is_known = true;
+    }
     if features.hale {
-        check_hale(laws, workspace.particles(), rows)?;
+        check_hale(laws, workspace.particles(), rows).map_err(ListError::Hale)?;
     }
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
@@ -339,9 +370,56 @@ pub fn compute_pairs<R: NeighbourRows>(
         (false, false, true) => pass.run::<false, false, true, false>(workspace),
         (false, false, false) => pass.run::<false, false, false, false>(workspace),
     };
-    recorded.sort();
+    if many_starts.is_ok() {
+        recorded.sort();
+    } else {
+        recorded.clear();
+    }
     workspace.contacts = recorded;
-    Ok(many_starts)
+    many_starts
+}
+
+/// Goes through a new list for entries that name no particle and for histories that no call has written. In lanes the search
+/// for candidates does so.
+fn check_rows<R: NeighbourRows>(
+    layout: &HistoryLayout,
+    particles: usize,
+    rows: &mut R,
+) -> Result<(), ListError> {
+    let entries = rows.entries();
+    for k in 0..rows.count() {
+        let row = rows.row(k);
+        for (place, &entry) in row.neighbours.iter().enumerate() {
+            let Some(other) = entries.index(entry) else {
+                continue;
+            };
+            if other >= particles || other == row.central {
+                return Err(ListError::Entry {
+                    central: row.central,
+                    place,
+                    entry,
+                });
+            }
+            if row.touching.get(place).is_some_and(|t| *t != 0) {
+                let history = &row.history[place * layout.length..(place + 1) * layout.length];
+                check_history(layout, history, row.central, other)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses the history of a touching pair that no call has written.
+pub(super) fn check_history(
+    layout: &HistoryLayout,
+    history: &[f64],
+    i: usize,
+    j: usize,
+) -> Result<(), ListError> {
+    match layout.first_wrong(history) {
+        None => Ok(()),
+        Some((place, value)) => Err(ListError::History { i, j, place, value }),
+    }
 }
 
 /// One pass over the list.
@@ -369,11 +447,11 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool, const RECORD: bool>(
         self,
         workspace: &mut Workspace,
-    ) -> u64 {
+    ) -> Result<u64, ListError> {
         if workspace.works_in_lanes(self.laws) {
             self.in_lanes::<FRICTION, RATE, CONSERVATIVE, RECORD>(workspace)
         } else {
-            self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles())
+            Ok(self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
         }
     }
 
