@@ -197,7 +197,8 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_PANIC 900
 
 /*
- Version of the binary interface: changes whenever a struct's layout, a signature or the meaning of a value does.
+ Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
+ are added at the end of a struct do not change it.
  */
 #define ELLGRAN_ABI_VERSION 1
 
@@ -670,6 +671,10 @@ typedef struct EllgranNeighbourList {
    */
   int32_t keep_history;
   /*
+   1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+   */
+  int32_t record_contacts;
+  /*
    One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
    NULL if the history length is 0.
    */
@@ -727,6 +732,28 @@ typedef struct EllgranTallies {
    */
   int64_t pair_count;
 } EllgranTallies;
+
+/*
+ Where a recorded contact stands in the list.
+ */
+typedef struct EllgranContactPlace {
+  /*
+   `sizeof(EllgranContactPlace)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Index of the central particle, the i of geometry and force.
+   */
+  int32_t i;
+  /*
+   Index of its neighbour, without the bits above `index_mask`.
+   */
+  int32_t j;
+  /*
+   Place of the neighbour in the row of the central particle.
+   */
+  size_t entry;
+} EllgranContactPlace;
 
 /*
  Geometry of a contact in stages.
@@ -811,6 +838,38 @@ typedef struct EllgranStagedPast {
    */
   double normal[3];
 } EllgranStagedPast;
+
+/*
+ The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
+ INFINITY, where the bodies do not touch.
+ */
+typedef struct EllgranContactStiffness {
+  /*
+   `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Derivative of the normal force by the penetration, force/length.
+   */
+  double normal_stiffness;
+  /*
+   Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+   */
+  double tangential_stiffness[2];
+  /*
+   Of the normal dashpot while the bodies approach, force x time/length.
+   */
+  double normal_damping;
+  /*
+   Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+   */
+  double tangential_damping[2];
+  /*
+   The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
+   INFINITY for two fixed bodies.
+   */
+  double critical_step;
+} EllgranContactStiffness;
 
 /*
  Which triangle stands for a contact of an ellipsoid with a wall.
@@ -1069,6 +1128,16 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
                               const struct EllgranNeighbourList *list);
 
 /*
+ Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
+ that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
+ whatever `unchanged` says; those of the old list stay as the last writing left them.
+
+ # Safety
+ `workspace` is NULL or valid.
+ */
+int32_t ellgran_forget_history(struct EllgranWorkspace *workspace);
+
+/*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
  environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
  set.
@@ -1138,6 +1207,41 @@ int32_t ellgran_compute_planes(const struct EllgranLaws *laws,
                                const struct EllgranStep *step,
                                double *wall_forces,
                                struct EllgranTallies *tallies);
+
+/*
+ Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
+ list if `record_contacts` of the list was 1, else 0, as after a call that failed; 0 for NULL.
+
+ # Safety
+ `workspace` is NULL or valid.
+ */
+size_t ellgran_recorded_count(const struct EllgranWorkspace *workspace);
+
+/*
+ A recorded contact, by its number from 0: where it stands in the list, its geometry, and the force that acted. They are in
+ the order of the central particles' indices and within these in that of their rows, whatever the instruction set. Each of
+ the three may be NULL.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_recorded_contact(const struct EllgranWorkspace *workspace,
+                                 size_t number,
+                                 struct EllgranContactPlace *place,
+                                 struct EllgranContactGeometry *geometry,
+                                 struct EllgranContactForce *force);
+
+/*
+ The number of the recorded contact of two particles, whichever of them is the central one; -1 if they do not touch or
+ nothing was recorded. Takes a time that grows as the logarithm of the number of contacts.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_recorded_find(const struct EllgranWorkspace *workspace,
+                              int32_t i,
+                              int32_t j,
+                              int64_t *number);
 
 /*
  Memory for the stages of a contact.
@@ -1287,6 +1391,40 @@ int32_t ellgran_staged_forces(const struct EllgranStagedContact *staged,
 const char *ellgran_last_error(void);
 
 /*
+ Stiffness of the contact of two ellipsoids at their present penetration, and its largest stable time step. Masses are those
+ of the bodies, moments of inertia those of solid ellipsoids; velocities are not read.
+
+ With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
+ relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue of
+ `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. Of what the rotation of the normal adds to `K`,
+ smaller by the penetration over the radius of curvature, nothing is in it. In a packing whose particles have at most n
+ contacts each, the smallest critical step over sqrt(n) is safe (each contact has a share 1/n of the masses: Irons'
+ theorem). The stiffness grows with the penetration: ask at the largest that is expected.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_contact_stiffness(const struct EllgranLaws *laws,
+                                  const struct EllgranBody *i,
+                                  const struct EllgranBody *j,
+                                  struct EllgranContactStiffness *stiffness);
+
+/*
+ How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
+ have here, apart or touching, at `speed` > 0 along the normal. For a central impact that is Hertz' time,
+ `2.9433 delta_max/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the linear law.
+ Damping makes a collision longer. INFINITY for two fixed bodies.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_collision_time(const struct EllgranLaws *laws,
+                               const struct EllgranBody *i,
+                               const struct EllgranBody *j,
+                               double speed,
+                               double *time);
+
+/*
  The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.
  */
 uint32_t ellgran_abi_version(void);
@@ -1370,6 +1508,38 @@ int32_t ellgran_triangle_contacts(struct EllgranWallContacts *contacts,
                                   const struct EllgranBody *body,
                                   size_t count,
                                   const double *corners);
+
+/*
+ Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is
+ [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle along
+ which the gaps are measured. No law, no history; forces, torques, masses and types are not read, velocities are only
+ checked. One pair after the other, not in lanes.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_gaps(struct EllgranWorkspace *workspace,
+                          const struct EllgranParticles *particles,
+                          size_t pair_count,
+                          const int32_t *pairs,
+                          double *gaps,
+                          double *normals);
+
+/*
+ Elastic energies of the normal deformation of pairs of particles, 0 where they do not touch. `pairs` is [pair_count][2],
+ indices from 0; `energies` is [pair_count]. No history and no tangential energy; forces and torques are not read,
+ velocities are only checked. One pair after the other, not in lanes. On failure nothing is written, but for a contact at
+ which `factors hale` breaks: then the energies before it are.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_energies(const struct EllgranLaws *laws,
+                              struct EllgranWorkspace *workspace,
+                              const struct EllgranParticles *particles,
+                              size_t pair_count,
+                              const int32_t *pairs,
+                              double *energies);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -153,6 +153,40 @@ pub fn tangential_force<T: Real>(
     }
 }
 
+/// Stiffness and damping matrix of a contact that has not slipped, in the tangent basis, for its normal stiffness; zero for
+/// a law without a tangential part.
+pub fn tangential_stiffness(
+    kinds: &LawKinds,
+    c: &LawConstants,
+    normal_stiffness: f64,
+    factors: &Factors,
+    curvature: Symmetric2,
+) -> (Symmetric2, Symmetric2) {
+    let isotropic = |x: f64| Symmetric2::new(x, 0.0, x);
+    let (stiffness, damping) = match kinds.tangential {
+        Tangential::None => return (isotropic(0.0), isotropic(0.0)),
+        Tangential::Linear => (
+            isotropic(c.tangential_stiffness),
+            isotropic(c.tangential_damping),
+        ),
+        Tangential::Tfd | Tangential::Mindlin => {
+            let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
+            let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
+            let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
+            // The three have the same eigenvectors.
+            let columns = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)]
+                .map(|e| inverse.apply(tau.apply(inverse.apply(e))));
+            let damping = Symmetric2::new(columns[0].u, columns[0].v, columns[1].v);
+            (inverse * normal_stiffness, damping * normal_stiffness)
+        }
+    };
+    if kinds.tangential_viscous {
+        (stiffness, damping)
+    } else {
+        (stiffness, isotropic(0.0))
+    }
+}
+
 /// How far a contact with `zeta` on or in the cone has slipped.
 #[derive(Clone, Copy)]
 struct Slip<T> {

@@ -59,6 +59,20 @@ impl BatchTallies {
     };
 }
 
+/// All that there is to say of the touching pairs of a batch, in lines of eight numbers a pair:
+/// - force, torque on `i`, normal force, penetration;
+/// - torque on `j`, tangential force, viscous and tangential power;
+/// - normal, contact point from the centre of `i`, normal and tangential energy;
+/// - displacement, rate, relative curvature matrix;
+/// - the tangent basis;
+/// - tangential memory, stiffness.
+pub(super) struct BatchRecords(pub [[Line; MOST_LANES]; 6]);
+
+impl BatchRecords {
+    /// Nothing yet.
+    pub const EMPTY: BatchRecords = BatchRecords([[Line::ZERO; MOST_LANES]; 6]);
+}
+
 /// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses where
 /// there is a gap, which helps from far away, the others Newton's.
 const IMPROVEMENTS: usize = 6;
@@ -492,6 +506,7 @@ pub(super) fn run<
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
+    const RECORD: bool,
 >(
     registers: S,
     batch: &Batch<'_>,
@@ -500,6 +515,7 @@ pub(super) fn run<
     common: &Common<'_>,
     sums: &mut [Line],
     tallies: &mut BatchTallies,
+    lines: &mut BatchRecords,
 ) -> Left {
     let kinds = match common.only_law {
         Some(law) => &law.kinds,
@@ -693,6 +709,46 @@ pub(super) fn run<
             let mut energy = Lanes::select(touching, f.tangential_energy, zero);
             energy = Lanes::select(hard, remembered.energy, energy);
             put_number(numbers, at, energy);
+        }
+    }
+    if RECORD {
+        let world = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, e: Lanes<S>| {
+            [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
+        };
+        let (t, m) = (&found.tangent, curvature);
+        let all = [
+            world(f.force, f.torque_i, f.normal_force, x.penetration),
+            world(
+                f.torque_j,
+                f.tangential_force,
+                f.viscous_power,
+                f.tangential_power,
+            ),
+            world(n, f.contact_point, f.elastic_energy, f.tangential_energy),
+            [
+                f.displacement.x,
+                f.displacement.y,
+                f.displacement.z,
+                f.rate,
+                m.uu,
+                m.uv,
+                m.vv,
+                zero,
+            ],
+            world(t.u, t.v, zero, zero),
+            [
+                f.memory.x,
+                f.memory.y,
+                f.memory.z,
+                f.stiffness,
+                zero,
+                zero,
+                zero,
+                zero,
+            ],
+        ];
+        for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
+            put(registers, numbers, lines);
         }
     }
     if RATE && common.tally {

@@ -411,6 +411,7 @@ impl List {
             newton: newton as i32,
             unchanged: 0,
             keep_history: 0,
+            record_contacts: 0,
             touching: self.touching_pointers.as_ptr(),
             history: self.history_pointers.as_ptr(),
         }
