@@ -2,6 +2,8 @@
 
 #include "ellgran_history.h"
 
+#include "ellgran_substitute.h"
+
 #include "comm.h"
 #include "error.h"
 #include "modify.h"
@@ -57,30 +59,12 @@ Fix *create_history(LAMMPS *lmp, int narg, char **arg)
   return new FixEllgranHistory(lmp, narg, arg);
 }
 
-// While it lives, LAMMPS makes our class when it is asked for its own style. So the fix keeps the
-// name that LAMMPS knows, and there is no style of ours that could be unloaded before the pair style.
-class Substitute {
- public:
-  explicit Substitute(Modify *modify) :
-      entry((*modify->fix_map)["NEIGH_HISTORY"]), original(entry)
-  {
-    entry = &create_history;
-  }
-  ~Substitute() { entry = original; }
-  Substitute(const Substitute &) = delete;
-  Substitute &operator=(const Substitute &) = delete;
-
- private:
-  Modify::FixCreator &entry;
-  const Modify::FixCreator original;
-};
-
 }    // namespace
 
 FixEllgranHistory *LAMMPS_NS::replace_by_history(Modify *modify, const std::string &old_id,
                                                  const std::string &id, int length)
 {
-  const Substitute substitute(modify);
+  const SubstituteFix substitute(modify, "NEIGH_HISTORY", &create_history);
   const std::string command = id + " all NEIGH_HISTORY " + std::to_string(length);
   return static_cast<FixEllgranHistory *>(modify->replace_fix(old_id, command, 0));
 }

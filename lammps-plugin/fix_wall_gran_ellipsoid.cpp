@@ -34,7 +34,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), dimension(0),
     motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
     time_origin(update->ntimestep), history_length(0), touching(nullptr), history(nullptr),
-    fix_rigid(nullptr), accumulated_work(0.0), output_here{}, output_all{}, summed(true)
+    fix_rigid(nullptr), tallies{}, work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -178,7 +178,7 @@ int FixWallGranEllipsoid::parse_motion(int iarg, int narg, char **arg)
 
 int FixWallGranEllipsoid::setmask()
 {
-  return POST_FORCE | MIN_POST_FORCE;
+  return POST_INTEGRATE | POST_FORCE | MIN_POST_FORCE;
 }
 
 void FixWallGranEllipsoid::init()
@@ -233,6 +233,20 @@ std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now() const
   return planes;
 }
 
+/* Half of the work of a force is done with the velocity to which it has led. */
+
+void FixWallGranEllipsoid::post_integrate()
+{
+  work_of_walls += 0.5 * update->dt * power_of_walls;
+  if (!tallies.inelastic_loads) return;
+  EllgranStep step{};
+  step.time_step = update->dt;
+  step.advance_history = 1;
+  const EllgranParticles particles = atoms.view();
+  if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+}
+
 void FixWallGranEllipsoid::post_force(int)
 {
   std::fill_n(output_here, static_cast<int>(NUMBER_OF_OUTPUTS), 0.0);
@@ -241,8 +255,9 @@ void FixWallGranEllipsoid::post_force(int)
 
   const std::vector<EllgranPlane> planes = planes_now();
   double wall_forces[6] = {};
-  EllgranTallies tallies{};
-  tallies.accumulated_work = accumulated_work;
+  inelastic_loads.resize(12 * static_cast<std::size_t>(atom->nlocal));
+  tallies.inelastic_loads = (atom->nlocal > 0) ? inelastic_loads.data() : nullptr;
+  tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
 
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
   EllgranStep step{};
@@ -260,14 +275,21 @@ void FixWallGranEllipsoid::post_force(int)
       error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   }
 
-  accumulated_work = tallies.accumulated_work;
+  power_of_walls = 0.0;
+  for (std::size_t k = 0; k < walls.size(); k++)
+    for (int c = 0; c < 3; c++) power_of_walls -= wall_forces[3 * k + c] * planes[k].velocity[c];
+  if (step.advance_history) work_of_walls += 0.5 * step.time_step * power_of_walls;
+
   for (std::size_t k = 0; k < walls.size(); k++)
     for (int c = 0; c < 3; c++)
       output_here[(walls[k].slot == 0 ? FORCE_LO : FORCE_HI) + c] = wall_forces[3 * k + c];
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
-  output_here[DISSIPATED] = tallies.dissipated_energy;
+  output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
+  output_here[FRICTIONAL_DISSIPATION] = tallies.tangential_work - tallies.tangential_elastic_energy;
+  output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
   output_here[TOUCHING] = tallies.touching_count;
+  output_here[WORK_OF_WALLS] = work_of_walls;
 }
 
 void FixWallGranEllipsoid::find_contact_masses()
@@ -309,7 +331,7 @@ double FixWallGranEllipsoid::compute_vector(int k)
 double FixWallGranEllipsoid::memory_usage()
 {
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
-  bytes += static_cast<double>(contact_masses.capacity()) * sizeof(double);
+  bytes += static_cast<double>(contact_masses.capacity() + inelastic_loads.capacity()) * sizeof(double);
   if (history_length > 0)
     bytes += static_cast<double>(atom->nmax) * static_cast<double>(walls.size()) *
         (sizeof(int) + history_length * sizeof(double));
@@ -390,22 +412,26 @@ void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 
 void FixWallGranEllipsoid::write_restart(FILE *fp)
 {
-  double sum = 0.0;
-  MPI_Allreduce(&accumulated_work, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+  const double mine[3] = {tallies.viscous_dissipation, tallies.tangential_work, work_of_walls};
+  double sums[3] = {0.0, 0.0, 0.0};
+  MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[2] = {sum, static_cast<double>(time_origin)};
+    const double values[4] = {sums[0], static_cast<double>(time_origin), sums[1], sums[2]};
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
-    fwrite(values, sizeof(double), 2, fp);
+    fwrite(values, sizeof(double), 4, fp);
   }
 }
 
 void FixWallGranEllipsoid::restart(char *buffer)
 {
-  double values[2];
+  double values[4];
   std::memcpy(values, buffer, sizeof(values));
-  accumulated_work = (comm->me == 0) ? values[0] : 0.0;
   time_origin = static_cast<bigint>(values[1]);
+  if (comm->me != 0) return;
+  tallies.viscous_dissipation = values[0];
+  tallies.tangential_work = values[2];
+  work_of_walls = values[3];
 }
 
 void FixWallGranEllipsoid::set_molecule(int, tagint, int, double *, double *, double *)

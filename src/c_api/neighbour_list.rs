@@ -10,7 +10,7 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
-use super::tallies::{borrow, write_back, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, write_back, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
 use libc::size_t;
@@ -268,7 +268,9 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         )
         .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
         workspace.many_starts += many_starts;
-        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
+        if let (Some(out), Some(mut sums)) = (unsafe { tallies.as_mut() }, sums) {
+            let count = accumulators.reaction_below;
+            unsafe { add_preceding_half_step(&mut sums, p, count, &step) }?;
             write_back(out, &sums);
         }
         Ok(())

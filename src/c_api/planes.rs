@@ -7,7 +7,7 @@ use super::particles::{
     Purpose,
 };
 use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use super::tallies::{borrow, write_back, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, write_back, EllgranTallies};
 use crate::geometry::{Plane, Vector3};
 use crate::pairs::planes::WallArrays;
 use crate::pairs::{compute_planes, MovingPlane};
@@ -126,7 +126,8 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             sums.as_mut(),
         )
         .map_err(|e| hale_failure(identifier(p, e.i), None, e.ratio))?;
-        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
+        if let (Some(out), Some(mut sums)) = (unsafe { tallies.as_mut() }, sums) {
+            unsafe { add_preceding_half_step(&mut sums, p, owned, &step) }?;
             write_back(out, &sums);
         }
         Ok(())

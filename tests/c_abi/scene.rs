@@ -394,7 +394,11 @@ pub fn no_tallies() -> EllgranTallies {
     EllgranTallies {
         particle_energies: ptr::null_mut(),
         particle_virials: ptr::null_mut(),
-        accumulated_work: 0.0,
+        inelastic_loads: ptr::null_mut(),
+        wall_powers: [0.0; 2],
+        viscous_dissipation: 0.0,
+        tangential_work: 0.0,
+        frictional_dissipation: 0.0,
         dissipated_energy: 0.0,
         normal_elastic_energy: 0.0,
         tangential_elastic_energy: 0.0,

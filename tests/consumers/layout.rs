@@ -67,7 +67,7 @@ fn claims() -> Claims {
         }
         EllgranContactForce {
             force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
-            tangential_energy, viscous_power, tangential_power, contact_semi_axes,
+            tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power, contact_semi_axes,
         }
         EllgranLawParameters {
             struct_version, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
@@ -90,8 +90,9 @@ fn claims() -> Claims {
         EllgranStep { time_step, advance_history }
         EllgranPlane { point, normal, velocity }
         EllgranTallies {
-            particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
-            tangential_elastic_energy, virial, touching_count, pair_count,
+            particle_energies, particle_virials, inelastic_loads, wall_powers, viscous_dissipation, tangential_work,
+            frictional_dissipation, dissipated_energy, normal_elastic_energy, tangential_elastic_energy, virial,
+            touching_count, pair_count,
         }
     }
     constants! { claims:

@@ -13,6 +13,7 @@ use engines::shapes;
 mod conservation;
 mod contact_or_not;
 mod decomposition;
+mod energy_balance;
 mod golden_pairs;
 mod linear_spring;
 mod misuse;
