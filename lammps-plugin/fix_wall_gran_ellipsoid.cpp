@@ -34,7 +34,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), dimension(0),
     motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
     time_origin(update->ntimestep), history_length(0), touching(nullptr), history(nullptr),
-    fix_rigid(nullptr), tallies{}, work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
+    fix_rigid(nullptr), tallies{}, friction(0.0), work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -275,6 +275,12 @@ void FixWallGranEllipsoid::post_force(int)
       error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   }
 
+  // Friction has dissipated the work of the tangential forces less what the contacts hold of it.
+  if (step.advance_history)
+    friction = tallies.tangential_work - tallies.tangential_elastic_energy;
+  else
+    tallies.tangential_work = friction + tallies.tangential_elastic_energy;
+
   power_of_walls = 0.0;
   for (std::size_t k = 0; k < walls.size(); k++)
     for (int c = 0; c < 3; c++) power_of_walls -= wall_forces[3 * k + c] * planes[k].velocity[c];
@@ -286,7 +292,7 @@ void FixWallGranEllipsoid::post_force(int)
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
   output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
-  output_here[FRICTIONAL_DISSIPATION] = tallies.tangential_work - tallies.tangential_elastic_energy;
+  output_here[FRICTIONAL_DISSIPATION] = friction;
   output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
   output_here[TOUCHING] = tallies.touching_count;
   output_here[WORK_OF_WALLS] = work_of_walls;
@@ -412,7 +418,7 @@ void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 
 void FixWallGranEllipsoid::write_restart(FILE *fp)
 {
-  const double mine[3] = {tallies.viscous_dissipation, tallies.tangential_work, work_of_walls};
+  const double mine[3] = {tallies.viscous_dissipation, friction, work_of_walls};
   double sums[3] = {0.0, 0.0, 0.0};
   MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
@@ -430,7 +436,7 @@ void FixWallGranEllipsoid::restart(char *buffer)
   time_origin = static_cast<bigint>(values[1]);
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];
-  tallies.tangential_work = values[2];
+  friction = values[2];
   work_of_walls = values[3];
 }
 

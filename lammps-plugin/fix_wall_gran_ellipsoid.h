@@ -97,7 +97,7 @@ class FixWallGranEllipsoid : public Fix {
   // Energies dissipated and work of the walls since the fix was made, this rank's share, and the loads that dissipate
   EllgranTallies tallies;
   std::vector<double> inelastic_loads;
-  double work_of_walls, power_of_walls;
+  double friction, work_of_walls, power_of_walls;
   double output_here[NUMBER_OF_OUTPUTS], output_all[NUMBER_OF_OUTPUTS];
   bool summed;
 

@@ -99,7 +99,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_rigid(nullptr),
     evaluation_wanted(false), freeze_group_bit(0), contact_mass_differs(false), tallies{},
-    fix_half_step(nullptr), work_wanted(false), deep_told(0)
+    friction(0.0), fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
   single_enable = 1;
   single_extra = NUMBER_OF_SINGLE;
@@ -164,7 +164,9 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   refresh_contact_masses();
   std::fill_n(pvector, nextra, 0.0);
   reserve_loads();
+  tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
   if (atom->nlocal + atom->nghost > 0) add_forces();
+  follow_dissipation();
   // What acts on a ghost acts on its owner.
   if (work_wanted && force->newton_pair) comm->reverse_comm(this);
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
@@ -207,11 +209,9 @@ void PairGranEllipsoid::add_forces()
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
-  // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
-  // not pass then. Nor does it in a minimisation.
   EllgranStep step{};
   step.time_step = update->dt;
-  step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
+  step.advance_history = time_passes() ? 1 : 0;
 
   evaluation.count = -1;
   if (evaluation_wanted) record_evaluation(neighbours, step);
@@ -220,29 +220,44 @@ void PairGranEllipsoid::add_forces()
   tallies.particle_energies = eflag_atom ? eatom : nullptr;
   tallies.particle_virials = vflag_atom ? vatom[0] : nullptr;
   tallies.inelastic_loads = work_wanted ? inelastic_loads.data() : nullptr;
-  const double so_far[2] = {tallies.viscous_dissipation, tallies.tangential_work};
+  const double viscous = tallies.viscous_dissipation;
 
   if (ellgran_compute_pairs(laws, workspace, &particles, &neighbours, &step,
                             tally ? &tallies : nullptr) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   if (!tally) return;
 
-  if (!work_wanted) {
-    // Nobody asked for what is dissipated: the sums stand still.
-    tallies.viscous_dissipation = so_far[0];
-    tallies.tangential_work = so_far[1];
-  }
-  if (eflag_global) {
-    eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
-    pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
-    pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
-    pvector[DISSIPATED] = tallies.dissipated_energy;
-    pvector[TOUCHING] = tallies.touching_count;
-    pvector[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
-    pvector[FRICTIONAL_DISSIPATION] = tallies.frictional_dissipation;
-  }
+  // Nobody asked for what is dissipated: the sums stand still.
+  if (!work_wanted) tallies.viscous_dissipation = viscous;
+  if (eflag_global) eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
   if (vflag_global)
     for (int k = 0; k < 6; k++) virial[k] += tallies.virial[k];
+}
+
+/* Friction has dissipated the work of the tangential forces less what the contacts hold of it. Where no time passes
+   - when a run starts, perhaps with other laws or after steps that nobody followed - nothing is dissipated. */
+
+void PairGranEllipsoid::follow_dissipation()
+{
+  if (work_wanted && time_passes())
+    friction = tallies.tangential_work - tallies.tangential_elastic_energy;
+  else
+    tallies.tangential_work = friction + tallies.tangential_elastic_energy;
+  if (!eflag_global) return;
+  pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
+  pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
+  pvector[DISSIPATED] = tallies.viscous_dissipation + friction;
+  pvector[TOUCHING] = tallies.touching_count;
+  pvector[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
+  pvector[FRICTIONAL_DISSIPATION] = friction;
+}
+
+/* LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
+   not pass then. Nor does it in a minimisation. */
+
+bool PairGranEllipsoid::time_passes() const
+{
+  return update->setupflag == 0 && update->whichflag != 2;
 }
 
 void PairGranEllipsoid::place_half_step_fix()
@@ -620,11 +635,12 @@ void PairGranEllipsoid::transfer_history(double *source, double *target, int, in
 
 void PairGranEllipsoid::gather_work()
 {
-  const double mine[2] = {tallies.viscous_dissipation, tallies.tangential_work};
+  const double mine[2] = {tallies.viscous_dissipation, friction};
   double sums[2] = {0.0, 0.0};
   MPI_Allreduce(mine, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   tallies.viscous_dissipation = (comm->me == 0) ? sums[0] : 0.0;
-  tallies.tangential_work = (comm->me == 0) ? sums[1] : 0.0;
+  friction = (comm->me == 0) ? sums[1] : 0.0;
+  tallies.tangential_work = friction + tallies.tangential_elastic_energy;
 }
 
 void PairGranEllipsoid::finish()
@@ -677,7 +693,7 @@ void PairGranEllipsoid::write_restart_settings(FILE *fp)
   const int head[3] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
                        static_cast<int>(sizeof(EllgranLawParameters))};
   fwrite(head, sizeof(int), 3, fp);
-  const double values[3] = {cutoff_global, tallies.viscous_dissipation, tallies.tangential_work};
+  const double values[3] = {cutoff_global, tallies.viscous_dissipation, friction};
   fwrite(values, sizeof(double), 3, fp);
 }
 
@@ -699,7 +715,7 @@ void PairGranEllipsoid::read_restart_settings(FILE *fp)
                CALLER, head[1], static_cast<int>(ELLGRAN_ABI_VERSION));
   cutoff_global = values[0];
   tallies.viscous_dissipation = (comm->me == 0) ? values[1] : 0.0;
-  tallies.tangential_work = (comm->me == 0) ? values[2] : 0.0;
+  friction = (comm->me == 0) ? values[2] : 0.0;
 }
 
 /* Copies into `scratch` the history of the pair before the last evaluation, or as it is now if that was not
@@ -804,7 +820,7 @@ void *PairGranEllipsoid::extract(const char *name, int &dimension)
   dimension = 0;
   if (std::strcmp(name, "history_length") == 0) return &history_length;
   if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;
-  if (std::strcmp(name, "tangential_work") == 0) return &tallies.tangential_work;
+  if (std::strcmp(name, "frictional_dissipation") == 0) return &friction;
   return nullptr;
 }
 

@@ -90,6 +90,7 @@ class PairGranEllipsoid : public Pair {
 
   // Energy that contacts have dissipated since the first run, this rank's share, and the loads that do so
   EllgranTallies tallies;
+  double friction;
   std::vector<double> inelastic_loads;
   class FixEllgranHalfStep *fix_half_step;
   bool work_wanted;
@@ -108,6 +109,8 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] double contact_mass(int i) const;
   void require_allowed_sizes() const;
   void gather_work();
+  void follow_dissipation();
+  [[nodiscard]] bool time_passes() const;
   void place_half_step_fix();
   void reserve_loads();
   void add_following_half_step();

@@ -5,6 +5,7 @@
 
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod dissipation;
 mod errors;
 mod friction;
 mod instruction_sets;
