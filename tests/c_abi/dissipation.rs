@@ -57,8 +57,24 @@ enum Partner {
 const PLANE_SPEED: [f64; 3] = [0.4, 0.0, 0.6];
 const PLANE_RATE: f64 = 3.0;
 
-/// Moves the spheres over a time; `halves`: whether the work is that of both half steps.
-fn run(law: &str, partner: &Partner, steps: usize, halves: bool) -> Account {
+const TIME: f64 = 1.2;
+/// Steps of the coarsest run.
+const COARSE: usize = 200;
+/// The error of a collision depends on where within a step it begins: so many places stand for all.
+const PHASES: usize = 16;
+
+/// Root of the mean square of the errors over the phases, and the account of the last.
+fn mean_error(law: &str, partner: &Partner, steps: usize, halves: bool) -> (f64, Account) {
+    let all: Vec<Account> = (0..PHASES)
+        .map(|k| run(law, partner, steps, halves, k as f64 / PHASES as f64))
+        .collect();
+    let square = all.iter().map(|a| a.error().powi(2)).sum::<f64>() / PHASES as f64;
+    (square.sqrt(), all.into_iter().next_back().unwrap())
+}
+
+/// Moves the spheres over a time; `halves`: whether the work is that of both half steps; `phase`: share of a coarse step by
+/// which they begin before or after the others.
+fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> Account {
     let laws = Laws::new(&[law]);
     let workspace = WorkspaceHandle::new();
     let mut bodies = match partner {
@@ -71,7 +87,10 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool) -> Account {
         bodies[0].position[2] = 1.0;
         bodies[0].velocity = [0.3, 0.2, -0.5];
     }
-    let time_step = 1.2 / steps as f64;
+    for c in 0..3 {
+        bodies[0].position[c] -= phase * TIME / COARSE as f64 * bodies[0].velocity[c];
+    }
+    let time_step = TIME / steps as f64;
     let count = bodies.len();
     let mut list = List::near(&bodies, count, laws.length());
     let mut touching = [0];
@@ -145,9 +164,7 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool) -> Account {
                 ..step
             };
             // SAFETY: as above.
-            ok(unsafe {
-                ellgran_tally_following_half_step(&now.particles(), &step, &mut tallies)
-            });
+            ok(unsafe { ellgran_tally_following_half_step(&now.particles(), &step, &mut tallies) });
         }
         advance(&mut bodies, time_step);
     }
@@ -166,8 +183,14 @@ fn energies_add_up_to_second_order() {
     for (law, viscous) in [
         ("hertz 200 0.3 damping relaxation 0.02", true),
         ("hertz 200 0.3 tangential mindlin 0.3", false),
-        ("nfd 200 0.3 3 3 tangential tfd 0.3 displacement rescaled", true),
-        ("nfd 200 0.3 3 3 tangential tfd 0.3 displacement total", true),
+        (
+            "nfd 200 0.3 3 3 tangential tfd 0.3 displacement rescaled",
+            true,
+        ),
+        (
+            "nfd 200 0.3 3 3 tangential tfd 0.3 displacement total",
+            true,
+        ),
         (
             "hertz 200 0.3 damping restitution 0.7 tangential mindlin 0.3 displacement incremental",
             true,
@@ -175,22 +198,26 @@ fn energies_add_up_to_second_order() {
         ("lsd 100 1 tangential linear 60 0.5 0.3", true),
     ] {
         for (name, partner) in [("sphere", Partner::Sphere), ("plane", Partner::Plane)] {
-            let all = [200, 400, 800].map(|steps| run(law, &partner, steps, true));
-            let errors = [0, 1, 2].map(|k| all[k].error());
-            let coarse = run(law, &partner, 200, false).error();
+            let all = [1, 2, 4].map(|k| mean_error(law, &partner, k * COARSE, true));
+            let errors = [0, 1, 2].map(|k| all[k].0);
+            let last = &all[2].1;
+            let one_velocity = mean_error(law, &partner, COARSE, false).0;
             println!(
-                "{law}, {name}: off by {:.1e} {:.1e} {:.1e} of what is dissipated ({:.3} and {:.3} of {:.3}); {coarse:.1e} with one velocity a step",
-                errors[0], errors[1], errors[2], all[2].viscous, all[2].friction, all[2].before
+                "{law}, {name}: off by {:.1e} {:.1e} {:.1e} of what is dissipated ({:.3} and {:.3} of {:.3}); {one_velocity:.1e} with one velocity a step",
+                errors[0], errors[1], errors[2], last.viscous, last.friction, last.before
             );
-            assert_eq!(all[2].viscous > 1e-3 * all[2].before, viscous, "{law}, {name}");
+            assert_eq!(last.viscous > 1e-3 * last.before, viscous, "{law}, {name}");
             assert!(
-                errors[2] < 0.15 * errors[0] || errors[2] < 1e-5,
+                errors[1] < 0.4 * errors[0] && errors[2] < 0.15 * errors[0],
                 "{law}, {name}: not of second order"
             );
-            assert!(errors[0] < 1e-2 && errors[2] < 1e-3, "{law}, {name}");
-            assert!(coarse > 3.0 * errors[0], "{law}, {name}: no better than first order");
+            assert!(errors[0] < 1e-2, "{law}, {name}");
+            assert!(
+                one_velocity > 3.0 * errors[0],
+                "{law}, {name}: no better than first order"
+            );
             if law.contains("tangential") {
-                assert!(all[2].friction > 1e-3 * all[2].before, "{law}, {name}");
+                assert!(last.friction > 1e-3 * last.before, "{law}, {name}");
             }
         }
     }
@@ -238,5 +265,8 @@ fn half_steps_that_add_nothing() {
         ..STEP
     };
     ok(add(&particles, &standing, &mut tallies));
-    assert_eq!((tallies.viscous_dissipation, tallies.tangential_work), (0.0, 0.0));
+    assert_eq!(
+        (tallies.viscous_dissipation, tallies.tangential_work),
+        (0.0, 0.0)
+    );
 }

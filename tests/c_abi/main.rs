@@ -3,9 +3,9 @@
 
 #![allow(unsafe_code)]
 
+mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
-mod dissipation;
 mod errors;
 mod friction;
 mod instruction_sets;

@@ -150,7 +150,11 @@ fn both_versions_a_clamped_sphere_dissipates_nothing() {
     }
 }
 
-/// Two grains collide head on, or aside: the sum of all energies departs with the square of the step.
+const PAIRS_OF_GRAINS: usize = 16;
+const COARSE_STEP: f64 = 4e-5;
+
+/// Pairs of grains collide head on, or aside: the sum of all energies departs with the square of the step. The error of one
+/// collision depends on where within a step it begins; many pairs, each begun later than the last, stand for all.
 #[test]
 fn both_versions_a_collision_is_accounted_for_to_second_order() {
     let engine = Engine::from_environment();
@@ -166,16 +170,19 @@ fn both_versions_a_collision_is_accounted_for_to_second_order() {
         ("nfd 1e7 0.3 500 500 tangential mindlin 0.4", 0.6),
         ("lsd 2e4 2 tangential linear 1.5e4 1 0.5", 0.6),
     ] {
-        let grain = |side: f64| {
+        let grain = |side: f64, pair: usize| {
+            let gap = 1e-5 + pair as f64 / PAIRS_OF_GRAINS as f64 * 0.3 * COARSE_STEP;
+            let place = [side * (1.2e-2 + gap), 0.0, 0.04 * pair as f64 - 0.3];
             Grain {
                 density: 2500.0,
-                ..Grain::new([1.2e-2, 1e-2, 0.8e-2], [side * 1.201e-2, 0.0, 0.0])
+                ..Grain::new([1.2e-2, 1e-2, 0.8e-2], place)
             }
             .moving([-side * 0.3, side * aside * 0.3, 0.0])
         };
-        let scene = Scene::open(0.1, vec![grain(-1.0), grain(1.0)]);
+        let grains = (0..PAIRS_OF_GRAINS).flat_map(|k| [grain(-1.0, k), grain(1.0, k)]);
+        let scene = Scene::open(0.4, grains.collect());
         let account = |time_step: f64| {
-            let steps = (4e-3 / time_step).round() as u64;
+            let steps = (5e-3 / time_step).round() as u64;
             let deck = Deck {
                 fixes: accounts(),
                 time_step,
@@ -205,16 +212,16 @@ fn both_versions_a_collision_is_accounted_for_to_second_order() {
             let error = last.kept + last.dissipated() - energies[0].kept;
             (error.abs() / last.dissipated(), contact)
         };
-        let all = [4e-5, 2e-5, 1e-5].map(account);
+        let all = [1.0, 0.5, 0.25].map(|share| account(share * COARSE_STEP));
         println!(
             "{law}: the sum is off by {:.1e} {:.1e} {:.1e} of what is dissipated at {} {} {} steps in contact",
             all[0].0, all[1].0, all[2].0, all[0].1, all[1].1, all[2].1
         );
         assert!(
-            all[2].0 < 0.12 * all[0].0 || all[2].0 < 2e-5,
+            all[1].0 < 0.4 * all[0].0 && all[2].0 < 0.15 * all[0].0,
             "{law}: not of second order"
         );
-        assert!(all[1].0 < 1e-3, "{law}");
+        assert!(all[0].0 < 2e-3, "{law}");
     }
 }
 
@@ -264,7 +271,7 @@ fn energies(outcome: &Outcome) -> Vec<Energies> {
     rows.iter().map(|r| Energies::of(r, &WALLS)).collect()
 }
 
-/// Contacts of these grains last 0.9 ms: 45 steps of 20 us.
+/// Contacts of these grains last 0.8 ms or more: 40 steps of 20 us.
 const HEAP_STEP: f64 = 2e-5;
 
 #[test]
@@ -275,7 +282,7 @@ fn both_versions_a_settling_heap_is_in_balance() {
         "nfd 3e6 0.3 200 200 tangential tfd 0.5 displacement total",
         "hertz 3e6 0.3 tangential mindlin 0.5",
         "hertz 3e6 0.3 damping restitution 0.7 tangential mindlin 0.5 displacement incremental",
-        "lsd 3e3 0.1 tangential linear 2e3 0.05 0.5",
+        "lsd 1.2e3 0.06 tangential linear 800 0.03 0.5",
     ] {
         let balance = |time_step: f64| {
             let deck = box_of(law, time_step, 0.1, "");

@@ -190,14 +190,17 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
         "nfd 1e8 0.3 2000 3000 unloading first_order limit_force no",
     ] {
         let mut powers = vec![];
-        for (ranks, newton, steps) in [
+        let all = [
             (1, true, 0),
             (1, true, 300),
+            (4, false, 300),
             (2, true, 300),
             (2, false, 300),
             (4, true, 300),
-            (4, false, 300),
-        ] {
+        ];
+        // The first law on all ranks, the others on some.
+        let decompositions = if law == LAW { &all[..] } else { &all[..3] };
+        for &(ranks, newton, steps) in decompositions {
             let deck = Deck {
                 newton,
                 time_step: 1e-5,
@@ -216,8 +219,7 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
                 ..Deck::new(law)
             };
             let outcome = run(&engine, "local_sums", &scene, &deck, ranks);
-            let rows =
-                last_rows(&fs::read_to_string(outcome.directory.join("contacts")).unwrap());
+            let rows = last_rows(&fs::read_to_string(outcome.directory.join("contacts")).unwrap());
             let mut sums = vec![[0.0f64; 6]; scene.grains.len()];
             let mut contacts = 0;
             let mut power = [0.0; 2];
@@ -250,7 +252,7 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
                 })
                 .fold(0.0, f64::max);
             println!("{law}: {ranks} ranks, newton {newton}, {steps} steps: {contacts} contacts, off by {error:.1e}");
-            assert!(steps == 0 || contacts >= 6);
+            assert!(steps == 0 || contacts >= 3);
             assert!(error < 1e-11, "{law}: {ranks} ranks, newton {newton}");
             if steps > 0 {
                 powers.push(power);
