@@ -34,7 +34,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), dimension(0),
     motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
     time_origin(update->ntimestep), history_length(0), touching(nullptr), history(nullptr),
-    fix_rigid(nullptr), tallies{}, friction(0.0), work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
+    fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0), work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -80,7 +80,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
 int FixWallGranEllipsoid::parse_law(int narg, char **arg)
 {
   if (narg < 4) error->all(FLERR, "{}: no law given: {}", CALLER, SYNTAX);
-  EllgranLawParameters given;
+  EllgranLawParameters given = ELLGRAN_INIT(EllgranLawParameters);
   std::size_t consumed = 0;
   if (ellgran_law_parameters_parse(narg - 3, arg + 3, &consumed, &given) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
@@ -91,6 +91,14 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
   if (ellgran_laws_new(atom->ntypes, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START,
                        &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  int32_t i = 0, j = 0;
+  if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  if (i > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{} {}: displacement total and displacement incremental can create energy, and nothing in this law "
+                   "dissipates any: use displacement rescaled, or a law with damping",
+                   CALLER, id);
   history_length = ellgran_laws_history_length(laws);
   return 3 + static_cast<int>(consumed);
 }
@@ -224,7 +232,7 @@ std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now() const
   } else if (motion == Motion::SHEAR) {
     velocity = shear_velocity;
   }
-  std::vector<EllgranPlane> planes(walls.size(), EllgranPlane{});
+  std::vector<EllgranPlane> planes(walls.size(), ELLGRAN_INIT(EllgranPlane));
   for (std::size_t k = 0; k < walls.size(); k++) {
     planes[k].point[dimension] = walls[k].position + shift;
     planes[k].normal[dimension] = walls[k].out;
@@ -239,7 +247,7 @@ void FixWallGranEllipsoid::post_integrate()
 {
   work_of_walls += 0.5 * update->dt * power_of_walls;
   if (!tallies.inelastic_loads) return;
-  EllgranStep step{};
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
   const EllgranParticles particles = atoms.view();
@@ -260,7 +268,7 @@ void FixWallGranEllipsoid::post_force(int)
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
 
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
-  EllgranStep step{};
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
 

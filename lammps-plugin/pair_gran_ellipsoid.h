@@ -55,6 +55,7 @@ class PairGranEllipsoid : public Pair {
   std::vector<EllgranLawParameters> parameters;
   EllgranLaws *laws;
   std::string described;    // the laws as last written to the log
+  std::string warned;       // of implausible masses, as last written to the log
 
   EllgranWorkspace *workspace;
 
@@ -68,7 +69,7 @@ class PairGranEllipsoid : public Pair {
   // What the forces of the last evaluation were computed from and is gone when single() shows them: velocities
   // (LAMMPS has them of the half step then, and moves them on), and the histories before
   struct Evaluation {
-    EllgranStep step{};
+    EllgranStep step = ELLGRAN_INIT(EllgranStep);
     int count = -1;    // atoms, ghosts included; -1: nothing recorded
     std::vector<double> velocities, angular_momenta;
     std::vector<int> rows;    // of each atom: place of its first neighbour, -1 for none
@@ -101,7 +102,10 @@ class PairGranEllipsoid : public Pair {
   void write_history();
   void add_forces();
   void find_largest_semi_axes();
+  void warn_of_masses();
   void build_laws();
+  [[nodiscard]] std::string describe_laws() const;
+  [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
   void find_mass_sources();
   void refresh_body_masses();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Laws: parameters, the words of a deck, and the table of all pairs of types.
 
+use super::growing::{growing, GivenArray, Output};
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
 };
-use super::version::ELLGRAN_ABI_VERSION;
 use crate::force::syntax;
 use crate::force::{
     Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
@@ -49,11 +49,11 @@ pub const ELLGRAN_UNLOADING_FIRST_ORDER: i32 = 1;
 pub const ELLGRAN_FACTORS_EXACT: i32 = 0;
 /// Hale's closed form.
 pub const ELLGRAN_FACTORS_HALE: i32 = 1;
-/// The tangential displacement since first touch is remembered.
+/// The tangential displacement since first touch is remembered: the published form, which can create energy.
 pub const ELLGRAN_DISPLACEMENT_TOTAL: i32 = 0;
-/// The tangential force is remembered.
+/// The tangential force is remembered; can create energy.
 pub const ELLGRAN_DISPLACEMENT_INCREMENTAL: i32 = 1;
-/// The tangential force is remembered, and falls with the stiffness.
+/// The tangential force and its energy are remembered, and no energy is created. The default.
 pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
 /// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
 /// ellipsoids then search anew every step.
@@ -64,8 +64,8 @@ pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {
-    /// ELLGRAN_ABI_VERSION; set by `ellgran_law_parameters_default`.
-    pub struct_version: u32,
+    /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// ELLGRAN_NORMAL_*
     pub normal: i32,
     /// ELLGRAN_DAMPING_*
@@ -108,6 +108,8 @@ pub struct EllgranLawParameters {
     pub tangential_damping: f64,
 }
 
+growing!(EllgranLawParameters);
+
 /// The laws between all types of a scene. Opaque, immutable.
 pub struct EllgranLaws {
     pub(super) laws: Laws,
@@ -116,7 +118,7 @@ pub struct EllgranLaws {
 impl From<&LawParameters> for EllgranLawParameters {
     fn from(p: &LawParameters) -> Self {
         EllgranLawParameters {
-            struct_version: ELLGRAN_ABI_VERSION,
+            size: size_of::<EllgranLawParameters>(),
             normal: match p.normal {
                 Normal::Hertz => ELLGRAN_NORMAL_HERTZ,
                 Normal::Nfd => ELLGRAN_NORMAL_NFD,
@@ -182,16 +184,6 @@ fn choose<T: Copy>(name: &str, value: i32, choices: &[T]) -> Result<T, Failure> 
 
 impl EllgranLawParameters {
     fn to_core(self) -> Result<LawParameters, Failure> {
-        if self.struct_version != ELLGRAN_ABI_VERSION {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!(
-                    "struct_version = {} of the law parameters is not {ELLGRAN_ABI_VERSION}: start from \
-                     ellgran_law_parameters_default",
-                    self.struct_version
-                ),
-            ));
-        }
         Ok(LawParameters {
             normal: choose(
                 "normal",
@@ -260,7 +252,8 @@ fn law_failure(e: ParameterError) -> Failure {
     Failure::new(ELLGRAN_ERROR_LAW, e.0)
 }
 
-/// Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+/// Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+/// zero.
 ///
 /// # Safety
 /// `parameters` is NULL or valid for writes.
@@ -270,8 +263,8 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 ) -> i32 {
     at_border("ellgran_law_parameters_default", || {
         // SAFETY: promised by the caller.
-        let out = unsafe { required_mut(parameters, "parameters") }?;
-        *out = EllgranLawParameters::from(&LawParameters::default());
+        let mut out = unsafe { Output::new(parameters, "parameters") }?;
+        out.write(&EllgranLawParameters::from(&LawParameters::default()));
         Ok(())
     })
 }
@@ -309,7 +302,7 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
             })?);
         }
         // SAFETY: promised by the caller.
-        let out = unsafe { required_mut(parameters, "parameters") }?;
+        let mut out = unsafe { Output::new(parameters, "parameters") }?;
         let (p, read) = syntax::parse(&texts).map_err(law_failure)?;
         // SAFETY: promised by the caller.
         match unsafe { consumed.as_mut() } {
@@ -322,14 +315,15 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
             }
             None => {}
         }
-        *out = EllgranLawParameters::from(&p);
+        out.write(&EllgranLawParameters::from(&p));
         Ok(())
     })
 }
 
 /// Builds the laws of a scene with `type_count` types, counted from 1.
 ///
-/// `parameters` and `is_set` are `type_count` x `type_count`, row by row; a pair may be set as I J or as J I. A pair that
+/// `parameters` and `is_set` are `type_count` x `type_count`, row by row; the first entry of `parameters` has its size even
+/// where it is not set. A pair may be set as I J or as J I. A pair that
 /// is not set is mixed from I I and J J: moduli in series, relaxation times by compliance, friction and restitution by
 /// geometric mean; laws of different kinds cannot be mixed.
 ///
@@ -362,14 +356,18 @@ pub unsafe extern "C" fn ellgran_laws_new(
             ));
         }
         // SAFETY: promised by the caller.
-        let given = unsafe { slice(parameters, types * types, "parameters") }?;
+        let given = unsafe { GivenArray::new(parameters, types * types, "parameters") }?;
         // SAFETY: promised by the caller.
         let set = unsafe { slice(is_set, types * types, "is_set") }?;
         // SAFETY: promised by the caller.
         let out = unsafe { required_mut(laws, "laws") }?;
         let mut table = Vec::with_capacity(types * types);
-        for (p, s) in given.iter().zip(set) {
-            table.push(if *s != 0 { Some(p.to_core()?) } else { None });
+        for (k, s) in set.iter().enumerate() {
+            table.push(if *s != 0 {
+                Some(given.get(k)?.to_core()?)
+            } else {
+                None
+            });
         }
         let warm = options & ELLGRAN_OPTION_NO_WARM_START == 0;
         let built = Laws::new(types, &table, warm).map_err(law_failure)?;
@@ -397,6 +395,52 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
         *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        Ok(())
+    })
+}
+
+/// The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+/// per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+/// ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+///
+/// # Safety
+/// `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_with_restitution(
+    laws: *const EllgranLaws,
+    restitution: *const f64,
+    result: *mut *mut EllgranLaws,
+) -> i32 {
+    at_border("ellgran_laws_with_restitution", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let restitution =
+            unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
+        let out = unsafe { required_mut(result, "result") }?;
+        let built = laws.with_restitution(restitution).map_err(law_failure)?;
+        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        Ok(())
+    })
+}
+
+/// Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+/// `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+///
+/// # Safety
+/// `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_create_energy(
+    laws: *const EllgranLaws,
+    type_i: *mut i32,
+    type_j: *mut i32,
+) -> i32 {
+    at_border("ellgran_laws_create_energy", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let out_i = unsafe { required_mut(type_i, "type_i") }?;
+        let out_j = unsafe { required_mut(type_j, "type_j") }?;
+        let (i, j) = laws.creates_energy().unwrap_or((0, 0));
+        (*out_i, *out_j) = (i as i32, j as i32);
         Ok(())
     })
 }

@@ -2,9 +2,12 @@
 //! One contact in stages, for engines whose users combine surface, normal and tangential models themselves.
 
 use super::contact::{force_of, EllgranBody, EllgranContactForce};
+use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
-use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::status::{
+    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+};
 use crate::force::PairLaw;
 use crate::geometry::Vector3;
 use crate::pairs::one_contact::HaleRatio;
@@ -16,6 +19,8 @@ use libc::size_t;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallSurface {
+    /// `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// The point of the surface that lies deepest in the body, world frame.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the body; any length but zero.
@@ -31,6 +36,8 @@ pub struct EllgranWallSurface {
     /// Velocity of the surface there.
     pub velocity: [f64; 3],
 }
+
+growing!(EllgranWallSurface);
 
 impl EllgranWallSurface {
     pub(super) fn to_core(self) -> Result<WallSurface, Failure> {
@@ -84,7 +91,9 @@ impl EllgranWallSurface {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedGeometry {
-    /// 1 if the bodies touch; otherwise the rest says nothing.
+    /// `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// 1 if the bodies touch; otherwise the rest is zero.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies.
     pub penetration: f64,
@@ -94,10 +103,14 @@ pub struct EllgranStagedGeometry {
     pub contact_point: [f64; 3],
 }
 
+growing!(EllgranStagedGeometry);
+
 /// What is remembered of a contact, and what the tangential law needs beside its law.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedPast {
+    /// `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Coefficient of friction of the pair of types.
     pub friction: f64,
     /// 1 if the bodies touched at the last step.
@@ -105,6 +118,8 @@ pub struct EllgranStagedPast {
     /// Their normal then; changes sign when the pair is swapped.
     pub normal: [f64; 3],
 }
+
+growing!(EllgranStagedPast);
 
 /// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
 pub struct EllgranStagedContact {
@@ -129,13 +144,24 @@ impl EllgranStagedContact {
         hale_failure(self.identifiers.0, self.identifiers.1, ratio.0)
     }
 
-    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut EllgranStagedGeometry) {
-        out.touching = self.contact.is_some() as i32;
-        if let Some(contact) = &self.contact {
-            out.penetration = contact.penetration();
-            out.normal = contact.normal().to_array();
-            out.contact_point = contact.contact_point(centre_i, share_i).to_array();
-        }
+    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut Output<EllgranStagedGeometry>) {
+        let size = size_of::<EllgranStagedGeometry>();
+        out.write(&match &self.contact {
+            Some(contact) => EllgranStagedGeometry {
+                size,
+                touching: 1,
+                penetration: contact.penetration(),
+                normal: contact.normal().to_array(),
+                contact_point: contact.contact_point(centre_i, share_i).to_array(),
+            },
+            None => EllgranStagedGeometry {
+                size,
+                touching: 0,
+                penetration: 0.0,
+                normal: [0.0; 3],
+                contact_point: [0.0; 3],
+            },
+        });
     }
 }
 
@@ -194,7 +220,7 @@ pub unsafe extern "C" fn ellgran_staged_prepare(
     at_border("ellgran_staged_prepare", || {
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required_mut(staged, "staged") }?;
-        let p = unsafe { required(particles, "particles") }?;
+        let p = &*unsafe { given(particles, "particles") }?;
         staged.names.clear();
         unsafe {
             prepare(
@@ -225,10 +251,10 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
 ) -> i32 {
     at_border("ellgran_staged_neighbours", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
@@ -250,13 +276,13 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
         );
         *cache = normal.to_array();
         staged.identifiers = (name_i, Some(name_j));
-        staged.write(position, share_i, out);
+        staged.write(position, share_i, &mut out);
         Ok(())
     })
 }
 
-/// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
-/// is not written. Types are not read.
+/// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
+/// rest of it. Types are not read.
 ///
 /// `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
 /// is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -274,13 +300,13 @@ pub unsafe extern "C" fn ellgran_staged_pair(
 ) -> i32 {
     at_border("ellgran_staged_pair", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
-        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
         let share_i = checked_share(share_i)?;
         let (i, j) = (bi.to_core(None)?, bj.to_core(None)?);
@@ -288,7 +314,7 @@ pub unsafe extern "C" fn ellgran_staged_pair(
         StagedContact::of_pair(&i, &j, &mut normal, &mut staged.contact);
         *cache = normal.to_array();
         staged.identifiers = (bi.identifier, Some(bj.identifier));
-        staged.write(i.position, share_i, out);
+        staged.write(i.position, share_i, &mut out);
         Ok(())
     })
 }
@@ -307,18 +333,18 @@ pub unsafe extern "C" fn ellgran_staged_wall(
 ) -> i32 {
     at_border("ellgran_staged_wall", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
-        let (bi, wall) = unsafe { (required(i, "i")?, required(wall, "wall")?) };
+        let (bi, wall) = unsafe { (given(i, "i")?, given(wall, "wall")?) };
         let share_i = checked_share(share_i)?;
         let i = bi.to_core(None)?;
         staged.contact = StagedContact::of_wall(&i, &wall.to_core()?);
         staged.identifiers = (bi.identifier, None);
-        staged.write(i.position, share_i, out);
+        staged.write(i.position, share_i, &mut out);
         Ok(())
     })
 }
@@ -342,6 +368,26 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
     })
 }
 
+/// Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+/// and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+/// is half of it.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_section_area(
+    staged: *const EllgranStagedContact,
+    area: *mut f64,
+) -> i32 {
+    at_border("ellgran_staged_section_area", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let out = unsafe { required_mut(area, "area") }?;
+        *out = contact.section_area();
+        Ok(())
+    })
+}
+
 /// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
 /// the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
 /// ellipse are not computed here.
@@ -361,7 +407,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required(staged, "staged") }?;
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let out = unsafe { required_mut(force, "force") }?;
+        let mut out = unsafe { Output::new(force, "force") }?;
         let law = laws.get(
             check_type(laws, type_i, "type_i")?,
             check_type(laws, type_j, "type_j")?,
@@ -370,7 +416,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
         let f = contact
             .normal_force(law, effective_mass)
             .map_err(|ratio| staged.hale(ratio))?;
-        *out = force_of(None, &f);
+        out.write(&force_of(None, &f));
         Ok(())
     })
 }
@@ -378,8 +424,8 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 /// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
 /// of `past`.
 ///
-/// `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
-/// `displacement rescaled`, which remembers more, is not available here.
+/// `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+/// where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -468,10 +514,10 @@ unsafe fn with_past(
     // SAFETY: promised by the caller, for all of this function.
     let staged = unsafe { required(staged, "staged") }?;
     let laws = &unsafe { required(laws, "laws") }?.laws;
-    let out = unsafe { required_mut(force, "force") }?;
-    let past = unsafe { required(past, "past") }?;
-    let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
-    let step = unsafe { required(step, "step") }?.to_core()?;
+    let mut out = unsafe { Output::new(force, "force") }?;
+    let past = unsafe { given(past, "past") }?;
+    unsafe { required(memory.cast_const(), "memory") }?;
+    let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,
         check_type(laws, type_j, "type_j")?,
@@ -483,20 +529,21 @@ unsafe fn with_past(
             format!("friction = {friction} must be at least 0"),
         ));
     }
-    if laws.layout().stiffness.is_some() {
-        return Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            "displacement rescaled is not available in stages",
-        ));
-    }
     let contact = staged.known()?;
+    let remembered = if laws.layout().energy.is_some() { 4 } else { 3 };
+    // SAFETY: promised by the caller.
+    let memory = unsafe { slice_mut(memory, remembered, "memory") }?;
     let mut past = Past {
         touched: past.touched != 0,
         normal: Vector3::from_array(past.normal),
-        memory: Vector3::from_array(*memory),
+        memory: Vector3::new(memory[0], memory[1], memory[2]),
+        energy: memory.get(3).copied().unwrap_or(0.0),
     };
     let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
-    *memory = past.memory.to_array();
-    *out = force_of(None, &f);
+    memory[..3].copy_from_slice(&past.memory.to_array());
+    if let Some(energy) = memory.get_mut(3) {
+        *energy = past.energy;
+    }
+    out.write(&force_of(None, &f));
     Ok(())
 }

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Energies, virial and counts that a caller may ask for.
 
+use super::growing::{given, growing, Output};
 use super::particles::{shape_of, EllgranParticles, EllgranStep};
 use super::status::{
-    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
-    ELLGRAN_ERROR_NULL_POINTER,
+    at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
 };
 use crate::geometry::Ellipsoid;
 use crate::pairs::particles::angular_velocity;
 use crate::pairs::tallies::InelasticLoad;
 use crate::pairs::{Step, Tallies};
+use libc::size_t;
 
 /// What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranTallies {
+    /// `sizeof(EllgranTallies)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// In: [count] or NULL; elastic energy per particle, added to, half to each body.
     pub particle_energies: *mut f64,
     /// In: [count][6] (xx yy zz xy xz yz) or NULL; virial per particle, added to, half to each body.
@@ -52,6 +55,8 @@ pub struct EllgranTallies {
     /// Out: neighbour pairs.
     pub pair_count: i64,
 }
+
+growing!(EllgranTallies);
 
 /// # Safety
 /// The arrays of `t` are NULL or have `count` entries.
@@ -175,9 +180,11 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
 ) -> i32 {
     at_border("ellgran_tally_following_half_step", || {
         // SAFETY: promised by the caller, for all of this function.
-        let p = unsafe { required(particles, "particles") }?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
-        let t = unsafe { required_mut(tallies, "tallies") }?;
+        let p = &*unsafe { given(particles, "particles") }?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
+        let mut asked = unsafe { Asked::new(tallies) }?
+            .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
+        let t = asked.given;
         if p.owned_count > p.count {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
@@ -188,7 +195,7 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             ));
         }
         let count = p.owned_count;
-        let loads = unsafe { loads(t, count) }?.ok_or_else(|| {
+        let loads = unsafe { loads(&t, count) }?.ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_NULL_POINTER,
                 "inelastic_loads must not be NULL",
@@ -203,22 +210,50 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             };
             let motion = unsafe { motion(p, count) }?;
             sums.add_half_step(0.5 * step.time_step, loads, motion);
-            t.viscous_dissipation = sums.viscous_dissipation;
-            t.tangential_work = sums.tangential_work;
+            asked.output.write(&EllgranTallies {
+                viscous_dissipation: sums.viscous_dissipation,
+                tangential_work: sums.tangential_work,
+                ..t
+            });
         }
         Ok(())
     })
 }
 
-pub(super) fn write_back(t: &mut EllgranTallies, sums: &Tallies<'_>) {
-    t.wall_powers = sums.wall_powers;
-    t.viscous_dissipation = sums.viscous_dissipation;
-    t.tangential_work = sums.tangential_work;
-    t.frictional_dissipation = sums.frictional_dissipation();
-    t.dissipated_energy = t.viscous_dissipation + t.frictional_dissipation;
-    t.normal_elastic_energy = sums.normal_elastic_energy;
-    t.tangential_elastic_energy = sums.tangential_elastic_energy;
-    t.virial = sums.virial;
-    t.touching_count = sums.touching;
-    t.pair_count = sums.pairs as i64;
+/// What the caller asks for, and where it goes.
+pub(super) struct Asked<'a> {
+    pub given: EllgranTallies,
+    output: Output<'a, EllgranTallies>,
+}
+
+impl Asked<'_> {
+    /// # Safety
+    /// `tallies` is NULL (then nothing is asked for) or valid, as long as the size in it says, for the lifetime that the
+    /// caller gives it.
+    pub(super) unsafe fn new(tallies: *mut EllgranTallies) -> Result<Option<Self>, Failure> {
+        if tallies.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: promised by the caller; the reference ends before anything is written.
+        let given = *unsafe { given(tallies.cast_const(), "tallies") }?;
+        // SAFETY: promised by the caller.
+        let output = unsafe { Output::new(tallies, "tallies") }?;
+        Ok(Some(Asked { given, output }))
+    }
+
+    pub(super) fn write(&mut self, sums: &Tallies<'_>) {
+        self.output.write(&EllgranTallies {
+            wall_powers: sums.wall_powers,
+            viscous_dissipation: sums.viscous_dissipation,
+            tangential_work: sums.tangential_work,
+            frictional_dissipation: sums.frictional_dissipation(),
+            dissipated_energy: sums.viscous_dissipation + sums.frictional_dissipation(),
+            normal_elastic_energy: sums.normal_elastic_energy,
+            tangential_elastic_energy: sums.tangential_elastic_energy,
+            virial: sums.virial,
+            touching_count: sums.touching,
+            pair_count: sums.pairs as i64,
+            ..self.given
+        });
+    }
 }

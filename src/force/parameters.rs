@@ -19,7 +19,7 @@ pub enum Normal {
 pub enum Damping {
     /// None.
     None,
-    /// A coefficient of restitution that does not depend on the speed.
+    /// A coefficient of restitution of central impacts, at any speed.
     Restitution,
     /// A relaxation time `A_n`: the NFD form with the coefficient given.
     Relaxation,
@@ -61,12 +61,14 @@ pub enum Tangential {
 /// What is kept of the tangential displacement while the contact grows and shrinks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displacement {
-    /// The displacement `xi` since first touch; force `F(xi)` at the stiffness of now.
+    /// The displacement `xi` since first touch; force `F(xi)` at the stiffness of now: the published form. It can create
+    /// energy: what was loaded while the contact was deep gives more when it is unloaded while it is shallow.
     Total,
-    /// The force: `dF = k_t(delta) d xi`.
+    /// The force: `dF = k_t(delta) d xi`. It can create energy.
     Incremental,
-    /// The force, reduced with the stiffness while the contact shrinks: no energy is created (R.D. Elata, J.G.
-    /// Berryman, Mech. Mater. 24 (1996) 229).
+    /// The force, reduced where the contact would otherwise hold more energy than it took, as with the stiffness while the
+    /// contact shrinks: no cycle creates energy (see [`super::tangential`]). The same as `Total` while the normal force is
+    /// steady. The default.
     Rescaled,
 }
 
@@ -119,7 +121,8 @@ pub struct LawParameters {
 }
 
 impl Default for LawParameters {
-    /// Elastic, frictionless, conservative, no attraction; constants zero (not valid until they are given).
+    /// Elastic, frictionless, conservative, no attraction, a tangential displacement that creates no energy; constants zero
+    /// (not valid until they are given).
     fn default() -> Self {
         LawParameters {
             normal: Normal::Hertz,
@@ -127,7 +130,7 @@ impl Default for LawParameters {
             closure: Closure::Energy,
             unloading: Unloading::Ting,
             tangential: Tangential::None,
-            displacement: Displacement::Total,
+            displacement: Displacement::Rescaled,
             factors: FactorForm::Exact,
             conservative: true,
             limit_force: true,
@@ -186,6 +189,16 @@ fn not_negative(name: &str, value: f64) -> Result<(), ParameterError> {
     )
 }
 
+/// A coefficient of restitution in its range.
+pub(super) fn check_restitution(e: f64) -> Result<(), ParameterError> {
+    check(
+        e > 0.0 && e <= 1.0,
+        "coefficient of restitution e",
+        e,
+        "greater than 0 and at most 1",
+    )
+}
+
 impl LawParameters {
     /// Checks the range of every constant that the chosen laws use, and that the laws go together.
     ///
@@ -234,12 +247,7 @@ impl LawParameters {
         }
         match self.damping {
             Damping::None => {}
-            Damping::Restitution => check(
-                self.restitution > 0.0 && self.restitution <= 1.0,
-                "coefficient of restitution e",
-                self.restitution,
-                "greater than 0 and at most 1",
-            )?,
+            Damping::Restitution => check_restitution(self.restitution)?,
             Damping::Relaxation => not_negative("relaxation time A_n", self.relaxation_time)?,
         }
         if self.tangential != Tangential::None {

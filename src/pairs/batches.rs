@@ -88,7 +88,7 @@ impl Batches {
         self.here = HistoryLayout::new(
             searched || there.normal.is_some(),
             there.memory.is_some(),
-            there.stiffness.is_some(),
+            there.energy.is_some(),
         );
         self.i.clear();
         self.j.clear();

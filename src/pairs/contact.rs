@@ -74,8 +74,8 @@ pub struct Remembered<T: Real = f64> {
     pub normal: Vector3<T>,
     /// Tangential memory, world frame.
     pub memory: Vector3<T>,
-    /// Normal stiffness at the last step.
-    pub stiffness: T,
+    /// Elastic energy of the tangential memory at the last step.
+    pub energy: T,
     /// Time over which the memory advances: 0 in the set-up of a run.
     pub time: T,
 }
@@ -99,7 +99,7 @@ pub struct ContactForces<T = f64> {
     pub memory: Vector3<T>,
     /// Tangential displacement, world frame.
     pub displacement: Vector3<T>,
-    /// Normal stiffness, to be remembered.
+    /// Normal stiffness `dF_H/d(delta)` at the contact area of now.
     pub stiffness: T,
     /// Rate of penetration, positive while the bodies approach.
     pub rate: T,
@@ -389,7 +389,7 @@ pub fn contact_forces<
             factors,
             curvature,
             turned * keep,
-            remembered.stiffness,
+            remembered.energy,
             velocity * time,
             velocity,
         );
@@ -414,7 +414,6 @@ pub fn contact_forces<
         result.tangential_force = x.tangent.vector(t.force);
         result.memory = x.tangent.vector(t.memory);
         result.displacement = x.tangent.vector(t.displacement);
-        result.stiffness = t.stiffness;
         result.tangential_energy = t.elastic_energy;
         let viscous = t.force - t.elastic_force;
         result.viscous_force = result.viscous_force + x.tangent.vector(viscous);

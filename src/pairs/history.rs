@@ -4,7 +4,7 @@
 //! ```text
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
-//! [ stiffness ]            normal stiffness at the last step with friction and `displacement rescaled`
+//! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
@@ -16,8 +16,8 @@ pub struct HistoryLayout {
     pub normal: Option<usize>,
     /// Where the tangential memory stands.
     pub memory: Option<usize>,
-    /// Where the remembered stiffness stands.
-    pub stiffness: Option<usize>,
+    /// Where the elastic energy of the memory stands.
+    pub energy: Option<usize>,
     /// Doubles per contact.
     pub length: usize,
 }
@@ -35,11 +35,11 @@ impl HistoryLayout {
         };
         let normal = take(cached_normal, 3);
         let memory = take(friction, 3);
-        let stiffness = take(friction && rescaled, 1);
+        let energy = take(friction && rescaled, 1);
         HistoryLayout {
             normal,
             memory,
-            stiffness,
+            energy,
             length,
         }
     }
@@ -54,7 +54,7 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            *t = if Some(k) == self.stiffness { *s } else { -s };
+            *t = if Some(k) == self.energy { *s } else { -s };
         }
     }
 }

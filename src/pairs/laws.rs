@@ -118,6 +118,33 @@ impl Laws {
         Ok(laws)
     }
 
+    /// The same laws with coefficients of restitution, `types * types` of them, row by row: for engines that give
+    /// restitution per pair of types and all else per type. Only for laws with `damping restitution`.
+    ///
+    /// # Errors
+    /// A coefficient that is not above 0 and at most 1, or laws with another damping; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn with_restitution(&self, restitution: &[f64]) -> Result<Laws, ParameterError> {
+        assert_eq!(restitution.len(), self.table.len());
+        let mut laws = self.clone();
+        for (k, (law, &e)) in laws.table.iter_mut().zip(restitution).enumerate() {
+            let (i, j) = (k / self.types + 1, k % self.types + 1);
+            law.set_restitution(e)
+                .map_err(|e| ParameterError(format!("types {i} and {j}: {e}")))?;
+        }
+        laws.features = Features::of(&laws.table);
+        Ok(laws)
+    }
+
+    /// The first pair of types whose law can create energy while nothing in it dissipates any
+    /// ([`PairLaw::can_create_energy`]), counted from 1.
+    pub fn creates_energy(&self) -> Option<(usize, usize)> {
+        let k = self.table.iter().position(PairLaw::can_create_energy)?;
+        Some((k / self.types + 1, k % self.types + 1))
+    }
+
     /// Number of types.
     pub fn types(&self) -> usize {
         self.types

@@ -117,7 +117,7 @@ pub(super) fn recall(
             Some(at) if touching => read(at),
             _ => Vector3::ZERO,
         },
-        stiffness: match layout.stiffness {
+        energy: match layout.energy {
             Some(at) if touching => history[at],
             _ => 0.0,
         },
@@ -144,8 +144,8 @@ pub(super) fn remember(
     if let Some(at) = layout.memory {
         write(at, forces.memory);
     }
-    if let Some(at) = layout.stiffness {
-        history[at] = forces.stiffness;
+    if let Some(at) = layout.energy {
+        history[at] = forces.tangential_energy;
     }
 }
 

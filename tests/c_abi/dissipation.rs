@@ -106,6 +106,7 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
         let step = EllgranStep {
             time_step,
             advance_history: (n > 0) as i32,
+            ..STEP
         };
         let mut arrays = Arrays::new(&bodies, count);
         arrays.forces.fill([0.0; 3]);
@@ -135,6 +136,7 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
                     1,
                     1,
                     &EllgranPlane {
+                        size: size_of::<EllgranPlane>(),
                         point: PLANE_SPEED.map(|v| v / PLANE_RATE * phase.sin()),
                         normal: [0.0, 0.0, 1.0],
                         velocity,

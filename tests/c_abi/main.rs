@@ -8,6 +8,7 @@ mod dissipation;
 mod emulator;
 mod errors;
 mod friction;
+mod growing;
 mod instruction_sets;
 mod kept_history;
 mod lists;
