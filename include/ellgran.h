@@ -402,11 +402,20 @@ typedef struct EllgranContactForce {
    */
   double tangential_energy;
   /*
-   Power of the viscous part of the normal force, > 0 when it dissipates.
+   What of the force on j the viscous terms make, normal and tangential, world frame.
+   */
+  double viscous_force[3];
+  /*
+   What of the tangential force on j is not viscous: the tangential displacement's, up to Coulomb's limit, world frame.
+   */
+  double frictional_force[3];
+  /*
+   Power that the viscous force takes up, >= 0, with the velocities given.
    */
   double viscous_power;
   /*
-   Power put into the contact by the tangential force.
+   Power that the rest of the tangential force takes up, with the velocities given: stored in the tangential
+   displacement, or dissipated by friction.
    */
   double tangential_power;
   /*
@@ -703,12 +712,37 @@ typedef struct EllgranTallies {
    */
   double *particle_virials;
   /*
-   In/out: time integral of the power of the viscous and of the tangential force. Set it to 0 before the first step
-   and keep it between steps.
+   Out: [count][12] or NULL; what acts on each particle beside the gradient of the normal elastic energy: viscous force
+   and its torque, tangential force without its viscous part and its torque. Where `angular_momenta` are given the
+   torques are multiplied by the inverse inertia. Overwritten.
+
+   Velocity Verlet moves particles with velocities of the half steps: a force does half of its work with the velocity
+   before, and half with the one that it has led to. With this array each call adds the first half, and
+   `ellgran_tally_following_half_step` the second; kinetic, elastic and dissipated energy then add up to second order in
+   the time step. Without it each call takes the velocities that it is given for the whole step, which is of
+   first order.
    */
-  double accumulated_work;
+  double *inelastic_loads;
   /*
-   Out: energy that left the elastic store since `accumulated_work` was 0.
+   Out: with `inelastic_loads`, power of the viscous and of the tangential forces on moving walls, for the second half.
+   */
+  double wall_powers[2];
+  /*
+   In/out: energy that viscous forces dissipated. Set it to 0 before the first step and keep it between steps.
+   */
+  double viscous_dissipation;
+  /*
+   In/out: energy that the tangential forces without their viscous part took up, stored or dissipated. Set it to 0
+   before the first step and keep it between steps.
+   */
+  double tangential_work;
+  /*
+   Out: energy that friction dissipated since `tangential_work` was 0: that less `tangential_elastic_energy`. With
+   displacement total it may be negative, since that law can create energy.
+   */
+  double frictional_dissipation;
+  /*
+   Out: energy dissipated: by viscosity and by friction.
    */
   double dissipated_energy;
   /*
@@ -1423,6 +1457,21 @@ int32_t ellgran_collision_time(const struct EllgranLaws *laws,
                                const struct EllgranBody *j,
                                double speed,
                                double *time);
+ Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+ that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+
+ Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
+ call: in velocity Verlet before or after the positions move, before the particles change their order. Of `particles` the
+ first `owned_count` velocities and rotations are read. Under `newton` of the list, the loads that the call left at
+ the ghosts must have been added to those of their owners before. `step` is that of the half step; where
+ `advance_history` is 0 nothing is added.
+
+ # Safety
+ The pointers are as `EllgranParticles` and `EllgranTallies` state.
+ */
+int32_t ellgran_tally_following_half_step(const struct EllgranParticles *particles,
+                                          const struct EllgranStep *step,
+                                          struct EllgranTallies *tallies);
 
 /*
  The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.

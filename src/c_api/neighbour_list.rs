@@ -11,7 +11,7 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
-use super::tallies::{borrow, Asked, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
 use libc::size_t;
@@ -419,7 +419,10 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         *is_computing = false;
         workspace.deep_contacts += computed.map_err(|e| list_failure(p, list, e))?;
         *last_list = Some(look);
-        if let (Some(asked), Some(sums)) = (&mut asked, sums) {
+        if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
+            let count = accumulators.reaction_below;
+            // SAFETY: promised by the caller.
+            unsafe { add_preceding_half_step(&mut sums, p, count, &step) }?;
             asked.write(&sums);
         }
         Ok(())

@@ -38,6 +38,8 @@ use crate::real::Real;
 pub struct TangentialForce<T = f64> {
     /// Force on body `j` in the tangent basis.
     pub force: Vector2<T>,
+    /// What of it the tangential displacement makes, without the viscous part: `force` itself where that is none.
+    pub elastic_force: Vector2<T>,
     /// What is remembered, in the tangent basis: `xi` (length) for `displacement total`, `zeta` (force) otherwise.
     pub memory: Vector2<T>,
     /// Tangential displacement that the elastic part stands for, in the tangent basis, length.
@@ -113,7 +115,8 @@ pub fn tangential_force<T: Real>(
     let (zeta, slip) = on_the_cone(trial, most, tfd);
     let root = slip.root;
 
-    let mut force = zeta * slip.factor;
+    let elastic = zeta * slip.factor;
+    let mut force = elastic;
     if kinds.tangential_viscous {
         let viscous = if linear {
             velocity * c.tangential_damping
@@ -144,6 +147,7 @@ pub fn tangential_force<T: Real>(
     let (zeta, displacement) = (zeta * left, displacement * left);
     TangentialForce {
         force: force * -one,
+        elastic_force: elastic * -one,
         memory: match kinds.displacement {
             Displacement::Total => displacement,
             _ => zeta,

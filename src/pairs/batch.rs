@@ -41,14 +41,20 @@ pub(super) struct Common<'a> {
     pub only_law: Option<&'a PairLaw>,
     /// Whether energies are asked for.
     pub tally: bool,
+    /// Whether the loads that are not elastic are asked for.
+    pub loads: bool,
 }
 
 /// What the lanes give back, a line per pair, where energies are asked for.
 pub(super) struct BatchTallies {
     /// Force on `j`.
     pub forces: [Line; MOST_LANES],
-    /// Normal and tangential elastic energy, viscous and tangential power, vector between the centres.
+    /// Normal and tangential elastic energy, viscous power, vector between the centres, tangential power.
     pub energies: [Line; MOST_LANES],
+    /// Viscous force on `j`, and contact point from the centre of `i`; where loads are asked for.
+    pub viscous: [Line; MOST_LANES],
+    /// Tangential force on `j` without its viscous part; where loads are asked for.
+    pub tangential: [Line; MOST_LANES],
 }
 
 impl BatchTallies {
@@ -56,6 +62,8 @@ impl BatchTallies {
     pub const EMPTY: BatchTallies = BatchTallies {
         forces: [Line::ZERO; MOST_LANES],
         energies: [Line::ZERO; MOST_LANES],
+        viscous: [Line::ZERO; MOST_LANES],
+        tangential: [Line::ZERO; MOST_LANES],
     };
 }
 
@@ -762,15 +770,28 @@ pub(super) fn run<
             [
                 f.elastic_energy,
                 f.tangential_energy,
-                f.viscous_power + f.tangential_power,
+                f.viscous_power,
                 d.x,
                 d.y,
                 d.z,
-                zero,
+                f.tangential_power,
                 zero,
             ],
             &mut tallies.energies,
         );
+        if common.loads {
+            let (v, p, t) = (f.viscous_force, f.contact_point, f.frictional_force);
+            put(
+                registers,
+                [v.x, v.y, v.z, p.x, p.y, p.z, zero, zero],
+                &mut tallies.viscous,
+            );
+            put(
+                registers,
+                [t.x, t.y, t.z, zero, zero, zero, zero, zero],
+                &mut tallies.tangential,
+            );
+        }
     }
     left
 }

@@ -304,6 +304,10 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             },
             only_law: one_type.then(|| laws.get(1, 1)),
             tally: self.tallies.is_some(),
+            loads: self
+                .tallies
+                .as_deref()
+                .is_some_and(|t| t.inelastic_loads.is_some()),
         };
         let mut batch_laws = [laws.get(1, 1); MOST_LANES];
         let mut inverse_effective_mass = [0.0; MOST_LANES];
@@ -397,6 +401,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 continue;
             }
             let (e, f) = (&tallies.energies[k].0, &tallies.forces[k].0);
+            let (v, r) = (&tallies.viscous[k].0, &tallies.tangential[k].0);
             t.add(
                 batch.i[k] as usize,
                 Some(batch.j[k] as usize),
@@ -404,9 +409,13 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &Contribution {
                     normal_energy: e[0],
                     tangential_energy: e[1],
-                    work: time * e[2],
+                    works: [time * e[2], time * e[6]],
                     d: Vector3::new(e[3], e[4], e[5]),
                     force: Vector3::new(f[0], f[1], f[2]),
+                    viscous_force: Vector3::new(v[0], v[1], v[2]),
+                    tangential_force: Vector3::new(r[0], r[1], r[2]),
+                    contact_point: Vector3::new(v[3], v[4], v[5]),
+                    wall_velocity: Vector3::ZERO,
                 },
             );
         }

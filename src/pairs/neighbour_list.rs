@@ -602,9 +602,13 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &Contribution {
                     normal_energy: f.elastic_energy,
                     tangential_energy: f.tangential_energy,
-                    work: time * (f.viscous_power + f.tangential_power),
+                    works: [time * f.viscous_power, time * f.tangential_power],
                     d,
                     force: f.force,
+                    viscous_force: f.viscous_force,
+                    tangential_force: f.frictional_force,
+                    contact_point: f.contact_point,
+                    wall_velocity: Vector3::ZERO,
                 },
             );
         }

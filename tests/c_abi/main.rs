@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code)]
 
+mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod errors;

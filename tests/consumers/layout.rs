@@ -75,7 +75,7 @@ fn claims() -> Claims {
         }
         EllgranContactForce {
             size, force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
-            tangential_energy, viscous_power, tangential_power, contact_semi_axes,
+            tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power, contact_semi_axes,
         }
         EllgranLawParameters {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
@@ -102,8 +102,9 @@ fn claims() -> Claims {
         EllgranStep { size, advance_history, time_step }
         EllgranPlane { size, point, normal, velocity }
         EllgranTallies {
-            size, particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
-            tangential_elastic_energy, virial, touching_count, pair_count,
+            size, particle_energies, particle_virials, inelastic_loads, wall_powers, viscous_dissipation, tangential_work,
+            frictional_dissipation, dissipated_energy, normal_elastic_energy, tangential_elastic_energy, virial,
+            touching_count, pair_count,
         }
     }
     constants! { claims:
