@@ -681,6 +681,18 @@ typedef struct EllgranWallSurface {
    Velocity of the surface there.
    */
   double velocity[3];
+  /*
+   The share of the law by which the surface acts, from 0 to 1: 1, but where several faces of a mesh share a contact.
+   */
+  double share;
+  /*
+   Gradient of the share along the position of the body, 1/length; not read where the share is 1.
+   */
+  double share_by_position[3];
+  /*
+   Gradient of the share along the rotation of the body about its centre, 1/radian, world frame.
+   */
+  double share_by_rotation[3];
 } EllgranWallSurface;
 
 /*
@@ -1200,7 +1212,9 @@ int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
 
 /*
  The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
- corner is taken as flat in Hertz' law, with the normal that the contact has there.
+ corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
+ their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
+ surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
 
  `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
  free.

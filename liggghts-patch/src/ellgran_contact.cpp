@@ -165,6 +165,7 @@ void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
     }
     wall.curvatures[0] = wall.curvatures[1] = 0.0;
     wall.turning_radii[0] = wall.turning_radii[1] = HUGE_VAL;
+    wall.share = 1.0;
     check(ellgran_staged_wall(staged, &i, &wall, half, &geometry));
   } else {
     const EllgranBody j = sphere(sidata.j, sidata.radj);

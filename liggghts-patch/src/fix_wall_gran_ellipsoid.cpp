@@ -29,8 +29,10 @@ using LIGGGHTS::ContactModels::SurfacesIntersectData;
 namespace {
 
 const int POINT = 1, NORMAL = 4, HISTORY = 7;
-// the most wall contacts that one particle can have at a time
+// the most wall contacts that are remembered of one particle at a time
 const int MOST_CONTACTS = 8;
+// mark of a remembered contact that one of the new ones goes on from
+const double TAKEN = -1.0;
 
 bool is(const char *word, const char *what)
 {
@@ -44,7 +46,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     kind_(MESH),
     axis_(0),
     storage_(NULL),
-    found_(NULL)
+    found_(NULL),
+    own_wall_(0)
 {
   check(ellgran_wall_contacts_new(&found_));
   if (!impl->contact_match("surface", "ellipsoid"))
@@ -130,6 +133,24 @@ void FixWallGranEllipsoid::init()
   FixWallGran::init();
   storage_ = static_cast<FixPropertyAtom *>(modify->find_fix_property(
       storage_name_.c_str(), "property/atom", "vector", slots() * slot_length(), 0, style));
+  find_walls();
+}
+
+void FixWallGranEllipsoid::find_walls()
+{
+  walls_.clear();
+  for (int f = 0; f < modify->nfix; f++) {
+    if (!is(modify->fix[f]->style, style)) continue;
+    FixWallGranEllipsoid *const wall = static_cast<FixWallGranEllipsoid *>(modify->fix[f]);
+    if (wall->kind_ != MESH) continue;
+    if (wall == this) own_wall_ = walls_.size();
+    walls_.push_back(wall);
+  }
+}
+
+bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
+{
+  return contact.surface.share == 1.0;
 }
 
 bool FixWallGranEllipsoid::in_group(int particle) const
@@ -143,21 +164,24 @@ void FixWallGranEllipsoid::forget(int particle)
 }
 
 // All contacts of a particle with the wall. Each finds what is remembered of it by where it was a step ago: a contact moves
-// from triangle to triangle, but it does not jump.
+// from triangle to triangle, but it does not jump. Faces that share a contact may find the same: what is remembered belongs
+// to the contact as a whole, of which each face takes its share, so that friction goes on from one face to the next.
 void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
 {
   const int length = slot_length();
   const int count = contacts.size();
-  if (count > slots()) {
+  // Of faces that share a contact any number act; those beyond the room for what is remembered find it with the others.
+  const int whole = std::stable_partition(contacts.begin(), contacts.end(), acts_alone) - contacts.begin();
+  if (whole > slots()) {
     char message[200];
     snprintf(message, sizeof(message), "particle %d has %d contacts with the wall; %d is the most that are remembered",
-             atom->tag[particle], count, slots());
+             atom->tag[particle], whole, slots());
     error->fix_error(FLERR, this, message);
   }
   double *const stored = storage_->array_atom[particle];
   const double *const x = atom->x[particle];
   std::vector<double> before(stored, stored + slots() * length);
-  std::vector<double> now(slots() * length, 0.0);
+  std::vector<double> now(std::max(count, slots()) * length, 0.0);
   for (int c = 0; c < count; c++) {
     const Contact &contact = contacts[c];
     double point[3];
@@ -167,6 +191,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     for (int s = 0; s < slots(); s++) {
       const double *const slot = &before[s * length];
       if (slot[0] == 0.0) continue;
+      if (slot[0] == TAKEN && acts_alone(contact)) continue;
       if (vectorDot3D(&slot[NORMAL], contact.surface.normal) < 0.5) continue;
       double way[3];
       vectorSubtract3D(&slot[POINT], point, way);
@@ -179,7 +204,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     double *const slot = &now[c * length];
     if (best >= 0) {
       vectorCopyN(&before[best * length], slot, length);
-      before[best * length] = 0.0;
+      before[best * length] = TAKEN;
     }
     slot[0] = 1.0;
     vectorCopy3D(point, &slot[POINT]);
@@ -270,26 +295,36 @@ bool FixWallGranEllipsoid::counts_contacts() const
   return computeflag_ && cwl_;
 }
 
+// Triangles near each particle, of all meshes of all walls together: meshes that meet are one surface, whose contacts each wall
+// finds alike and of which it acts by those on its own triangles.
+void FixWallGranEllipsoid::gather_near()
+{
+  const int nlocal = atom->nlocal;
+  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
+  for (int i = 0; i < nlocal; i++) near_[i].clear();
+  for (size_t w = 0; w < walls_.size(); w++) {
+    FixWallGranEllipsoid *const wall = walls_[w];
+    for (int m = 0; m < wall->n_FixMesh_; m++) {
+      TriMesh *const mesh = wall->FixMesh_list_[m]->triMesh();
+      FixNeighlistMesh *const list = wall->FixMesh_list_[m]->meshNeighlist();
+      const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
+      for (int t = 0; t < triangles; t++) {
+        const std::vector<int> &particles = list->get_contact_list(t);
+        if (particles.empty()) continue;
+        const Near triangle = {int(w), m, mesh->id(t), t};
+        for (size_t k = 0; k < particles.size(); k++)
+          if (particles[k] < nlocal && wall->in_group(particles[k])) near_[particles[k]].push_back(triangle);
+      }
+    }
+  }
+}
+
 void FixWallGranEllipsoid::post_force_mesh(int)
 {
   const int nlocal = atom->nlocal;
   if (counts_contacts())
     for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->markAllContacts();
-  // triangles near each particle, of all meshes together: meshes that meet at an edge are one surface
-  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
-  for (int i = 0; i < nlocal; i++) near_[i].clear();
-  for (int m = 0; m < n_FixMesh_; m++) {
-    TriMesh *const mesh = FixMesh_list_[m]->triMesh();
-    FixNeighlistMesh *const list = FixMesh_list_[m]->meshNeighlist();
-    const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
-    for (int t = 0; t < triangles; t++) {
-      const std::vector<int> &particles = list->get_contact_list(t);
-      if (particles.empty()) continue;
-      const Near triangle = {m, mesh->id(t), t};
-      for (size_t k = 0; k < particles.size(); k++)
-        if (particles[k] < nlocal) near_[particles[k]].push_back(triangle);
-    }
-  }
+  gather_near();
   std::vector<double> corners;
   std::vector<Contact> contacts;
   for (int i = 0; i < nlocal; i++) {
@@ -301,13 +336,14 @@ void FixWallGranEllipsoid::post_force_mesh(int)
       std::sort(near.begin(), near.end());
       corners.resize(9 * near.size());
       for (size_t k = 0; k < near.size(); k++) {
-        TriMesh *const mesh = FixMesh_list_[near[k].mesh]->triMesh();
+        TriMesh *const mesh = walls_[near[k].wall]->FixMesh_list_[near[k].mesh]->triMesh();
         for (int node = 0; node < 3; node++) mesh->node(near[k].place, node, &corners[9 * k + 3 * node]);
       }
       const EllgranBody particle = body(i);
       check(ellgran_triangle_contacts(found_, &particle, near.size(), &corners[0]));
       for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
         const EllgranWallContact *const found = ellgran_wall_contacts_get(found_, c);
+        if (near[found->triangle].wall != own_wall_) continue;
         Contact contact;
         contact.surface = found->surface;
         contact.mesh = near[found->triangle].mesh;

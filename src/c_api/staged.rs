@@ -6,6 +6,7 @@ use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::force::PairLaw;
+use crate::geometry::facet_shares::Share;
 use crate::geometry::Vector3;
 use crate::pairs::one_contact::HaleRatio;
 use crate::pairs::staged::{Past, StagedContact, WallSurface};
@@ -30,6 +31,12 @@ pub struct EllgranWallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there.
     pub velocity: [f64; 3],
+    /// The share of the law by which the surface acts, from 0 to 1: 1, but where several faces of a mesh share a contact.
+    pub share: f64,
+    /// Gradient of the share along the position of the body, 1/length; not read where the share is 1.
+    pub share_by_position: [f64; 3],
+    /// Gradient of the share along the rotation of the body about its centre, 1/radian, world frame.
+    pub share_by_rotation: [f64; 3],
 }
 
 impl EllgranWallSurface {
@@ -41,7 +48,11 @@ impl EllgranWallSurface {
             Vector3::from_array(self.velocity),
         );
         let numbers = self.curvatures.iter().all(|k| k.is_finite())
-            && self.turning_radii.iter().all(|r| !r.is_nan());
+            && self.turning_radii.iter().all(|r| !r.is_nan())
+            && (0.0..=1.0).contains(&self.share)
+            && (self.share == 1.0
+                || Vector3::from_array(self.share_by_position).is_finite()
+                    && Vector3::from_array(self.share_by_rotation).is_finite());
         if !(length > 0.0
             && length.is_finite()
             && point.is_finite()
@@ -76,6 +87,11 @@ impl EllgranWallSurface {
             curvatures: self.curvatures,
             turning_radii: self.turning_radii,
             velocity,
+            share: Share {
+                value: self.share,
+                by_position: Vector3::from_array(self.share_by_position),
+                by_rotation: Vector3::from_array(self.share_by_rotation),
+            },
         })
     }
 }

@@ -5,7 +5,8 @@ use super::contact::EllgranBody;
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::geometry::cylinder::{touch_cylinder, Cylinder};
-use crate::geometry::triangles::{touch_triangles, Feature, Triangle, TriangleContact};
+use crate::geometry::facet_shares::Share;
+use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
 use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
 use libc::size_t;
 
@@ -27,10 +28,10 @@ pub struct EllgranWallContact {
 pub struct EllgranWallContacts {
     all: Vec<EllgranWallContact>,
     triangles: Vec<Triangle>,
-    found: Vec<TriangleContact>,
+    search: TriangleSearch,
 }
 
-fn surface(point: Vector3, normal: Vector3) -> EllgranWallSurface {
+fn surface(point: Vector3, normal: Vector3, share: &Share) -> EllgranWallSurface {
     EllgranWallSurface {
         point: point.to_array(),
         normal: normal.to_array(),
@@ -38,6 +39,9 @@ fn surface(point: Vector3, normal: Vector3) -> EllgranWallSurface {
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: [0.0; 3],
+        share: share.value,
+        share_by_position: share.by_position.to_array(),
+        share_by_rotation: share.by_rotation.to_array(),
     }
 }
 
@@ -119,7 +123,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         if found.penetration > 0.0 {
             let deepest = body.position + found.support.point - found.normal * found.penetration;
             contacts.all.push(EllgranWallContact {
-                surface: surface(deepest, normal),
+                surface: surface(deepest, normal, &Share::WHOLE),
                 triangle: 0,
                 weights: [0.0; 3],
             });
@@ -165,7 +169,7 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
                     direction: cylinder.axis.cross(c.normal).to_array(),
                     curvatures: [1.0 / signed, 0.0],
                     turning_radii: [signed, f64::INFINITY],
-                    ..surface(c.point, c.normal)
+                    ..surface(c.point, c.normal, &Share::WHOLE)
                 },
                 triangle: 0,
                 weights: [0.0; 3],
@@ -176,7 +180,9 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
 }
 
 /// The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
-/// corner is taken as flat in Hertz' law, with the normal that the contact has there.
+/// corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
+/// their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
+/// surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
 ///
 /// `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
 /// free.
@@ -198,7 +204,7 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         let EllgranWallContacts {
             all,
             triangles,
-            found,
+            search,
         } = contacts;
         if let Some(index) = corners
             .iter()
@@ -211,11 +217,10 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         }
         all.clear();
         triangles.clear();
-        found.clear();
         triangles.extend(corners.iter().map(|t| t.map(Vector3::from_array)));
-        touch_triangles(&body.body, body.position, triangles, found);
-        all.extend(found.iter().map(|c| {
-            let flat = surface(c.point, c.normal);
+        search.touch(&body.body, body.position, triangles);
+        all.extend(search.contacts().iter().map(|c| {
+            let flat = surface(c.point, c.normal, &c.share);
             EllgranWallContact {
                 surface: match c.feature {
                     Feature::Face => flat,

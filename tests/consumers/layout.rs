@@ -83,7 +83,9 @@ fn claims() -> Claims {
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
             identifier_bytes, forces, torques,
         }
-        EllgranWallSurface { point, normal, direction, curvatures, turning_radii, velocity }
+        EllgranWallSurface {
+            point, normal, direction, curvatures, turning_radii, velocity, share, share_by_position, share_by_rotation,
+        }
         EllgranStagedGeometry { touching, penetration, normal, contact_point }
         EllgranStagedPast { friction, touched, normal }
         EllgranWallContact { surface, triangle, weights }

@@ -22,6 +22,7 @@ mod examples;
 mod golden_pairs;
 mod installer;
 mod mesh_edges;
+mod mesh_folds;
 mod mesh_ranks;
 mod meshes;
 mod misuse;
