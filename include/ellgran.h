@@ -17,6 +17,28 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/*
+ * Every struct begins with its size: by it a program and a library of different versions understand each other.
+ * ELLGRAN_INIT(EllgranBody) is an EllgranBody that has its size and is zero elsewhere. Start every struct from it, those
+ * too that the library writes; in other languages set `size` to the size of the struct and the rest to zero.
+ *
+ * Later versions add fields at the end, of which zero means what it was before there was the field. A struct of an older
+ * ellgran.h is read as if such a field were zero, and written as far as it goes. A struct of a newer ellgran.h is refused
+ * only if it sets what the library does not know. In an array of structs all sizes are the same.
+ */
+#ifdef __cplusplus
+namespace ellgran {
+template <typename Type> inline Type init()
+{
+  Type value = Type();
+  value.size = sizeof(Type);
+  return value;
+}
+}
+#define ELLGRAN_INIT(Type) (::ellgran::init<Type>())
+#else
+#define ELLGRAN_INIT(Type) ((Type){.size = sizeof(Type)})
+#endif
 
 /*
  Normal law: elastic, from E and nu.
@@ -195,6 +217,10 @@ typedef struct EllgranWorkspace EllgranWorkspace;
  */
 typedef struct EllgranBody {
   /*
+   `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
    Centre.
    */
   double position[3];
@@ -232,6 +258,10 @@ typedef struct EllgranBody {
  Geometry of a contact.
  */
 typedef struct EllgranContactGeometry {
+  /*
+   `sizeof(EllgranContactGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    1 if the penetration is greater than 0.
    */
@@ -275,6 +305,10 @@ typedef struct EllgranContactGeometry {
  */
 typedef struct EllgranPlane {
   /*
+   `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
    A point of its surface.
    */
   double point[3];
@@ -293,19 +327,27 @@ typedef struct EllgranPlane {
  */
 typedef struct EllgranStep {
   /*
-   Time step: the velocities moved the particles over it to where they are.
+   `sizeof(EllgranStep)`; `ELLGRAN_INIT` sets it.
    */
-  double time_step;
+  size_t size;
   /*
    1 in a step; 0 in the set-up of a run: forces from the history as it stands.
    */
   int32_t advance_history;
+  /*
+   Time step: the velocities moved the particles over it to where they are.
+   */
+  double time_step;
 } EllgranStep;
 
 /*
  Force of a contact.
  */
 typedef struct EllgranContactForce {
+  /*
+   `sizeof(EllgranContactForce)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Force on j, world frame; on i the opposite.
    */
@@ -362,9 +404,9 @@ typedef struct EllgranContactForce {
  */
 typedef struct EllgranLawParameters {
   /*
-   ELLGRAN_ABI_VERSION; set by `ellgran_law_parameters_default`.
+   `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
    */
-  uint32_t struct_version;
+  size_t size;
   /*
    ELLGRAN_NORMAL_*
    */
@@ -452,6 +494,10 @@ typedef struct EllgranLawParameters {
  */
 typedef struct EllgranParticles {
   /*
+   `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
    Particles that the caller owns.
    */
   size_t owned_count;
@@ -532,6 +578,10 @@ typedef struct EllgranParticles {
  */
 typedef struct EllgranNeighbourList {
   /*
+   `sizeof(EllgranNeighbourList)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
    Number of central particles.
    */
   size_t count;
@@ -560,14 +610,6 @@ typedef struct EllgranNeighbourList {
    */
   const double *special_factors;
   /*
-   One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
-   */
-  int32_t *const *touching;
-  /*
-   History per neighbour, by particle index, written. NULL if the history length is 0.
-   */
-  double *const *history;
-  /*
    1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
    with a ghost appears on both ranks.
    */
@@ -584,12 +626,24 @@ typedef struct EllgranNeighbourList {
    changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
    */
   int32_t keep_history;
+  /*
+   One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
+   */
+  int32_t *const *touching;
+  /*
+   History per neighbour, by particle index, written. NULL if the history length is 0.
+   */
+  double *const *history;
 } EllgranNeighbourList;
 
 /*
  What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
  */
 typedef struct EllgranTallies {
+  /*
+   `sizeof(EllgranTallies)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    In: [count] or NULL; elastic energy per particle, added to, half to each body.
    */
@@ -634,7 +688,11 @@ typedef struct EllgranTallies {
  */
 typedef struct EllgranStagedGeometry {
   /*
-   1 if the bodies touch; otherwise the rest says nothing.
+   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   1 if the bodies touch; otherwise the rest is zero.
    */
   int32_t touching;
   /*
@@ -655,6 +713,10 @@ typedef struct EllgranStagedGeometry {
  The surface of a wall where a body touches it.
  */
 typedef struct EllgranWallSurface {
+  /*
+   `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    The point of the surface that lies deepest in the body, world frame.
    */
@@ -682,23 +744,28 @@ typedef struct EllgranWallSurface {
    */
   double velocity[3];
   /*
-   The share of the law by which the surface acts, from 0 to 1: 1, but where several faces of a mesh share a contact.
+   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+   alone.
    */
-  double share;
+  double others_share;
   /*
-   Gradient of the share along the position of the body, 1/length; not read where the share is 1.
+   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
    */
-  double share_by_position[3];
+  double others_share_by_position[3];
   /*
-   Gradient of the share along the rotation of the body about its centre, 1/radian, world frame.
+   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
    */
-  double share_by_rotation[3];
+  double others_share_by_rotation[3];
 } EllgranWallSurface;
 
 /*
  What is remembered of a contact, and what the tangential law needs beside its law.
  */
 typedef struct EllgranStagedPast {
+  /*
+   `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
   /*
    Coefficient of friction of the pair of types.
    */
@@ -714,13 +781,13 @@ typedef struct EllgranStagedPast {
 } EllgranStagedPast;
 
 /*
- A contact of an ellipsoid with a wall.
+ Which triangle stands for a contact of an ellipsoid with a wall.
  */
 typedef struct EllgranWallContact {
   /*
-   The wall's surface; its velocity is zero and is the caller's to set.
+   `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
    */
-  struct EllgranWallSurface surface;
+  size_t size;
   /*
    Index of the triangle that stands for the contact, 0 where there are none.
    */
@@ -830,7 +897,8 @@ int32_t ellgran_law_parameters_parse(size_t word_count,
 /*
  Builds the laws of a scene with `type_count` types, counted from 1.
 
- `parameters` and `is_set` are `type_count` x `type_count`, row by row; a pair may be set as I J or as J I. A pair that
+ `parameters` and `is_set` are `type_count` x `type_count`, row by row; the first entry of `parameters` has its size even
+ where it is not set. A pair may be set as I J or as J I. A pair that
  is not set is mixed from I I and J J: moduli in series, relaxation times by compliance, friction and restitution by
  geometric mean; laws of different kinds cannot be mixed.
 
@@ -1047,8 +1115,8 @@ int32_t ellgran_staged_neighbours(struct EllgranStagedContact *staged,
                                   struct EllgranStagedGeometry *geometry);
 
 /*
- First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
- is not written. Types are not read.
+ First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
+ rest of it. Types are not read.
 
  `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
  is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -1178,13 +1246,16 @@ void ellgran_wall_contacts_free(struct EllgranWallContacts *contacts);
 size_t ellgran_wall_contacts_count(const struct EllgranWallContacts *contacts);
 
 /*
- The contact of this index, of the last call; NULL if there is none. Valid until the next call.
+ The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
+ and, unless `contact` is NULL, the triangle.
 
  # Safety
- `contacts` is NULL or valid.
+ The pointers are NULL or valid.
  */
-const struct EllgranWallContact *ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
-                                                           size_t index);
+int32_t ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
+                                  size_t index,
+                                  struct EllgranWallContact *contact,
+                                  struct EllgranWallSurface *surface);
 
 /*
  The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.

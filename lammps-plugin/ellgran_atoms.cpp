@@ -181,7 +181,7 @@ bool EllgranAtoms::all_spheres() const
 EllgranParticles EllgranAtoms::view() const
 {
   const Shapes found = shapes();
-  EllgranParticles particles{};
+  EllgranParticles particles = ELLGRAN_INIT(EllgranParticles);
   particles.owned_count = atom->nlocal;
   particles.count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
   particles.positions = rows(atom->x);
@@ -210,7 +210,7 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass) const
                static_cast<long long>(atom->tag[i]), atom->type[i]);
   const double *quaternion = entry(found.quaternions, found.stride, atom->ellipsoid[i]);
 
-  EllgranBody body{};
+  EllgranBody body = ELLGRAN_INIT(EllgranBody);
   for (int k = 0; k < 3; k++) {
     body.position[k] = atom->x[i][k];
     body.velocity[k] = atom->v[i][k];

@@ -80,7 +80,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
 int FixWallGranEllipsoid::parse_law(int narg, char **arg)
 {
   if (narg < 4) error->all(FLERR, "{}: no law given: {}", CALLER, SYNTAX);
-  EllgranLawParameters given;
+  EllgranLawParameters given = ELLGRAN_INIT(EllgranLawParameters);
   std::size_t consumed = 0;
   if (ellgran_law_parameters_parse(narg - 3, arg + 3, &consumed, &given) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
@@ -224,7 +224,7 @@ std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now() const
   } else if (motion == Motion::SHEAR) {
     velocity = shear_velocity;
   }
-  std::vector<EllgranPlane> planes(walls.size(), EllgranPlane{});
+  std::vector<EllgranPlane> planes(walls.size(), ELLGRAN_INIT(EllgranPlane));
   for (std::size_t k = 0; k < walls.size(); k++) {
     planes[k].point[dimension] = walls[k].position + shift;
     planes[k].normal[dimension] = walls[k].out;
@@ -241,11 +241,11 @@ void FixWallGranEllipsoid::post_force(int)
 
   const std::vector<EllgranPlane> planes = planes_now();
   double wall_forces[6] = {};
-  EllgranTallies tallies{};
+  EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
   tallies.accumulated_work = accumulated_work;
 
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
-  EllgranStep step{};
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
 

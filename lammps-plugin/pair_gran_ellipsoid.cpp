@@ -150,7 +150,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
 
 EllgranNeighbourList PairGranEllipsoid::view_list() const
 {
-  EllgranNeighbourList neighbours{};
+  EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
   neighbours.count = list->inum;
   neighbours.central = list->ilist;
   neighbours.neighbour_counts = list->numneigh;
@@ -185,12 +185,12 @@ void PairGranEllipsoid::add_forces()
 
   // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
   // not pass then. Nor does it in a minimisation.
-  EllgranStep step{};
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
 
   const bool tally = evflag || work_wanted;
-  EllgranTallies tallies{};
+  EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
   tallies.particle_energies = eflag_atom ? eatom : nullptr;
   tallies.particle_virials = vflag_atom ? vatom[0] : nullptr;
   tallies.accumulated_work = accumulated_work;
@@ -223,7 +223,7 @@ void PairGranEllipsoid::allocate()
       setflag[i][j] = 0;
       cutsq[i][j] = 0.0;
     }
-  EllgranLawParameters unset;
+  EllgranLawParameters unset = ELLGRAN_INIT(EllgranLawParameters);
   ellgran_law_parameters_default(&unset);
   parameters.assign(static_cast<std::size_t>(atom->ntypes) * atom->ntypes, unset);
 }
@@ -256,7 +256,7 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
   utils::bounds(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, error);
   utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
 
-  EllgranLawParameters given;
+  EllgranLawParameters given = ELLGRAN_INIT(EllgranLawParameters);
   if (ellgran_law_parameters_parse(narg - 2, arg + 2, nullptr, &given) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: pair_coeff {} {}: {}", CALLER, arg[0], arg[1], ellgran_last_error());
 
@@ -641,11 +641,11 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   write_history();
   copy_history(i, j, &touching);
 
-  EllgranStep step{};
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 0;
-  EllgranContactGeometry geometry{};
-  EllgranContactForce contact{};
+  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
+  EllgranContactForce contact = ELLGRAN_INIT(EllgranContactForce);
   const bool remembers = history_length > 0;
   if (ellgran_contact(laws, &body_i, &body_j, &step, remembers ? &touching : nullptr,
                       remembers ? scratch.data() : nullptr, &geometry, &contact) != ELLGRAN_SUCCESS)

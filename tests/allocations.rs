@@ -110,6 +110,7 @@ fn a_neighbour_list_allocates_in_the_first_step_alone() {
 fn plane_walls_allocate_in_the_first_step_alone() {
     const WALLS: usize = 3;
     let walls = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.1, 1.0]].map(|normal| EllgranPlane {
+        size: size_of::<EllgranPlane>(),
         point: [-0.6; 3],
         normal,
         velocity: [0.0; 3],
@@ -160,7 +161,7 @@ fn one_contact_allocates_nothing() {
         let laws = Laws::new(&decks);
         let (i, j) = (sphere_at(0.0), sphere_at(1.5));
         let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
-        let mut force = Untouched::<EllgranContactForce>::new();
+        let mut force = Untouched::<EllgranContactForce>::sized();
         let bytes = allocated(|| {
             // SAFETY: all pointers are valid.
             ok(unsafe {

@@ -99,7 +99,7 @@ std::vector<std::vector<std::int32_t>> near_pairs(const Packing &p)
 
 EllgranBody body(const Packing &p, std::size_t k)
 {
-  EllgranBody b = EllgranBody();
+  EllgranBody b = ELLGRAN_INIT(EllgranBody);
   for (int m = 0; m < 3; ++m) {
     b.position[m] = p.positions[k][m];
     b.velocity[m] = p.velocities[k][m];
@@ -136,7 +136,7 @@ int main()
   const std::vector<std::vector<const char *>> decks = {
       {"nfd", "1e6", "0.3", "50", "50", "tangential", "tfd", "0.5"},
       {"nfd", "4e6", "0.2", "90", "60", "tangential", "tfd", "0.4"}};
-  std::vector<EllgranLawParameters> parameters(4);
+  std::vector<EllgranLawParameters> parameters(4, ELLGRAN_INIT(EllgranLawParameters));
   const std::vector<std::uint8_t> is_set = {1, 0, 0, 1};
   for (std::size_t k = 0; k < 2; ++k)
     check(ellgran_law_parameters_parse(decks[k].size(), decks[k].data(), nullptr, &parameters[3 * k]));
@@ -171,7 +171,7 @@ int main()
   std::vector<std::vector<std::int32_t>> touching_alone(touching);
   std::vector<std::vector<double>> history_alone(history);
 
-  EllgranParticles particles = EllgranParticles();
+  EllgranParticles particles = ELLGRAN_INIT(EllgranParticles);
   particles.owned_count = count;
   particles.count = count;
   particles.positions = p.positions.data()->data();
@@ -185,7 +185,7 @@ int main()
   particles.forces = p.forces.data()->data();
   particles.torques = p.torques.data()->data();
 
-  EllgranNeighbourList list = EllgranNeighbourList();
+  EllgranNeighbourList list = ELLGRAN_INIT(EllgranNeighbourList);
   list.count = count;
   list.central = central.data();
   list.neighbour_counts = neighbour_counts.data();
@@ -195,8 +195,10 @@ int main()
   list.history = history_rows.data();
   list.newton = 1;
 
-  const EllgranStep step = {1e-3, 1};
-  EllgranTallies tallies = EllgranTallies();
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
+  step.time_step = 1e-3;
+  step.advance_history = 1;
+  EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
   double apart = 0;
   for (int n = 0; n < 20; ++n) {
     list.unchanged = n > 0;
@@ -211,7 +213,7 @@ int main()
       for (std::size_t m = 0; m < neighbours[i].size(); ++m) {
         const std::size_t j = static_cast<std::size_t>(neighbours[i][m]);
         const EllgranBody body_i = body(p, i), body_j = body(p, j);
-        EllgranContactForce contact;
+        EllgranContactForce contact = ELLGRAN_INIT(EllgranContactForce);
         check(ellgran_contact(laws.get(), &body_i, &body_j, &step, &touching_alone[i][m],
                               &history_alone[i][m * length], nullptr, &contact));
         for (int a = 0; a < 3; ++a) {

@@ -96,9 +96,11 @@ static void turn(const double *q, const double *omega, double time, double *turn
 static Grain new_grain(double x, double z, double tilt, double velocity_x, double velocity_z)
 {
   const double pi = 3.14159265358979323846;
-  Grain grain = {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.005, 0.005, 0.01}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0},
-                  0.0, 1, 0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-  const double *a = grain.body.semi_axes;
+  Grain grain = {ELLGRAN_INIT(EllgranBody), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  double *a = grain.body.semi_axes;
+  a[0] = a[1] = 0.005;
+  a[2] = 0.01;
+  grain.body.kind = 1;
   grain.body.position[0] = x;
   grain.body.position[2] = z;
   grain.body.quaternion[0] = cos(0.5 * tilt * pi / 180.0);
@@ -150,12 +152,12 @@ int main(void)
 {
   /*                                      E      nu    eta1   eta2                         mu */
   static const char *const words[] = {"nfd", "1e7", "0.3", "400", "400", "tangential", "tfd", "0.5"};
-  EllgranLawParameters parameters;
+  EllgranLawParameters parameters = ELLGRAN_INIT(EllgranLawParameters);
   EllgranLaws *laws = NULL;
   const uint8_t is_set = 1;
-  const EllgranStep step = {TIME_STEP, 1};
-  EllgranContactGeometry geometry;
-  EllgranContactForce contact;
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
+  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
+  EllgranContactForce contact = ELLGRAN_INIT(EllgranContactForce);
   Grain i = new_grain(0.0, -0.006, 60.0, 0.0, 0.0);
   Grain j = new_grain(0.003, 0.0061, -75.0, -0.25, -0.5);
   double force_i[3] = {0.0, 0.0, 0.0}, force_j[3] = {0.0, 0.0, 0.0};
@@ -169,6 +171,8 @@ int main(void)
     fprintf(stderr, "ellgran.h and libellgran.a are of different versions\n");
     return EXIT_FAILURE;
   }
+  step.time_step = TIME_STEP;
+  step.advance_history = 1;
   i.body.identifier = 1;
   j.body.identifier = 2;
   check(ellgran_law_parameters_parse(sizeof words / sizeof *words, words, NULL, &parameters));

@@ -71,6 +71,7 @@ EllgranContact *EllgranContact::of(const IContactHistorySetup *owner)
 EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     owner(NULL),
     staged(NULL),
+    geometry(ELLGRAN_INIT(EllgranStagedGeometry)),
     laws(NULL),
     types(0),
     is_wall(is_wall_),
@@ -78,6 +79,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     needs_equivalent_radius(true),
     tangential_is_tfd(false),
     friction(NULL),
+    past(ELLGRAN_INIT(EllgranStagedPast)),
     memory_offset(-1),
     lmp(lmp_),
     users(0),
@@ -87,8 +89,6 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
     workspace(NULL),
     lists_before(-1)
 {
-  memset(&geometry, 0, sizeof(geometry));
-  memset(&past, 0, sizeof(past));
   check(ellgran_staged_new(&staged));
 }
 
@@ -111,7 +111,7 @@ void EllgranContact::check(int32_t status) const
 EllgranBody EllgranContact::ellipsoid(int i) const
 {
   const Atom *atom = lmp->atom;
-  EllgranBody body;
+  EllgranBody body = ELLGRAN_INIT(EllgranBody);
   memcpy(body.position, atom->x[i], sizeof(body.position));
   memcpy(body.quaternion, atom->quaternion[i], sizeof(body.quaternion));
   memcpy(body.semi_axes, atom->shape[i], sizeof(body.semi_axes));
@@ -138,7 +138,7 @@ void EllgranContact::check_blockiness(int i) const
 EllgranBody EllgranContact::sphere(int i, double radius) const
 {
   const Atom *atom = lmp->atom;
-  EllgranBody body;
+  EllgranBody body = ELLGRAN_INIT(EllgranBody);
   memcpy(body.position, atom->x[i], sizeof(body.position));
   body.quaternion[0] = 1.0;
   body.quaternion[1] = body.quaternion[2] = body.quaternion[3] = 0.0;
@@ -156,7 +156,7 @@ void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
   const double half = share(sidata.itype, sidata.jtype);
   const EllgranBody i = sphere(sidata.i, sidata.radi);
   if (sidata.is_wall) {
-    EllgranWallSurface wall;
+    EllgranWallSurface wall = ELLGRAN_INIT(EllgranWallSurface);
     for (int k = 0; k < 3; k++) {
       wall.point[k] = i.position[k] - sidata.en[k] * (sidata.radi - sidata.deltan);
       wall.normal[k] = sidata.en[k];
@@ -165,7 +165,6 @@ void EllgranContact::stage_spheres(const SurfacesIntersectData &sidata)
     }
     wall.curvatures[0] = wall.curvatures[1] = 0.0;
     wall.turning_radii[0] = wall.turning_radii[1] = HUGE_VAL;
-    wall.share = 1.0;
     check(ellgran_staged_wall(staged, &i, &wall, half, &geometry));
   } else {
     const EllgranBody j = sphere(sidata.j, sidata.radj);
@@ -195,8 +194,9 @@ void EllgranContact::check_particles() const
 {
   for (int i = 0; i < lmp->atom->nlocal; i++) {
     const EllgranBody body = ellipsoid(i);
-    EllgranContactGeometry unused;
-    const EllgranPlane plane = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}};
+    EllgranContactGeometry unused = ELLGRAN_INIT(EllgranContactGeometry);
+    EllgranPlane plane = ELLGRAN_INIT(EllgranPlane);
+    plane.normal[2] = 1.0;
     check(ellgran_contact_geometry_plane(&body, &plane, &unused));
   }
 }
@@ -205,8 +205,7 @@ EllgranParticles EllgranContact::particles() const
 {
   const Atom *const atom = lmp->atom;
   const int count = atom->nlocal + atom->nghost;
-  EllgranParticles all;
-  memset(&all, 0, sizeof(all));
+  EllgranParticles all = ELLGRAN_INIT(EllgranParticles);
   all.owned_count = atom->nlocal;
   all.count = count;
   if (count == 0) return all;
@@ -234,7 +233,7 @@ void EllgranContact::prepare_particles()
 
 EllgranStep EllgranContact::step(int advance_history) const
 {
-  EllgranStep step;
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = lmp->update->dt;
   step.advance_history = advance_history;
   return step;
@@ -242,7 +241,7 @@ EllgranStep EllgranContact::step(int advance_history) const
 
 void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
 {
-  std::vector<EllgranLawParameters> parameters(types * types);
+  std::vector<EllgranLawParameters> parameters(types * types, ELLGRAN_INIT(EllgranLawParameters));
   std::vector<uint8_t> is_set(types * types, 0);
   for (int k = 0; k < types; k++) {
     EllgranLawParameters &p = parameters[k * types + k];
@@ -260,7 +259,6 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, bool co
     p.bulk_viscosity = bulk[k + 1];
     is_set[k * types + k] = 1;
   }
-  for (int k = 0; k < types * types; k++) parameters[k].struct_version = ELLGRAN_ABI_VERSION;
   EllgranLaws *built = NULL;
   check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
   ellgran_laws_free(laws);
@@ -304,8 +302,7 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   if (!list_laws) build_list_laws();
   const EllgranParticles all = particles();
 
-  EllgranNeighbourList neighbours;
-  memset(&neighbours, 0, sizeof(neighbours));
+  EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
   neighbours.count = list->inum;
   neighbours.central = list->ilist;
   neighbours.neighbour_counts = list->numneigh;

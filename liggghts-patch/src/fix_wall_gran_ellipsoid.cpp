@@ -82,8 +82,7 @@ void FixWallGranEllipsoid::check(int32_t status) const
 
 EllgranBody FixWallGranEllipsoid::body(int i) const
 {
-  EllgranBody body;
-  memset(&body, 0, sizeof(body));
+  EllgranBody body = ELLGRAN_INIT(EllgranBody);
   vectorCopy3D(atom->x[i], body.position);
   vectorCopy4D(atom->quaternion[i], body.quaternion);
   vectorCopy3D(atom->shape[i], body.semi_axes);
@@ -150,7 +149,7 @@ void FixWallGranEllipsoid::find_walls()
 
 bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
 {
-  return contact.surface.share == 1.0;
+  return contact.surface.others_share == 0.0;
 }
 
 bool FixWallGranEllipsoid::in_group(int particle) const
@@ -272,7 +271,8 @@ void FixWallGranEllipsoid::post_force_primitive(int)
     contacts.clear();
     for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
       Contact contact;
-      contact.surface = ellgran_wall_contacts_get(found_, c)->surface;
+      contact.surface = ELLGRAN_INIT(EllgranWallSurface);
+      check(ellgran_wall_contacts_get(found_, c, NULL, &contact.surface));
       contact.mesh = contact.triangle = 0;
       if (shear_ && shearAxis_ >= 0) {
         double arm[3];
@@ -342,19 +342,20 @@ void FixWallGranEllipsoid::post_force_mesh(int)
       const EllgranBody particle = body(i);
       check(ellgran_triangle_contacts(found_, &particle, near.size(), &corners[0]));
       for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
-        const EllgranWallContact *const found = ellgran_wall_contacts_get(found_, c);
-        if (near[found->triangle].wall != own_wall_) continue;
+        EllgranWallContact found = ELLGRAN_INIT(EllgranWallContact);
         Contact contact;
-        contact.surface = found->surface;
-        contact.mesh = near[found->triangle].mesh;
-        contact.triangle = near[found->triangle].place;
+        contact.surface = ELLGRAN_INIT(EllgranWallSurface);
+        check(ellgran_wall_contacts_get(found_, c, &found, &contact.surface));
+        if (near[found.triangle].wall != own_wall_) continue;
+        contact.mesh = near[found.triangle].mesh;
+        contact.triangle = near[found.triangle].place;
         MultiVectorContainer<double, 3, 3> *const velocities =
             FixMesh_list_[contact.mesh]->triMesh()->prop().getElementProperty<MultiVectorContainer<double, 3, 3> >("v");
         if (velocities) {
           double **const v = velocities->begin()[contact.triangle];
           for (int k = 0; k < 3; k++)
             contact.surface.velocity[k] =
-                found->weights[0] * v[0][k] + found->weights[1] * v[1][k] + found->weights[2] * v[2][k];
+                found.weights[0] * v[0][k] + found.weights[1] * v[1][k] + found.weights[2] * v[2][k];
         }
         contacts.push_back(contact);
       }

@@ -88,7 +88,7 @@ public:
       contact->stage_spheres(sidata);
       if (!contact->geometry.touching) return;
     }
-    EllgranContactForce f;
+    EllgranContactForce f = ELLGRAN_INIT(EllgranContactForce);
     if (contact->tangential_is_tfd && contact->surface_is_ellipsoid) {
       // both at once: tangential tfd has nothing to add
       const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);

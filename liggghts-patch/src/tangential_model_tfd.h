@@ -78,7 +78,7 @@ public:
     contact->past.touched = own[3] != 0.0;
     contact->past.friction = friction[sidata.itype][sidata.jtype];
     const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
-    EllgranContactForce f;
+    EllgranContactForce f = ELLGRAN_INIT(EllgranContactForce);
     contact->check(ellgran_staged_tangential(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &step,
                                              &contact->past, &sidata.contact_history[memory_offset], &f));
     vectorCopy3D(contact->geometry.normal, own);

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact at a time: for per-contact engines, for inspection, and for anyone who links the law alone.
 
+use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, EllgranStep};
 use super::planes::EllgranPlane;
 use super::status::{
-    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER,
-    ELLGRAN_ERROR_PARTICLE,
+    at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::Vector3;
 use crate::pairs::one_contact::{geometry, geometry_with_plane, prepare_body, HaleRatio};
 use crate::pairs::particles::Particle;
 use crate::pairs::{one_contact, one_contact_with_plane, Body, ContactForces, Laws, OneContact};
+use libc::size_t;
 
 /// A body of one contact, world frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranBody {
+    /// `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Centre.
     pub position: [f64; 3],
     /// Rotation from body to world, (w, x, y, z); need not be of unit length.
@@ -36,10 +39,14 @@ pub struct EllgranBody {
     pub identifier: i64,
 }
 
+growing!(EllgranBody);
+
 /// Geometry of a contact.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactGeometry {
+    /// `sizeof(EllgranContactGeometry)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// 1 if the penetration is greater than 0.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies; minus the gap when they are apart.
@@ -60,10 +67,14 @@ pub struct EllgranContactGeometry {
     pub major_direction: [f64; 3],
 }
 
+growing!(EllgranContactGeometry);
+
 /// Force of a contact.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactForce {
+    /// `sizeof(EllgranContactForce)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Force on j, world frame; on i the opposite.
     pub force: [f64; 3],
     /// Torque on i about its own centre, world frame.
@@ -90,6 +101,8 @@ pub struct EllgranContactForce {
     pub contact_semi_axes: [f64; 2],
 }
 
+growing!(EllgranContactForce);
+
 impl EllgranBody {
     pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
         prepare_body(
@@ -112,6 +125,7 @@ impl EllgranBody {
 impl From<&OneContact> for EllgranContactGeometry {
     fn from(g: &OneContact) -> Self {
         EllgranContactGeometry {
+            size: size_of::<EllgranContactGeometry>(),
             touching: g.touching as i32,
             penetration: g.penetration,
             normal: g.normal.to_array(),
@@ -136,6 +150,7 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
         [a, a * e.axis_ratio]
     });
     EllgranContactForce {
+        size: size_of::<EllgranContactForce>(),
         force: f.force.to_array(),
         torque_i: f.torque_i.to_array(),
         torque_j: f.torque_j.to_array(),
@@ -169,6 +184,7 @@ fn flag<'a>(
 
 fn no_force() -> EllgranContactForce {
     EllgranContactForce {
+        size: size_of::<EllgranContactForce>(),
         force: [0.0; 3],
         torque_i: [0.0; 3],
         torque_j: [0.0; 3],
@@ -209,16 +225,18 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
         // SAFETY: promised by the caller, for all of this function.
         let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
         let types = laws.map(Laws::types);
-        let i = unsafe { required(i, "i") }?.to_core(types)?;
-        let j = unsafe { required(j, "j") }?.to_core(types)?;
+        let i = unsafe { given(i, "i") }?.to_core(types)?;
+        let j = unsafe { given(j, "j") }?.to_core(types)?;
         let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
             .map(|n| Vector3::from_array(*n))
             .filter(|n| n.is_finite() && n.norm() > 0.0);
-        let out = unsafe { required_mut(geometry, "geometry") }?;
+        let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share = laws.map_or(0.5, |l| {
             l.get(i.kind as usize, j.kind as usize).constants.share_i
         });
-        *out = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
+        out.write(&EllgranContactGeometry::from(&self::geometry(
+            &i, &j, share, start,
+        )));
         Ok(())
     })
 }
@@ -236,10 +254,12 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 ) -> i32 {
     at_border("ellgran_contact_geometry_plane", || {
         // SAFETY: promised by the caller, for all of this function.
-        let i = unsafe { required(i, "i") }?.to_core(None)?;
-        let plane = unsafe { required(plane, "plane") }?.to_core()?;
-        let out = unsafe { required_mut(geometry, "geometry") }?;
-        *out = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
+        let i = unsafe { given(i, "i") }?.to_core(None)?;
+        let plane = unsafe { given(plane, "plane") }?.to_core()?;
+        let mut out = unsafe { Output::new(geometry, "geometry") }?;
+        out.write(&EllgranContactGeometry::from(&geometry_with_plane(
+            &i, &plane, 0.5,
+        )));
         Ok(())
     })
 }
@@ -266,30 +286,31 @@ pub unsafe extern "C" fn ellgran_contact(
     at_border("ellgran_contact", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let (i, j) = (
             bi.to_core(Some(laws.types()))?,
             bj.to_core(Some(laws.types()))?,
         );
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
-        let force = unsafe { required_mut(force, "force") }?;
+        let mut force = unsafe { Output::new(force, "force") }?;
+        let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
         let result = one_contact(laws, &i, &j, &step, &mut touches, history)
-            .map_err(law_failure(bi, Some(bj)))?;
+            .map_err(law_failure(&bi, Some(&bj)))?;
         *touching = touches as i32;
         let law = laws.get(i.kind as usize, j.kind as usize);
-        *force = match &result {
+        force.write(&match &result {
             Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
             None => no_force(),
-        };
-        if let Some(out) = unsafe { geometry.as_mut() } {
-            *out = match &result {
+        });
+        if let Some(mut out) = out {
+            out.write(&match &result {
                 Some((g, _)) => EllgranContactGeometry::from(g),
                 None => (&self::geometry(&i, &j, law.constants.share_i, None)).into(),
-            };
+            });
         }
         Ok(())
     })
@@ -316,30 +337,31 @@ pub unsafe extern "C" fn ellgran_contact_plane(
     at_border("ellgran_contact_plane", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let bi = unsafe { required(i, "i") }?;
+        let bi = unsafe { given(i, "i") }?;
         let i = bi.to_core(Some(laws.types()))?;
-        let plane = unsafe { required(plane, "plane") }?.to_core()?;
+        let plane = unsafe { given(plane, "plane") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
-        let force = unsafe { required_mut(force, "force") }?;
+        let mut force = unsafe { Output::new(force, "force") }?;
+        let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
         let result =
             one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, history)
-                .map_err(law_failure(bi, None))?;
+                .map_err(law_failure(&bi, None))?;
         *touching = touches as i32;
         let law = laws.get(i.kind as usize, wall_type);
-        *force = match &result {
+        force.write(&match &result {
             Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
             None => no_force(),
-        };
-        if let Some(out) = unsafe { geometry.as_mut() } {
-            *out = match &result {
+        });
+        if let Some(mut out) = out {
+            out.write(&match &result {
                 Some((g, _)) => EllgranContactGeometry::from(g),
                 None => (&geometry_with_plane(&i, &plane, law.constants.share_i)).into(),
-            };
+            });
         }
         Ok(())
     })

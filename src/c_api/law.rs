@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Laws: parameters, the words of a deck, and the table of all pairs of types.
 
+use super::growing::{growing, GivenArray, Output};
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
 };
-use super::version::ELLGRAN_ABI_VERSION;
 use crate::force::syntax;
 use crate::force::{
     Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
@@ -64,8 +64,8 @@ pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {
-    /// ELLGRAN_ABI_VERSION; set by `ellgran_law_parameters_default`.
-    pub struct_version: u32,
+    /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// ELLGRAN_NORMAL_*
     pub normal: i32,
     /// ELLGRAN_DAMPING_*
@@ -108,6 +108,8 @@ pub struct EllgranLawParameters {
     pub tangential_damping: f64,
 }
 
+growing!(EllgranLawParameters);
+
 /// The laws between all types of a scene. Opaque, immutable.
 pub struct EllgranLaws {
     pub(super) laws: Laws,
@@ -116,7 +118,7 @@ pub struct EllgranLaws {
 impl From<&LawParameters> for EllgranLawParameters {
     fn from(p: &LawParameters) -> Self {
         EllgranLawParameters {
-            struct_version: ELLGRAN_ABI_VERSION,
+            size: size_of::<EllgranLawParameters>(),
             normal: match p.normal {
                 Normal::Hertz => ELLGRAN_NORMAL_HERTZ,
                 Normal::Nfd => ELLGRAN_NORMAL_NFD,
@@ -182,16 +184,6 @@ fn choose<T: Copy>(name: &str, value: i32, choices: &[T]) -> Result<T, Failure> 
 
 impl EllgranLawParameters {
     fn to_core(self) -> Result<LawParameters, Failure> {
-        if self.struct_version != ELLGRAN_ABI_VERSION {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!(
-                    "struct_version = {} of the law parameters is not {ELLGRAN_ABI_VERSION}: start from \
-                     ellgran_law_parameters_default",
-                    self.struct_version
-                ),
-            ));
-        }
         Ok(LawParameters {
             normal: choose(
                 "normal",
@@ -270,8 +262,8 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 ) -> i32 {
     at_border("ellgran_law_parameters_default", || {
         // SAFETY: promised by the caller.
-        let out = unsafe { required_mut(parameters, "parameters") }?;
-        *out = EllgranLawParameters::from(&LawParameters::default());
+        let mut out = unsafe { Output::new(parameters, "parameters") }?;
+        out.write(&EllgranLawParameters::from(&LawParameters::default()));
         Ok(())
     })
 }
@@ -309,7 +301,7 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
             })?);
         }
         // SAFETY: promised by the caller.
-        let out = unsafe { required_mut(parameters, "parameters") }?;
+        let mut out = unsafe { Output::new(parameters, "parameters") }?;
         let (p, read) = syntax::parse(&texts).map_err(law_failure)?;
         // SAFETY: promised by the caller.
         match unsafe { consumed.as_mut() } {
@@ -322,14 +314,15 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
             }
             None => {}
         }
-        *out = EllgranLawParameters::from(&p);
+        out.write(&EllgranLawParameters::from(&p));
         Ok(())
     })
 }
 
 /// Builds the laws of a scene with `type_count` types, counted from 1.
 ///
-/// `parameters` and `is_set` are `type_count` x `type_count`, row by row; a pair may be set as I J or as J I. A pair that
+/// `parameters` and `is_set` are `type_count` x `type_count`, row by row; the first entry of `parameters` has its size even
+/// where it is not set. A pair may be set as I J or as J I. A pair that
 /// is not set is mixed from I I and J J: moduli in series, relaxation times by compliance, friction and restitution by
 /// geometric mean; laws of different kinds cannot be mixed.
 ///
@@ -362,14 +355,18 @@ pub unsafe extern "C" fn ellgran_laws_new(
             ));
         }
         // SAFETY: promised by the caller.
-        let given = unsafe { slice(parameters, types * types, "parameters") }?;
+        let given = unsafe { GivenArray::new(parameters, types * types, "parameters") }?;
         // SAFETY: promised by the caller.
         let set = unsafe { slice(is_set, types * types, "is_set") }?;
         // SAFETY: promised by the caller.
         let out = unsafe { required_mut(laws, "laws") }?;
         let mut table = Vec::with_capacity(types * types);
-        for (p, s) in given.iter().zip(set) {
-            table.push(if *s != 0 { Some(p.to_core()?) } else { None });
+        for (k, s) in set.iter().enumerate() {
+            table.push(if *s != 0 {
+                Some(given.get(k)?.to_core()?)
+            } else {
+                None
+            });
         }
         let warm = options & ELLGRAN_OPTION_NO_WARM_START == 0;
         let built = Laws::new(types, &table, warm).map_err(law_failure)?;

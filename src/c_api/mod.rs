@@ -6,6 +6,7 @@
 //! - output is written only on success; every pointer that must not be NULL is checked and named in the message;
 //! - the message of the last failure in this thread is in `ellgran_last_error()`;
 //! - a panic is caught here and becomes `ELLGRAN_ERROR_PANIC`;
+//! - every struct begins with its size, so that it can grow (`growing`);
 //! - handles come in `_new`/`_free` pairs; `EllgranLaws` is immutable, so threads share it; an `EllgranWorkspace`
 //!   belongs to one thread at a time;
 //! - no allocation, lock or I/O inside a step, but for a workspace that grows with the number of particles.
@@ -15,6 +16,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod contact;
+pub mod growing;
 mod huge_pages;
 pub mod law;
 pub mod neighbour_list;

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A whole neighbour list in one call: the path for speed.
 
+use super::growing::{given, growing};
 use super::law::EllgranLaws;
 use super::particles::{
     hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
     Purpose,
 };
 use super::status::{
-    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    at_border, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
-use super::tallies::{borrow, write_back, EllgranTallies};
+use super::tallies::{borrow, Asked, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
 use libc::size_t;
@@ -19,6 +20,8 @@ use libc::size_t;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranNeighbourList {
+    /// `sizeof(EllgranNeighbourList)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Number of central particles.
     pub count: size_t,
     /// Their indices, [count].
@@ -33,10 +36,6 @@ pub struct EllgranNeighbourList {
     pub special_shift: i32,
     /// [4] or NULL; a pair whose factor is 0 is left out. Other factors do not scale a contact force.
     pub special_factors: *const f64,
-    /// One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
-    pub touching: *const *mut i32,
-    /// History per neighbour, by particle index, written. NULL if the history length is 0.
-    pub history: *const *mut f64,
     /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
     /// with a ghost appears on both ranks.
     pub newton: i32,
@@ -48,7 +47,13 @@ pub struct EllgranNeighbourList {
     /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
     /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
     pub keep_history: i32,
+    /// One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
+    pub touching: *const *mut i32,
+    /// History per neighbour, by particle index, written. NULL if the history length is 0.
+    pub history: *const *mut f64,
 }
+
+growing!(EllgranNeighbourList);
 
 struct Rows<'a> {
     central: &'a [i32],
@@ -163,9 +168,9 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
     at_border("ellgran_compute_pairs", || {
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
-        let p = unsafe { required(particles, "particles") }?;
-        let list = unsafe { required(list, "list") }?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let p = &*unsafe { given(particles, "particles") }?;
+        let list = &*unsafe { given(list, "list") }?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let length = laws.layout().length;
         if list.unchanged == 0 && workspace.has_unwritten_history() {
             return Err(Failure::new(
@@ -233,8 +238,9 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         }
         let forces = unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), p.count, "forces") }?;
         let torques = unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), p.count, "torques") }?;
-        let mut sums = match unsafe { tallies.as_ref() } {
-            Some(t) => Some(unsafe { borrow(t, p.count) }?),
+        let mut asked = unsafe { Asked::new(tallies) }?;
+        let mut sums = match &asked {
+            Some(asked) => Some(unsafe { borrow(&asked.given, p.count) }?),
             None => None,
         };
         let purpose = Purpose::Pairs {
@@ -268,8 +274,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         )
         .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
         workspace.many_starts += many_starts;
-        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
-            write_back(out, &sums);
+        if let (Some(asked), Some(sums)) = (&mut asked, sums) {
+            asked.write(&sums);
         }
         Ok(())
     })
@@ -288,7 +294,7 @@ pub unsafe extern "C" fn ellgran_write_history(
     at_border("ellgran_write_history", || {
         // SAFETY: promised by the caller.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
-        let list = unsafe { required(list, "list") }?;
+        let list = &*unsafe { given(list, "list") }?;
         if !workspace.has_unwritten_history() {
             return Ok(());
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An engine's particle arrays and the workspace of a step.
 
+use super::growing::growing;
 use super::status::{
     at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_HALE,
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
@@ -13,6 +14,8 @@ use libc::{c_char, c_void, size_t};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranParticles {
+    /// `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Particles that the caller owns.
     pub owned_count: size_t,
     /// All particles, ghosts included.
@@ -53,15 +56,21 @@ pub struct EllgranParticles {
     pub torques: *mut f64,
 }
 
+growing!(EllgranParticles);
+
 /// Time step, and whether the history advances.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStep {
-    /// Time step: the velocities moved the particles over it to where they are.
-    pub time_step: f64,
+    /// `sizeof(EllgranStep)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// 1 in a step; 0 in the set-up of a run: forces from the history as it stands.
     pub advance_history: i32,
+    /// Time step: the velocities moved the particles over it to where they are.
+    pub time_step: f64,
 }
+
+growing!(EllgranStep);
 
 /// Memory that one thread of calls keeps from step to step. Opaque.
 pub struct EllgranWorkspace {

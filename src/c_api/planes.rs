@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Plane walls against all owned particles in one call.
 
+use super::growing::{given, growing, GivenArray};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{
     hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
     Purpose,
 };
-use super::status::{at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use super::tallies::{borrow, write_back, EllgranTallies};
+use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::tallies::{borrow, Asked, EllgranTallies};
 use crate::geometry::{Plane, Vector3};
 use crate::pairs::planes::WallArrays;
 use crate::pairs::{compute_planes, MovingPlane};
@@ -17,6 +18,8 @@ use libc::size_t;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranPlane {
+    /// `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// A point of its surface.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the particles; any length but zero.
@@ -24,6 +27,8 @@ pub struct EllgranPlane {
     /// Velocity.
     pub velocity: [f64; 3],
 }
+
+growing!(EllgranPlane);
 
 impl EllgranPlane {
     pub(super) fn to_core(self) -> Result<MovingPlane, Failure> {
@@ -83,12 +88,13 @@ pub unsafe extern "C" fn ellgran_compute_planes(
     at_border("ellgran_compute_planes", || {
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
-        let p = unsafe { required(particles, "particles") }?;
-        let step = unsafe { required(step, "step") }?.to_core()?;
+        let p = &*unsafe { given(particles, "particles") }?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
         workspace.walls.clear();
-        for plane in unsafe { slice(planes, wall_count, "planes") }? {
-            workspace.walls.push(plane.to_core()?);
+        let planes = unsafe { GivenArray::new(planes, wall_count, "planes") }?;
+        for k in 0..wall_count {
+            workspace.walls.push(planes.get(k)?.to_core()?);
         }
         let owned = p.owned_count;
         let length = laws.layout().length;
@@ -111,8 +117,9 @@ pub unsafe extern "C" fn ellgran_compute_planes(
                 unsafe { slice_mut(wall_forces.cast::<[f64; 3]>(), wall_count, "wall_forces") }?
             },
         };
-        let mut sums = match unsafe { tallies.as_ref() } {
-            Some(t) => Some(unsafe { borrow(t, owned) }?),
+        let mut asked = unsafe { Asked::new(tallies) }?;
+        let mut sums = match &asked {
+            Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
             None => None,
         };
         unsafe { prepare(p, owned, Some(laws), workspace, Purpose::SingleContacts) }?;
@@ -126,8 +133,8 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             sums.as_mut(),
         )
         .map_err(|e| hale_failure(identifier(p, e.i), None, e.ratio))?;
-        if let (Some(out), Some(sums)) = (unsafe { tallies.as_mut() }, sums) {
-            write_back(out, &sums);
+        if let (Some(asked), Some(sums)) = (&mut asked, sums) {
+            asked.write(&sums);
         }
         Ok(())
     })

@@ -2,6 +2,7 @@
 //! One contact in stages, for engines whose users combine surface, normal and tangential models themselves.
 
 use super::contact::{force_of, EllgranBody, EllgranContactForce};
+use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
@@ -17,6 +18,8 @@ use libc::size_t;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallSurface {
+    /// `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// The point of the surface that lies deepest in the body, world frame.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the body; any length but zero.
@@ -31,13 +34,16 @@ pub struct EllgranWallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there.
     pub velocity: [f64; 3],
-    /// The share of the law by which the surface acts, from 0 to 1: 1, but where several faces of a mesh share a contact.
-    pub share: f64,
-    /// Gradient of the share along the position of the body, 1/length; not read where the share is 1.
-    pub share_by_position: [f64; 3],
-    /// Gradient of the share along the rotation of the body about its centre, 1/radian, world frame.
-    pub share_by_rotation: [f64; 3],
+    /// The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+    /// alone.
+    pub others_share: f64,
+    /// Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+    pub others_share_by_position: [f64; 3],
+    /// Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+    pub others_share_by_rotation: [f64; 3],
 }
+
+growing!(EllgranWallSurface);
 
 impl EllgranWallSurface {
     pub(super) fn to_core(self) -> Result<WallSurface, Failure> {
@@ -49,10 +55,10 @@ impl EllgranWallSurface {
         );
         let numbers = self.curvatures.iter().all(|k| k.is_finite())
             && self.turning_radii.iter().all(|r| !r.is_nan())
-            && (0.0..=1.0).contains(&self.share)
-            && (self.share == 1.0
-                || Vector3::from_array(self.share_by_position).is_finite()
-                    && Vector3::from_array(self.share_by_rotation).is_finite());
+            && (0.0..=1.0).contains(&self.others_share)
+            && (self.others_share == 0.0
+                || Vector3::from_array(self.others_share_by_position).is_finite()
+                    && Vector3::from_array(self.others_share_by_rotation).is_finite());
         if !(length > 0.0
             && length.is_finite()
             && point.is_finite()
@@ -88,9 +94,9 @@ impl EllgranWallSurface {
             turning_radii: self.turning_radii,
             velocity,
             share: Share {
-                value: self.share,
-                by_position: Vector3::from_array(self.share_by_position),
-                by_rotation: Vector3::from_array(self.share_by_rotation),
+                value: 1.0 - self.others_share,
+                by_position: -Vector3::from_array(self.others_share_by_position),
+                by_rotation: -Vector3::from_array(self.others_share_by_rotation),
             },
         })
     }
@@ -100,7 +106,9 @@ impl EllgranWallSurface {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedGeometry {
-    /// 1 if the bodies touch; otherwise the rest says nothing.
+    /// `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// 1 if the bodies touch; otherwise the rest is zero.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies.
     pub penetration: f64,
@@ -110,10 +118,14 @@ pub struct EllgranStagedGeometry {
     pub contact_point: [f64; 3],
 }
 
+growing!(EllgranStagedGeometry);
+
 /// What is remembered of a contact, and what the tangential law needs beside its law.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedPast {
+    /// `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Coefficient of friction of the pair of types.
     pub friction: f64,
     /// 1 if the bodies touched at the last step.
@@ -121,6 +133,8 @@ pub struct EllgranStagedPast {
     /// Their normal then; changes sign when the pair is swapped.
     pub normal: [f64; 3],
 }
+
+growing!(EllgranStagedPast);
 
 /// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
 pub struct EllgranStagedContact {
@@ -145,13 +159,24 @@ impl EllgranStagedContact {
         hale_failure(self.identifiers.0, self.identifiers.1, ratio.0)
     }
 
-    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut EllgranStagedGeometry) {
-        out.touching = self.contact.is_some() as i32;
-        if let Some(contact) = &self.contact {
-            out.penetration = contact.penetration();
-            out.normal = contact.normal().to_array();
-            out.contact_point = contact.contact_point(centre_i, share_i).to_array();
-        }
+    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut Output<EllgranStagedGeometry>) {
+        let size = size_of::<EllgranStagedGeometry>();
+        out.write(&match &self.contact {
+            Some(contact) => EllgranStagedGeometry {
+                size,
+                touching: 1,
+                penetration: contact.penetration(),
+                normal: contact.normal().to_array(),
+                contact_point: contact.contact_point(centre_i, share_i).to_array(),
+            },
+            None => EllgranStagedGeometry {
+                size,
+                touching: 0,
+                penetration: 0.0,
+                normal: [0.0; 3],
+                contact_point: [0.0; 3],
+            },
+        });
     }
 }
 
@@ -210,7 +235,7 @@ pub unsafe extern "C" fn ellgran_staged_prepare(
     at_border("ellgran_staged_prepare", || {
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required_mut(staged, "staged") }?;
-        let p = unsafe { required(particles, "particles") }?;
+        let p = &*unsafe { given(particles, "particles") }?;
         staged.names.clear();
         unsafe {
             prepare(
@@ -241,10 +266,10 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
 ) -> i32 {
     at_border("ellgran_staged_neighbours", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
@@ -266,13 +291,13 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
         );
         *cache = normal.to_array();
         staged.identifiers = (name_i, Some(name_j));
-        staged.write(position, share_i, out);
+        staged.write(position, share_i, &mut out);
         Ok(())
     })
 }
 
-/// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0 and the rest of it
-/// is not written. Types are not read.
+/// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
+/// rest of it. Types are not read.
 ///
 /// `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
 /// is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
@@ -290,13 +315,13 @@ pub unsafe extern "C" fn ellgran_staged_pair(
 ) -> i32 {
     at_border("ellgran_staged_pair", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
-        let (bi, bj) = unsafe { (required(i, "i")?, required(j, "j")?) };
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
         let share_i = checked_share(share_i)?;
         let (i, j) = (bi.to_core(None)?, bj.to_core(None)?);
@@ -304,7 +329,7 @@ pub unsafe extern "C" fn ellgran_staged_pair(
         StagedContact::of_pair(&i, &j, &mut normal, &mut staged.contact);
         *cache = normal.to_array();
         staged.identifiers = (bi.identifier, Some(bj.identifier));
-        staged.write(i.position, share_i, out);
+        staged.write(i.position, share_i, &mut out);
         Ok(())
     })
 }
@@ -323,18 +348,18 @@ pub unsafe extern "C" fn ellgran_staged_wall(
 ) -> i32 {
     at_border("ellgran_staged_wall", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (staged, out) = unsafe {
+        let (staged, mut out) = unsafe {
             (
                 required_mut(staged, "staged")?,
-                required_mut(geometry, "geometry")?,
+                Output::new(geometry, "geometry")?,
             )
         };
-        let (bi, wall) = unsafe { (required(i, "i")?, required(wall, "wall")?) };
+        let (bi, wall) = unsafe { (given(i, "i")?, given(wall, "wall")?) };
         let share_i = checked_share(share_i)?;
         let i = bi.to_core(None)?;
         staged.contact = StagedContact::of_wall(&i, &wall.to_core()?);
         staged.identifiers = (bi.identifier, None);
-        staged.write(i.position, share_i, out);
+        staged.write(i.position, share_i, &mut out);
         Ok(())
     })
 }
@@ -377,7 +402,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required(staged, "staged") }?;
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        let out = unsafe { required_mut(force, "force") }?;
+        let mut out = unsafe { Output::new(force, "force") }?;
         let law = laws.get(
             check_type(laws, type_i, "type_i")?,
             check_type(laws, type_j, "type_j")?,
@@ -386,7 +411,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
         let f = contact
             .normal_force(law, effective_mass)
             .map_err(|ratio| staged.hale(ratio))?;
-        *out = force_of(None, &f);
+        out.write(&force_of(None, &f));
         Ok(())
     })
 }
@@ -484,10 +509,10 @@ unsafe fn with_past(
     // SAFETY: promised by the caller, for all of this function.
     let staged = unsafe { required(staged, "staged") }?;
     let laws = &unsafe { required(laws, "laws") }?.laws;
-    let out = unsafe { required_mut(force, "force") }?;
-    let past = unsafe { required(past, "past") }?;
+    let mut out = unsafe { Output::new(force, "force") }?;
+    let past = unsafe { given(past, "past") }?;
     let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
-    let step = unsafe { required(step, "step") }?.to_core()?;
+    let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,
         check_type(laws, type_j, "type_j")?,
@@ -513,6 +538,6 @@ unsafe fn with_past(
     };
     let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
     *memory = past.memory.to_array();
-    *out = force_of(None, &f);
+    out.write(&force_of(None, &f));
     Ok(())
 }

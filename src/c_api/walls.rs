@@ -2,6 +2,7 @@
 //! Where an ellipsoid touches a wall: plane, cylinder, triangles. What `ellgran_staged_wall` is then told.
 
 use super::contact::EllgranBody;
+use super::growing::{given, growing, Output};
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::geometry::cylinder::{touch_cylinder, Cylinder};
@@ -10,38 +11,41 @@ use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
 use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
 use libc::size_t;
 
-/// A contact of an ellipsoid with a wall.
+/// Which triangle stands for a contact of an ellipsoid with a wall.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallContact {
-    /// The wall's surface; its velocity is zero and is the caller's to set.
-    pub surface: EllgranWallSurface,
+    /// `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
     /// Index of the triangle that stands for the contact, 0 where there are none.
     pub triangle: size_t,
     /// Weights of that triangle's corners at the point of the surface; the velocity there is their mean so weighted.
     pub weights: [f64; 3],
 }
 
+growing!(EllgranWallContact);
+
 /// Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
 /// or triangles than any before it.
 #[derive(Default)]
 pub struct EllgranWallContacts {
-    all: Vec<EllgranWallContact>,
+    all: Vec<(EllgranWallContact, EllgranWallSurface)>,
     triangles: Vec<Triangle>,
     search: TriangleSearch,
 }
 
 fn surface(point: Vector3, normal: Vector3, share: &Share) -> EllgranWallSurface {
     EllgranWallSurface {
+        size: size_of::<EllgranWallSurface>(),
         point: point.to_array(),
         normal: normal.to_array(),
         direction: Tangent::new(normal).u.to_array(),
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: [0.0; 3],
-        share: share.value,
-        share_by_position: share.by_position.to_array(),
-        share_by_rotation: share.by_rotation.to_array(),
+        others_share: 1.0 - share.value,
+        others_share_by_position: (-share.by_position).to_array(),
+        others_share_by_rotation: (-share.by_rotation).to_array(),
     }
 }
 
@@ -83,20 +87,43 @@ pub unsafe extern "C" fn ellgran_wall_contacts_count(
     unsafe { contacts.as_ref() }.map_or(0, |c| c.all.len())
 }
 
-/// The contact of this index, of the last call; NULL if there is none. Valid until the next call.
+/// The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
+/// and, unless `contact` is NULL, the triangle.
 ///
 /// # Safety
-/// `contacts` is NULL or valid.
+/// The pointers are NULL or valid.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_contacts_get(
     contacts: *const EllgranWallContacts,
     index: size_t,
-) -> *const EllgranWallContact {
-    // SAFETY: promised by the caller.
-    unsafe { contacts.as_ref() }
-        .and_then(|c| c.all.get(index))
-        .map_or(core::ptr::null(), core::ptr::from_ref)
+    contact: *mut EllgranWallContact,
+    surface: *mut EllgranWallSurface,
+) -> i32 {
+    at_border("ellgran_wall_contacts_get", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let all = &unsafe { required(contacts, "contacts") }?.all;
+        let of_contact = unsafe { Output::optional(contact, "contact") }?;
+        let mut of_surface = unsafe { Output::new(surface, "surface") }?;
+        let (contact, surface) = all.get(index).ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("index = {index} is not one of {} contacts", all.len()),
+            )
+        })?;
+        of_surface.write(surface);
+        if let Some(mut out) = of_contact {
+            out.write(contact);
+        }
+        Ok(())
+    })
 }
+
+/// A contact where there are no triangles.
+const NO_TRIANGLE: EllgranWallContact = EllgranWallContact {
+    size: size_of::<EllgranWallContact>(),
+    triangle: 0,
+    weights: [0.0; 3],
+};
 
 /// The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.
 ///
@@ -112,7 +139,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
     at_border("ellgran_plane_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let point = unsafe { vector(point, "point") }?;
         let mut normal = unsafe { direction(normal, "normal") }?;
         if normal.dot(body.position - point) < 0.0 {
@@ -122,11 +149,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         let found = touch_plane(&body.body, body.position, &Plane { point, normal });
         if found.penetration > 0.0 {
             let deepest = body.position + found.support.point - found.normal * found.penetration;
-            contacts.all.push(EllgranWallContact {
-                surface: surface(deepest, normal, &Share::WHOLE),
-                triangle: 0,
-                weights: [0.0; 3],
-            });
+            contacts.all.push((NO_TRIANGLE, surface(deepest, normal, &Share::WHOLE)));
         }
         Ok(())
     })
@@ -148,7 +171,7 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
     at_border("ellgran_cylinder_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let cylinder = Cylinder {
             point: unsafe { vector(point, "point") }?,
             axis: unsafe { direction(axis, "axis") }?,
@@ -164,16 +187,13 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
         let all = &mut contacts.all;
         touch_cylinder(&body.body, body.position, &cylinder, |c| {
             let signed = if c.within { -radius } else { radius };
-            all.push(EllgranWallContact {
-                surface: EllgranWallSurface {
-                    direction: cylinder.axis.cross(c.normal).to_array(),
-                    curvatures: [1.0 / signed, 0.0],
-                    turning_radii: [signed, f64::INFINITY],
-                    ..surface(c.point, c.normal, &Share::WHOLE)
-                },
-                triangle: 0,
-                weights: [0.0; 3],
-            });
+            let surface = EllgranWallSurface {
+                direction: cylinder.axis.cross(c.normal).to_array(),
+                curvatures: [1.0 / signed, 0.0],
+                turning_radii: [signed, f64::INFINITY],
+                ..surface(c.point, c.normal, &Share::WHOLE)
+            };
+            all.push((NO_TRIANGLE, surface));
         });
         Ok(())
     })
@@ -199,7 +219,7 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
     at_border("ellgran_triangle_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
-        let body = unsafe { required(body, "body") }?.to_core(None)?;
+        let body = unsafe { given(body, "body") }?.to_core(None)?;
         let corners = unsafe { slice(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
         let EllgranWallContacts {
             all,
@@ -221,22 +241,24 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         search.touch(&body.body, body.position, triangles);
         all.extend(search.contacts().iter().map(|c| {
             let flat = surface(c.point, c.normal, &c.share);
-            EllgranWallContact {
-                surface: match c.feature {
-                    Feature::Face => flat,
-                    Feature::Edge(along) => EllgranWallSurface {
-                        direction: along.cross(c.normal).to_array(),
-                        turning_radii: [0.0, f64::INFINITY],
-                        ..flat
-                    },
-                    Feature::Corner => EllgranWallSurface {
-                        turning_radii: [0.0; 2],
-                        ..flat
-                    },
+            let surface = match c.feature {
+                Feature::Face => flat,
+                Feature::Edge(along) => EllgranWallSurface {
+                    direction: along.cross(c.normal).to_array(),
+                    turning_radii: [0.0, f64::INFINITY],
+                    ..flat
                 },
+                Feature::Corner => EllgranWallSurface {
+                    turning_radii: [0.0; 2],
+                    ..flat
+                },
+            };
+            let contact = EllgranWallContact {
                 triangle: c.triangle,
                 weights: weights(&triangles[c.triangle], c.point),
-            }
+                ..NO_TRIANGLE
+            };
+            (contact, surface)
         }));
         Ok(())
     })

@@ -26,7 +26,7 @@ fn slide(laws: &Laws, kinds: [i32; 2]) -> ([f64; 3], Vec<f64>) {
     [i.kind, j.kind] = kinds;
     i.semi_axes = [1.0, 0.8, 0.9];
     j.velocity = [0.0, 0.3, 0.2];
-    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut force = Untouched::<EllgranContactForce>::sized();
     let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
     for _ in 0..10 {
         // SAFETY: all pointers are valid.

@@ -252,7 +252,7 @@ fn a_swapped_history_is_that_of_the_other_order() {
             let run = |a: usize, b: usize| {
                 let (mut touching, mut history) = (0, vec![0.0; length]);
                 let mut moving = bodies.clone();
-                let mut force = Untouched::new();
+                let mut force = Untouched::sized();
                 for _ in 0..5 {
                     advance(&mut moving, STEP.time_step);
                     // SAFETY: all pointers are valid.

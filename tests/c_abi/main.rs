@@ -7,6 +7,7 @@
 mod emulator;
 mod errors;
 mod friction;
+mod growing;
 mod instruction_sets;
 mod kept_history;
 mod lists;

@@ -15,6 +15,7 @@ use crate::scene::*;
 
 const FRICTION: &str = "hertz 1e4 0.3 damping restitution 0.5 tangential mindlin 0.5";
 const PLANE: EllgranPlane = EllgranPlane {
+    size: size_of::<EllgranPlane>(),
     point: [0.0, 0.0, -0.9],
     normal: [0.0, 0.0, 1.0],
     velocity: [0.0; 3],
@@ -32,7 +33,7 @@ fn is_null(status: i32, name: &str) {
 #[test]
 fn contact_geometry() {
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut out = Untouched::<EllgranContactGeometry>::new();
+    let mut out = Untouched::<EllgranContactGeometry>::sized();
     let (n, o) = (null(), out.pointer());
     // SAFETY: pointers are NULL or valid.
     unsafe {
@@ -56,8 +57,8 @@ fn contact_geometry() {
 fn one_contact() {
     let laws = Laws::new(&[FRICTION]);
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut geometry = Untouched::<EllgranContactGeometry>::new();
-    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut geometry = Untouched::<EllgranContactGeometry>::sized();
+    let mut force = Untouched::<EllgranContactForce>::sized();
     let mut touching = Untouched::<i32>::new();
     let mut history = Untouched::<[f64; 7]>::new();
     assert_eq!(laws.length(), 7);
@@ -113,7 +114,7 @@ fn what_may_be_null_in_one_contact() {
     let laws = Laws::with_options(&["hertz 1e4 0.3"], ELLGRAN_OPTION_NO_WARM_START);
     assert_eq!(laws.length(), 0);
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut force = Untouched::<EllgranContactForce>::sized();
     let (t, h, g) = (null_mut(), null_mut(), null_mut());
     // SAFETY: pointers are NULL or valid; the force is written on success.
     unsafe {
@@ -147,7 +148,7 @@ fn what_may_be_null_in_one_contact() {
 fn laws() {
     let laws = Laws::new(&[FRICTION]);
     let parameters = parse(FRICTION);
-    let mut out = Untouched::<EllgranLawParameters>::new();
+    let mut out = Untouched::<EllgranLawParameters>::sized();
     let mut read = Untouched::<usize>::new();
     let mut made = Untouched::<*mut EllgranLaws>::new();
     let mut target = Untouched::<[f64; 7]>::new();

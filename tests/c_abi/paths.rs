@@ -291,8 +291,8 @@ impl Comparison {
             let mut roundings = vec![Vec::new(); OWNED];
             for i in 0..OWNED {
                 for (m, j) in alone.rows[i].iter().map(|j| *j as usize).enumerate() {
-                    let mut force = Untouched::<EllgranContactForce>::new();
-                    let mut geometry = Untouched::<EllgranContactGeometry>::new();
+                    let mut force = Untouched::<EllgranContactForce>::sized();
+                    let mut geometry = Untouched::<EllgranContactGeometry>::sized();
                     let flag = &mut alone.touching[i][m];
                     let before = *flag;
                     let history = &mut alone.history[i][m * length..(m + 1) * length];

@@ -6,6 +6,7 @@ use std::mem::MaybeUninit;
 use std::ptr;
 
 use ellgran::c_api::contact::EllgranBody;
+use ellgran::c_api::growing::Growing;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::*;
@@ -46,10 +47,10 @@ pub fn parse_status(deck: &str, consumed: *mut usize, out: *mut EllgranLawParame
 }
 
 pub fn parse(deck: &str) -> EllgranLawParameters {
-    let mut out = MaybeUninit::uninit();
-    ok(parse_status(deck, ptr::null_mut(), out.as_mut_ptr()));
+    let mut out = Untouched::sized();
+    ok(parse_status(deck, ptr::null_mut(), out.pointer()));
     // SAFETY: written on success.
-    unsafe { out.assume_init() }
+    unsafe { *out.pointer() }
 }
 
 /// Laws of as many types as there are lines; pairs of types are mixed.
@@ -114,7 +115,11 @@ impl Drop for WorkspaceHandle {
 }
 
 /// Output filled with a pattern, to see that a failing call leaves it alone.
-pub struct Untouched<T>(Box<MaybeUninit<T>>);
+pub struct Untouched<T> {
+    bytes: Box<MaybeUninit<T>>,
+    /// Where the pattern begins: behind the size of a struct of the interface.
+    first: usize,
+}
 
 const PATTERN: u8 = 0xA5;
 
@@ -123,23 +128,38 @@ impl<T> Untouched<T> {
         let mut out = Box::new(MaybeUninit::uninit());
         // SAFETY: any bytes may be there.
         unsafe { ptr::write_bytes(out.as_mut_ptr(), PATTERN, 1) };
-        Untouched(out)
+        Untouched {
+            bytes: out,
+            first: 0,
+        }
     }
 
     pub fn pointer(&mut self) -> *mut T {
-        self.0.as_mut_ptr()
+        self.bytes.as_mut_ptr()
     }
 
     #[track_caller]
     pub fn check(&self) {
         // SAFETY: all bytes were written, padding included, and a failing call writes none.
         let bytes =
-            unsafe { std::slice::from_raw_parts(self.0.as_ptr().cast::<u8>(), size_of::<T>()) };
-        assert!(bytes.iter().all(|b| *b == PATTERN), "output was written");
+            unsafe { std::slice::from_raw_parts(self.bytes.as_ptr().cast::<u8>(), size_of::<T>()) };
+        assert!(bytes[self.first..].iter().all(|b| *b == PATTERN), "output was written");
+    }
+}
+
+impl<T: Growing> Untouched<T> {
+    /// A struct that has its size.
+    pub fn sized() -> Untouched<T> {
+        let mut out = Untouched::<T>::new();
+        // SAFETY: the size is the first field.
+        unsafe { out.pointer().cast::<usize>().write(size_of::<T>()) };
+        out.first = size_of::<usize>();
+        out
     }
 }
 
 pub const STEP: EllgranStep = EllgranStep {
+    size: size_of::<EllgranStep>(),
     time_step: 1e-2,
     advance_history: 1,
 };
@@ -165,6 +185,7 @@ impl Random {
 /// A unit sphere of type 1 with a centre on the x axis.
 pub fn sphere_at(x: f64) -> EllgranBody {
     EllgranBody {
+        size: size_of::<EllgranBody>(),
         position: [x, 0.0, 0.0],
         quaternion: [1.0, 0.0, 0.0, 0.0],
         semi_axes: [1.0; 3],
@@ -183,6 +204,7 @@ pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
         .map(|k| {
             let lattice = [k % 4, k / 4 % 4, k / 16].map(|c| 2.0 * c as f64);
             EllgranBody {
+                size: size_of::<EllgranBody>(),
                 position: lattice.map(|c| c + random.between(-0.1, 0.1)),
                 quaternion: random.vector(-1.0, 1.0),
                 semi_axes: random.vector(0.7, 1.35),
@@ -290,6 +312,7 @@ impl Arrays {
 
     pub fn particles(&mut self) -> EllgranParticles {
         EllgranParticles {
+            size: size_of::<EllgranParticles>(),
             owned_count: self.owned,
             count: self.positions.len(),
             positions: self.positions.as_ptr().cast(),
@@ -374,6 +397,7 @@ impl List {
             .map(|row| row.as_mut_ptr())
             .collect();
         EllgranNeighbourList {
+            size: size_of::<EllgranNeighbourList>(),
             count: self.central.len(),
             central: self.central.as_ptr(),
             neighbour_counts: self.counts.as_ptr(),
@@ -381,17 +405,18 @@ impl List {
             index_mask: -1,
             special_shift: 0,
             special_factors: ptr::null(),
-            touching: self.touching_pointers.as_ptr(),
-            history: self.history_pointers.as_ptr(),
             newton: newton as i32,
             unchanged: 0,
             keep_history: 0,
+            touching: self.touching_pointers.as_ptr(),
+            history: self.history_pointers.as_ptr(),
         }
     }
 }
 
 pub fn no_tallies() -> EllgranTallies {
     EllgranTallies {
+        size: size_of::<EllgranTallies>(),
         particle_energies: ptr::null_mut(),
         particle_virials: ptr::null_mut(),
         accumulated_work: 0.0,

@@ -16,6 +16,7 @@ use crate::scene::*;
 const FRICTION: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
 
 const PAST: EllgranStagedPast = EllgranStagedPast {
+    size: size_of::<EllgranStagedPast>(),
     friction: 0.4,
     touched: 0,
     normal: [0.0; 3],
@@ -41,6 +42,11 @@ impl Drop for Staged {
 
 struct Contacts(*mut EllgranWallContacts);
 
+struct Found {
+    surface: EllgranWallSurface,
+    weights: [f64; 3],
+}
+
 impl Contacts {
     fn new() -> Contacts {
         let mut contacts = null_mut();
@@ -49,13 +55,29 @@ impl Contacts {
         Contacts(contacts)
     }
 
-    fn all(&self) -> Vec<EllgranWallContact> {
-        // SAFETY: an index below the count has a contact, valid until the next call.
+    fn all(&self) -> Vec<Found> {
+        // SAFETY: the pointers are valid, and what they point to is written on success.
         unsafe {
             let count = ellgran_wall_contacts_count(self.0);
-            assert!(ellgran_wall_contacts_get(self.0, count).is_null());
+            let mut contact = Untouched::<EllgranWallContact>::sized();
+            let mut surface = Untouched::<EllgranWallSurface>::sized();
+            let (c, s) = (contact.pointer(), surface.pointer());
+            fails(
+                ellgran_wall_contacts_get(self.0, count, c, s),
+                ELLGRAN_ERROR_ARGUMENT,
+                &[&format!("index = {count}")],
+            );
+            contact.check();
+            surface.check();
             (0..count)
-                .map(|k| *ellgran_wall_contacts_get(self.0, k))
+                .map(|k| {
+                    ok(ellgran_wall_contacts_get(self.0, k, null_mut(), s));
+                    ok(ellgran_wall_contacts_get(self.0, k, c, s));
+                    Found {
+                        surface: *s,
+                        weights: (*c).weights,
+                    }
+                })
                 .collect()
         }
     }
@@ -69,15 +91,16 @@ impl Drop for Contacts {
 }
 
 const WALL: EllgranWallSurface = EllgranWallSurface {
+    size: size_of::<EllgranWallSurface>(),
     point: [0.0, 0.0, -0.9],
     normal: [0.0, 0.0, 2.0],
     direction: [0.0; 3],
     curvatures: [0.0; 2],
     turning_radii: [f64::INFINITY; 2],
     velocity: [0.1, 0.0, 0.2],
-    share: 1.0,
-    share_by_position: [0.0; 3],
-    share_by_rotation: [0.0; 3],
+    others_share: 0.0,
+    others_share_by_position: [0.0; 3],
+    others_share_by_rotation: [0.0; 3],
 };
 
 #[track_caller]
@@ -91,8 +114,8 @@ fn pointers_of_the_stages() {
     let laws = Laws::new(&[FRICTION]);
     let staged = Staged::new();
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
-    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
+    let mut force = Untouched::<EllgranContactForce>::sized();
     let mut normal = Untouched::<[f64; 3]>::new();
     let mut memory = Untouched::<[f64; 3]>::new();
     let mut radius = Untouched::<f64>::new();
@@ -119,7 +142,7 @@ fn pointers_of_the_stages() {
             "geometry",
         );
         let mut start = [0.0; 3];
-        let mut found = Untouched::new();
+        let mut found = Untouched::sized();
         ok(ellgran_staged_pair(
             s,
             &i,
@@ -177,8 +200,8 @@ fn values_of_the_stages() {
     let laws = Laws::new(&[FRICTION]);
     let staged = Staged::new();
     let (i, j) = (sphere_at(0.0), sphere_at(1.5));
-    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
-    let mut force = Untouched::<EllgranContactForce>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
+    let mut force = Untouched::<EllgranContactForce>::sized();
     let mut memory = Untouched::<[f64; 3]>::new();
     let mut radius = Untouched::<f64>::new();
     let mut start = [0.0; 3];
@@ -244,8 +267,8 @@ fn values_of_the_stages() {
             |w| w.velocity[0] = f64::INFINITY,
             |w| w.curvatures[1] = f64::NAN,
             |w| w.turning_radii[0] = f64::NAN,
-            |w| w.share = f64::NAN,
-            |w| w.share = 1.5,
+            |w| w.others_share = f64::NAN,
+            |w| w.others_share = 1.5,
         ];
         for change in changes {
             let mut wall = WALL;
@@ -266,7 +289,7 @@ fn values_of_the_stages() {
         );
         assert_eq!(start, [0.0; 3]);
 
-        let mut found = Untouched::new();
+        let mut found = Untouched::sized();
         ok(ellgran_staged_pair(
             s,
             &i,
@@ -335,11 +358,11 @@ fn stages_of_a_pair_add_up_to_the_contact() {
         let mut touching = 0;
         let mut history = vec![0.0; laws.length()];
         for _ in 0..10 {
-            let mut whole = Untouched::<EllgranContactForce>::new();
-            let mut geometry = Untouched::<EllgranStagedGeometry>::new();
-            let mut by_index = Untouched::<EllgranStagedGeometry>::new();
-            let (mut normal, mut tangential) = (Untouched::new(), Untouched::new());
-            let mut both = Untouched::<EllgranContactForce>::new();
+            let mut whole = Untouched::<EllgranContactForce>::sized();
+            let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
+            let mut by_index = Untouched::<EllgranStagedGeometry>::sized();
+            let (mut normal, mut tangential) = (Untouched::sized(), Untouched::sized());
+            let mut both = Untouched::<EllgranContactForce>::sized();
             let mut arrays = Arrays::new(&[i, j], 2);
             // SAFETY: all pointers are valid; what is read was written on success.
             unsafe {
@@ -441,6 +464,7 @@ fn a_wall_in_stages_is_a_plane() {
     let laws = Laws::new(&["nfd 1e4 0.3 40 60"]);
     let staged = Staged::new();
     let plane = EllgranPlane {
+        size: size_of::<EllgranPlane>(),
         point: WALL.point,
         normal: WALL.normal,
         velocity: WALL.velocity,
@@ -448,9 +472,9 @@ fn a_wall_in_stages_is_a_plane() {
     let mut i = random_bodies(1)[0];
     (i.position, i.kind) = ([0.0; 3], 1);
     i.semi_axes = [1.0, 1.2, 1.4];
-    let mut geometry = Untouched::<EllgranStagedGeometry>::new();
-    let mut force = Untouched::<EllgranContactForce>::new();
-    let mut whole = Untouched::<EllgranContactForce>::new();
+    let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
+    let mut force = Untouched::<EllgranContactForce>::sized();
+    let mut whole = Untouched::<EllgranContactForce>::sized();
     let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
     let mut radius = 0.0;
     // SAFETY: all pointers are valid; what is read was written on success.
@@ -521,7 +545,16 @@ fn pointers_and_values_of_wall_contacts() {
         is_null(ellgran_triangle_contacts(c, null(), 1, t), "body");
         is_null(ellgran_triangle_contacts(c, &body, 1, z), "corners");
         assert_eq!(ellgran_wall_contacts_count(null()), 0);
-        assert!(ellgran_wall_contacts_get(null(), 0).is_null());
+        let mut surface = Untouched::<EllgranWallSurface>::sized();
+        let s = surface.pointer();
+        is_null(
+            ellgran_wall_contacts_get(null(), 0, null_mut(), s),
+            "contacts",
+        );
+        is_null(
+            ellgran_wall_contacts_get(c, 0, null_mut(), null_mut()),
+            "surface",
+        );
         ellgran_wall_contacts_free(null_mut());
         let argument = ELLGRAN_ERROR_ARGUMENT;
         let nan = [f64::NAN, 0.0, 0.0];

@@ -17,7 +17,7 @@ use crate::scene::*;
 fn each_thread_has_its_own_message() {
     let wrong = |word: &str| {
         let deck = format!("hertz 1e4 0.3 {word}");
-        let mut out = Untouched::new();
+        let mut out = Untouched::sized();
         fails(
             parse_status(&deck, null_mut(), out.pointer()),
             ELLGRAN_ERROR_LAW,
@@ -45,7 +45,7 @@ fn each_thread_has_its_own_message() {
 #[test]
 fn a_long_message_is_cut_at_a_character() {
     let word = "ä".repeat(3000);
-    let mut out = Untouched::new();
+    let mut out = Untouched::sized();
     let status = parse_status(&format!("hertz 1e4 0.3 {word}"), null_mut(), out.pointer());
     fails(status, ELLGRAN_ERROR_LAW, &["ää"]);
     assert!(message().len() < 1024);
@@ -67,7 +67,7 @@ fn threads_share_laws() {
         for i in &bodies {
             for j in &bodies {
                 let (mut touching, mut history) = (0, [0.0; 3]);
-                let mut force = Untouched::<EllgranContactForce>::new();
+                let mut force = Untouched::<EllgranContactForce>::sized();
                 if i.identifier < j.identifier {
                     // SAFETY: all pointers are valid.
                     let f = unsafe {

@@ -46,7 +46,10 @@ macro_rules! structures {
             $claims.expressions.push(format!(
                 "offsetof({name}, {field}) == {}", core::mem::offset_of!($name, $field)));
             $claims.expressions.push(format!("sizeof((({name} *) 0)->{field}) == {bytes}"));
+            let end = core::mem::offset_of!($name, $field) + bytes;
         )*
+        // A field that a later version adds must not lie in what older callers never set.
+        assert_eq!(end, size_of::<$name>(), "{} ends in padding", stringify!($name));
     )*};
 }
 
@@ -60,39 +63,40 @@ macro_rules! constants {
 fn claims() -> Claims {
     let mut claims = Claims::default();
     structures! { claims:
-        EllgranBody { position, quaternion, semi_axes, velocity, angular_velocity, mass, kind, identifier }
+        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, kind, identifier }
         EllgranContactGeometry {
-            touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
+            size, touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
             major_direction,
         }
         EllgranContactForce {
-            force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
+            size, force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
             tangential_energy, viscous_power, tangential_power, contact_semi_axes,
         }
         EllgranLawParameters {
-            struct_version, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
+            size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
         }
         EllgranNeighbourList {
-            count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, touching, history,
-            newton, unchanged, keep_history,
+            size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,
+            unchanged, keep_history, touching, history,
         }
         EllgranParticles {
-            owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
+            size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
             identifier_bytes, forces, torques,
         }
         EllgranWallSurface {
-            point, normal, direction, curvatures, turning_radii, velocity, share, share_by_position, share_by_rotation,
+            size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,
+            others_share_by_rotation,
         }
-        EllgranStagedGeometry { touching, penetration, normal, contact_point }
-        EllgranStagedPast { friction, touched, normal }
-        EllgranWallContact { surface, triangle, weights }
-        EllgranStep { time_step, advance_history }
-        EllgranPlane { point, normal, velocity }
+        EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
+        EllgranStagedPast { size, friction, touched, normal }
+        EllgranWallContact { size, triangle, weights }
+        EllgranStep { size, advance_history, time_step }
+        EllgranPlane { size, point, normal, velocity }
         EllgranTallies {
-            particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
+            size, particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
             tangential_elastic_energy, virial, touching_count, pair_count,
         }
     }
@@ -132,7 +136,8 @@ fn every_structure_and_constant_of_the_header_is_compared() {
         .filter_map(|line| {
             let constant = line
                 .strip_prefix("#define ")
-                .and_then(|l| l.split_whitespace().next().filter(|n| *n != "ELLGRAN_H"));
+                .and_then(|l| l.split_whitespace().next())
+                .filter(|name| *name != "ELLGRAN_H" && !name.contains('('));
             let structure = line
                 .strip_prefix("typedef struct ")
                 .and_then(|l| l.strip_suffix(" {"));

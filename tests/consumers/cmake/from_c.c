@@ -6,9 +6,9 @@
 
 int main(void)
 {
-  EllgranBody i = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
+  EllgranBody i = {sizeof(EllgranBody), {0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
   EllgranBody j = i;
-  EllgranContactGeometry geometry;
+  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
   j.position[0] = 1.5;
   if (ellgran_contact_geometry(NULL, &i, &j, NULL, &geometry) != ELLGRAN_SUCCESS) {
     fprintf(stderr, "%s\n", ellgran_last_error());

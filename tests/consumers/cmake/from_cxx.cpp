@@ -6,10 +6,10 @@
 
 int main()
 {
-  EllgranBody i = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
+  EllgranBody i = {sizeof(EllgranBody), {0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
   EllgranBody j = i;
   j.position[0] = 1.5;
-  EllgranContactGeometry geometry;
+  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
   if (ellgran_contact_geometry(nullptr, &i, &j, nullptr, &geometry) != ELLGRAN_SUCCESS) {
     std::cerr << ellgran_last_error() << '\n';
     return 1;

@@ -7,7 +7,7 @@
 int main(void)
 {
   static const char *const words[] = {"hertz", "1e7", "0.3"};
-  EllgranLawParameters parameters;
+  EllgranLawParameters parameters = ELLGRAN_INIT(EllgranLawParameters);
   EllgranLaws *laws = NULL;
   const uint8_t is_set = 1;
   if (ellgran_law_parameters_parse(3, words, NULL, &parameters) != ELLGRAN_SUCCESS) return 2;

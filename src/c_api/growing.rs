@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Structs that may grow: how a library and a program of different versions read each other's.
+//!
+//! Every struct of the interface begins with `size`, which the caller sets to its `sizeof` (`ELLGRAN_INIT` of the header
+//! does). Fields are only ever added, at the end and where no earlier struct had padding, and zero is the value of a field
+//! that is not given. So
+//! - a shorter struct, of an older header, is read as if its missing fields were zero, and written as far as it goes;
+//! - a longer struct, of a newer header, is read if the fields that this library does not know are zero, and written as
+//!   far as this library knows it;
+//! - in an array the size of the first element is the distance from one to the next.
+
+use super::status::{required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use core::fmt::Display;
+use core::marker::PhantomData;
+use core::mem::MaybeUninit;
+use core::ops::Deref;
+use libc::size_t;
+
+/// A struct that begins with its size.
+///
+/// # Safety
+/// The struct is `repr(C)`, its first field is a `size_t`, it ends in no padding, and zeros are a value of every field.
+pub unsafe trait Growing: Copy {
+    /// What to call it in a message.
+    const NAME: &'static str;
+    /// Size of its first version: no header has had a smaller one.
+    const FIRST_SIZE: usize;
+}
+
+/// `growing!(EllgranBody)` for a struct whose first version this is.
+macro_rules! growing {
+    ($name:ident) => {
+        const _: () = assert!(core::mem::offset_of!($name, size) == 0);
+        // SAFETY: `size` is the first field; the layout test of the header holds that none ends in padding; all fields are
+        // numbers and pointers.
+        unsafe impl crate::c_api::growing::Growing for $name {
+            const NAME: &'static str = stringify!($name);
+            const FIRST_SIZE: usize = size_of::<$name>();
+        }
+    };
+}
+pub(super) use growing;
+
+/// A struct that the caller gave.
+pub(super) enum Given<'a, T> {
+    /// His own.
+    Whole(&'a T),
+    /// Of an older header: the missing fields are zero.
+    Older(T),
+}
+
+impl<T> Deref for Given<'_, T> {
+    type Target = T;
+
+    #[inline]
+    fn deref(&self) -> &T {
+        match self {
+            Given::Whole(given) => given,
+            Given::Older(filled) => filled,
+        }
+    }
+}
+
+/// What no struct of a later version will exceed: a greater size is memory that was never set.
+const GROWTH: usize = 4096;
+
+#[cold]
+fn not_set<T: Growing>(size: usize, name: &dyn Display) -> Failure {
+    Failure::new(
+        ELLGRAN_ERROR_ARGUMENT,
+        format!(
+            "{name}: size = {size} is not set to the size of its struct: start from ELLGRAN_INIT({})",
+            T::NAME
+        ),
+    )
+}
+
+fn check<T: Growing>(size: usize, name: &dyn Display) -> Result<(), Failure> {
+    let possible = T::FIRST_SIZE..=size_of::<T>() + GROWTH;
+    if possible.contains(&size) && size % align_of::<T>() == 0 {
+        Ok(())
+    } else {
+        Err(not_set::<T>(size, name))
+    }
+}
+
+/// Reads a struct of which the size is `size`.
+///
+/// # Safety
+/// `pointer` is valid for reads of `size` bytes for the lifetime that the caller gives it, if `size` is a possible one.
+#[inline]
+unsafe fn read<'a, T: Growing>(
+    pointer: *const T,
+    size: usize,
+    name: &dyn Display,
+) -> Result<Given<'a, T>, Failure> {
+    let known = size_of::<T>();
+    if size != known {
+        check::<T>(size, name)?;
+    }
+    if size < known {
+        let mut filled = MaybeUninit::<T>::zeroed();
+        // SAFETY: promised by the caller; zeros are a value of the fields that are not copied.
+        return Ok(Given::Older(unsafe {
+            core::ptr::copy_nonoverlapping(
+                pointer.cast::<u8>(),
+                filled.as_mut_ptr().cast(),
+                size,
+            );
+            filled.assume_init()
+        }));
+    }
+    // SAFETY: promised by the caller: there are `size` bytes.
+    let unknown =
+        unsafe { core::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
+    if unknown.iter().any(|byte| *byte != 0) {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "{name} sets fields of a newer {} ({size} bytes) than this library knows ({known} bytes): link the library \
+                 of that ellgran.h, or leave them zero",
+                T::NAME
+            ),
+        ));
+    }
+    // SAFETY: promised by the caller: at least a whole T is there.
+    Ok(Given::Whole(unsafe { &*pointer }))
+}
+
+/// A struct that must be given.
+///
+/// # Safety
+/// `pointer` is NULL or valid for reads of as many bytes as the struct's size says, for the lifetime that the caller gives
+/// it.
+#[inline]
+pub(super) unsafe fn given<'a, T: Growing>(
+    pointer: *const T,
+    name: &str,
+) -> Result<Given<'a, T>, Failure> {
+    // SAFETY: promised by the caller; the size is the first field.
+    unsafe {
+        let size = *required(pointer.cast::<size_t>(), name)?;
+        read(pointer, size, &name)
+    }
+}
+
+/// An array of structs.
+pub(super) struct GivenArray<'a, T> {
+    first: *const T,
+    count: usize,
+    size: usize,
+    name: &'static str,
+    lifetime: PhantomData<&'a T>,
+}
+
+impl<'a, T: Growing> GivenArray<'a, T> {
+    /// # Safety
+    /// `first` is NULL or valid for reads of `count` structs of the size that the first one says, for the lifetime that the
+    /// caller gives it.
+    pub(super) unsafe fn new(
+        first: *const T,
+        count: usize,
+        name: &'static str,
+    ) -> Result<Self, Failure> {
+        let size = if count == 0 {
+            0
+        } else {
+            // SAFETY: promised by the caller; the size is the first field.
+            let size = *unsafe { required(first.cast::<size_t>(), name) }?;
+            check::<T>(size, &format_args!("{name}[0]"))?;
+            size
+        };
+        Ok(GivenArray {
+            first,
+            count,
+            size,
+            name,
+            lifetime: PhantomData,
+        })
+    }
+
+    pub(super) fn get(&self, k: usize) -> Result<Given<'a, T>, Failure> {
+        assert!(k < self.count);
+        // SAFETY: promised when this was made: there are `count` structs of this size.
+        unsafe {
+            let pointer = self.first.byte_add(k * self.size);
+            let size = *pointer.cast::<size_t>();
+            let name = format_args!("{}[{k}]", self.name);
+            if size != self.size {
+                return Err(not_set::<T>(size, &name));
+            }
+            read(pointer, size, &name)
+        }
+    }
+}
+
+/// A struct that the library writes, as far as the caller's header has it.
+pub(super) struct Output<'a, T> {
+    target: *mut T,
+    size: usize,
+    lifetime: PhantomData<&'a mut T>,
+}
+
+impl<T: Growing> Output<'_, T> {
+    /// # Safety
+    /// `target` is NULL or valid for reads and writes of as many bytes as the struct's size says, and not aliased, for the
+    /// lifetime that the caller gives it.
+    #[inline]
+    pub(super) unsafe fn new(target: *mut T, name: &str) -> Result<Self, Failure> {
+        // SAFETY: promised by the caller; the size is the first field.
+        let size = *unsafe { required_mut(target.cast::<size_t>(), name) }?;
+        if size != size_of::<T>() {
+            check::<T>(size, &name)?;
+        }
+        Ok(Output {
+            target,
+            size,
+            lifetime: PhantomData,
+        })
+    }
+
+    /// The same where NULL means that it is not asked for.
+    ///
+    /// # Safety
+    /// As for `new`.
+    #[inline]
+    pub(super) unsafe fn optional(target: *mut T, name: &str) -> Result<Option<Self>, Failure> {
+        if target.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: promised by the caller.
+        unsafe { Output::new(target, name) }.map(Some)
+    }
+
+    /// Writes all but the size, which stays the caller's.
+    #[inline]
+    pub(super) fn write(&mut self, value: &T) {
+        let first = size_of::<size_t>();
+        let end = self.size.min(size_of::<T>());
+        // SAFETY: promised when this was made: the target has `size` bytes; they are copied as bytes, whatever they hold.
+        unsafe {
+            core::ptr::copy_nonoverlapping(
+                core::ptr::from_ref(value).cast::<MaybeUninit<u8>>().add(first),
+                self.target.cast::<MaybeUninit<u8>>().add(first),
+                end - first,
+            );
+        }
+    }
+}
