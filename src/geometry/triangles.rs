@@ -76,9 +76,10 @@ const SAME_PLANE: f64 = 1e-8;
 /// degrees.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
-/// How far short of the body's paraboloid, over the smallest semi-axis, a face beyond a fold may end and still cut the
-/// contacts of others: overlaps of two faces differ there by the square of the penetration over the body's radius.
-const BEYOND: f64 = 0.05;
+/// How far a face beyond a fold may be from the body, over the smallest semi-axis, and still cut the contacts of others: the
+/// paraboloids of two faces differ at the fold, by more the longer the body is, and the cut must end before the face counts as
+/// far.
+const BEYOND: f64 = 1.0;
 
 /// A triangle that may touch, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
@@ -235,9 +236,6 @@ impl TriangleSearch {
         let aside = place(point);
         let depth = penetration - 0.5 * aside.dot(aside);
         let over = (point - foot).norm_squared() <= meeting * meeting;
-        if over && !(penetration > 0.0) || !over && !(depth > -slack) {
-            return;
-        }
         if !over && !self.folds_up(k, point, meeting) {
             return;
         }
@@ -248,7 +246,7 @@ impl TriangleSearch {
             triangle: self.near[k].index,
             feature: Feature::Face,
             over,
-            reached: over || depth > 0.0,
+            reached: penetration > 0.0 && (over || depth > 0.0),
         });
     }
 
