@@ -126,17 +126,17 @@ template <typename Type> inline Type init()
 #define ELLGRAN_FACTORS_HALE 1
 
 /*
- The tangential displacement since first touch is remembered.
+ The tangential displacement since first touch is remembered: the published form, which can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered.
+ The tangential force is remembered; can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force is remembered, and falls with the stiffness.
+ The tangential force and its energy are remembered, and no energy is created. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -182,6 +182,16 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_PARTICLE 200
 
 /*
+ The history of a touching contact holds a number that no call has written, such as NaN.
+ */
+#define ELLGRAN_ERROR_HISTORY 201
+
+/*
+ The numbers of a contact, each within its range, together leave the range of double precision.
+ */
+#define ELLGRAN_ERROR_RESULT 202
+
+/*
  Block 900 to 999, the library itself: a panic was caught. A defect: please report it.
  */
 #define ELLGRAN_ERROR_PANIC 900
@@ -209,11 +219,15 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 
 /*
  Memory that one thread of calls keeps from step to step. Opaque.
+
+ Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
+ After an error a workspace is as good as before the call: what it keeps of the last call that succeeded is still there.
+ After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
  */
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- A body of one contact, world frame.
+ A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {
   /*
@@ -221,27 +235,27 @@ typedef struct EllgranBody {
    */
   size_t size;
   /*
-   Centre.
+   Centre; components up to 1e20.
    */
   double position[3];
   /*
-   Rotation from body to world, (w, x, y, z); need not be of unit length.
+   Rotation from body to world, (w, x, y, z); of any length but zero.
    */
   double quaternion[4];
   /*
-   Semi-axes along the body axes.
+   Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
    */
   double semi_axes[3];
   /*
-   Velocity of the centre.
+   Velocity of the centre; components up to 1e20. See `EllgranStep`.
    */
   double velocity[3];
   /*
-   Angular velocity, world frame.
+   Angular velocity, world frame; components up to 1e20.
    */
   double angular_velocity[3];
   /*
-   Mass > 0, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+   Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
    */
   double mass;
   /*
@@ -309,7 +323,7 @@ typedef struct EllgranPlane {
    */
   size_t size;
   /*
-   A point of its surface.
+   A point of its surface; components up to 1e20.
    */
   double point[3];
   /*
@@ -317,7 +331,7 @@ typedef struct EllgranPlane {
    */
   double normal[3];
   /*
-   Velocity.
+   Velocity; components up to 1e20.
    */
   double velocity[3];
 } EllgranPlane;
@@ -335,7 +349,9 @@ typedef struct EllgranStep {
    */
   int32_t advance_history;
   /*
-   Time step: the velocities moved the particles over it to where they are.
+   Time step, from 0 to 1e10. The velocities are those of the half step, which moved the particles over it to where they
+   are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
+   tangential displacement has an error of the order of the time step.
    */
   double time_step;
 } EllgranStep;
@@ -400,7 +416,8 @@ typedef struct EllgranContactForce {
 
 /*
  The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
- units.
+ units. Moduli and `normal_stiffness` are from 1e-30 to 1e30, the other constants at most 1e30, a relaxation time at most
+ 1e15.
  */
 typedef struct EllgranLawParameters {
   /*
@@ -491,6 +508,10 @@ typedef struct EllgranLawParameters {
 
 /*
  Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
+
+ The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
+ and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
+ the range stated at a field is an error that names the particle and the value.
  */
 typedef struct EllgranParticles {
   /*
@@ -506,15 +527,16 @@ typedef struct EllgranParticles {
    */
   size_t count;
   /*
-   Centres, [count][3].
+   Centres, [count][3]; components up to 1e20.
    */
   const double *positions;
   /*
-   Velocities of the centres, [count][3].
+   Velocities of the centres, [count][3]; components up to 1e20. Those that moved the particles to where they are, see
+   `EllgranStep`.
    */
   const double *velocities;
   /*
-   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`.
+   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e20.
    */
   const double *angular_velocities;
   /*
@@ -522,7 +544,7 @@ typedef struct EllgranParticles {
    */
   const double *angular_momenta;
   /*
-   Masses, [count]; may be NULL where neither `angular_momenta` nor a law reads them.
+   Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
    */
   const double *masses;
   /*
@@ -540,7 +562,8 @@ typedef struct EllgranParticles {
    */
   const int32_t *shape_indices;
   /*
-   Semi-axes, 3 doubles an entry.
+   Semi-axes, 3 doubles an entry, from 1e-15 to 1e15, the largest at most 1e6 times the smallest. As many entries as there
+   are particles, or as `shape_indices` name.
    */
   const double *semi_axes;
   /*
@@ -548,7 +571,7 @@ typedef struct EllgranParticles {
    */
   size_t semi_axes_stride;
   /*
-   Quaternions (w, x, y, z), body to world, 4 doubles an entry.
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
    */
   const double *quaternions;
   /*
@@ -564,17 +587,29 @@ typedef struct EllgranParticles {
    */
   int32_t identifier_bytes;
   /*
-   Forces, [count][3], added to.
+   Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
    */
   double *forces;
   /*
-   Torques about the centres, [count][3], added to.
+   Torques about the centres, [count][3], added to; as `forces`.
    */
   double *torques;
 } EllgranParticles;
 
 /*
- An engine's neighbour list: every pair once.
+ An engine's neighbour list: every pair once, in the row of one of its two particles.
+
+ A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
+ semi-axes, and, to be used for several steps, a margin to that: no particle may have moved by more than half of it since the
+ list was built. More pairs do no harm.
+
+ `touching` and `history` belong to the caller. When a pair enters the list, they are to be 0 (the normal may hold anything:
+ it is a start of the search); while it stays, in whatever list and place, they go with it; where it comes back with its
+ particles exchanged, `ellgran_history_swap` turns the history. A contact whose history is lost begins anew, without
+ tangential force.
+
+ The pointers are read during a call and not kept after it. Of arrays by particle index only the entries of central particles
+ are read.
  */
 typedef struct EllgranNeighbourList {
   /*
@@ -590,11 +625,12 @@ typedef struct EllgranNeighbourList {
    */
   const int32_t *central;
   /*
-   Number of neighbours, by particle index.
+   Number of neighbours, by particle index; a negative number is 0.
    */
   const int32_t *neighbour_counts;
   /*
-   Neighbours, by particle index.
+   Neighbours, by particle index: [neighbour_counts] entries each, none of them the central particle itself. A row
+   without neighbours may be NULL.
    */
   const int32_t *const *neighbours;
   /*
@@ -602,7 +638,8 @@ typedef struct EllgranNeighbourList {
    */
   int32_t index_mask;
   /*
-   The bits above this one select one of `special_factors`.
+   Number of the lowest of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30); they
+   are to be 0 in `index_mask`. Not read if `special_factors` is NULL.
    */
   int32_t special_shift;
   /*
@@ -619,6 +656,12 @@ typedef struct EllgranNeighbourList {
    `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
    pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
    the workspace. 0: they may have. When in doubt, 0.
+
+   `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+   call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
+   `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
+   said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
+   places, forces are wrong.
    */
   int32_t unchanged;
   /*
@@ -627,11 +670,13 @@ typedef struct EllgranNeighbourList {
    */
   int32_t keep_history;
   /*
-   One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
+   One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
+   NULL if the history length is 0.
    */
   int32_t *const *touching;
   /*
-   History per neighbour, by particle index, written. NULL if the history length is 0.
+   History per neighbour, by particle index, [neighbour_counts][ellgran_laws_history_length] each, read and written.
+   NULL if the history length is 0.
    */
   double *const *history;
 } EllgranNeighbourList;
@@ -718,7 +763,7 @@ typedef struct EllgranWallSurface {
    */
   size_t size;
   /*
-   The point of the surface that lies deepest in the body, world frame.
+   The point of the surface that lies deepest in the body, world frame; components up to 1e20.
    */
   double point[3];
   /*
@@ -731,7 +776,7 @@ typedef struct EllgranWallSurface {
    */
   double direction[3];
   /*
-   Curvatures along `direction` and across it, 1/length: 0 for a plane, negative in a cavity.
+   Curvatures along `direction` and across it, 1/length, up to 1e21: 0 for a plane, negative in a cavity.
    */
   double curvatures[2];
   /*
@@ -740,7 +785,7 @@ typedef struct EllgranWallSurface {
    */
   double turning_radii[2];
   /*
-   Velocity of the surface there.
+   Velocity of the surface there; components up to 1e20.
    */
   double velocity[3];
   /*
@@ -809,7 +854,7 @@ extern "C" {
  curvature.
 
  `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
- `start_normal` is the normal of the last step as a start of the search, or NULL.
+ `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
 
  # Safety
  `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -836,7 +881,7 @@ int32_t ellgran_contact_geometry_plane(const struct EllgranBody *i,
  is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
 
  `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
- steps; start from zeros. `geometry` may be NULL.
+ steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
 
  # Safety
  The pointers are as stated, NULL or valid.
@@ -868,7 +913,8 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
- Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+ Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+ zero.
 
  # Safety
  `parameters` is NULL or valid for writes.
@@ -924,6 +970,29 @@ int32_t ellgran_laws_new(int32_t type_count,
 int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
                                    const double *friction,
                                    struct EllgranLaws **result);
+
+/*
+ The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+ per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+ ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+
+ # Safety
+ `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
+                                      const double *restitution,
+                                      struct EllgranLaws **result);
+
+/*
+ Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+ `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+
+ # Safety
+ `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+ */
+int32_t ellgran_laws_create_energy(const struct EllgranLaws *laws,
+                                   int32_t *type_i,
+                                   int32_t *type_j);
 
 /*
  Frees laws; NULL is allowed.
@@ -984,7 +1053,13 @@ int32_t ellgran_laws_describe(const struct EllgranLaws *laws,
 /*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
- All particles are checked first; on failure nothing is written.
+ Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
+ written.
+
+ The same calls with the same numbers give the same bits, run after run, on one machine with one instruction set. They differ
+ by rounding from one instruction set to another (and between makers of processors with AVX-512, whose approximate
+ reciprocals differ), from `ellgran_contact` for the same pair, with the order of the list, and between a list that was said
+ to be unchanged and a new one.
 
  # Safety
  The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
@@ -1008,7 +1083,8 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
 
 /*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
- environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`.
+ environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
+ set.
 
  # Safety
  `workspace` is NULL or valid for writes.
@@ -1053,7 +1129,8 @@ int64_t ellgran_workspace_many_starts_count(const struct EllgranWorkspace *works
 
  Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
  `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
- `history` [owned_count][wall_count][history length] (both NULL if the history length is 0). `wall_forces`,
+ `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
+ particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
  [wall_count][3] or NULL, receives the force on each wall, added to.
 
  All particles are checked first; on failure nothing is written.
@@ -1154,8 +1231,19 @@ int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *stag
                                          double *radius);
 
 /*
+ Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+ and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+ is half of it.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
+                                    double *area);
+
+/*
  Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
- the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
+ the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
  ellipse are not computed here.
 
  # Safety
@@ -1172,8 +1260,8 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
  Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
  of `past`.
 
- `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
- `displacement rescaled`, which remembers more, is not available here.
+ `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+ where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 
  # Safety
  The pointers are NULL or valid.

@@ -6,10 +6,16 @@
 #include "atom_vec_ellipsoid.h"
 #include "atom_vec_hybrid.h"
 #include "error.h"
+#include "math_const.h"
 #include "math_extra.h"
+#include "update.h"
+
+#include <mpi.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <type_traits>
 
 using namespace LAMMPS_NS;
@@ -65,6 +71,18 @@ const AtomVecEllipsoid *ellipsoid_style(AtomVec *avec)
     for (int k = 0; k < hybrid->nstyles; k++)
       if (const auto *vec = dynamic_cast<AtomVecEllipsoid *>(hybrid->styles[k])) return vec;
   return nullptr;
+}
+
+// Densities of two grains of one scene that differ by this factor are a mistake.
+constexpr double IMPLAUSIBLE_RATIO = 1.0e4;
+
+// The greatest density that is no mistake: 50 times that of osmium, since steps are lengthened by heavier grains. Infinite
+// in systems of units of which nothing is known.
+double greatest_density(const char *units)
+{
+  if (std::strcmp(units, "si") == 0) return 1.0e6;
+  if (std::strcmp(units, "cgs") == 0 || std::strcmp(units, "micro") == 0) return 1.0e3;
+  return std::numeric_limits<double>::infinity();
 }
 
 // Pointer to the first value of a per-atom array; LAMMPS may not have allocated it yet.
@@ -154,6 +172,50 @@ void EllgranAtoms::require_shapes(int group_bit) const
       error->one(FLERR, "{}: particle {} of type {} has mass {}: it must be finite and positive",
                  caller, id, type, atom->rmass[i]);
   }
+}
+
+std::string EllgranAtoms::implausible_masses() const
+{
+  const Shapes found = shapes();
+  const int count = atom->ntypes + 1;
+  // Per type: least density, minus greatest density, and 1 as long as each mass is exactly 1.
+  std::vector<double> least(count, std::numeric_limits<double>::infinity());
+  std::vector<double> minus_greatest(count, std::numeric_limits<double>::infinity());
+  std::vector<double> never_set(count, 1.0);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *axes = semi_axes(found, i);
+    if (!axes) continue;
+    const double volume = 4.0 / 3.0 * MathConst::MY_PI * axes[0] * axes[1] * axes[2];
+    const double density = atom->rmass[i] / volume;
+    const int type = atom->type[i];
+    least[type] = std::min(least[type], density);
+    minus_greatest[type] = std::min(minus_greatest[type], -density);
+    if (atom->rmass[i] != 1.0) never_set[type] = 0.0;
+  }
+  for (auto *values : {&least, &minus_greatest, &never_set})
+    MPI_Allreduce(MPI_IN_PLACE, values->data(), count, MPI_DOUBLE, MPI_MIN, world);
+
+  const auto smallest = std::min_element(least.begin(), least.end());
+  const auto largest = std::min_element(minus_greatest.begin(), minus_greatest.end());
+  const auto least_type = static_cast<int>(smallest - least.begin());
+  const auto greatest_type = static_cast<int>(largest - minus_greatest.begin());
+  const double lowest = *smallest, highest = -*largest;
+  const std::string cure =
+      "give 'set type N shape Dx Dy Dz' first and 'set type N density ...' after it";
+  for (int type = 1; type < count; type++)
+    if (never_set[type] > 0.0 && std::isfinite(least[type]))
+      return fmt::format("each grain of type {} has a mass of exactly 1 (densities {:.4g} to {:.4g}), which is "
+                         "what LAMMPS gives to grains whose density was never set: {}",
+                         type, least[type], -minus_greatest[type], cure);
+  if (highest > greatest_density(update->unit_style))
+    return fmt::format("a grain of type {} has a density of {:.4g} in units {}: a density that is set before the "
+                       "shape becomes the mass: {}",
+                       greatest_type, highest, update->unit_style, cure);
+  if (highest > IMPLAUSIBLE_RATIO * lowest)
+    return fmt::format("the densities of the grains differ by a factor of {:.4g}: {:.4g} for a grain of type {}, "
+                       "{:.4g} for one of type {}: a density that is set before the shape becomes the mass: {}",
+                       highest / lowest, lowest, least_type, highest, greatest_type, cure);
+  return "";
 }
 
 std::vector<double> EllgranAtoms::largest_semi_axes() const

@@ -28,6 +28,10 @@ class EllgranAtoms : protected Pointers {
   /// ellipsoid with finite positive semi-axes and, where LAMMPS knows exponents, block 2 2.
   void require_shapes(int group_bit) const;
 
+  /// What is wrong with the masses of the grains, on all ranks; empty if nothing is. A shape or a density that was set in
+  /// the wrong order, or never, leaves a mass that LAMMPS takes without a word.
+  [[nodiscard]] std::string implausible_masses() const;
+
   /// True for `atom_style ellipsoid superellipsoid`: the only one whose `radius` encloses the shape.
   [[nodiscard]] bool has_enclosing_radius() const;
 

@@ -91,6 +91,14 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
   if (ellgran_laws_new(atom->ntypes, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START,
                        &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  int32_t i = 0, j = 0;
+  if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  if (i > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{} {}: displacement total and displacement incremental can create energy, and nothing in this law "
+                   "dissipates any: use displacement rescaled, or a law with damping",
+                   CALLER, id);
   history_length = ellgran_laws_history_length(laws);
   return 3 + static_cast<int>(consumed);
 }

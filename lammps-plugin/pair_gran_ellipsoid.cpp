@@ -56,6 +56,9 @@ enum {
   NUMBER_OF_SINGLE
 };
 
+// Pairs of types whose law the log shows.
+constexpr int LINES_OF_LAWS = 20;
+
 // Opens the restart data; a number so unlikely that other data is not taken for it.
 constexpr int RESTART_MARK = 0x4c4c4547;
 
@@ -139,6 +142,8 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   if (neighbor->ago == 0) {
+    // A fix may have added atoms.
+    atoms.require_shapes(~0);
     require_allowed_sizes();
     refresh_body_masses();
   }
@@ -289,6 +294,7 @@ void PairGranEllipsoid::init_style()
                    "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
                    CALLER, force->special_lj[k]);
   atoms.require_shapes(~0);
+  warn_of_masses();
 
   gather_work();
   work_wanted = !modify->get_compute_by_style("^pair$").empty();
@@ -364,6 +370,46 @@ void PairGranEllipsoid::require_allowed_sizes() const
                  CALLER, type, now[type], allowed[type], 2.0 * now[type]);
 }
 
+void PairGranEllipsoid::warn_of_masses()
+{
+  const std::string text = atoms.implausible_masses();
+  if (!text.empty() && text != warned && comm->me == 0)
+    error->warning(FLERR, "{}: {}", CALLER, text);
+  warned = text;
+}
+
+/* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */
+
+std::string PairGranEllipsoid::describe_laws() const
+{
+  std::string text;
+  int lines = 0;
+  bigint given_left = 0, mixed_left = 0;
+  for (const bool given : {true, false})
+    for (int i = 1; i <= atom->ntypes; i++)
+      for (int j = i; j <= atom->ntypes; j++) {
+        if ((setflag[i][j] != 0) != given || !has_law(i, j)) continue;
+        char line[512] = "";
+        if (lines == LINES_OF_LAWS)
+          (given ? given_left : mixed_left)++;
+        else if (ellgran_laws_describe(laws, i, j, line, sizeof line) == ELLGRAN_SUCCESS) {
+          text += fmt::format("  {} {}{}: {}\n", i, j, given ? "" : " (mixed)", line);
+          lines++;
+        }
+      }
+  if (given_left + mixed_left > 0)
+    text += fmt::format("  and {} more pairs of types ({} given, {} mixed)\n", given_left + mixed_left,
+                        given_left, mixed_left);
+  return text;
+}
+
+/* Under pair_style hybrid some types may belong to other styles alone: LAMMPS never asks for their pairs here. */
+
+bool PairGranEllipsoid::has_law(int i, int j) const
+{
+  return setflag[i][j] || (setflag[i][i] && setflag[j][j]);
+}
+
 void PairGranEllipsoid::build_laws()
 {
   const int ntypes = atom->ntypes;
@@ -378,14 +424,10 @@ void PairGranEllipsoid::build_laws()
         example = index(i, j);
       }
 
-  // Under pair_style hybrid some types may belong to other styles alone. LAMMPS never asks for their
-  // pairs here, but each type must have a law: any that is in use.
-  const auto elsewhere = [this](int i, int j) {
-    return !setflag[i][j] && !(setflag[i][i] && setflag[j][j]);
-  };
+  // Each pair of types must have a law, one that belongs to another style alone too: any that is in use.
   for (int i = 1; i <= ntypes; i++)
     for (int j = i; j <= ntypes; j++)
-      if (elsewhere(i, j)) {
+      if (!has_law(i, j)) {
         is_set[index(i, j)] = 1;
         given[index(i, j)] = parameters[example];
       }
@@ -402,19 +444,21 @@ void PairGranEllipsoid::build_laws()
   if (ellgran_laws_new(ntypes, given.data(), is_set.data(), options, &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
 
-  std::string text;
-  for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++) {
-      if (elsewhere(i, j)) continue;
-      char line[512] = "";
-      if (ellgran_laws_describe(laws, i, j, line, sizeof line) == ELLGRAN_SUCCESS)
-        text += fmt::format("  {} {}{}: {}\n", i, j, setflag[i][j] ? "" : " (mixed)", line);
-    }
+  std::string text = describe_laws();
   text += fmt::format("  history: {} doubles per contact, instruction set: {}\n",
                       ellgran_laws_history_length(laws),
                       ellgran_workspace_instruction_set(workspace));
-  if (text != described && comm->me == 0)
+  if (text != described && comm->me == 0) {
     utils::logmesg(lmp, "{}, ellgran {}:\n{}", CALLER, ellgran_version(), text);
+    int32_t i = 0, j = 0;
+    if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
+      error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+    if (i > 0)
+      error->warning(FLERR,
+                     "{}: displacement total and displacement incremental can create energy, and nothing in the "
+                     "law of types {} and {} dissipates any: use displacement rescaled, or a law with damping",
+                     CALLER, i, j);
+  }
   described = text;
 }
 
@@ -428,7 +472,7 @@ void PairGranEllipsoid::place_history_fix()
       ? id_placeholder
       : fmt::format("{}_{}", id_placeholder, history_length);
   if (id != id_history) {
-    if (fix_history && comm->me == 0)
+    if (fix_history && history_length > 0 && comm->me == 0)
       error->warning(FLERR,
                      "{}: the laws now keep {} values per contact: contacts that exist start with no "
                      "tangential displacement",

@@ -53,6 +53,7 @@ class PairGranEllipsoid : public Pair {
   std::vector<EllgranLawParameters> parameters;
   EllgranLaws *laws;
   std::string described;    // the laws as last written to the log
+  std::string warned;       // of implausible masses, as last written to the log
 
   EllgranWorkspace *workspace;
 
@@ -83,7 +84,10 @@ class PairGranEllipsoid : public Pair {
   void write_history();
   void add_forces();
   void find_largest_semi_axes();
+  void warn_of_masses();
   void build_laws();
+  [[nodiscard]] std::string describe_laws() const;
+  [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
   void find_mass_sources();
   void refresh_body_masses();

@@ -18,6 +18,7 @@
 pub mod c_api;
 pub mod force;
 pub mod geometry;
+mod message;
 pub mod pairs;
 pub mod real;
 

@@ -2,19 +2,22 @@
 
 #include "ellgran_contact.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <map>
 
 #include "atom.h"
+#include "comm.h"
+#include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
+#include "fix_wall_gran.h"
 #include "force.h"
 #include "global_properties.h"
 #include "modify.h"
 #include "neigh_list.h"
-#include "neighbor.h"
 #include "neighbor.h"
 #include "pair_gran.h"
 #include "property_registry.h"
@@ -32,6 +35,22 @@ Table &table()
   static Table all;
   return all;
 }
+
+// The neighbour lists are made by the bounding radius, which some commands change without the shape. LIGGGHTS takes it a little
+// larger than the largest semi-axis.
+void check_radius(LAMMPS *lmp, int i)
+{
+  const double *const axes = lmp->atom->shape[i];
+  const double radius = lmp->atom->radius[i];
+  const double reach = std::max(axes[0], std::max(axes[1], axes[2]));
+  if (radius >= (1.0 - 1e-9) * reach && radius <= 1.001 * reach) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "ellgran: particle %d: its bounding radius is %g and its largest semi-axis %g; change its 'shape', and neither its "
+           "'diameter' nor its 'radius'",
+           lmp->atom->tag[i], radius, reach);
+  lmp->error->one(FLERR, message);
+}
 }
 
 const EllgranWallSurface *EllgranContact::acting_wall = NULL;
@@ -46,7 +65,7 @@ EllgranContact *EllgranContact::take(LAMMPS *lmp, ContactModelBase *model)
               ELLGRAN_ABI_VERSION, ellgran_abi_version());
       lmp->error->all(FLERR, message);
     }
-    entry = new EllgranContact(lmp, model->is_wall());
+    entry = new EllgranContact(lmp, model);
   }
   entry->users++;
   return entry;
@@ -68,25 +87,28 @@ EllgranContact *EllgranContact::of(const IContactHistorySetup *owner)
   return NULL;
 }
 
-EllgranContact::EllgranContact(LAMMPS *lmp_, bool is_wall_) :
+EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     owner(NULL),
     staged(NULL),
     geometry(ELLGRAN_INIT(EllgranStagedGeometry)),
     laws(NULL),
     types(0),
-    is_wall(is_wall_),
+    is_wall(model_->is_wall()),
     surface_is_ellipsoid(false),
     needs_equivalent_radius(true),
     tangential_is_tfd(false),
+    displacement_is_total(false),
     friction(NULL),
     past(ELLGRAN_INIT(EllgranStagedPast)),
     memory_offset(-1),
     lmp(lmp_),
+    model(model_),
     users(0),
     youngs_modulus(NULL),
     poissons_ratio(NULL),
     list_laws(NULL),
     workspace(NULL),
+    warned_of_created_energy(false),
     lists_before(-1)
 {
   check(ellgran_staged_new(&staged));
@@ -190,6 +212,85 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
     for (int j = 1; j <= types; j++) shares[i * (types + 1) + j] = compliance[i] / (compliance[i] + compliance[j]);
 }
 
+bool EllgranContact::matches(const char *kind, const char *name) const
+{
+  if (PairGran *const pair = dynamic_cast<PairGran *>(owner)) return pair->contact_match(kind, name);
+  if (FixWallGran *const wall = dynamic_cast<FixWallGran *>(owner)) return wall->contact_match(kind, name);
+  return false;
+}
+
+void EllgranContact::check_models() const
+{
+  if (matches("rolling_friction", "luding") && !matches("normal", "luding"))
+    lmp->error->all(FLERR, "rolling_friction luding takes its stiffness from model luding; use cdt, epsd, epsd2 or epsd3");
+  if (matches("surface", "multicontact"))
+    lmp->error->all(FLERR, "model nfd is not available with surface multicontact; use surface default or ellipsoid");
+  if (!surface_is_ellipsoid) return;
+  if (!matches("cohesion", "off"))
+    lmp->error->all(FLERR, "surface ellipsoid: the cohesion models take each grain for a sphere; "
+                           "only 'cohesion off' is available");
+  const char *const spheres[] = {"edinburgh", "edinburgh/stiffness", "thornton_ning"};
+  for (int k = 0; k < 3; k++)
+    if (matches("normal", spheres[k])) {
+      char message[200];
+      sprintf(message, "surface ellipsoid: model %s takes each grain for a sphere; use nfd, hertz or hooke", spheres[k]);
+      lmp->error->all(FLERR, message);
+    }
+  if (model->get_history_offset("elastic_potential_normal") >= 0)
+    lmp->error->all(FLERR, "surface ellipsoid: computeElasticPotential is not available");
+}
+
+void EllgranContact::connect_local_output()
+{
+  PairGran *const pair = dynamic_cast<PairGran *>(owner);
+  if (!pair) return;
+  const int length = pair->dnum_pair();
+  told_history.assign(length + 5, 0.0);
+  model->add_history_offset("contact_point_offset", length, true);
+  model->add_history_offset("alpha1_offset", length + 3, true);
+  model->add_history_offset("alpha2_offset", length + 4, true);
+}
+
+EllgranContactReport EllgranContact::geometry_report() const
+{
+  EllgranContactReport report;
+  memset(&report, 0, sizeof(report));
+  memcpy(report.normal, geometry.normal, sizeof(report.normal));
+  memcpy(report.point, geometry.contact_point, sizeof(report.point));
+  report.penetration = geometry.penetration;
+  check(ellgran_staged_section_area(staged, &report.area));
+  return report;
+}
+
+void EllgranContact::report(SurfacesIntersectData &sidata, const ForceData &forces_i)
+{
+  PairGran *const pair = dynamic_cast<PairGran *>(owner);
+  ComputePairGranLocal *const compute = pair ? pair->cpl() : NULL;
+  if (!compute) return;
+  const int length = told_history.size() - 5;
+  memcpy(&told_history[0], sidata.contact_history, length * sizeof(double));
+  for (int k = 0; k < 3; k++) told_history[length + k] = geometry.contact_point[k];
+  told_history[length + 3] = geometry.penetration;
+  told_history[length + 4] = 0.0;
+  sidata.contact_history = &told_history[0];
+  // the contacts that have a row
+  const Atom *const atom = lmp->atom;
+  const int i = sidata.i, j = sidata.j;
+  if (!(atom->mask[i] & compute->groupbit) || !(atom->mask[j] & compute->groupbit)) return;
+  if (lmp->force->newton_pair == 0 && j >= atom->nlocal && atom->tag[i] <= atom->tag[j]) return;
+  EllgranContactReport told = geometry_report();
+  memcpy(told.force, forces_i.delta_F, sizeof(told.force));
+  memcpy(told.torque, forces_i.delta_torque, sizeof(told.torque));
+  reports.push_back(told);
+}
+
+void EllgranContact::write_reports()
+{
+  PairGran *const pair = dynamic_cast<PairGran *>(owner);
+  for (size_t row = 0; row < reports.size(); row++) ellgran_write_report(pair->cpl(), row, reports[row]);
+  reports.clear();
+}
+
 void EllgranContact::check_particles() const
 {
   for (int i = 0; i < lmp->atom->nlocal; i++) {
@@ -198,6 +299,7 @@ void EllgranContact::check_particles() const
     EllgranPlane plane = ELLGRAN_INIT(EllgranPlane);
     plane.normal[2] = 1.0;
     check(ellgran_contact_geometry_plane(&body, &plane, &unused));
+    check_radius(lmp, i);
   }
 }
 
@@ -210,6 +312,8 @@ EllgranParticles EllgranContact::particles() const
   all.count = count;
   if (count == 0) return all;
   for (int i = 0; i < count; i++) check_blockiness(i);
+  if (lmp->neighbor->ago == 0)
+    for (int i = 0; i < count; i++) check_radius(lmp, i);
   all.positions = atom->x[0];
   all.velocities = atom->v[0];
   all.angular_velocities = atom->omega[0];
@@ -239,15 +343,19 @@ EllgranStep EllgranContact::step(int advance_history) const
   return step;
 }
 
-void EllgranContact::build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force)
+void EllgranContact::build_laws(const double *shear, const double *bulk, double *const *restitution, bool conservative,
+                                bool ting, bool limit_force)
 {
   std::vector<EllgranLawParameters> parameters(types * types, ELLGRAN_INIT(EllgranLawParameters));
   std::vector<uint8_t> is_set(types * types, 0);
   for (int k = 0; k < types; k++) {
     EllgranLawParameters &p = parameters[k * types + k];
     check(ellgran_law_parameters_default(&p));
-    p.normal = ELLGRAN_NORMAL_NFD;
+    p.normal = restitution ? ELLGRAN_NORMAL_HERTZ : ELLGRAN_NORMAL_NFD;
+    // The coefficient of restitution is per pair of types too, and replaces this one below.
+    if (restitution) p.damping = ELLGRAN_DAMPING_RESTITUTION;
     p.tangential = tangential_is_tfd ? ELLGRAN_TANGENTIAL_TFD : ELLGRAN_TANGENTIAL_NONE;
+    if (displacement_is_total) p.displacement = ELLGRAN_DISPLACEMENT_TOTAL;
     // The coefficient of friction is per pair of types and given with each contact: any value that is not zero serves.
     p.friction = 1.0;
     p.unloading = ting ? ELLGRAN_UNLOADING_TING : ELLGRAN_UNLOADING_FIRST_ORDER;
@@ -255,16 +363,43 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, bool co
     p.limit_force = limit_force;
     p.youngs_modulus = youngs_modulus[k + 1];
     p.poissons_ratio = poissons_ratio[k + 1];
-    p.shear_viscosity = shear[k + 1];
-    p.bulk_viscosity = bulk[k + 1];
+    if (!restitution) {
+      p.shear_viscosity = shear[k + 1];
+      p.bulk_viscosity = bulk[k + 1];
+    }
     is_set[k * types + k] = 1;
   }
   EllgranLaws *built = NULL;
   check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
+  if (restitution) {
+    std::vector<double> coefficients(types * types);
+    for (int i = 0; i < types; i++)
+      for (int j = 0; j < types; j++) coefficients[i * types + j] = restitution[i + 1][j + 1];
+    EllgranLaws *with_restitution = NULL;
+    const int32_t status = ellgran_laws_with_restitution(built, &coefficients[0], &with_restitution);
+    ellgran_laws_free(built);
+    check(status);
+    built = with_restitution;
+  }
   ellgran_laws_free(laws);
   laws = built;
   ellgran_laws_free(list_laws);
   list_laws = NULL;
+  warn_of_created_energy();
+}
+
+void EllgranContact::warn_of_created_energy()
+{
+  int32_t i = 0, j = 0;
+  check(ellgran_laws_create_energy(laws, &i, &j));
+  if (i == 0 || warned_of_created_energy) return;
+  warned_of_created_energy = true;
+  if (lmp->comm->me != 0) return;
+  char message[240];
+  snprintf(message, sizeof(message),
+           "tangential tfd: totalDisplacement on can create energy, and nothing in the law of types %d and %d dissipates "
+           "any: leave it off, or give viscosities or restitutionDamping", (int)i, (int)j);
+  lmp->error->warning(FLERR, message);
 }
 
 void EllgranContact::build_list_laws()
@@ -288,6 +423,9 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   if (pair->storeContactForces() || pair->storeContactForcesStress() || pair->storeSumDelta()) return false;
   if (pair->store_sum_normal_force()) return false;
   if (lmp->modify->n_fixes_style("insert/stream/predefined")) return false;
+  const bool masses = ellgran_laws_uses_mass(laws) == 1;
+  // there the mass of a body counts, not that of its particle
+  if (masses && (lmp->modify->n_fixes_style("rigid") || lmp->modify->n_fixes_style("multisphere"))) return false;
   // another fix keeps numbers of its own with each contact
   if (!pair->listgranhistory || pair->dnum() != ellgran_laws_history_length(laws)) return false;
 
@@ -300,7 +438,15 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   // the library is told when it sees what it saw before, but for the motion
   const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_last;
   if (!list_laws) build_list_laws();
-  const EllgranParticles all = particles();
+  EllgranParticles all = particles();
+  if (masses) {
+    contact_masses.resize(all.count);
+    for (int i = 0; i < all.count; i++) {
+      contact_masses[i] = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+      if (atom->mask[i] & pair->freeze_group_bit()) contact_masses[i] = HUGE_VAL;
+    }
+    all.masses = all.contact_masses = &contact_masses[0];
+  }
 
   EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
   neighbours.count = list->inum;

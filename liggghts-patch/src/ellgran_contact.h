@@ -11,6 +11,7 @@
 
 #include "ellgran.h"
 #include "contact_interface.h"
+#include "ellgran_local_output.h"
 #include "lammps.h"
 
 class PropertyRegistry;
@@ -39,8 +40,9 @@ struct EllgranContact {
 
   bool is_wall;
   bool surface_is_ellipsoid;     // else the normal model stages spheres
-  bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own reads sidata.reff
+  bool needs_equivalent_radius;  // a normal model of LIGGGHTS' own, or rolling friction, reads sidata.reff
   bool tangential_is_tfd;        // else a tangential model of LIGGGHTS' own may read sidata.kt
+  bool displacement_is_total;    // setting totalDisplacement of tangential tfd
   double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
@@ -58,21 +60,36 @@ struct EllgranContact {
   // stops with the library's message unless status is ELLGRAN_SUCCESS
   void check(int32_t status) const;
   void check_particles() const;
+  // whether this is the pair style's or wall's model of a kind: normal, tangential, cohesion, rolling_friction, surface
+  bool matches(const char *kind, const char *name) const;
+  // stops if another model of the same contact model would be wrong about this one without saying so
+  void check_models() const;
   // all particles of the step, for the contacts that are staged by their indices
   void prepare_particles();
   EllgranStep step(int advance_history) const;
-  // a law of E, nu, eta1, eta2 per type
-  void build_laws(const double *shear, const double *bulk, bool conservative, bool ting, bool limit_force);
+  // A law of E, nu, eta1, eta2 per type; or, with restitution (per pair of types, from 1) in place of viscosities, elastic with
+  // the damping that gives it.
+  void build_laws(const double *shear, const double *bulk, double *const *restitution, bool conservative, bool ting,
+                  bool limit_force);
 
   // Forces of all pairs of the neighbour list by one call of the library. False, and nothing done, when something needs
   // the contacts one by one.
   bool compute_list(LAMMPS_NS::PairGran *pair, int eflag, int vflag, int addflag);
 
+  // For compute pair/gran/local, whose pass over the pairs computes forces and applies none: where in the history LIGGGHTS
+  // reads the contact point and the penetration; a contact of that pass; and the rows, when all contacts are there.
+  void connect_local_output();
+  void report(SurfacesIntersectData &sidata, const ForceData &forces_i);
+  void begin_reports() { reports.clear(); }
+  void write_reports();
+  // of the contact at hand, but for its forces
+  EllgranContactReport geometry_report() const;
+
   // surface of the wall that is acting, set by fix wall/gran/ellipsoid around the call of the contact model
   static const EllgranWallSurface *acting_wall;
 
 private:
-  EllgranContact(LAMMPS_NS::LAMMPS *lmp, bool is_wall);
+  EllgranContact(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);
   ~EllgranContact();
   EllgranContact(const EllgranContact &);
   EllgranContact &operator=(const EllgranContact &);
@@ -80,13 +97,19 @@ private:
   void check_blockiness(int i) const;
   EllgranParticles particles() const;
   void build_list_laws();
+  void warn_of_created_energy();
 
   LAMMPS_NS::LAMMPS *lmp;
+  ContactModelBase *model;
   int users;
   double *youngs_modulus, *poissons_ratio;
   std::vector<double> shares;
   EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
   EllgranWorkspace *workspace;
+  std::vector<EllgranContactReport> reports;
+  std::vector<double> told_history;  // of a contact, as compute pair/gran/local reads it
+  bool warned_of_created_energy;
+  std::vector<double> contact_masses;  // of all particles, infinite for those of fix freeze
   int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
 };
 

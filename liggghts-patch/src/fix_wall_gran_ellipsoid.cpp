@@ -9,13 +9,18 @@
 
 #include "atom.h"
 #include "contact_models.h"
+#include "comm.h"
+#include "compute_pair_gran_local.h"
 #include "ellgran_contact.h"
+#include "ellgran_local_output.h"
 #include "error.h"
 #include "fix_contact_history_mesh.h"
+#include "fix_contact_property_atom_wall.h"
 #include "fix_neighlist_mesh.h"
 #include "fix_property_atom.h"
 #include "force.h"
 #include "math_extra_liggghts.h"
+#include "math_extra_liggghts_nonspherical.h"
 #include "modify.h"
 #include "primitive_wall.h"
 #include "tri_mesh.h"
@@ -33,6 +38,8 @@ const int POINT = 1, NORMAL = 4, HISTORY = 7;
 const int MOST_CONTACTS = 8;
 // mark of a remembered contact that one of the new ones goes on from
 const double TAKEN = -1.0;
+// 'contact_area constant' among the modes of fix wall/gran
+const int CONTACT_AREA_CONSTANT = 1;
 
 bool is(const char *word, const char *what)
 {
@@ -45,8 +52,10 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     FixWallGran(lmp, narg, arg),
     kind_(MESH),
     axis_(0),
-    storage_(NULL),
     found_(NULL),
+    crowded_(0),
+    crowd_said_(false),
+    row_(0),
     own_wall_(0)
 {
   check(ellgran_wall_contacts_new(&found_));
@@ -64,6 +73,10 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
       break;
     }
   }
+  if (kind_ == CYLINDER && store_force_contact_stress_)
+    error->fix_error(FLERR, this,
+                     "a needle touches a primitive cylinder twice, and store_force_contact_stress (which fix continuum/weighted "
+                     "turns on) has room for one contact; use a mesh");
   storage_name_ = std::string("contacts_") + id;
 }
 
@@ -102,36 +115,72 @@ int FixWallGranEllipsoid::slot_length() const
   return HISTORY + dnum_;
 }
 
+std::string FixWallGranEllipsoid::storage_name(int piece) const
+{
+  char number[16];
+  sprintf(number, "_%d", piece + 1);
+  return storage_name_ + number;
+}
+
 void FixWallGranEllipsoid::post_create()
 {
   FixWallGran::post_create();
   const int length = slots() * slot_length();
-  std::vector<const char *> words;
-  words.push_back(storage_name_.c_str());
-  words.push_back("all");
-  words.push_back("property/atom");
-  words.push_back(storage_name_.c_str());
-  words.push_back("vector");
-  words.push_back("yes");
-  words.push_back("no");
-  words.push_back("no");
-  for (int k = 0; k < length; k++) words.push_back("0.");
-  modify->add_fix(words.size(), const_cast<char **>(&words[0]));
-  storage_ = static_cast<FixPropertyAtom *>(
-      modify->find_fix_property(storage_name_.c_str(), "property/atom", "vector", length, 0, style));
+  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++) {
+    const int count = std::min<int>(MOST_VALUES, length - from);
+    const std::string name = storage_name(piece);
+    std::vector<const char *> words;
+    words.push_back(name.c_str());
+    words.push_back("all");
+    words.push_back("property/atom");
+    words.push_back(name.c_str());
+    words.push_back(count > 1 ? "vector" : "vector_one_entry");
+    words.push_back("yes");
+    words.push_back("no");
+    words.push_back("no");
+    for (int k = 0; k < count; k++) words.push_back("0.");
+    modify->add_fix(words.size(), const_cast<char **>(&words[0]));
+  }
+  find_storage();
+}
+
+void FixWallGranEllipsoid::find_storage()
+{
+  const int length = slots() * slot_length();
+  before_.assign(length, 0.0);
+  now_.assign(length, 0.0);
+  storage_.clear();
+  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
+    storage_.push_back(static_cast<FixPropertyAtom *>(
+        modify->find_fix_property(storage_name(piece).c_str(), "property/atom", "vector",
+                                  std::min<int>(MOST_VALUES, length - from), 0, style)));
+}
+
+void FixWallGranEllipsoid::load(int particle)
+{
+  const int length = before_.size();
+  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
+    vectorCopyN(storage_[piece]->array_atom[particle], &before_[from], std::min<int>(MOST_VALUES, length - from));
+}
+
+void FixWallGranEllipsoid::store(int particle)
+{
+  const int length = before_.size();
+  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
+    vectorCopyN(&now_[from], storage_[piece]->array_atom[particle], std::min<int>(MOST_VALUES, length - from));
 }
 
 void FixWallGranEllipsoid::pre_delete(bool unfixflag)
 {
-  if (unfixflag && storage_) modify->delete_fix(storage_->id);
+  if (unfixflag)
+    for (size_t piece = 0; piece < storage_.size(); piece++) modify->delete_fix(storage_[piece]->id);
   FixWallGran::pre_delete(unfixflag);
 }
 
 void FixWallGranEllipsoid::init()
 {
   FixWallGran::init();
-  storage_ = static_cast<FixPropertyAtom *>(modify->find_fix_property(
-      storage_name_.c_str(), "property/atom", "vector", slots() * slot_length(), 0, style));
+  find_storage();
   find_walls();
 }
 
@@ -152,6 +201,42 @@ bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
   return contact.surface.others_share == 0.0;
 }
 
+void FixWallGranEllipsoid::setup(int vflag)
+{
+  FixWallGran::setup(vflag);
+  // known only now: whether the wall conducts heat
+  if (heattransfer_flag_ && area_calculation_mode_ != CONTACT_AREA_CONSTANT)
+    error->fix_error(FLERR, this, "takes the area that conducts heat from spheres; give it 'contact_area constant A'");
+}
+
+void FixWallGranEllipsoid::pre_neighbor()
+{
+  FixWallGran::pre_neighbor();
+  say_crowded();
+}
+
+void FixWallGranEllipsoid::post_run()
+{
+  say_crowded();
+}
+
+// once, by one rank
+void FixWallGranEllipsoid::say_crowded()
+{
+  if (crowd_said_) return;
+  int particle = 0;
+  MPI_Allreduce(&crowded_, &particle, 1, MPI_INT, MPI_MAX, world);
+  if (particle == 0) return;
+  crowd_said_ = true;
+  if (comm->me != 0) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "Fix %s (%s): particle %d has more than %d contacts with the wall; the %d deepest act, for any particle. "
+           "This is said once.",
+           id, style, particle, slots(), slots());
+  error->warning(FLERR, message);
+}
+
 bool FixWallGranEllipsoid::in_group(int particle) const
 {
   return atom->mask[particle] & groupbit;
@@ -159,7 +244,45 @@ bool FixWallGranEllipsoid::in_group(int particle) const
 
 void FixWallGranEllipsoid::forget(int particle)
 {
-  if (computeflag_) vectorZeroizeN(storage_->array_atom[particle], slots() * slot_length());
+  if (!computeflag_) return;
+  std::fill(now_.begin(), now_.end(), 0.0);
+  store(particle);
+}
+
+// how deep the surface lies in the ellipsoid: the ellipsoid's extent along the normal less the distance of its centre
+double FixWallGranEllipsoid::depth(const EllgranBody &particle, const EllgranWallSurface &surface) const
+{
+  double normal[3], local[3], arm[3];
+  vectorCopy3D(surface.normal, normal);
+  vectorNormalize3D(normal);
+  MathExtraLiggghtsNonspherical::rotate_global2local(particle.quaternion, normal, local);
+  double extent = 0.0;
+  for (int k = 0; k < 3; k++) extent += particle.semi_axes[k] * local[k] * particle.semi_axes[k] * local[k];
+  vectorSubtract3D(particle.position, surface.point, arm);
+  return sqrt(extent) - vectorDot3D(arm, normal);
+}
+
+void FixWallGranEllipsoid::keep_deepest(int particle, std::vector<Contact> &contacts)
+{
+  // Of faces that share a contact any number act; those beyond the room for what is remembered find it with the others.
+  const std::vector<Contact>::iterator shared = std::stable_partition(contacts.begin(), contacts.end(), acts_alone);
+  if (shared - contacts.begin() <= slots()) return;
+  crowded_ = atom->tag[particle];
+  const EllgranBody grain = body(particle);
+  for (size_t c = 0; c < contacts.size(); c++) contacts[c].depth = depth(grain, contacts[c].surface);
+  std::stable_sort(contacts.begin(), shared, deeper);
+  contacts.erase(contacts.begin() + slots(), shared);
+}
+
+// LIGGGHTS stores the force of the first contact with a primitive wall or a triangle: this is that of a further one, as a needle has
+// with a cylinder. The force on the particle has it; a stored force is the sum.
+void FixWallGranEllipsoid::store_again(int particle, int place, const double *force_before, const double *torque_before)
+{
+  double *const stored = fix_wallforce_contact_->contacthistory(particle, place);
+  for (int k = 0; k < 3; k++) {
+    stored[k] += atom->f[particle][k] - force_before[k];
+    stored[3 + k] += atom->torque[particle][k] - torque_before[k];
+  }
 }
 
 // All contacts of a particle with the wall. Each finds what is remembered of it by where it was a step ago: a contact moves
@@ -168,19 +291,14 @@ void FixWallGranEllipsoid::forget(int particle)
 void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
 {
   const int length = slot_length();
+  keep_deepest(particle, contacts);
   const int count = contacts.size();
-  // Of faces that share a contact any number act; those beyond the room for what is remembered find it with the others.
-  const int whole = std::stable_partition(contacts.begin(), contacts.end(), acts_alone) - contacts.begin();
-  if (whole > slots()) {
-    char message[200];
-    snprintf(message, sizeof(message), "particle %d has %d contacts with the wall; %d is the most that are remembered",
-             atom->tag[particle], whole, slots());
-    error->fix_error(FLERR, this, message);
-  }
-  double *const stored = storage_->array_atom[particle];
   const double *const x = atom->x[particle];
-  std::vector<double> before(stored, stored + slots() * length);
-  std::vector<double> now(std::max(count, slots()) * length, 0.0);
+  load(particle);
+  if (now_.size() < size_t(count) * length) now_.resize(count * length);
+  std::fill(now_.begin(), now_.end(), 0.0);
+  const bool stores = store_force_contact_ && update->ntimestep % store_force_contact_every_ == 0;
+  EllgranContact *const model = EllgranContact::of(this);
   for (int c = 0; c < count; c++) {
     const Contact &contact = contacts[c];
     double point[3];
@@ -188,7 +306,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     int best = -1;
     double least = HUGE_VAL;
     for (int s = 0; s < slots(); s++) {
-      const double *const slot = &before[s * length];
+      const double *const slot = &before_[s * length];
       if (slot[0] == 0.0) continue;
       if (slot[0] == TAKEN && acts_alone(contact)) continue;
       if (vectorDot3D(&slot[NORMAL], contact.surface.normal) < 0.5) continue;
@@ -200,10 +318,10 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
         best = s;
       }
     }
-    double *const slot = &now[c * length];
+    double *const slot = &now_[c * length];
     if (best >= 0) {
-      vectorCopyN(&before[best * length], slot, length);
-      before[best * length] = TAKEN;
+      vectorCopyN(&before_[best * length], slot, length);
+      before_[best * length] = TAKEN;
     }
     slot[0] = 1.0;
     vectorCopy3D(point, &slot[POINT]);
@@ -217,7 +335,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     sidata.i = particle;
     sidata.itype = atom->type[particle];
     sidata.jtype = atom_type_wall_;
-    sidata.contact_history = &now[c * length + HISTORY];
+    sidata.contact_history = &now_[c * length + HISTORY];
     sidata.computeflag = computeflag_;
     sidata.shearupdate = shearupdate_;
     sidata.radi = atom->radius[particle];
@@ -234,16 +352,27 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     EllgranContact::acting_wall = &contact.surface;
     if (impl->checkSurfaceIntersect(sidata)) {
       sidata.is_non_spherical = true;
+      sidata.deltan = model->geometry.penetration;
+      if (fix_mesh && store_force_contact_) fix_wallforce_contact_ = fix_mesh->meshforceContact();
+      if (fix_mesh && store_force_contact_stress_) fix_wallforce_contact_stress_ = fix_mesh->meshforceContactStress();
+      const int triangle = mesh ? mesh->id(contact.triangle) : 0;
+      const int place = stores && computeflag_ ? fix_wallforce_contact_->has_partner(particle, triangle) : -1;
+      double force_before[3], torque_before[3];
+      vectorCopy3D(atom->f[particle], force_before);
+      vectorCopy3D(atom->torque[particle], torque_before);
+      const bool tells = cwl_ && addflag_ && (atom->mask[particle] & cwl_->groupbit);
       if (counts_contacts() && mesh) {
         double *unused;
         fix_mesh->contactHistory()->handleContact(particle, mesh->id(contact.triangle), unused, true, false);
       }
       impl->compute_force(this, sidata, true, contact.surface.velocity, fix_mesh, contact.mesh, mesh, contact.triangle);
+      if (place >= 0) store_again(particle, place, force_before, torque_before);
+      if (tells) ellgran_write_geometry(cwl_, row_++, model->geometry_report());
     } else
-      now[c * length] = 0.0;
+      now_[c * length] = 0.0;
     EllgranContact::acting_wall = NULL;
   }
-  if (computeflag_) vectorCopyN(&now[0], stored, slots() * length);
+  if (computeflag_) store(particle);
 }
 
 void FixWallGranEllipsoid::post_force_primitive(int)
@@ -322,6 +451,7 @@ void FixWallGranEllipsoid::gather_near()
 void FixWallGranEllipsoid::post_force_mesh(int)
 {
   const int nlocal = atom->nlocal;
+  row_ = 0;
   if (counts_contacts())
     for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->markAllContacts();
   gather_near();

@@ -26,8 +26,11 @@ class FixWallGranEllipsoid : public FixWallGran {
   virtual void post_create();
   virtual void pre_delete(bool unfixflag);
   virtual void init();
+  virtual void setup(int vflag);
+  virtual void post_run();
 
  protected:
+  virtual void pre_neighbor();
   virtual void post_force_primitive(int);
   virtual void post_force_mesh(int);
 
@@ -36,7 +39,9 @@ class FixWallGranEllipsoid : public FixWallGran {
   struct Contact {
     EllgranWallSurface surface;
     int mesh, triangle;
+    double depth;  // set where the deepest are chosen
   };
+  static bool deeper(const Contact &one, const Contact &other) { return one.depth > other.depth; }
 
   // a triangle near a particle: its wall, its mesh, its number in the file of the mesh, its place on this rank
   struct Near {
@@ -55,8 +60,13 @@ class FixWallGranEllipsoid : public FixWallGran {
   int kind_;
   int axis_;
   double parameters_[3];
+  // What is remembered of the contacts of a particle, one after the other, in fixes property/atom of at most so many values each:
+  // LIGGGHTS warns of more.
+  enum { MOST_VALUES = 20 };
   std::string storage_name_;
-  class FixPropertyAtom *storage_;
+  std::vector<class FixPropertyAtom *> storage_;
+  // of the particle at hand, before and after the step
+  std::vector<double> before_, now_;
   EllgranWallContacts *found_;
   // all walls of this style that are meshes, and which of them this one is
   std::vector<FixWallGranEllipsoid *> walls_;
@@ -67,10 +77,25 @@ class FixWallGranEllipsoid : public FixWallGran {
   // remembered contacts of a particle: whether there is one, its point and normal, and the history of the contact model, each
   int slots() const;
   int slot_length() const;
+  std::string storage_name(int piece) const;
+  void find_storage();
+  void load(int particle);
+  void store(int particle);
+
+  // the particle of which a contact was left out since the last word on it, and whether it was said; 0 for none
+  int crowded_;
+  bool crowd_said_;
+  void say_crowded();
+  double depth(const EllgranBody &particle, const EllgranWallSurface &surface) const;
+
+  // row of compute wall/gran/local that the next contact fills
+  int row_;
 
   EllgranBody body(int particle) const;
   void check(int32_t status) const;
   void act(int particle, std::vector<Contact> &contacts);
+  void keep_deepest(int particle, std::vector<Contact> &contacts);
+  void store_again(int particle, int place, const double *force_before, const double *torque_before);
   void forget(int particle);
   bool in_group(int particle) const;
   void find_walls();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /*
- * model nfd: viscoelastic normal force from youngsModulus, poissonsRatio, viscosityShear and viscosityBulk per type.
+ * model nfd: viscoelastic normal force from youngsModulus, poissonsRatio, viscosityShear and viscosityBulk per type; with
+ * restitutionDamping on, from coefficientRestitution per pair of types in place of the viscosities.
  * Under surface ellipsoid for the ellipse of the contact, under surface default for spheres.
  */
 
@@ -38,13 +39,18 @@ public:
       contact(EllgranContact::take(lmp, cmb)),
       shear(NULL),
       bulk(NULL),
+      restitution(NULL),
       Geff(NULL),
+      Yeff(NULL),
+      rolls(false),
       conservative(true),
       ting(true),
       limit_force(true),
+      damping_is_restitution(false),
       elastic_potential(false),
       dissipated_energy(false)
   {
+    contact->owner = hsetup;
     contact->needs_equivalent_radius = false;
   }
 
@@ -55,6 +61,7 @@ public:
     settings.registerOnOff("conservative", conservative, true);
     settings.registerOnOff("tingUnloading", ting, true);
     settings.registerOnOff("limitForce", limit_force, true);
+    settings.registerOnOff("restitutionDamping", damping_is_restitution, false);
     settings.registerOnOff("computeElasticPotential", elastic_potential, false);
     settings.registerOnOff("computeDissipatedEnergy", dissipated_energy, false);
   }
@@ -68,13 +75,24 @@ public:
   void connectToProperties(PropertyRegistry &registry)
   {
     contact->connect_moduli(registry, "model nfd");
-    registry.registerProperty("viscosityShear", &MODEL_PARAMS::createViscosityShear);
-    registry.registerProperty("viscosityBulk", &MODEL_PARAMS::createViscosityBulk);
+    if (damping_is_restitution) {
+      // the library checks the range: above 0 and at most 1
+      registry.registerProperty("coeffRest", &MODEL_PARAMS::createCoeffRest, false);
+      registry.connect("coeffRest", restitution, "model nfd restitutionDamping on");
+    } else {
+      registry.registerProperty("viscosityShear", &MODEL_PARAMS::createViscosityShear);
+      registry.registerProperty("viscosityBulk", &MODEL_PARAMS::createViscosityBulk);
+      registry.connect("viscosityShear", shear, "model nfd");
+      registry.connect("viscosityBulk", bulk, "model nfd");
+    }
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff);
-    registry.connect("viscosityShear", shear, "model nfd");
-    registry.connect("viscosityBulk", bulk, "model nfd");
     registry.connect("Geff", Geff, "model nfd");
-    contact->build_laws(shear, bulk, conservative, ting, limit_force);
+    registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff);
+    registry.connect("Yeff", Yeff, "model nfd");
+    contact->check_models();
+    rolls = !contact->matches("rolling_friction", "off");
+    contact->needs_equivalent_radius = rolls;
+    contact->build_laws(shear, bulk, restitution, conservative, ting, limit_force);
     neighbor->register_contact_dist_factor(1.01);
   }
 
@@ -101,11 +119,14 @@ public:
     sidata.Fn = f.normal_force;
     sidata.kn = f.normal_force / sidata.deltan;
     sidata.kt = 0.0;
-    if (!contact->tangential_is_tfd) {
-      // for LIGGGHTS' own tangential models: stiffness of a circular contact with the same elastic force
+    if (rolls || !contact->tangential_is_tfd) {
+      // for LIGGGHTS' own rolling and tangential models: the stiffnesses of a circular contact with the same elastic force, as
+      // model hertz has them
       double radius = 0.0;
       contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
-      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * sqrt(radius * sidata.deltan);
+      const double root = sqrt(radius * sidata.deltan);
+      sidata.kn = 4.0 / 3.0 * Yeff[sidata.itype][sidata.jtype] * root;
+      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * root;
     }
     sidata.gamman = 0.0;
     sidata.gammat = 0.0;
@@ -134,8 +155,9 @@ private:
   ContactModelBase *model;
   EllgranContact *contact;
   double *shear, *bulk;
-  double **Geff;
-  bool conservative, ting, limit_force, elastic_potential, dissipated_energy;
+  double **restitution, **Geff, **Yeff;
+  bool rolls;  // a rolling model reads kn, and reff under surface ellipsoid
+  bool conservative, ting, limit_force, damping_is_restitution, elastic_potential, dissipated_energy;
 };
 
 }

@@ -17,6 +17,7 @@ SURFACE_MODEL(SURFACE_ELLIPSOID,ellipsoid,41)
 #include "atom.h"
 #include "comm.h"
 #include "contact_models.h"
+#include "ellgran_commands.h"
 #include "ellgran_contact.h"
 #include "error.h"
 #include "fix_wall_gran.h"
@@ -61,7 +62,10 @@ public:
   inline void connectToProperties(PropertyRegistry &registry)
   {
     contact->connect_moduli(registry, "surface ellipsoid");
+    contact->check_models();
+    ellgran_check_commands(lmp);
     contact->check_particles();
+    contact->connect_local_output();
     // so that surfacesClose follows the end of every contact, also where bounding spheres touch as the bodies do
     neighbor->register_contact_dist_factor(1.01);
   }
@@ -116,9 +120,21 @@ public:
     if (scdata.contact_history && touched_offset >= 0) scdata.contact_history[touched_offset] = 0.0;
   }
 
-  inline void endSurfacesIntersect(SurfacesIntersectData &, TriMesh *, double *const) {}
-  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) { contact->prepare_particles(); }
-  void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  inline void endSurfacesIntersect(SurfacesIntersectData &sidata, TriMesh *, double *const force_i)
+  {
+    // the force is the first of ForceData, which LIGGGHTS hands over no other way
+    if (!sidata.is_wall && !sidata.computeflag)
+      contact->report(sidata, *reinterpret_cast<const ForceData *>(force_i));
+  }
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &)
+  {
+    contact->prepare_particles();
+    contact->begin_reports();
+  }
+  void endPass(SurfacesIntersectData &sidata, ForceData &, ForceData &)
+  {
+    if (!sidata.computeflag) contact->write_reports();
+  }
   inline void tally_pp(double, int, int, int) {}
   inline void tally_pw(double, int, int, int) {}
 

@@ -30,13 +30,34 @@ public:
       friction(NULL),
       elastic_potential(false),
       dissipated_energy(false),
+      memory_offset(-1),
+      memory_length(0),
       own_offset(-1)
   {
     contact->tangential_is_tfd = true;
-    memory_offset = hsetup->add_history_value("ellgran_xi_x", "1");
+  }
+
+  ~TangentialModel() { EllgranContact::release(model); }
+
+  inline void registerSettings(Settings &settings)
+  {
+    settings.registerOnOff("totalDisplacement", contact->displacement_is_total, false);
+    settings.registerOnOff("computeElasticPotential", elastic_potential, false);
+    settings.registerOnOff("computeDissipatedEnergy", dissipated_energy, false);
+  }
+
+  inline void postSettings(IContactHistorySetup *hsetup, ContactModelBase *)
+  {
+    // as the library has it: the memory, which is a displacement or a force, and with the latter its energy
+    memory_offset = hsetup->add_history_value("ellgran_memory_x", "1");
     contact->memory_offset = memory_offset;
-    hsetup->add_history_value("ellgran_xi_y", "1");
-    hsetup->add_history_value("ellgran_xi_z", "1");
+    hsetup->add_history_value("ellgran_memory_y", "1");
+    hsetup->add_history_value("ellgran_memory_z", "1");
+    memory_length = 3;
+    if (!contact->displacement_is_total) {
+      hsetup->add_history_value("ellgran_memory_energy", "0");
+      memory_length = 4;
+    }
     if (!contact->surface_is_ellipsoid) {
       // LIGGGHTS' own surface models remember neither the normal nor whether the contact is new
       own_offset = hsetup->add_history_value("ellgran_normal_x", "1");
@@ -44,18 +65,6 @@ public:
       hsetup->add_history_value("ellgran_normal_z", "1");
       hsetup->add_history_value("ellgran_touched", "0");
     }
-  }
-
-  ~TangentialModel() { EllgranContact::release(model); }
-
-  inline void registerSettings(Settings &settings)
-  {
-    settings.registerOnOff("computeElasticPotential", elastic_potential, false);
-    settings.registerOnOff("computeDissipatedEnergy", dissipated_energy, false);
-  }
-
-  inline void postSettings(IContactHistorySetup *, ContactModelBase *)
-  {
     if (elastic_potential) error->all(FLERR, "tangential tfd: computeElasticPotential is not available");
     if (dissipated_energy) error->all(FLERR, "tangential tfd: computeDissipatedEnergy is not available");
   }
@@ -99,7 +108,7 @@ public:
   {
     if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
     if (!scdata.contact_history) return;
-    for (int k = 0; k < 3; k++) scdata.contact_history[memory_offset + k] = 0.0;
+    for (int k = 0; k < memory_length; k++) scdata.contact_history[memory_offset + k] = 0.0;
     if (own_offset >= 0)
       for (int k = 0; k < 4; k++) scdata.contact_history[own_offset + k] = 0.0;
   }
@@ -112,7 +121,7 @@ private:
   EllgranContact *contact;
   double **friction;
   bool elastic_potential, dissipated_energy;
-  int memory_offset, own_offset;
+  int memory_offset, memory_length, own_offset;
 };
 
 }

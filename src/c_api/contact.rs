@@ -3,35 +3,39 @@
 
 use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
-use super::particles::{hale_failure, EllgranStep};
+use super::particles::{hale_failure, history_failure, result_failure, EllgranStep};
 use super::planes::EllgranPlane;
 use super::status::{
     at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::Vector3;
-use crate::pairs::one_contact::{geometry, geometry_with_plane, prepare_body, HaleRatio};
+use crate::pairs::one_contact::{
+    geometry, geometry_with_plane, one_contact_or_gap, prepare_body, HaleRatio,
+};
 use crate::pairs::particles::Particle;
-use crate::pairs::{one_contact, one_contact_with_plane, Body, ContactForces, Laws, OneContact};
+use crate::pairs::{
+    one_contact, one_contact_with_plane, Body, ContactForces, HistoryLayout, Laws, OneContact,
+};
 use libc::size_t;
 
-/// A body of one contact, world frame.
+/// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranBody {
     /// `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
     pub size: size_t,
-    /// Centre.
+    /// Centre; components up to 1e20.
     pub position: [f64; 3],
-    /// Rotation from body to world, (w, x, y, z); need not be of unit length.
+    /// Rotation from body to world, (w, x, y, z); of any length but zero.
     pub quaternion: [f64; 4],
-    /// Semi-axes along the body axes.
+    /// Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
     pub semi_axes: [f64; 3],
-    /// Velocity of the centre.
+    /// Velocity of the centre; components up to 1e20. See `EllgranStep`.
     pub velocity: [f64; 3],
-    /// Angular velocity, world frame.
+    /// Angular velocity, world frame; components up to 1e20.
     pub angular_velocity: [f64; 3],
-    /// Mass > 0, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+    /// Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
     pub mass: f64,
     /// Type, counted from 1.
     pub kind: i32,
@@ -139,6 +143,83 @@ impl From<&OneContact> for EllgranContactGeometry {
     }
 }
 
+impl EllgranContactGeometry {
+    /// Refuses numbers that are none.
+    fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(x) => Err(result_failure(i, j, name, *x)),
+        };
+        wrong("penetration", &[self.penetration])?;
+        wrong("normal", &self.normal)?;
+        wrong("contact_point", &self.contact_point)?;
+        wrong("witness_i", &self.witness_i)?;
+        wrong("witness_j", &self.witness_j)?;
+        wrong("curvature", &[self.curvature_a, self.curvature_b])?;
+        wrong("major_direction", &self.major_direction)
+    }
+}
+
+impl EllgranContactForce {
+    /// Refuses numbers that are none.
+    pub(super) fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(x) => Err(result_failure(i, j, name, *x)),
+        };
+        wrong("normal_force", &[self.normal_force])?;
+        wrong("force", &self.force)?;
+        wrong("torque_i", &self.torque_i)?;
+        wrong("torque_j", &self.torque_j)?;
+        wrong("tangential_force", &self.tangential_force)?;
+        wrong("displacement", &self.displacement)?;
+        wrong("penetration_rate", &[self.penetration_rate])?;
+        wrong(
+            "elastic energy",
+            &[self.elastic_energy, self.tangential_energy],
+        )?;
+        wrong("power", &[self.viscous_power, self.tangential_power])?;
+        wrong("contact_semi_axes", &self.contact_semi_axes)
+    }
+}
+
+/// What a contact remembers, apart from the caller's array until all is known to be right.
+struct History {
+    numbers: [f64; HistoryLayout::LONGEST],
+    length: usize,
+}
+
+impl History {
+    fn read(
+        laws: &Laws,
+        touches: bool,
+        given: &[f64],
+        i: i64,
+        j: Option<i64>,
+    ) -> Result<History, Failure> {
+        if let Some((place, value)) = laws.layout().first_wrong(given).filter(|_| touches) {
+            return Err(history_failure(i, j, place, value));
+        }
+        let mut numbers = [0.0; HistoryLayout::LONGEST];
+        numbers[..given.len()].copy_from_slice(given);
+        Ok(History {
+            numbers,
+            length: given.len(),
+        })
+    }
+
+    fn numbers(&mut self) -> &mut [f64] {
+        &mut self.numbers[..self.length]
+    }
+
+    fn check(&self, laws: &Laws, i: i64, j: Option<i64>) -> Result<(), Failure> {
+        match laws.layout().first_wrong(&self.numbers[..self.length]) {
+            Some((_, value)) => Err(result_failure(i, j, "history", value)),
+            None => Ok(()),
+        }
+    }
+}
+
 /// `of_ellipse`: the geometry for the semi-axes of the contact ellipse, where there is one and it is wanted.
 pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> EllgranContactForce {
     let contact_semi_axes = of_ellipse.map_or([0.0; 2], |g| {
@@ -209,7 +290,7 @@ fn law_failure(i: &EllgranBody, j: Option<&EllgranBody>) -> impl Fn(HaleRatio) -
 /// curvature.
 ///
 /// `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
-/// `start_normal` is the normal of the last step as a start of the search, or NULL.
+/// `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
 ///
 /// # Safety
 /// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -225,18 +306,17 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
         // SAFETY: promised by the caller, for all of this function.
         let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
         let types = laws.map(Laws::types);
-        let i = unsafe { given(i, "i") }?.to_core(types)?;
-        let j = unsafe { given(j, "j") }?.to_core(types)?;
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
+        let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
         let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
-            .map(|n| Vector3::from_array(*n))
-            .filter(|n| n.is_finite() && n.norm() > 0.0);
+            .and_then(|n| Vector3::from_array(*n).direction());
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share = laws.map_or(0.5, |l| {
             l.get(i.kind as usize, j.kind as usize).constants.share_i
         });
-        out.write(&EllgranContactGeometry::from(&self::geometry(
-            &i, &j, share, start,
-        )));
+        let found = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
+        found.check(bi.identifier, Some(bj.identifier))?;
+        out.write(&found);
         Ok(())
     })
 }
@@ -254,12 +334,13 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 ) -> i32 {
     at_border("ellgran_contact_geometry_plane", || {
         // SAFETY: promised by the caller, for all of this function.
-        let i = unsafe { given(i, "i") }?.to_core(None)?;
+        let body = unsafe { given(i, "i") }?;
+        let i = body.to_core(None)?;
         let plane = unsafe { given(plane, "plane") }?.to_core()?;
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
-        out.write(&EllgranContactGeometry::from(&geometry_with_plane(
-            &i, &plane, 0.5,
-        )));
+        let found = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
+        found.check(body.identifier, None)?;
+        out.write(&found);
         Ok(())
     })
 }
@@ -268,7 +349,7 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
 /// is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
 ///
 /// `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
-/// steps; start from zeros. `geometry` may be NULL.
+/// steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
 ///
 /// # Safety
 /// The pointers are as stated, NULL or valid.
@@ -298,19 +379,34 @@ pub unsafe extern "C" fn ellgran_contact(
         let mut force = unsafe { Output::new(force, "force") }?;
         let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
-        let result = one_contact(laws, &i, &j, &step, &mut touches, history)
-            .map_err(law_failure(&bi, Some(&bj)))?;
-        *touching = touches as i32;
+        let names = (bi.identifier, Some(bj.identifier));
+        let mut kept = History::read(laws, touches, history, names.0, names.1)?;
+        let numbers = kept.numbers();
+        // The gap is not computed for nobody.
+        let (found, forces) = if geometry.is_null() {
+            one_contact(laws, &i, &j, &step, &mut touches, numbers).map(Option::unzip)
+        } else {
+            one_contact_or_gap(laws, &i, &j, &step, &mut touches, numbers)
+                .map(|(g, f)| (Some(g), f))
+        }
+        .map_err(law_failure(&bi, Some(&bj)))?;
         let law = laws.get(i.kind as usize, j.kind as usize);
-        force.write(&match &result {
-            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
-            None => no_force(),
+        let result = forces.map_or_else(no_force, |f| {
+            force_of(found.as_ref().filter(|_| !law.kinds.linear), &f)
         });
-        if let Some(mut out) = out {
-            out.write(&match &result {
-                Some((g, _)) => EllgranContactGeometry::from(g),
-                None => (&self::geometry(&i, &j, law.constants.share_i, None)).into(),
-            });
+        let found = found.as_ref().map(EllgranContactGeometry::from);
+        if let Some(found) = &found {
+            found.check(names.0, names.1)?;
+        }
+        result.check(names.0, names.1)?;
+        if touches {
+            kept.check(laws, names.0, names.1)?;
+        }
+        history.copy_from_slice(kept.numbers());
+        *touching = touches as i32;
+        force.write(&result);
+        if let (Some(mut out), Some(found)) = (out, found) {
+            out.write(&found);
         }
         Ok(())
     })
@@ -348,20 +444,30 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         let mut force = unsafe { Output::new(force, "force") }?;
         let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
-        let result =
-            one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, history)
+        let mut kept = History::read(laws, touches, history, bi.identifier, None)?;
+        let numbers = kept.numbers();
+        let contact =
+            one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, numbers)
                 .map_err(law_failure(&bi, None))?;
-        *touching = touches as i32;
         let law = laws.get(i.kind as usize, wall_type);
-        force.write(&match &result {
-            Some((g, f)) => force_of((!law.kinds.linear).then_some(g), f),
-            None => no_force(),
-        });
+        let (found, result) = match &contact {
+            Some((g, f)) => (*g, force_of((!law.kinds.linear).then_some(g), f)),
+            None => (
+                geometry_with_plane(&i, &plane, law.constants.share_i),
+                no_force(),
+            ),
+        };
+        let found = EllgranContactGeometry::from(&found);
+        found.check(bi.identifier, None)?;
+        result.check(bi.identifier, None)?;
+        if touches {
+            kept.check(laws, bi.identifier, None)?;
+        }
+        history.copy_from_slice(kept.numbers());
+        *touching = touches as i32;
+        force.write(&result);
         if let Some(mut out) = out {
-            out.write(&match &result {
-                Some((g, _)) => EllgranContactGeometry::from(g),
-                None => (&geometry_with_plane(&i, &plane, law.constants.share_i)).into(),
-            });
+            out.write(&found);
         }
         Ok(())
     })

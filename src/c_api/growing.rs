@@ -102,11 +102,7 @@ unsafe fn read<'a, T: Growing>(
         let mut filled = MaybeUninit::<T>::zeroed();
         // SAFETY: promised by the caller; zeros are a value of the fields that are not copied.
         return Ok(Given::Older(unsafe {
-            core::ptr::copy_nonoverlapping(
-                pointer.cast::<u8>(),
-                filled.as_mut_ptr().cast(),
-                size,
-            );
+            core::ptr::copy_nonoverlapping(pointer.cast::<u8>(), filled.as_mut_ptr().cast(), size);
             filled.assume_init()
         }));
     }
@@ -240,7 +236,9 @@ impl<T: Growing> Output<'_, T> {
         // SAFETY: promised when this was made: the target has `size` bytes; they are copied as bytes, whatever they hold.
         unsafe {
             core::ptr::copy_nonoverlapping(
-                core::ptr::from_ref(value).cast::<MaybeUninit<u8>>().add(first),
+                core::ptr::from_ref(value)
+                    .cast::<MaybeUninit<u8>>()
+                    .add(first),
                 self.target.cast::<MaybeUninit<u8>>().add(first),
                 end - first,
             );

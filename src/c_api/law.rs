@@ -14,6 +14,7 @@ use crate::force::{
 use crate::pairs::Laws;
 use libc::{c_char, size_t};
 use std::ffi::CStr;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Normal law: elastic, from E and nu.
 pub const ELLGRAN_NORMAL_HERTZ: i32 = 0;
@@ -49,18 +50,19 @@ pub const ELLGRAN_UNLOADING_FIRST_ORDER: i32 = 1;
 pub const ELLGRAN_FACTORS_EXACT: i32 = 0;
 /// Hale's closed form.
 pub const ELLGRAN_FACTORS_HALE: i32 = 1;
-/// The tangential displacement since first touch is remembered.
+/// The tangential displacement since first touch is remembered: the published form, which can create energy.
 pub const ELLGRAN_DISPLACEMENT_TOTAL: i32 = 0;
-/// The tangential force is remembered.
+/// The tangential force is remembered; can create energy.
 pub const ELLGRAN_DISPLACEMENT_INCREMENTAL: i32 = 1;
-/// The tangential force is remembered, and falls with the stiffness.
+/// The tangential force and its energy are remembered, and no energy is created. The default.
 pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
 /// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
 /// ellipsoids then search anew every step.
 pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 
 /// The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
-/// units.
+/// units. Moduli and `normal_stiffness` are from 1e-30 to 1e30, the other constants at most 1e30, a relaxation time at most
+/// 1e15.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {
@@ -113,6 +115,16 @@ growing!(EllgranLawParameters);
 /// The laws between all types of a scene. Opaque, immutable.
 pub struct EllgranLaws {
     pub(super) laws: Laws,
+    /// No other laws of this process have it, those at the same address before or after neither.
+    pub(super) number: u64,
+}
+
+impl EllgranLaws {
+    fn new(laws: Laws) -> Box<EllgranLaws> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        Box::new(EllgranLaws { laws, number })
+    }
 }
 
 impl From<&LawParameters> for EllgranLawParameters {
@@ -252,7 +264,8 @@ fn law_failure(e: ParameterError) -> Failure {
     Failure::new(ELLGRAN_ERROR_LAW, e.0)
 }
 
-/// Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors; all constants zero.
+/// Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
+/// zero.
 ///
 /// # Safety
 /// `parameters` is NULL or valid for writes.
@@ -370,7 +383,7 @@ pub unsafe extern "C" fn ellgran_laws_new(
         }
         let warm = options & ELLGRAN_OPTION_NO_WARM_START == 0;
         let built = Laws::new(types, &table, warm).map_err(law_failure)?;
-        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        *out = Box::into_raw(EllgranLaws::new(built));
         Ok(())
     })
 }
@@ -393,7 +406,53 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
         let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
-        *out = Box::into_raw(Box::new(EllgranLaws { laws: built }));
+        *out = Box::into_raw(EllgranLaws::new(built));
+        Ok(())
+    })
+}
+
+/// The same laws with other coefficients of restitution: for engines that give restitution per pair of types and all else
+/// per type. `restitution` has `type_count` x `type_count` entries, row by row, each above 0 and at most 1; every law must have
+/// ELLGRAN_DAMPING_RESTITUTION. To be freed like the other.
+///
+/// # Safety
+/// `laws` is NULL or valid; `restitution` has the length above; `result` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_with_restitution(
+    laws: *const EllgranLaws,
+    restitution: *const f64,
+    result: *mut *mut EllgranLaws,
+) -> i32 {
+    at_border("ellgran_laws_with_restitution", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let restitution =
+            unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
+        let out = unsafe { required_mut(result, "result") }?;
+        let built = laws.with_restitution(restitution).map_err(law_failure)?;
+        *out = Box::into_raw(EllgranLaws::new(built));
+        Ok(())
+    })
+}
+
+/// Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
+/// `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
+///
+/// # Safety
+/// `laws` is NULL or valid; `type_i` and `type_j` are NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_create_energy(
+    laws: *const EllgranLaws,
+    type_i: *mut i32,
+    type_j: *mut i32,
+) -> i32 {
+    at_border("ellgran_laws_create_energy", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let out_i = unsafe { required_mut(type_i, "type_i") }?;
+        let out_j = unsafe { required_mut(type_j, "type_j") }?;
+        let (i, j) = laws.creates_energy().unwrap_or((0, 0));
+        (*out_i, *out_j) = (i as i32, j as i32);
         Ok(())
     })
 }

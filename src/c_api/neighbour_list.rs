@@ -4,19 +4,31 @@
 use super::growing::{given, growing};
 use super::law::EllgranLaws;
 use super::particles::{
-    hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
-    Purpose,
+    hale_failure, history_failure, identifier, prepare, EllgranParticles, EllgranStep,
+    EllgranWorkspace, ListLook, Purpose,
 };
 use super::status::{
-    at_border, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
 use super::tallies::{borrow, Asked, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
-use crate::pairs::{compute_pairs, NeighbourRow, NeighbourRows};
+use crate::pairs::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
 use libc::size_t;
 
-/// An engine's neighbour list: every pair once.
+/// An engine's neighbour list: every pair once, in the row of one of its two particles.
+///
+/// A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
+/// semi-axes, and, to be used for several steps, a margin to that: no particle may have moved by more than half of it since the
+/// list was built. More pairs do no harm.
+///
+/// `touching` and `history` belong to the caller. When a pair enters the list, they are to be 0 (the normal may hold anything:
+/// it is a start of the search); while it stays, in whatever list and place, they go with it; where it comes back with its
+/// particles exchanged, `ellgran_history_swap` turns the history. A contact whose history is lost begins anew, without
+/// tangential force.
+///
+/// The pointers are read during a call and not kept after it. Of arrays by particle index only the entries of central particles
+/// are read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranNeighbourList {
@@ -26,13 +38,15 @@ pub struct EllgranNeighbourList {
     pub count: size_t,
     /// Their indices, [count].
     pub central: *const i32,
-    /// Number of neighbours, by particle index.
+    /// Number of neighbours, by particle index; a negative number is 0.
     pub neighbour_counts: *const i32,
-    /// Neighbours, by particle index.
+    /// Neighbours, by particle index: [neighbour_counts] entries each, none of them the central particle itself. A row
+    /// without neighbours may be NULL.
     pub neighbours: *const *const i32,
     /// Bits of an entry that are the neighbour's index (all: -1).
     pub index_mask: i32,
-    /// The bits above this one select one of `special_factors`.
+    /// Number of the lowest of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30); they
+    /// are to be 0 in `index_mask`. Not read if `special_factors` is NULL.
     pub special_shift: i32,
     /// [4] or NULL; a pair whose factor is 0 is left out. Other factors do not scale a contact force.
     pub special_factors: *const f64,
@@ -43,13 +57,21 @@ pub struct EllgranNeighbourList {
     /// `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
     /// pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
     /// the workspace. 0: they may have. When in doubt, 0.
+    ///
+    /// `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+    /// call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
+    /// `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
+    /// said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
+    /// places, forces are wrong.
     pub unchanged: i32,
     /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
     /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
     pub keep_history: i32,
-    /// One flag per neighbour, by particle index, written: 1 for a contact. NULL if the history length is 0.
+    /// One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
+    /// NULL if the history length is 0.
     pub touching: *const *mut i32,
-    /// History per neighbour, by particle index, written. NULL if the history length is 0.
+    /// History per neighbour, by particle index, [neighbour_counts][ellgran_laws_history_length] each, read and written.
+    /// NULL if the history length is 0.
     pub history: *const *mut f64,
 }
 
@@ -150,9 +172,79 @@ impl NeighbourRows for Rows<'_> {
     }
 }
 
+impl ListLook {
+    /// A row more.
+    #[inline(always)]
+    fn add_row(&mut self, central: i32, count: i32) {
+        let row = u64::from(central as u32) << 32 | u64::from(count as u32);
+        // A step of a hash (Knuth's multiplier): another order or another length gives another number.
+        self.rows = (self.rows ^ row)
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .rotate_left(29);
+    }
+
+    /// Refuses what differs from a list that is said to be unchanged.
+    fn require_like(&self, last: &ListLook) -> Result<(), Failure> {
+        let what = if self.laws != last.laws {
+            "the laws are".to_owned()
+        } else if self.particles != last.particles {
+            format!(
+                "count = {} of the particles, which was {}, is",
+                self.particles, last.particles
+            )
+        } else if self.rows != last.rows {
+            "central and neighbour_counts of the list are".to_owned()
+        } else {
+            return Ok(());
+        };
+        Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "unchanged = 1, but {what} not that of the last call: call ellgran_write_history if histories were kept, and \
+                 set unchanged = 0"
+            ),
+        ))
+    }
+}
+
+/// What is wrong with a list, with the particles that it concerns.
+fn list_failure(p: &EllgranParticles, list: &EllgranNeighbourList, error: ListError) -> Failure {
+    match error {
+        ListError::Hale(e) => hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio),
+        ListError::History { i, j, place, value } => {
+            history_failure(identifier(p, i), Some(identifier(p, j)), place, value)
+        }
+        ListError::Entry {
+            central,
+            place,
+            entry,
+        } => {
+            let (index, count) = (entry & list.index_mask, p.count);
+            let what = if index as usize == central {
+                "the particle of the row itself".to_owned()
+            } else {
+                format!("which is not one of {count}")
+            };
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "neighbours[{central}][{place}] = {entry} of particle {} names particle {index}, {what}",
+                    identifier(p, central)
+                ),
+            )
+        }
+    }
+}
+
 /// Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 ///
-/// All particles are checked first; on failure nothing is written.
+/// Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
+/// written.
+///
+/// The same calls with the same numbers give the same bits, run after run, on one machine with one instruction set. They differ
+/// by rounding from one instruction set to another (and between makers of processors with AVX-512, whose approximate
+/// reciprocals differ), from `ellgran_contact` for the same pair, with the order of the list, and between a list that was said
+/// to be unchanged and a new one.
 ///
 /// # Safety
 /// The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
@@ -167,11 +259,28 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
 ) -> i32 {
     at_border("ellgran_compute_pairs", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        let (number, kept) = unsafe {
+            (
+                required(laws, "laws")?.number,
+                required_mut(workspace, "workspace")?,
+            )
+        };
+        let laws = &unsafe { required(laws, "laws") }?.laws;
         let p = &*unsafe { given(particles, "particles") }?;
         let list = &*unsafe { given(list, "list") }?;
         let step = unsafe { given(step, "step") }?.to_core()?;
         let length = laws.layout().length;
+        if kept.is_computing {
+            // The last call ended in a panic.
+            kept.workspace.forget_list();
+            kept.last_list = None;
+            kept.is_computing = false;
+        }
+        let EllgranWorkspace {
+            workspace,
+            last_list,
+            is_computing,
+        } = kept;
         if list.unchanged == 0 && workspace.has_unwritten_history() {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
@@ -195,6 +304,11 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 }
             }
         }
+        let mut look = ListLook {
+            laws: number,
+            particles: p.count,
+            rows: list.count as u64,
+        };
         for &c in central {
             let k = usize::try_from(c)
                 .ok()
@@ -210,7 +324,9 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 })?;
             // SAFETY: promised by the caller; the outer pointers are not NULL here. Rows are read where they have entries.
             let rows = unsafe {
-                if *list.neighbour_counts.add(k) <= 0 {
+                let count = *list.neighbour_counts.add(k);
+                look.add_row(c, count);
+                if count <= 0 {
                     continue;
                 }
                 [
@@ -228,10 +344,24 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 }
             }
         }
+        if let Some(last) = last_list.filter(|_| list.unchanged != 0) {
+            look.require_like(&last)?;
+        }
         let mut excluded = [false; 4];
         let mut shift = 0;
         if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
-            shift = list.special_shift.clamp(0, 31) as u32;
+            shift = u32::try_from(list.special_shift)
+                .ok()
+                .filter(|s| *s <= 30)
+                .ok_or_else(|| {
+                    Failure::new(
+                        ELLGRAN_ERROR_ARGUMENT,
+                        format!(
+                            "special_shift = {} must be between 0 and 30: two bits of an entry above it select a factor",
+                            list.special_shift
+                        ),
+                    )
+                })?;
             for (e, f) in excluded.iter_mut().zip(factors) {
                 *e = *f == 0.0;
             }
@@ -243,10 +373,19 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             Some(asked) => Some(unsafe { borrow(&asked.given, p.count) }?),
             None => None,
         };
+        if let Some(work) = (sums.as_ref().map(|s| s.accumulated_work)).filter(|w| !w.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("accumulated_work = {work} of the tallies must be finite: set it to 0 before the first step"),
+            ));
+        }
         let purpose = Purpose::Pairs {
             unchanged: list.unchanged != 0,
         };
-        unsafe { prepare(p, p.count, Some(laws), workspace, purpose) }?;
+        *is_computing = true;
+        let prepared = unsafe { prepare(p, p.count, Some(laws), workspace, purpose) };
+        *is_computing = false;
+        prepared?;
         workspace.keeps_history = list.keep_history != 0;
         let entries = Entries {
             mask: list.index_mask,
@@ -264,16 +403,18 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             },
             owned: p.owned_count,
         };
-        let many_starts = compute_pairs(
+        *is_computing = true;
+        let computed = compute_pairs(
             laws,
             workspace,
             &mut rows,
             &step,
             &mut accumulators,
             sums.as_mut(),
-        )
-        .map_err(|e| hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio))?;
-        workspace.many_starts += many_starts;
+        );
+        *is_computing = false;
+        workspace.many_starts += computed.map_err(|e| list_failure(p, list, e))?;
+        *last_list = Some(look);
         if let (Some(asked), Some(sums)) = (&mut asked, sums) {
             asked.write(&sums);
         }
@@ -311,6 +452,23 @@ pub unsafe extern "C" fn ellgran_write_history(
             }
         }
         let length = workspace.kept_history_length();
+        for (central, entry) in workspace.kept_pairs() {
+            // SAFETY: promised by the caller; the outer pointers are not NULL here.
+            let is_there = unsafe {
+                (entry as i64) < i64::from(*list.neighbour_counts.add(central))
+                    && !(*list.touching.add(central)).is_null()
+                    && !(*list.history.add(central)).is_null()
+            };
+            if !is_there {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!(
+                        "the list is not that of the last call: row {central} has no entry {entry} any more, of which a \
+                         history is kept"
+                    ),
+                ));
+            }
+        }
         workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
         Ok(())
     })

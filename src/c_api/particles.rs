@@ -4,13 +4,20 @@
 use super::growing::growing;
 use super::status::{
     at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_HALE,
-    ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
+    ELLGRAN_ERROR_HISTORY, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
+    ELLGRAN_ERROR_RESULT,
 };
+use crate::message::Number;
 use crate::pairs::particles::Rotation;
+use crate::pairs::ranges::LONGEST_TIME_STEP;
 use crate::pairs::{InstructionSet, Laws, ParticleArrays, Step, Workspace};
 use libc::{c_char, c_void, size_t};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
+///
+/// The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
+/// and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
+/// the range stated at a field is an error that names the particle and the value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranParticles {
@@ -20,15 +27,16 @@ pub struct EllgranParticles {
     pub owned_count: size_t,
     /// All particles, ghosts included.
     pub count: size_t,
-    /// Centres, [count][3].
+    /// Centres, [count][3]; components up to 1e20.
     pub positions: *const f64,
-    /// Velocities of the centres, [count][3].
+    /// Velocities of the centres, [count][3]; components up to 1e20. Those that moved the particles to where they are, see
+    /// `EllgranStep`.
     pub velocities: *const f64,
-    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`.
+    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e20.
     pub angular_velocities: *const f64,
     /// Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
     pub angular_momenta: *const f64,
-    /// Masses, [count]; may be NULL where neither `angular_momenta` nor a law reads them.
+    /// Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
     pub masses: *const f64,
     /// Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
     /// NULL: `masses`.
@@ -38,11 +46,12 @@ pub struct EllgranParticles {
     /// Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
     /// particle's own index.
     pub shape_indices: *const i32,
-    /// Semi-axes, 3 doubles an entry.
+    /// Semi-axes, 3 doubles an entry, from 1e-15 to 1e15, the largest at most 1e6 times the smallest. As many entries as there
+    /// are particles, or as `shape_indices` name.
     pub semi_axes: *const f64,
     /// Bytes from one entry of `semi_axes` to the next.
     pub semi_axes_stride: size_t,
-    /// Quaternions (w, x, y, z), body to world, 4 doubles an entry.
+    /// Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
     pub quaternions: *const f64,
     /// Bytes from one entry of `quaternions` to the next.
     pub quaternions_stride: size_t,
@@ -50,9 +59,9 @@ pub struct EllgranParticles {
     pub identifiers: *const c_void,
     /// 4 or 8.
     pub identifier_bytes: i32,
-    /// Forces, [count][3], added to.
+    /// Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
     pub forces: *mut f64,
-    /// Torques about the centres, [count][3], added to.
+    /// Torques about the centres, [count][3], added to; as `forces`.
     pub torques: *mut f64,
 }
 
@@ -66,19 +75,41 @@ pub struct EllgranStep {
     pub size: size_t,
     /// 1 in a step; 0 in the set-up of a run: forces from the history as it stands.
     pub advance_history: i32,
-    /// Time step: the velocities moved the particles over it to where they are.
+    /// Time step, from 0 to 1e10. The velocities are those of the half step, which moved the particles over it to where they
+    /// are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
+    /// tangential displacement has an error of the order of the time step.
     pub time_step: f64,
 }
 
 growing!(EllgranStep);
 
 /// Memory that one thread of calls keeps from step to step. Opaque.
+///
+/// Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
+/// After an error a workspace is as good as before the call: what it keeps of the last call that succeeded is still there.
+/// After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
+    /// What the last list that was computed looked like.
+    pub(super) last_list: Option<ListLook>,
+    /// Set while a list is computed: still set after a panic, which leaves nothing to rely on.
+    pub(super) is_computing: bool,
+}
+
+/// What is cheap to know of a list, by which most lists that have changed differ from the last one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ListLook {
+    /// Number of the laws.
+    pub laws: u64,
+    /// Particles.
+    pub particles: usize,
+    /// Made of the central particles and the lengths of their rows, in their order.
+    pub rows: u64,
 }
 
 /// A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
-/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`.
+/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
+/// set.
 ///
 /// # Safety
 /// `workspace` is NULL or valid for writes.
@@ -91,7 +122,11 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
             InstructionSet::choose().map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
         let mut workspace = Workspace::new(chosen);
         workspace.allocated = super::huge_pages::advise;
-        *out = Box::into_raw(Box::new(EllgranWorkspace { workspace }));
+        *out = Box::into_raw(Box::new(EllgranWorkspace {
+            workspace,
+            last_list: None,
+            is_computing: false,
+        }));
         Ok(())
     })
 }
@@ -151,12 +186,12 @@ pub unsafe extern "C" fn ellgran_workspace_many_starts_count(
 
 impl EllgranStep {
     pub(super) fn to_core(self) -> Result<Step, Failure> {
-        if !(self.time_step >= 0.0 && self.time_step.is_finite()) {
+        if !(0.0..=LONGEST_TIME_STEP).contains(&self.time_step) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
                 format!(
-                    "time_step = {} must be a finite number, 0 or greater",
-                    self.time_step
+                    "time_step = {} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}",
+                    Number(self.time_step)
                 ),
             ));
         }
@@ -298,8 +333,35 @@ pub(super) fn hale_failure(i: i64, j: Option<i64>, ratio: f64) -> Failure {
     Failure::new(
         ELLGRAN_ERROR_HALE,
         format!(
-            "particle {i}: the contact with {with} has B/A = {ratio}, where Hale's form of the Hertz factors breaks \
-             (above 25178); use factors exact"
+            "particle {i}: the contact with {with} has B/A = {}, where Hale's form of the Hertz factors breaks \
+             (above 25178); use factors exact",
+            Number(ratio)
+        ),
+    )
+}
+
+/// The failure for a history of a touching contact that no call has written.
+pub(super) fn history_failure(i: i64, j: Option<i64>, place: usize, value: f64) -> Failure {
+    let with = j.map_or("a wall".to_owned(), |j| format!("particle {j}"));
+    Failure::new(
+        ELLGRAN_ERROR_HISTORY,
+        format!(
+            "particle {i}: the history of its contact with {with} has {} in place {place}, which no call has written: set \
+             touching and history of new pairs to 0",
+            Number(value)
+        ),
+    )
+}
+
+/// The failure for a contact whose numbers leave double precision.
+pub(super) fn result_failure(i: i64, j: Option<i64>, name: &str, value: f64) -> Failure {
+    let with = j.map_or("a wall".to_owned(), |j| format!("particle {j}"));
+    Failure::new(
+        ELLGRAN_ERROR_RESULT,
+        format!(
+            "particle {i}: its contact with {with} has {name} = {}: sizes, motion and law of the two are too far apart for \
+             double precision",
+            Number(value)
         ),
     )
 }

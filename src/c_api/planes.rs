@@ -4,13 +4,15 @@
 use super::growing::{given, growing, GivenArray};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{
-    hale_failure, handles, identifier, prepare, EllgranParticles, EllgranStep, EllgranWorkspace,
-    Purpose,
+    hale_failure, handles, history_failure, identifier, prepare, EllgranParticles, EllgranStep,
+    EllgranWorkspace, Purpose,
 };
 use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 use super::tallies::{borrow, Asked, EllgranTallies};
 use crate::geometry::{Plane, Vector3};
-use crate::pairs::planes::WallArrays;
+use crate::message::Numbers;
+use crate::pairs::planes::{PlanesError, WallArrays};
+use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::pairs::{compute_planes, MovingPlane};
 use libc::size_t;
 
@@ -20,11 +22,11 @@ use libc::size_t;
 pub struct EllgranPlane {
     /// `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
     pub size: size_t,
-    /// A point of its surface.
+    /// A point of its surface; components up to 1e20.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the particles; any length but zero.
     pub normal: [f64; 3],
-    /// Velocity.
+    /// Velocity; components up to 1e20.
     pub velocity: [f64; 3],
 }
 
@@ -32,27 +34,23 @@ growing!(EllgranPlane);
 
 impl EllgranPlane {
     pub(super) fn to_core(self) -> Result<MovingPlane, Failure> {
-        let normal = Vector3::from_array(self.normal);
-        let length = normal.norm();
-        let (point, velocity) = (
-            Vector3::from_array(self.point),
-            Vector3::from_array(self.velocity),
-        );
-        if !(length > 0.0 && length.is_finite() && point.is_finite() && velocity.is_finite()) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!(
-                    "a plane with point {:?}, normal {:?} and velocity {:?} is none",
-                    self.point, self.normal, self.velocity
-                ),
-            ));
-        }
+        let fail = |what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what);
+        let normal = Vector3::from_array(self.normal)
+            .direction()
+            .ok_or_else(|| {
+                fail(format!(
+                    "plane: normal = {} has no direction",
+                    Numbers(&self.normal)
+                ))
+            })?;
         Ok(MovingPlane {
             plane: Plane {
-                point,
-                normal: normal * (1.0 / length),
+                point: ranges::vector(self.point, LARGEST_COORDINATE, "plane: point")
+                    .map_err(fail)?,
+                normal,
             },
-            velocity,
+            velocity: ranges::vector(self.velocity, LARGEST_VELOCITY, "plane: velocity")
+                .map_err(fail)?,
         })
     }
 }
@@ -61,7 +59,8 @@ impl EllgranPlane {
 ///
 /// Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
 /// `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
-/// `history` [owned_count][wall_count][history length] (both NULL if the history length is 0). `wall_forces`,
+/// `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
+/// particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
 /// [wall_count][3] or NULL, receives the force on each wall, added to.
 ///
 /// All particles are checked first; on failure nothing is written.
@@ -132,7 +131,12 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             &step,
             sums.as_mut(),
         )
-        .map_err(|e| hale_failure(identifier(p, e.i), None, e.ratio))?;
+        .map_err(|e| match e {
+            PlanesError::Hale { i, ratio } => hale_failure(identifier(p, i), None, ratio),
+            PlanesError::History { i, place, value } => {
+                history_failure(identifier(p, i), None, place, value)
+            }
+        })?;
         if let (Some(asked), Some(sums)) = (&mut asked, sums) {
             asked.write(&sums);
         }

@@ -4,15 +4,29 @@
 use super::contact::{force_of, EllgranBody, EllgranContactForce};
 use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
-use super::particles::{hale_failure, identifier, prepare, EllgranParticles, EllgranStep, Purpose};
-use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::particles::{
+    hale_failure, history_failure, identifier, prepare, result_failure, EllgranParticles,
+    EllgranStep, Purpose,
+};
+use super::status::{
+    at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+};
+use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::Vector3;
+use crate::message::{Number, Numbers};
 use crate::pairs::one_contact::HaleRatio;
+use crate::pairs::ranges::{
+    self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY,
+    LARGEST_VELOCITY,
+};
 use crate::pairs::staged::{Past, StagedContact, WallSurface};
 use crate::pairs::{ContactForces, InstructionSet, Step, Workspace};
 use libc::size_t;
+
+/// Of a wall, 1/length: that of the smallest body, as flat as it may be.
+const LARGEST_CURVATURE: f64 = 1e21;
 
 /// The surface of a wall where a body touches it.
 #[repr(C)]
@@ -20,19 +34,19 @@ use libc::size_t;
 pub struct EllgranWallSurface {
     /// `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
     pub size: size_t,
-    /// The point of the surface that lies deepest in the body, world frame.
+    /// The point of the surface that lies deepest in the body, world frame; components up to 1e20.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the body; any length but zero.
     pub normal: [f64; 3],
     /// First principal direction; only its part in the tangent plane counts. Not read where both entries of
     /// `curvatures` and of `turning_radii` are alike.
     pub direction: [f64; 3],
-    /// Curvatures along `direction` and across it, 1/length: 0 for a plane, negative in a cavity.
+    /// Curvatures along `direction` and across it, 1/length, up to 1e21: 0 for a plane, negative in a cavity.
     pub curvatures: [f64; 2],
     /// How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
     /// plane, -Rc in a cavity of radius Rc, 0 across an edge.
     pub turning_radii: [f64; 2],
-    /// Velocity of the surface there.
+    /// Velocity of the surface there; components up to 1e20.
     pub velocity: [f64; 3],
     /// The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
     /// alone.
@@ -47,44 +61,55 @@ growing!(EllgranWallSurface);
 
 impl EllgranWallSurface {
     pub(super) fn to_core(self) -> Result<WallSurface, Failure> {
-        let normal = Vector3::from_array(self.normal);
-        let length = normal.norm();
-        let (point, velocity) = (
-            Vector3::from_array(self.point),
-            Vector3::from_array(self.velocity),
-        );
-        let numbers = self.curvatures.iter().all(|k| k.is_finite())
-            && self.turning_radii.iter().all(|r| !r.is_nan())
-            && (0.0..=1.0).contains(&self.others_share)
-            && (self.others_share == 0.0
-                || Vector3::from_array(self.others_share_by_position).is_finite()
-                    && Vector3::from_array(self.others_share_by_rotation).is_finite());
-        if !(length > 0.0
-            && length.is_finite()
-            && point.is_finite()
-            && velocity.is_finite()
-            && numbers)
-        {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("a wall with these values is none: {self:?}"),
-            ));
+        let fail = |what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what);
+        let point = ranges::vector(self.point, LARGEST_COORDINATE, "wall: point").map_err(fail)?;
+        let velocity =
+            ranges::vector(self.velocity, LARGEST_VELOCITY, "wall: velocity").map_err(fail)?;
+        let normal = Vector3::from_array(self.normal)
+            .direction()
+            .ok_or_else(|| {
+                fail(format!(
+                    "wall: normal = {} has no direction",
+                    Numbers(&self.normal)
+                ))
+            })?;
+        if !self.curvatures.iter().all(|k| k.abs() <= LARGEST_CURVATURE) {
+            return Err(fail(format!(
+                "wall: curvatures = {} must be between -{LARGEST_CURVATURE:e} and {LARGEST_CURVATURE:e}",
+                Numbers(&self.curvatures)
+            )));
         }
-        let normal = normal * (1.0 / length);
-        let given = Vector3::from_array(self.direction);
-        let tangential = given - normal * normal.dot(given);
-        let size = tangential.norm();
-        let direction = if size > 0.0 && size.is_finite() {
-            tangential * (1.0 / size)
+        let turns = |r: &f64| r.abs() <= LARGEST_COORDINATE || r.is_infinite();
+        if !self.turning_radii.iter().all(turns) {
+            return Err(fail(format!(
+                "wall: turning_radii = {} must be between -{LARGEST_COORDINATE:e} and {LARGEST_COORDINATE:e}, or infinite",
+                Numbers(&self.turning_radii)
+            )));
+        }
+        let gradients = [self.others_share_by_position, self.others_share_by_rotation]
+            .map(Vector3::from_array);
+        if !(0.0..=1.0).contains(&self.others_share)
+            || self.others_share != 0.0 && !gradients.iter().all(|g| g.is_finite())
+        {
+            return Err(fail(format!(
+                "wall: others_share = {} must be between 0 and 1, its gradients finite",
+                Number(self.others_share)
+            )));
+        }
+        let tangential = Vector3::from_array(self.direction)
+            .direction()
+            .and_then(|given| (given - normal * normal.dot(given)).direction());
+        let direction = if let Some(direction) = tangential {
+            direction
         } else if self.curvatures[0] == self.curvatures[1]
             && self.turning_radii[0] == self.turning_radii[1]
         {
             crate::geometry::Tangent::new(normal).u
         } else {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("direction = {:?} lies along the normal", self.direction),
-            ));
+            return Err(fail(format!(
+                "wall: direction = {} has none in the tangent plane",
+                Numbers(&self.direction)
+            )));
         };
         Ok(WallSurface {
             point,
@@ -180,13 +205,28 @@ impl EllgranStagedContact {
     }
 }
 
+/// The effective mass, where the law reads it.
+fn checked_mass(law: &PairLaw, effective_mass: f64) -> Result<f64, Failure> {
+    if !law.kinds.restitution || (0.0..=LARGEST_MASS).contains(&effective_mass) {
+        Ok(effective_mass)
+    } else {
+        Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "effective_mass = {} must be 0 or greater, at most {LARGEST_MASS:e}: damping restitution reads it",
+                Number(effective_mass)
+            ),
+        ))
+    }
+}
+
 fn checked_share(share_i: f64) -> Result<f64, Failure> {
     if (0.0..=1.0).contains(&share_i) {
         Ok(share_i)
     } else {
         Err(Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
-            format!("share_i = {share_i} is not between 0 and 1"),
+            format!("share_i = {} is not between 0 and 1", Number(share_i)),
         ))
     }
 }
@@ -383,8 +423,28 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
     })
 }
 
+/// Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
+/// and to first order in the penetration over their radii, the area of the circle in which they intersect. Hertz' contact area
+/// is half of it.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_section_area(
+    staged: *const EllgranStagedContact,
+    area: *mut f64,
+) -> i32 {
+    at_border("ellgran_staged_section_area", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let out = unsafe { required_mut(area, "area") }?;
+        *out = contact.section_area();
+        Ok(())
+    })
+}
+
 /// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
-/// the types is left out. `effective_mass` is read by damping with a coefficient of restitution. The semi-axes of the contact
+/// the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
 /// ellipse are not computed here.
 ///
 /// # Safety
@@ -408,10 +468,13 @@ pub unsafe extern "C" fn ellgran_staged_normal(
             check_type(laws, type_j, "type_j")?,
         );
         let contact = staged.known()?;
+        let effective_mass = checked_mass(law, effective_mass)?;
         let f = contact
             .normal_force(law, effective_mass)
             .map_err(|ratio| staged.hale(ratio))?;
-        out.write(&force_of(None, &f));
+        let result = force_of(None, &f);
+        result.check(staged.identifiers.0, staged.identifiers.1)?;
+        out.write(&result);
         Ok(())
     })
 }
@@ -419,8 +482,8 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 /// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
 /// of `past`.
 ///
-/// `memory` (3 doubles): the tangential displacement, kept between steps; changes sign when the pair is swapped.
-/// `displacement rescaled`, which remembers more, is not available here.
+/// `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
+/// where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -441,7 +504,17 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
         // SAFETY: promised by the caller.
         unsafe {
             with_past(
-                (staged, laws, type_i, type_j, step, past, memory, force),
+                (
+                    staged,
+                    laws,
+                    type_i,
+                    type_j,
+                    effective_mass,
+                    step,
+                    past,
+                    memory,
+                    force,
+                ),
                 |contact, law, friction, step, past| {
                     contact.tangential_force(law, friction, effective_mass, step, past)
                 },
@@ -472,7 +545,17 @@ pub unsafe extern "C" fn ellgran_staged_forces(
         // SAFETY: promised by the caller.
         unsafe {
             with_past(
-                (staged, laws, type_i, type_j, step, past, memory, force),
+                (
+                    staged,
+                    laws,
+                    type_i,
+                    type_j,
+                    effective_mass,
+                    step,
+                    past,
+                    memory,
+                    force,
+                ),
                 |contact, law, friction, step, past| {
                     contact.whole_force(law, friction, effective_mass, step, past)
                 },
@@ -481,11 +564,23 @@ pub unsafe extern "C" fn ellgran_staged_forces(
     })
 }
 
+/// The place of the first number of a memory that no call has written.
+fn wrong_memory(memory: &[f64]) -> Option<usize> {
+    let largest = [
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED,
+        LARGEST_REMEMBERED_ENERGY,
+    ];
+    (memory.iter().zip(largest)).position(|(x, largest)| !(x.abs() <= largest))
+}
+
 type PastArguments = (
     *const EllgranStagedContact,
     *const EllgranLaws,
     i32,
     i32,
+    f64,
     *const EllgranStep,
     *const EllgranStagedPast,
     *mut f64,
@@ -497,7 +592,7 @@ type PastArguments = (
 /// # Safety
 /// The pointers are NULL or valid.
 unsafe fn with_past(
-    (staged, laws, type_i, type_j, step, past, memory, force): PastArguments,
+    (staged, laws, type_i, type_j, effective_mass, step, past, memory, force): PastArguments,
     compute: impl FnOnce(
         &StagedContact,
         &PairLaw,
@@ -511,33 +606,48 @@ unsafe fn with_past(
     let laws = &unsafe { required(laws, "laws") }?.laws;
     let mut out = unsafe { Output::new(force, "force") }?;
     let past = unsafe { given(past, "past") }?;
-    let memory = unsafe { required_mut(memory.cast::<[f64; 3]>(), "memory") }?;
+    unsafe { required(memory.cast_const(), "memory") }?;
     let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,
         check_type(laws, type_j, "type_j")?,
     );
     let friction = past.friction;
-    if !(friction >= 0.0 && friction.is_finite()) {
+    if !(0.0..=LARGEST_CONSTANT).contains(&friction) {
         return Err(Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
-            format!("friction = {friction} must be at least 0"),
-        ));
-    }
-    if laws.layout().stiffness.is_some() {
-        return Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            "displacement rescaled is not available in stages",
+            format!(
+                "friction = {} must be at least 0 and at most {LARGEST_CONSTANT:e}",
+                Number(friction)
+            ),
         ));
     }
     let contact = staged.known()?;
+    let remembered = if laws.layout().energy.is_some() { 4 } else { 3 };
+    // SAFETY: promised by the caller.
+    let memory = unsafe { slice_mut(memory, remembered, "memory") }?;
+    checked_mass(law, effective_mass)?;
+    let (i, j) = staged.identifiers;
+    if past.touched != 0 {
+        if let Some(place) = wrong_memory(memory) {
+            return Err(history_failure(i, j, place, memory[place]));
+        }
+    }
     let mut past = Past {
         touched: past.touched != 0,
         normal: Vector3::from_array(past.normal),
-        memory: Vector3::from_array(*memory),
+        memory: Vector3::new(memory[0], memory[1], memory[2]),
+        energy: memory.get(3).copied().unwrap_or(0.0),
     };
     let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
-    *memory = past.memory.to_array();
-    out.write(&force_of(None, &f));
+    let result = force_of(None, &f);
+    result.check(i, j)?;
+    let [x, y, z] = past.memory.to_array();
+    let remembered = [x, y, z, past.energy];
+    if let Some(place) = wrong_memory(&remembered) {
+        return Err(result_failure(i, j, "memory", remembered[place]));
+    }
+    memory.copy_from_slice(&remembered[..memory.len()]);
+    out.write(&result);
     Ok(())
 }

@@ -19,6 +19,10 @@ pub const ELLGRAN_ERROR_LAW: i32 = 100;
 pub const ELLGRAN_ERROR_HALE: i32 = 101;
 /// Block 200 to 299, bodies: a particle with a value that cannot be.
 pub const ELLGRAN_ERROR_PARTICLE: i32 = 200;
+/// The history of a touching contact holds a number that no call has written, such as NaN.
+pub const ELLGRAN_ERROR_HISTORY: i32 = 201;
+/// The numbers of a contact, each within its range, together leave the range of double precision.
+pub const ELLGRAN_ERROR_RESULT: i32 = 202;
 /// Block 900 to 999, the library itself: a panic was caught. A defect: please report it.
 pub const ELLGRAN_ERROR_PANIC: i32 = 900;
 
@@ -151,4 +155,20 @@ fn null(name: &str) -> Failure {
         ELLGRAN_ERROR_NULL_POINTER,
         format!("{name} must not be NULL"),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::CStr;
+
+    #[test]
+    fn a_panic_becomes_a_status() {
+        let status = at_border("ellgran_some_call", || panic!("row {}", 7));
+        assert_eq!(status, ELLGRAN_ERROR_PANIC);
+        // SAFETY: never NULL, and ends with NUL.
+        let message = unsafe { CStr::from_ptr(ellgran_last_error()) };
+        let message = message.to_str().unwrap();
+        assert_eq!(message, "ellgran_some_call: internal error: row 7");
+    }
 }

@@ -6,9 +6,12 @@ use super::growing::{given, growing, Output};
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::geometry::cylinder::{touch_cylinder, Cylinder};
+use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
 use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
+use crate::message::{Number, Numbers};
+use crate::pairs::ranges::{self, LARGEST_COORDINATE};
 use libc::size_t;
 
 /// Which triangle stands for a contact of an ellipsoid with a wall.
@@ -177,10 +180,13 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
             axis: unsafe { direction(axis, "axis") }?,
             radius,
         };
-        if !(radius > 0.0 && radius.is_finite()) {
+        if !(LEAST_SEMI_AXIS..=LARGEST_COORDINATE).contains(&radius) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                format!("radius = {radius} must be greater than 0"),
+                format!(
+                    "radius = {} must be greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_COORDINATE:e}",
+                    Number(radius)
+                ),
             ));
         }
         contacts.all.clear();
@@ -226,14 +232,12 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
             triangles,
             search,
         } = contacts;
-        if let Some(index) = corners
-            .iter()
-            .position(|t| t.iter().flatten().any(|x| !x.is_finite()))
-        {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("corners[{index}] = {:?} is not finite", corners[index]),
-            ));
+        for (index, corner) in corners.iter().flatten().enumerate() {
+            if !corner.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+                let name = format!("corners[{}][{}]", index / 3, index % 3);
+                ranges::vector(*corner, LARGEST_COORDINATE, &name)
+                    .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
+            }
         }
         all.clear();
         triangles.clear();
@@ -283,29 +287,19 @@ fn weights(t: &Triangle, p: Vector3) -> [f64; 3] {
 unsafe fn vector(pointer: *const f64, name: &str) -> Result<Vector3, Failure> {
     // SAFETY: promised by the caller.
     let value = unsafe { required(pointer.cast::<[f64; 3]>(), name) }?;
-    let vector = Vector3::from_array(*value);
-    if vector.is_finite() {
-        Ok(vector)
-    } else {
-        Err(Failure::new(
-            ELLGRAN_ERROR_ARGUMENT,
-            format!("{name} = {value:?} is not finite"),
-        ))
-    }
+    ranges::vector(*value, LARGEST_COORDINATE, name)
+        .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
 }
 
 /// # Safety
 /// `pointer` is NULL or has 3 doubles.
 unsafe fn direction(pointer: *const f64, name: &str) -> Result<Vector3, Failure> {
     // SAFETY: promised by the caller.
-    let vector = unsafe { vector(pointer, name) }?;
-    let length = vector.norm();
-    if length > 0.0 && length.is_finite() {
-        Ok(vector * (1.0 / length))
-    } else {
-        Err(Failure::new(
+    let value = unsafe { required(pointer.cast::<[f64; 3]>(), name) }?;
+    Vector3::from_array(*value).direction().ok_or_else(|| {
+        Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
-            format!("{name} = {:?} has no direction", vector.to_array()),
-        ))
-    }
+            format!("{name} = {} has no direction", Numbers(value)),
+        )
+    })
 }

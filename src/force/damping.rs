@@ -36,12 +36,53 @@ pub fn normal_relaxation_time(material: &Material, closure: Closure) -> f64 {
     }
 }
 
-/// `alpha` in the damping force `alpha sqrt(m k) delta^(1/4) v` on `F = k delta^(3/2)` that gives the coefficient of
-/// restitution `e`, `0 < e <= 1`, at any speed, for a contact that ends at `delta = 0`:
-/// `e = exp(-pi z/sqrt(1 - z^2))`, `z = alpha/sqrt(5)` (Y. Tsuji et al., Powder Technol. 71 (1992) 239).
-pub fn restitution_coefficient(e: f64) -> f64 {
+/// `alpha` in the damping force `alpha sqrt(m k) delta^(1/4) v` on `F = k delta^(3/2)` (Y. Tsuji et al., Powder Technol. 71
+/// (1992) 239) that gives a central impact the coefficient of restitution `e`, `0 < e <= 1`, at any speed, mass and
+/// stiffness. With `limit_force` the force is cut off where it would attract, and the impact ends there; without, it ends at
+/// `delta = 0`.
+///
+/// With `y = delta^(5/4)` as coordinate, `v dv/dy` is that of a damped linear oscillator of damping ratio
+/// `z = alpha/sqrt(5)`. It passes `y = 0` with `e = exp(-pi z/sqrt(1 - z^2))`. The force is zero before, where
+/// `e = exp(-2 z A(z))` with `A = acos(z)/sqrt(1 - z^2)` for `z < 1`, `acosh(z)/sqrt(z^2 - 1)` for `z > 1` and 1 between: every
+/// `e > 0` has its `z`. Both are solved to rounding: of `alpha`, 4e-15 of it (`tests/theory/restitution.rs`, against
+/// `validation/restitution/`).
+pub fn restitution_coefficient(e: f64, limit_force: bool) -> f64 {
     let l = -e.ln();
-    5.0f64.sqrt() * l / (std::f64::consts::PI.powi(2) + l * l).sqrt()
+    if !limit_force {
+        return 5.0f64.sqrt() * l / std::f64::consts::PI.hypot(l);
+    }
+    // 2 z A(z) = l by Newton: the left side rises from 0 with slope pi and is concave, so that the steps from l/pi rise to the
+    // root and never pass it.
+    let mut z = l / std::f64::consts::PI;
+    for _ in 0..60 {
+        let (a, slope) = oscillator_phase(z);
+        let step = (l - 2.0 * z * a) / (2.0 * (a + z * slope));
+        z += step;
+        if step.abs() <= 4e-16 * z {
+            break;
+        }
+    }
+    5.0f64.sqrt() * z
+}
+
+/// `A(z) = acos(z)/sqrt(1 - z^2)`, continued analytically beyond 1, and its derivative.
+fn oscillator_phase(z: f64) -> (f64, f64) {
+    let off = z - 1.0;
+    let square = off.abs() * (z + 1.0);
+    let a = if off < 0.0 {
+        z.acos() / square.sqrt()
+    } else if off > 0.0 {
+        (off + square.sqrt()).ln_1p() / square.sqrt()
+    } else {
+        1.0
+    };
+    // (1 - z^2) A' = z A - 1, which cancels near 1.
+    let slope = if off.abs() < 1e-4 {
+        -1.0 / 3.0 + 4.0 / 15.0 * off
+    } else {
+        (1.0 - z * a) / (off * (z + 1.0))
+    };
+    (a, slope)
 }
 
 /// The two numbers from which the tangential relaxation times follow: `A_t = (t0 - t1 beta)/(1 - nu beta)`, with

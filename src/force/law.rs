@@ -5,7 +5,8 @@ use super::damping::{
     normal_relaxation_time, restitution_coefficient, tangential_relaxation_numbers,
 };
 use super::parameters::{
-    Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential, Unloading,
+    check_restitution, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError,
+    Tangential, Unloading,
 };
 
 /// Which terms a law has: the choices that select a kernel.
@@ -67,6 +68,8 @@ pub struct PairLaw {
     pub kinds: LawKinds,
     /// Its constants.
     pub constants: LawConstants,
+    /// The damping that was asked for.
+    pub damping: Damping,
 }
 
 impl PairLaw {
@@ -148,7 +151,8 @@ impl PairLaw {
             c.tau1 = (ti.1 / gi + tj.1 / gj) / normal;
         }
         if i.damping == Damping::Restitution {
-            c.restitution = restitution_coefficient(geometric(i.restitution, j.restitution));
+            c.restitution =
+                restitution_coefficient(geometric(i.restitution, j.restitution), i.limit_force);
         }
         let tangential_viscous = match i.tangential {
             Tangential::None => false,
@@ -173,7 +177,35 @@ impl PairLaw {
                 tangential_viscous,
             },
             constants: c,
+            damping: i.damping,
         })
+    }
+
+    /// Another coefficient of restitution.
+    ///
+    /// # Errors
+    /// A coefficient that is not above 0 and at most 1, or a law that is not `hertz` with `damping restitution`.
+    pub fn set_restitution(&mut self, e: f64) -> Result<(), ParameterError> {
+        if self.damping != Damping::Restitution {
+            return Err(ParameterError(
+                "the law has no 'damping restitution', which goes with hertz".into(),
+            ));
+        }
+        check_restitution(e)?;
+        self.constants.restitution = restitution_coefficient(e, self.kinds.limit_force);
+        self.kinds.restitution = self.constants.restitution > 0.0;
+        Ok(())
+    }
+
+    /// Whether a cycle of normal and tangential displacement can give work while nothing in the law takes any: a tangential
+    /// law whose stiffness changes with the contact, with another `displacement` than `rescaled`, and no viscosity.
+    pub fn can_create_energy(&self) -> bool {
+        let k = &self.kinds;
+        matches!(k.tangential, Tangential::Tfd | Tangential::Mindlin)
+            && k.displacement != Displacement::Rescaled
+            && !k.relaxation
+            && !k.restitution
+            && !k.tangential_viscous
     }
 
     /// One line: the terms and the constants.
@@ -201,6 +233,13 @@ impl PairLaw {
                     c.tangential_stiffness, c.tangential_damping, c.friction
                 );
             }
+        }
+        if k.tangential != Tangential::None {
+            text += match k.displacement {
+                Displacement::Total => " displacement total",
+                Displacement::Incremental => " displacement incremental",
+                Displacement::Rescaled => "",
+            };
         }
         if k.hale {
             text += " factors hale";

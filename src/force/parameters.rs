@@ -2,6 +2,15 @@
 //! What a user chooses and gives for one pair of types, and the checks of its ranges.
 
 use super::material::Material;
+use crate::message::Number;
+
+/// Smallest modulus and normal stiffness, in any unit.
+pub const LEAST_CONSTANT: f64 = 1e-30;
+/// Largest of any constant but a relaxation time, in any unit: forces of bodies within their ranges then stay within double
+/// precision.
+pub const LARGEST_CONSTANT: f64 = 1e30;
+/// Longest relaxation time of `damping relaxation`.
+pub const LONGEST_RELAXATION_TIME: f64 = 1e15;
 
 /// Normal law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +28,7 @@ pub enum Normal {
 pub enum Damping {
     /// None.
     None,
-    /// A coefficient of restitution that does not depend on the speed.
+    /// A coefficient of restitution of central impacts, at any speed.
     Restitution,
     /// A relaxation time `A_n`: the NFD form with the coefficient given.
     Relaxation,
@@ -61,12 +70,14 @@ pub enum Tangential {
 /// What is kept of the tangential displacement while the contact grows and shrinks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displacement {
-    /// The displacement `xi` since first touch; force `F(xi)` at the stiffness of now.
+    /// The displacement `xi` since first touch; force `F(xi)` at the stiffness of now: the published form. It can create
+    /// energy: what was loaded while the contact was deep gives more when it is unloaded while it is shallow.
     Total,
-    /// The force: `dF = k_t(delta) d xi`.
+    /// The force: `dF = k_t(delta) d xi`. It can create energy.
     Incremental,
-    /// The force, reduced with the stiffness while the contact shrinks: no energy is created (R.D. Elata, J.G.
-    /// Berryman, Mech. Mater. 24 (1996) 229).
+    /// The force, reduced where the contact would otherwise hold more energy than it took, as with the stiffness while the
+    /// contact shrinks: no cycle creates energy (see [`super::tangential`]). The same as `Total` while the normal force is
+    /// steady. The default.
     Rescaled,
 }
 
@@ -119,7 +130,8 @@ pub struct LawParameters {
 }
 
 impl Default for LawParameters {
-    /// Elastic, frictionless, conservative, no attraction; constants zero (not valid until they are given).
+    /// Elastic, frictionless, conservative, no attraction, a tangential displacement that creates no energy; constants zero
+    /// (not valid until they are given).
     fn default() -> Self {
         LawParameters {
             normal: Normal::Hertz,
@@ -127,7 +139,7 @@ impl Default for LawParameters {
             closure: Closure::Energy,
             unloading: Unloading::Ting,
             tangential: Tangential::None,
-            displacement: Displacement::Total,
+            displacement: Displacement::Rescaled,
             factors: FactorForm::Exact,
             conservative: true,
             limit_force: true,
@@ -164,25 +176,36 @@ fn check(holds: bool, name: &str, value: f64, range: &str) -> Result<(), Paramet
     if holds {
         Ok(())
     } else {
+        let value = Number(value);
         Err(ParameterError(format!("{name} = {value} must be {range}")))
     }
 }
 
 fn positive(name: &str, value: f64) -> Result<(), ParameterError> {
     check(
-        value > 0.0 && value.is_finite(),
+        (LEAST_CONSTANT..=LARGEST_CONSTANT).contains(&value),
         name,
         value,
-        "a finite number greater than 0",
+        &format!("a finite number greater than 0, from {LEAST_CONSTANT:e} to {LARGEST_CONSTANT:e}"),
     )
 }
 
 fn not_negative(name: &str, value: f64) -> Result<(), ParameterError> {
     check(
-        value >= 0.0 && value.is_finite(),
+        (0.0..=LARGEST_CONSTANT).contains(&value),
         name,
         value,
-        "a finite number, 0 or greater",
+        &format!("a finite number, 0 or greater, at most {LARGEST_CONSTANT:e}"),
+    )
+}
+
+/// A coefficient of restitution in its range.
+pub(super) fn check_restitution(e: f64) -> Result<(), ParameterError> {
+    check(
+        e > 0.0 && e <= 1.0,
+        "coefficient of restitution e",
+        e,
+        "greater than 0 and at most 1",
     )
 }
 
@@ -234,13 +257,13 @@ impl LawParameters {
         }
         match self.damping {
             Damping::None => {}
-            Damping::Restitution => check(
-                self.restitution > 0.0 && self.restitution <= 1.0,
-                "coefficient of restitution e",
-                self.restitution,
-                "greater than 0 and at most 1",
+            Damping::Restitution => check_restitution(self.restitution)?,
+            Damping::Relaxation => check(
+                (0.0..=LONGEST_RELAXATION_TIME).contains(&self.relaxation_time),
+                "relaxation time A_n",
+                self.relaxation_time,
+                &format!("a finite number, 0 or greater, at most {LONGEST_RELAXATION_TIME:e}"),
             )?,
-            Damping::Relaxation => not_negative("relaxation time A_n", self.relaxation_time)?,
         }
         if self.tangential != Tangential::None {
             not_negative("coefficient of friction mu", self.friction)?;

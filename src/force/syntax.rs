@@ -56,26 +56,76 @@ impl<'a> Words<'a> {
     }
 }
 
+const NORMAL_LAWS: [(&str, Normal); 3] = [
+    ("hertz", Normal::Hertz),
+    ("nfd", Normal::Nfd),
+    ("lsd", Normal::Lsd),
+];
+const DAMPINGS: [(&str, Damping); 3] = [
+    ("none", Damping::None),
+    ("restitution", Damping::Restitution),
+    ("relaxation", Damping::Relaxation),
+];
+const TANGENTIAL_LAWS: [(&str, Tangential); 4] = [
+    ("none", Tangential::None),
+    ("tfd", Tangential::Tfd),
+    ("mindlin", Tangential::Mindlin),
+    ("linear", Tangential::Linear),
+];
+const CLOSURES: [(&str, Closure); 3] = [
+    ("energy", Closure::Energy),
+    ("surface", Closure::Surface),
+    ("brilliantov", Closure::Brilliantov),
+];
+const UNLOADINGS: [(&str, Unloading); 2] = [
+    ("ting", Unloading::Ting),
+    ("first_order", Unloading::FirstOrder),
+];
+const DISPLACEMENTS: [(&str, Displacement); 3] = [
+    ("total", Displacement::Total),
+    ("incremental", Displacement::Incremental),
+    ("rescaled", Displacement::Rescaled),
+];
+const FACTORS: [(&str, FactorForm); 2] = [("exact", FactorForm::Exact), ("hale", FactorForm::Hale)];
 const YES_NO: [(&str, bool); 2] = [("yes", true), ("no", false)];
+
+/// The keyword that a word belongs behind, if there is one: `tangential` for `tfd`.
+fn keyword_of(word: &str) -> Option<&'static str> {
+    fn has<T>(choices: &[(&str, T)], word: &str) -> bool {
+        choices.iter().any(|(name, _)| *name == word)
+    }
+    // `none` belongs behind two of them and tells nothing.
+    if word == "none" {
+        None
+    } else if has(&TANGENTIAL_LAWS, word) {
+        Some("tangential")
+    } else if has(&DAMPINGS, word) {
+        Some("damping")
+    } else if has(&CLOSURES, word) {
+        Some("closure")
+    } else if has(&UNLOADINGS, word) {
+        Some("unloading")
+    } else if has(&DISPLACEMENTS, word) {
+        Some("displacement")
+    } else if has(&FACTORS, word) {
+        Some("factors")
+    } else {
+        None
+    }
+}
 
 /// Reads the words of a law up to the first that is not one of its keywords, and checks the constants.
 ///
 /// Returns the parameters and the number of words read. Where `conservative` is not given it is `yes`, but `no` with
-/// `factors hale`; where `displacement` is not given it is `total` for `tfd` and `rescaled` for `mindlin` and `linear`.
+/// `factors hale`; all else that is not given is that of `LawParameters::default`.
 ///
 /// # Errors
-/// A word that is missing, unknown where a choice is due, not a number, given twice, or out of range; the message names it.
+/// A word that is missing, unknown where a choice is due, not a number, given twice, out of range, or that lacks the keyword
+/// it belongs behind; the message names it.
 pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
     let mut p = LawParameters::default();
     let mut w = Words { words, position: 0 };
-    p.normal = w.choice(
-        "the normal law",
-        &[
-            ("hertz", Normal::Hertz),
-            ("nfd", Normal::Nfd),
-            ("lsd", Normal::Lsd),
-        ],
-    )?;
+    p.normal = w.choice("the normal law", &NORMAL_LAWS)?;
     match p.normal {
         Normal::Hertz | Normal::Nfd => {
             let name = words[0];
@@ -97,7 +147,6 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
         }
     }
     let mut seen: Vec<&str> = Vec::new();
-    let mut displacement = None;
     let mut conservative = None;
     while let Some(&word) = words.get(w.position) {
         let known = [
@@ -111,7 +160,20 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
             "limit_force",
         ];
         if !known.contains(&word) {
-            break;
+            match keyword_of(word) {
+                Some(keyword) => {
+                    return Err(ParameterError(format!(
+                        "unknown word '{word}': did you mean '{keyword} {word}'?"
+                    )))
+                }
+                None if NORMAL_LAWS.iter().any(|(name, _)| *name == word) => {
+                    return Err(ParameterError(format!(
+                        "'{word}' after '{}': there is one normal law, and it comes first",
+                        words[0]
+                    )))
+                }
+                None => break,
+            }
         }
         if seen.contains(&word) {
             return Err(ParameterError(format!("'{word}' is given twice")));
@@ -120,14 +182,7 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
         w.position += 1;
         match word {
             "damping" => {
-                p.damping = w.choice(
-                    word,
-                    &[
-                        ("none", Damping::None),
-                        ("restitution", Damping::Restitution),
-                        ("relaxation", Damping::Relaxation),
-                    ],
-                )?;
+                p.damping = w.choice(word, &DAMPINGS)?;
                 match p.damping {
                     Damping::None => {}
                     Damping::Restitution => p.restitution = w.number("damping restitution", "e")?,
@@ -137,15 +192,7 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
                 }
             }
             "tangential" => {
-                p.tangential = w.choice(
-                    word,
-                    &[
-                        ("none", Tangential::None),
-                        ("tfd", Tangential::Tfd),
-                        ("mindlin", Tangential::Mindlin),
-                        ("linear", Tangential::Linear),
-                    ],
-                )?;
+                p.tangential = w.choice(word, &TANGENTIAL_LAWS)?;
                 match p.tangential {
                     Tangential::None => {}
                     Tangential::Tfd => p.friction = w.number("tangential tfd", "mu")?,
@@ -158,48 +205,21 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
                 }
             }
             "closure" => {
-                p.closure = w.choice(
-                    word,
-                    &[
-                        ("energy", Closure::Energy),
-                        ("surface", Closure::Surface),
-                        ("brilliantov", Closure::Brilliantov),
-                    ],
-                )?;
+                p.closure = w.choice(word, &CLOSURES)?;
             }
             "unloading" => {
-                p.unloading = w.choice(
-                    word,
-                    &[
-                        ("ting", Unloading::Ting),
-                        ("first_order", Unloading::FirstOrder),
-                    ],
-                )?;
+                p.unloading = w.choice(word, &UNLOADINGS)?;
             }
             "displacement" => {
-                displacement = Some(w.choice(
-                    word,
-                    &[
-                        ("total", Displacement::Total),
-                        ("incremental", Displacement::Incremental),
-                        ("rescaled", Displacement::Rescaled),
-                    ],
-                )?);
+                p.displacement = w.choice(word, &DISPLACEMENTS)?;
             }
             "factors" => {
-                p.factors = w.choice(
-                    word,
-                    &[("exact", FactorForm::Exact), ("hale", FactorForm::Hale)],
-                )?;
+                p.factors = w.choice(word, &FACTORS)?;
             }
             "conservative" => conservative = Some(w.choice(word, &YES_NO)?),
             _ => p.limit_force = w.choice(word, &YES_NO)?,
         }
     }
-    p.displacement = displacement.unwrap_or(match p.tangential {
-        Tangential::Mindlin | Tangential::Linear => Displacement::Rescaled,
-        _ => Displacement::Total,
-    });
     p.conservative = conservative.unwrap_or(p.factors != FactorForm::Hale);
     p.validate()?;
     Ok((p, w.position))

@@ -14,6 +14,17 @@
 //! which is the paper's law with `xi_max = (3/2) mu F_n C_t` along each principal direction, and Coulomb's limit in
 //! every direction. The viscous part is `sqrt(1-s) C^-1 A_t v_t`. The sum is capped by `mu F_n`. What is remembered is
 //! clipped where the elastic part alone reaches the cone (`s = 1`), not where the sum does.
+//!
+//! At a steady normal force this is the published curve whatever is remembered. `displacement rescaled` remembers `zeta` and
+//! the energy `E` that it holds (`E = zeta.C zeta` times a function of `s`), and never lets `E` grow by more than the work
+//! of the tangential force, so that no cycle gives work:
+//!
+//! - Where the contact of now would hold more at the same `zeta` (it shrinks, its ellipse turns or changes, a viscous normal
+//!   force widens the cone), `zeta` is reduced by the ratio of the energies: without slip on a circle, by the ratio of the
+//!   stiffnesses (R.D. Elata, J.G. Berryman, Mech. Mater. 24 (1996) 229).
+//! - Under partial slip on an ellipse `F` along `zeta` is no gradient: turning `zeta` towards the more compliant direction
+//!   takes `(2 w - f) |zeta|^2/2 dc` less work than `E` grows, with `f = |F|/|zeta|`, `E = w zeta.C zeta` and `c` the
+//!   compliance along `zeta`. So much is given up. A displacement along one line loses nothing.
 
 use super::hertz_factors::Factors;
 use super::law::{LawConstants, LawKinds};
@@ -31,16 +42,14 @@ pub struct TangentialForce<T = f64> {
     pub memory: Vector2<T>,
     /// Tangential displacement that the elastic part stands for, in the tangent basis, length.
     pub displacement: Vector2<T>,
-    /// The normal stiffness that `displacement rescaled` remembers.
-    pub stiffness: T,
-    /// Elastic energy of the tangential displacement.
+    /// Elastic energy of what is remembered; `displacement rescaled` remembers it too.
     pub elastic_energy: T,
 }
 
 /// Tangential force.
 ///
-/// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_stiffness`: the normal stiffness
-///   at the last step (only `displacement rescaled`; 0 for a new contact).
+/// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_energy`: its elastic energy at the
+///   last step (only `displacement rescaled`; 0 for a new contact).
 /// - `increment`: the tangential displacement of `j` relative to `i` in this step.
 /// - `velocity`: the tangential velocity of `j` relative to `i`.
 /// - `curvature`: the relative curvature matrix `M` in the same basis.
@@ -53,13 +62,14 @@ pub fn tangential_force<T: Real>(
     factors: &Factors<T>,
     curvature: Symmetric2<T>,
     memory: Vector2<T>,
-    remembered_stiffness: T,
+    remembered_energy: T,
     increment: Vector2<T>,
     velocity: Vector2<T>,
 ) -> TangentialForce<T> {
     let zero = normal.force.constant(0.0);
     let one = normal.force.constant(1.0);
     let tiny = normal.force.constant(1e-300);
+    let least = normal.force.constant(1e-290);
     let limit = c.friction * normal.force.max(zero);
 
     // Stiffness matrix C^-1 and its inverse, and the compliance's viscous companion.
@@ -82,43 +92,28 @@ pub fn tangential_force<T: Real>(
         )
     };
 
-    let zeta = match kinds.displacement {
-        Displacement::Total => stiffness.apply(memory + increment),
-        Displacement::Incremental => memory + stiffness.apply(increment),
-        Displacement::Rescaled => {
-            let kept = if linear {
-                one
-            } else {
-                (normal.stiffness / remembered_stiffness.max(tiny)).min(one)
-            };
-            memory * kept + stiffness.apply(increment)
-        }
-    };
-
-    let square = zeta.dot(zeta);
-    let inverse_size = square.max(normal.force.constant(1e-290)).reciprocal_sqrt();
-    let size = square * inverse_size;
     let tfd = matches!(kinds.tangential, Tangential::Tfd);
     let most = if tfd { limit * 1.5 } else { limit };
-    // Sliding: the elastic part stays on the cone.
-    let slides = most.less(size);
-    let clip = T::select(slides, most * inverse_size, one);
-    let zeta = zeta * clip;
-    let (elastic, root, energy_factor) = if tfd {
-        // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
-        let s = T::select(slides, one, (size * most.max(tiny).reciprocal()).min(one));
-        let r = (one - s).sqrt();
-        // [1 - (1-s)^(3/2)]/s and the work, without cancellation at s -> 0 (r -> 1).
-        let next = r + 1.0;
-        let inverse = next.reciprocal();
-        let factor = (r * next + 1.0) * inverse * (2.0 / 3.0);
-        let work = (((r * 0.4 + 0.8) * r + 1.2) * r + 0.6) * (inverse * inverse) * (2.0 / 3.0);
-        (zeta * factor, r, work)
+    // The stiffness of `linear` does not change: nothing of it is ever given up.
+    let gives_up = !linear && matches!(kinds.displacement, Displacement::Rescaled);
+    // What is kept of the memory, and the compliance along it.
+    let (kept, compliance_before) = if gives_up {
+        let (old, slip) = on_the_cone(memory, most, tfd);
+        let energy = old.dot(compliance.apply(old));
+        let ratio = remembered_energy * (energy * slip.work).max(tiny).reciprocal();
+        let along = energy * old.dot(old).max(least).reciprocal();
+        (old * ratio.min(one), along)
     } else {
-        (zeta, one, one * 0.5)
+        (memory, zero)
     };
+    let trial = match kinds.displacement {
+        Displacement::Total => stiffness.apply(memory + increment),
+        _ => kept + stiffness.apply(increment),
+    };
+    let (zeta, slip) = on_the_cone(trial, most, tfd);
+    let root = slip.root;
 
-    let mut force = elastic;
+    let mut force = zeta * slip.factor;
     if kinds.tangential_viscous {
         let viscous = if linear {
             velocity * c.tangential_damping
@@ -129,14 +124,24 @@ pub fn tangential_force<T: Real>(
         };
         force = force + viscous;
         let square = force.dot(force);
-        let inverse = square.max(normal.force.constant(1e-290)).reciprocal_sqrt();
+        let inverse = square.max(least).reciprocal_sqrt();
         force = force * T::select(limit.less(square * inverse), limit * inverse, one);
     }
     let displacement = match kinds.displacement {
         // What zeta was made of, clipped with it.
-        Displacement::Total => (memory + increment) * clip,
+        Displacement::Total => (memory + increment) * slip.clip,
         _ => compliance.apply(zeta),
     };
+    let energy = displacement.dot(zeta);
+    let left = if gives_up && tfd {
+        let (old, new) = (kept.dot(kept), zeta.dot(zeta));
+        let turned = (energy * new.max(least).reciprocal() - compliance_before).max(zero);
+        let excess = slip.work * 2.0 - slip.factor;
+        one - excess * 0.5 * old.min(new) * turned * (energy * slip.work).max(tiny).reciprocal()
+    } else {
+        one
+    };
+    let (zeta, displacement) = (zeta * left, displacement * left);
     TangentialForce {
         force: force * -one,
         memory: match kinds.displacement {
@@ -144,9 +149,55 @@ pub fn tangential_force<T: Real>(
             _ => zeta,
         },
         displacement,
-        stiffness: normal.stiffness,
-        elastic_energy: displacement.dot(zeta) * energy_factor,
+        elastic_energy: energy * slip.work * left,
     }
+}
+
+/// How far a contact with `zeta` on or in the cone has slipped.
+#[derive(Clone, Copy)]
+struct Slip<T> {
+    /// What `zeta` was multiplied with to be there; below 1 while the contact slides.
+    clip: T,
+    /// `sqrt(1 - s)`; 1 without partial slip.
+    root: T,
+    /// Elastic force over `zeta`.
+    factor: T,
+    /// Elastic energy over `zeta.C zeta`.
+    work: T,
+}
+
+/// `zeta`, no longer than `most`: sliding, the elastic part stays on the cone.
+#[inline(always)]
+fn on_the_cone<T: Real>(zeta: Vector2<T>, most: T, tfd: bool) -> (Vector2<T>, Slip<T>) {
+    let one = most.constant(1.0);
+    let square = zeta.dot(zeta);
+    let inverse_size = square.max(most.constant(1e-290)).reciprocal_sqrt();
+    let size = square * inverse_size;
+    let slides = most.less(size);
+    let clip = T::select(slides, most * inverse_size, one);
+    let slip = if tfd {
+        // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
+        let inverse_most = most.max(most.constant(1e-300)).reciprocal();
+        let s = T::select(slides, one, (size * inverse_most).min(one));
+        let r = (one - s).sqrt();
+        // [1 - (1-s)^(3/2)]/s and the work, without cancellation at s -> 0 (r -> 1).
+        let next = r + 1.0;
+        let inverse = next.reciprocal();
+        Slip {
+            clip,
+            root: r,
+            factor: (r * next + 1.0) * inverse * (2.0 / 3.0),
+            work: (((r * 0.4 + 0.8) * r + 1.2) * r + 0.6) * (inverse * inverse) * (2.0 / 3.0),
+        }
+    } else {
+        Slip {
+            clip,
+            root: one,
+            factor: one,
+            work: one * 0.5,
+        }
+    };
+    (zeta * clip, slip)
 }
 
 /// `x0 I - x1 Beta`, `Beta = I/2 + sigma (2 M/tr M - I)`.

@@ -187,6 +187,20 @@ impl Pair<'_> {
         })
     }
 
+    /// The minimum that a descent from `n` ends in, separated or not.
+    fn settle(&self, n: Vector3) -> Minimum {
+        match self.descend(n, false) {
+            Descent::Minimum(m) => m,
+            // Not reached: such a descent does not stop at a separating plane.
+            Descent::Separated(n) => Minimum {
+                at: self.evaluate(n),
+                tangent: Tangent::new(n),
+                converged: false,
+                smallest_radius: 0.0,
+            },
+        }
+    }
+
     /// The point where the ray along `d` leaves the Minkowski sum: one limit from any start, exact at tangency.
     fn ray_start(&self) -> Option<Vector3> {
         let mut n = solve_shape_sum(self.i, self.j, 1.0, 1.0, self.d)?;
@@ -431,27 +445,26 @@ pub fn search(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) 
 /// Like [`search`], but follows a separated pair to the plane of widest separation: penetration < 0 is minus the gap,
 /// and the supports give the closest points.
 pub fn closest(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) -> ContactSearch {
+    match search(i, j, d, start) {
+        Outcome::Touching(found) => found,
+        Outcome::Separated(n) => gap(i, j, d, n),
+    }
+}
+
+/// The plane of widest separation of two bodies which the plane with the unit normal `n` separates: the penetration is minus
+/// the gap.
+///
+/// Where `f < 0` it has one minimum only, and a descent from there does not leave it; any other start may end in a minimum
+/// with `f > 0`, which long bodies have beside each other.
+pub fn gap(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, n: Vector3) -> ContactSearch {
     let pair = pair(i, j, d);
-    if let Outcome::Touching(found) = search(i, j, d, start) {
-        return found;
+    let from_plane = pair.settle(n);
+    if from_plane.converged {
+        return pair.found(from_plane, false);
     }
-    match pair.cold(false) {
-        Descent::Minimum(m) => pair.found(m, false),
-        // Not reached: a descent that does not stop when separated ends in a minimum.
-        Descent::Separated(n) => match pair.descend(n, false) {
-            Descent::Minimum(m) => pair.found(m, false),
-            Descent::Separated(n) => {
-                let at = pair.evaluate(n);
-                pair.found(
-                    Minimum {
-                        at,
-                        tangent: Tangent::new(n),
-                        converged: false,
-                        smallest_radius: 0.0,
-                    },
-                    false,
-                )
-            }
-        },
-    }
+    let best = match pair.cold(false) {
+        Descent::Minimum(other) if other.at.f < from_plane.at.f => other,
+        _ => from_plane,
+    };
+    pair.found(best, false)
 }

@@ -21,11 +21,21 @@ pub struct Ellipsoid<T = f64> {
     pub inverse_semi_axes: Vector3<T>,
 }
 
+/// Smallest and largest semi-axis, length. The sixth power of their ratio must be far within double precision.
+pub const LEAST_SEMI_AXIS: f64 = 1e-15;
+/// See [`LEAST_SEMI_AXIS`].
+pub const LARGEST_SEMI_AXIS: f64 = 1e15;
+/// Largest over smallest semi-axis. Curvatures at one point differ by its square, and the determinant of their matrix, which
+/// loses as many digits, must stay greater than zero.
+pub const LARGEST_ASPECT_RATIO: f64 = 1e6;
+
 /// What is wrong with a shape or a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShapeError {
-    /// A semi-axis that is not a finite number greater than zero (or whose square is not one either).
+    /// A semi-axis that is not between [`LEAST_SEMI_AXIS`] and [`LARGEST_SEMI_AXIS`].
     SemiAxis(f64),
+    /// A largest over a smallest semi-axis greater than [`LARGEST_ASPECT_RATIO`].
+    AspectRatio(f64),
     /// A quaternion with an entry that is not finite, or of length zero; the value is its squared length.
     Quaternion(f64),
 }
@@ -53,16 +63,18 @@ impl Ellipsoid<f64> {
     #[inline]
     pub fn new(semi_axes: [f64; 3], quaternion: [f64; 4]) -> Result<Self, ShapeError> {
         for a in semi_axes {
-            // The product of three squares must be a normal number too.
-            if !(a > 1e-45 && a < 1e45) {
+            if !(LEAST_SEMI_AXIS..=LARGEST_SEMI_AXIS).contains(&a) {
                 return Err(ShapeError::SemiAxis(a));
             }
         }
+        let [a, b, c] = semi_axes;
+        let ratio = a.max(b).max(c) / a.min(b).min(c);
+        if ratio > LARGEST_ASPECT_RATIO {
+            return Err(ShapeError::AspectRatio(ratio));
+        }
+        let quaternion = within_range(quaternion)?;
         let [w, x, y, z] = quaternion;
         let length = w * w + x * x + y * y + z * z;
-        if !(length > 1e-280 && length < 1e280) {
-            return Err(ShapeError::Quaternion(length));
-        }
         Ok(Ellipsoid {
             axes: rotation_columns(quaternion, 2.0 / length),
             semi_axes: Vector3::from_array(semi_axes),
@@ -87,6 +99,19 @@ impl Ellipsoid<f64> {
         let a = self.semi_axes;
         a.x == a.y && a.y == a.z
     }
+}
+
+/// A quaternion of the same rotation whose squared length is a normal number; the same one where its own is.
+pub(crate) fn within_range(q: [f64; 4]) -> Result<[f64; 4], ShapeError> {
+    let square: f64 = q.iter().map(|q| q * q).sum();
+    if square > 1e-280 && square < 1e280 {
+        return Ok(q);
+    }
+    let largest = q.iter().fold(0.0f64, |m, q| m.max(q.abs()));
+    if !(largest > 0.0 && q.iter().all(|q| q.is_finite())) {
+        return Err(ShapeError::Quaternion(square));
+    }
+    Ok(q.map(|q| q / largest))
 }
 
 /// The columns of the rotation of a quaternion `(w, x, y, z)`; `scale` is 2 over its squared length.

@@ -99,6 +99,20 @@ impl Vector3<f64> {
         // Inf * 0 and NaN * 0 are NaN: one comparison instead of three.
         (self.x + self.y + self.z) * 0.0 == 0.0
     }
+    /// The unit vector along this one, of whatever length; `None` for the null vector and for one that is not finite.
+    pub fn direction(self) -> Option<Self> {
+        let square = self.norm_squared();
+        if square > 1e-280 && square < 1e280 {
+            return Some(self * (1.0 / square.sqrt()));
+        }
+        // In units of its largest component, whose square neither vanishes nor overflows.
+        let largest = self.x.abs().max(self.y.abs()).max(self.z.abs());
+        if !(largest > 0.0 && self.to_array().iter().all(|x| x.is_finite())) {
+            return None;
+        }
+        let scaled = Vector3::new(self.x / largest, self.y / largest, self.z / largest);
+        Some(scaled * (1.0 / scaled.norm()))
+    }
 }
 
 impl<T: Real> Add for Vector3<T> {

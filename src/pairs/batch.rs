@@ -604,7 +604,7 @@ pub(super) fn run<
                 continued: continues,
                 normal: select3(continues, was, n),
                 memory: select3(continues, vector(registers, numbers, at), null),
-                stiffness: match layout.stiffness {
+                energy: match layout.energy {
                     Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
                     None => zero,
                 },
@@ -615,7 +615,7 @@ pub(super) fn run<
             continued: one.less(zero),
             normal: n,
             memory: null,
-            stiffness: zero,
+            energy: zero,
             time: zero,
         },
     };
@@ -669,10 +669,10 @@ pub(super) fn run<
             memory = select3(hard, remembered.memory, memory);
         }
         put_vector(numbers, at, memory);
-        if let Some(at) = layout.stiffness {
-            let mut stiffness = Lanes::select(touching, f.stiffness, zero);
-            stiffness = Lanes::select(hard, remembered.stiffness, stiffness);
-            put_number(numbers, at, stiffness);
+        if let Some(at) = layout.energy {
+            let mut energy = Lanes::select(touching, f.tangential_energy, zero);
+            energy = Lanes::select(hard, remembered.energy, energy);
+            put_number(numbers, at, energy);
         }
     }
     if RATE && common.tally {
@@ -710,7 +710,7 @@ fn all_apart<S: Registers, const FRICTION: bool>(
         if FRICTION && bits.touching != 0 {
             let zero = Lanes::splat(registers, 0.0);
             put_vector(numbers, at, Vector3::new(zero, zero, zero));
-            if let Some(at) = numbers.layout.stiffness {
+            if let Some(at) = numbers.layout.energy {
                 put_number(numbers, at, zero);
             }
         }

@@ -88,7 +88,7 @@ impl Batches {
         self.here = HistoryLayout::new(
             searched || there.normal.is_some(),
             there.memory.is_some(),
-            there.stiffness.is_some(),
+            there.energy.is_some(),
         );
         self.i.clear();
         self.j.clear();
@@ -242,6 +242,16 @@ impl Batches {
     /// The particles of all lanes of all batches, those of lanes without a pair of their own too.
     pub fn particles(&self) -> impl Iterator<Item = u32> + '_ {
         self.i.iter().chain(&self.j).copied()
+    }
+
+    /// Central particles and places in their rows of all pairs.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.bits.iter().enumerate().flat_map(move |(batch, bits)| {
+            (0..bits.present.count_ones() as usize).map(move |lane| {
+                let pair = self.pair(batch, lane);
+                (pair.i as usize, pair.entry as usize)
+            })
+        })
     }
 
     /// First particles, second particles (from this batch on), bits and numbers of one batch.

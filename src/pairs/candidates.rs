@@ -193,7 +193,14 @@ impl Candidates {
                 q[1],
                 q[2],
                 q[3],
-                length / (4.0 * 2.1 * spread).powi(2),
+                if spread == 0.0 {
+                    f64::INFINITY
+                } else if (1e-200..1e200).contains(&length) {
+                    length / (4.0 * 2.1 * spread).powi(2)
+                } else {
+                    // Changes of so short or so long a quaternion have no square: the candidates hold for none.
+                    -1.0
+                },
             ]));
         }
         if self.relative_margin == 0.0 {

@@ -74,8 +74,8 @@ pub struct Remembered<T: Real = f64> {
     pub normal: Vector3<T>,
     /// Tangential memory, world frame.
     pub memory: Vector3<T>,
-    /// Normal stiffness at the last step.
-    pub stiffness: T,
+    /// Elastic energy of the tangential memory at the last step.
+    pub energy: T,
     /// Time over which the memory advances: 0 in the set-up of a run.
     pub time: T,
 }
@@ -99,7 +99,7 @@ pub struct ContactForces<T = f64> {
     pub memory: Vector3<T>,
     /// Tangential displacement, world frame.
     pub displacement: Vector3<T>,
-    /// Normal stiffness, to be remembered.
+    /// Normal stiffness `dF_H/d(delta)` at the contact area of now.
     pub stiffness: T,
     /// Rate of penetration, positive while the bodies approach.
     pub rate: T,
@@ -371,10 +371,11 @@ pub fn contact_forces<
         let turned = quarter_turn(turned).scale_add(spin, turned);
         let old = remembered.memory.norm_squared();
         let both = old * turned.dot(turned);
-        let least = zero.constant(1e-290);
-        // Neither product nor root may leave the range of the numbers.
-        let root = both.max(least).min(zero.constant(1e290)).reciprocal_sqrt();
+        let (least, most) = (zero.constant(1e-290), zero.constant(1e290));
+        // Neither product nor root may leave the range of the numbers; where they would, the length is left as it is.
+        let root = both.max(least).min(most).reciprocal_sqrt();
         let keep = T::select(least.less(both), old * root, one);
+        let keep = T::select(both.less(most), keep, one);
         let t: TangentialForce<T> = tangential_force(
             kinds,
             c,
@@ -382,7 +383,7 @@ pub fn contact_forces<
             factors,
             curvature,
             turned * keep,
-            remembered.stiffness,
+            remembered.energy,
             velocity * time,
             velocity,
         );
@@ -407,7 +408,6 @@ pub fn contact_forces<
         result.tangential_force = x.tangent.vector(t.force);
         result.memory = x.tangent.vector(t.memory);
         result.displacement = x.tangent.vector(t.displacement);
-        result.stiffness = t.stiffness;
         result.tangential_energy = t.elastic_energy;
         result.tangential_power = -(t.force.dot(velocity));
     }

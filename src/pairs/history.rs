@@ -4,10 +4,12 @@
 //! ```text
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
-//! [ stiffness ]            normal stiffness at the last step with friction and `displacement rescaled`
+//! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
+
+use super::ranges::{LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY};
 
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,13 +18,16 @@ pub struct HistoryLayout {
     pub normal: Option<usize>,
     /// Where the tangential memory stands.
     pub memory: Option<usize>,
-    /// Where the remembered stiffness stands.
-    pub stiffness: Option<usize>,
+    /// Where the elastic energy of the memory stands.
+    pub energy: Option<usize>,
     /// Doubles per contact.
     pub length: usize,
 }
 
 impl HistoryLayout {
+    /// Doubles per contact of the longest layout.
+    pub(crate) const LONGEST: usize = 7;
+
     /// The layout for a scene.
     pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
         let mut length = 0;
@@ -35,13 +40,28 @@ impl HistoryLayout {
         };
         let normal = take(cached_normal, 3);
         let memory = take(friction, 3);
-        let stiffness = take(friction && rescaled, 1);
+        let energy = take(friction && rescaled, 1);
         HistoryLayout {
             normal,
             memory,
-            stiffness,
+            energy,
             length,
         }
+    }
+
+    /// The first number of a touching contact that no call has written: its place and its value. A normal that is none is
+    /// not used, and not looked at.
+    pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
+        let at = self.memory?;
+        let wrong = |k: &usize| {
+            let largest = if Some(*k) == self.energy {
+                LARGEST_REMEMBERED_ENERGY
+            } else {
+                LARGEST_REMEMBERED
+            };
+            !(history[*k].abs() <= largest)
+        };
+        (at..self.length).find(wrong).map(|k| (k, history[k]))
     }
 
     /// Writes the history of `(j, i)` from that of `(i, j)`.
@@ -54,7 +74,7 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            *t = if Some(k) == self.stiffness { *s } else { -s };
+            *t = if Some(k) == self.energy { *s } else { -s };
         }
     }
 }

@@ -135,12 +135,17 @@ impl InstructionSet {
             .unwrap_or(&InstructionSet::Baseline)
     }
 
-    /// The choice of the environment variable, or the widest.
+    /// The choice of the environment variable, or the widest where it is not set or empty.
     ///
     /// # Errors
     /// A name that is none, or a set that this machine does not have.
     pub fn choose() -> Result<Self, String> {
-        let Some(value) = std::env::var_os(ENVIRONMENT_VARIABLE) else {
+        Self::named_by(std::env::var_os(ENVIRONMENT_VARIABLE).as_deref())
+    }
+
+    /// The choice of a value of the environment variable; the widest where it is not set or empty.
+    fn named_by(value: Option<&std::ffi::OsStr>) -> Result<Self, String> {
+        let Some(value) = value.filter(|v| !v.is_empty()) else {
             return Ok(Self::widest());
         };
         let wanted = Self::ALL
@@ -159,5 +164,22 @@ impl InstructionSet {
                 wanted.name()
             ))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::InstructionSet;
+    use std::ffi::OsStr;
+
+    #[test]
+    fn an_empty_variable_is_none() {
+        let widest = InstructionSet::widest();
+        assert_eq!(InstructionSet::named_by(None), Ok(widest));
+        assert_eq!(InstructionSet::named_by(Some(OsStr::new(""))), Ok(widest));
+        let scalar = InstructionSet::named_by(Some(OsStr::new("scalar")));
+        assert_eq!(scalar, Ok(InstructionSet::Scalar));
+        let wrong = InstructionSet::named_by(Some(OsStr::new("sse"))).unwrap_err();
+        assert!(wrong.contains("\"sse\""), "{wrong}");
     }
 }

@@ -8,7 +8,7 @@ use super::batches::Candidate;
 use super::candidates::Candidates;
 use super::instruction_set::Stage;
 use super::laws::Laws;
-use super::neighbour_list::{NeighbourRow, NeighbourRows, Pass, Place};
+use super::neighbour_list::{check_history, ListError, NeighbourRow, NeighbourRows, Pass, Place};
 use super::particles::{Record, Records, Workspace};
 use super::registers::{Line, Registers, MOST_LANES};
 use super::shapes::{Ellipsoids, Kind, Shapes, Spheres, Spheroids};
@@ -25,14 +25,16 @@ struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows, K> {
     records: &'p [Record],
     types: &'p [u32],
     candidates: &'p mut Candidates,
+    found: &'p mut Result<(), ListError>,
     kind: PhantomData<K>,
 }
 
 impl<R: NeighbourRows, K: Kind> Stage for FindCandidates<'_, '_, '_, '_, R, K> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
-        self.pass
-            .find_candidates::<S, K>(registers, self.records, self.types, self.candidates);
+        *self.found =
+            self.pass
+                .find_candidates::<S, K>(registers, self.records, self.types, self.candidates);
     }
 }
 
@@ -128,45 +130,48 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     pub(super) fn in_lanes<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         mut self,
         workspace: &mut Workspace,
-    ) -> u64 {
+    ) -> Result<u64, ListError> {
         let (particles, candidates) = (&workspace.records, &mut workspace.candidates);
         if particles.records.is_empty() {
-            return 0;
+            return Ok(0);
         }
         if !candidates.are_valid() {
             candidates.batches.write(self.rows);
         }
         match particles.shapes {
             // The conservative law adds nothing to a force between spheres.
-            Shapes::Spheres => self.of_kind::<Spheres, FRICTION, RATE, false>(workspace),
+            Shapes::Spheres => self.of_kind::<Spheres, FRICTION, RATE, false>(workspace)?,
             Shapes::Spheroids => {
-                self.of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE>(workspace);
+                self.of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE>(workspace)?;
             }
             Shapes::Ellipsoids => {
-                self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE>(workspace);
+                self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE>(workspace)?;
             }
         }
         if !workspace.keeps_history {
             workspace.candidates.batches.write(self.rows);
         }
-        self.many_starts
+        Ok(self.many_starts)
     }
 
     /// With the closed form of one kind of shape.
     fn of_kind<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         &mut self,
         workspace: &mut Workspace,
-    ) {
+    ) -> Result<(), ListError> {
         let set = workspace.instruction_set;
         let (particles, candidates) = (&mut workspace.records, &mut workspace.candidates);
         if !candidates.are_valid() {
+            let mut found = Ok(());
             set.run(FindCandidates {
                 pass: &mut *self,
                 records: &particles.records[..],
                 types: &particles.types,
                 candidates: &mut *candidates,
+                found: &mut found,
                 kind: PhantomData::<K>,
             });
+            found?;
         }
         if let Some(t) = self.tallies.as_deref_mut() {
             t.pairs += candidates.listed;
@@ -178,9 +183,11 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             candidates,
             kind: PhantomData,
         });
+        Ok(())
     }
 
-    /// Goes through the whole list for pairs that may touch before the particles have moved by the margin.
+    /// Goes through the whole list for pairs that may touch before the particles have moved by the margin. It reads every
+    /// entry, and so finds those that name no particle.
     #[inline(always)]
     fn find_candidates<S: Registers, K: Kind>(
         &mut self,
@@ -188,7 +195,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         records: &[Record],
         types: &[u32],
         candidates: &mut Candidates,
-    ) {
+    ) -> Result<(), ListError> {
         let entries = self.rows.entries();
         let (laws, layout) = (self.laws, self.layout);
         let length = layout.length;
@@ -210,7 +217,13 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 let Some(other) = entries.index(named) else {
                     continue;
                 };
-                let j = &records[other];
+                let Some(j) = records.get(other).filter(|_| other != central) else {
+                    return Err(ListError::Entry {
+                        central,
+                        place: entry,
+                        entry: named,
+                    });
+                };
                 let d = j.position() - centre;
                 let reach = radius + K::radius(j) + margin;
                 let touched = touching.get(entry).is_some_and(|t| *t != 0);
@@ -226,6 +239,9 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 let history = history
                     .get(entry * length..(entry + 1) * length)
                     .unwrap_or(&[]);
+                if touched {
+                    check_history(&layout, history, central, other)?;
+                }
                 pending.push(pair, (i, j), touched, history, layout.normal);
                 looked_at += 1;
                 if pending.count == S::LANES {
@@ -237,6 +253,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             settle::<S, K>(registers, &mut pending, laws, types, candidates);
         }
         candidates.end(listed, looked_at);
+        Ok(())
     }
 
     /// Search, law and scatter of the candidates.
@@ -422,6 +439,12 @@ fn settle<S: Registers, K: Kind>(
     candidates: &mut Candidates,
 ) {
     let apart = if K::SPHERES {
+        // Of spheres no search has looked at the normals: whatever is remembered, this is one.
+        for k in 0..pending.count {
+            let d = pending.j[k].position() - pending.i[k].position();
+            let n = d.direction().unwrap_or(Vector3::new(1.0, 0.0, 0.0));
+            pending.start[k].0[..3].copy_from_slice(&n.to_array());
+        }
         0
     } else {
         let Pending {

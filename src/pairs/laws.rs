@@ -2,7 +2,9 @@
 //! The laws between all types of a scene, resolved before the run.
 
 use super::history::HistoryLayout;
+use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::{Displacement, LawParameters, PairLaw, ParameterError, Tangential};
+use crate::message::Number;
 
 /// Immutable table of laws; threads may share it.
 #[derive(Clone, Debug)]
@@ -103,10 +105,11 @@ impl Laws {
         assert_eq!(friction.len(), self.table.len());
         let mut laws = self.clone();
         for (k, (law, &mu)) in laws.table.iter_mut().zip(friction).enumerate() {
-            if !(mu >= 0.0 && mu.is_finite()) {
+            if !(0.0..=LARGEST_CONSTANT).contains(&mu) {
                 let (i, j) = (k / self.types + 1, k % self.types + 1);
                 return Err(ParameterError(format!(
-                    "types {i} and {j}: friction = {mu} must be at least 0"
+                    "types {i} and {j}: friction = {} must be at least 0 and at most {LARGEST_CONSTANT:e}",
+                    Number(mu)
                 )));
             }
             law.constants.friction = mu;
@@ -116,6 +119,33 @@ impl Laws {
         }
         laws.features = Features::of(&laws.table);
         Ok(laws)
+    }
+
+    /// The same laws with coefficients of restitution, `types * types` of them, row by row: for engines that give
+    /// restitution per pair of types and all else per type. Only for laws with `damping restitution`.
+    ///
+    /// # Errors
+    /// A coefficient that is not above 0 and at most 1, or laws with another damping; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn with_restitution(&self, restitution: &[f64]) -> Result<Laws, ParameterError> {
+        assert_eq!(restitution.len(), self.table.len());
+        let mut laws = self.clone();
+        for (k, (law, &e)) in laws.table.iter_mut().zip(restitution).enumerate() {
+            let (i, j) = (k / self.types + 1, k % self.types + 1);
+            law.set_restitution(e)
+                .map_err(|e| ParameterError(format!("types {i} and {j}: {e}")))?;
+        }
+        laws.features = Features::of(&laws.table);
+        Ok(laws)
+    }
+
+    /// The first pair of types whose law can create energy while nothing in it dissipates any
+    /// ([`PairLaw::can_create_energy`]), counted from 1.
+    pub fn creates_energy(&self) -> Option<(usize, usize)> {
+        let k = self.table.iter().position(PairLaw::can_create_energy)?;
+        Some((k / self.types + 1, k % self.types + 1))
     }
 
     /// Number of types.

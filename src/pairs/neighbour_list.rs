@@ -87,10 +87,37 @@ pub struct Accumulators<'a> {
 pub struct HaleBroke {
     /// First particle's index.
     pub i: usize,
-    /// Second particle's index (that of the first again for a wall).
+    /// Second particle's index.
     pub j: usize,
     /// `B/A`.
     pub ratio: f64,
+}
+
+/// Why a list was not computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ListError {
+    /// Hale's form broke at a contact.
+    Hale(HaleBroke),
+    /// An entry that names no particle, or the one whose row it stands in.
+    Entry {
+        /// The particle of the row.
+        central: usize,
+        /// Place in the row.
+        place: usize,
+        /// What stands there.
+        entry: i32,
+    },
+    /// A history of a touching pair that holds a number which no call has written.
+    History {
+        /// First particle's index.
+        i: usize,
+        /// Second particle's index.
+        j: usize,
+        /// Place in the pair's history.
+        place: usize,
+        /// What stands there.
+        value: f64,
+    },
 }
 
 #[inline(always)]
@@ -117,7 +144,7 @@ pub(super) fn recall(
             Some(at) if touching => read(at),
             _ => Vector3::ZERO,
         },
-        stiffness: match layout.stiffness {
+        energy: match layout.energy {
             Some(at) if touching => history[at],
             _ => 0.0,
         },
@@ -144,8 +171,8 @@ pub(super) fn remember(
     if let Some(at) = layout.memory {
         write(at, forces.memory);
     }
-    if let Some(at) = layout.stiffness {
-        history[at] = forces.stiffness;
+    if let Some(at) = layout.energy {
+        history[at] = forces.tangential_energy;
     }
 }
 
@@ -295,7 +322,7 @@ pub(super) fn normal_before(
 /// contacts took the slow search from many starts.
 ///
 /// # Errors
-/// Only with `factors hale`, and before any force is written.
+/// What is wrong with the list, before any force is written.
 pub fn compute_pairs<R: NeighbourRows>(
     laws: &Laws,
     workspace: &mut Workspace,
@@ -303,10 +330,14 @@ pub fn compute_pairs<R: NeighbourRows>(
     step: &Step,
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
-) -> Result<u64, HaleBroke> {
+) -> Result<u64, ListError> {
     let features = laws.features();
+    if !workspace.works_in_lanes(laws) && !workspace.list_is_known {
+        check_rows(&laws.layout(), workspace.particles().len(), rows)?;
+        workspace.list_is_known = true;
+    }
     if features.hale {
-        check_hale(laws, workspace.particles(), rows)?;
+        check_hale(laws, workspace.particles(), rows).map_err(ListError::Hale)?;
     }
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
@@ -321,14 +352,57 @@ pub fn compute_pairs<R: NeighbourRows>(
         tallies,
         many_starts: 0,
     };
-    Ok(match (features.friction, rate, features.conservative) {
+    match (features.friction, rate, features.conservative) {
         (true, _, true) => pass.run::<true, true, true>(workspace),
         (true, _, false) => pass.run::<true, true, false>(workspace),
         (false, true, true) => pass.run::<false, true, true>(workspace),
         (false, true, false) => pass.run::<false, true, false>(workspace),
         (false, false, true) => pass.run::<false, false, true>(workspace),
         (false, false, false) => pass.run::<false, false, false>(workspace),
-    })
+    }
+}
+
+/// Goes through a new list for entries that name no particle and for histories that no call has written. In lanes the search
+/// for candidates does so.
+fn check_rows<R: NeighbourRows>(
+    layout: &HistoryLayout,
+    particles: usize,
+    rows: &mut R,
+) -> Result<(), ListError> {
+    let entries = rows.entries();
+    for k in 0..rows.count() {
+        let row = rows.row(k);
+        for (place, &entry) in row.neighbours.iter().enumerate() {
+            let Some(other) = entries.index(entry) else {
+                continue;
+            };
+            if other >= particles || other == row.central {
+                return Err(ListError::Entry {
+                    central: row.central,
+                    place,
+                    entry,
+                });
+            }
+            if row.touching.get(place).is_some_and(|t| *t != 0) {
+                let history = &row.history[place * layout.length..(place + 1) * layout.length];
+                check_history(layout, history, row.central, other)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses the history of a touching pair that no call has written.
+pub(super) fn check_history(
+    layout: &HistoryLayout,
+    history: &[f64],
+    i: usize,
+    j: usize,
+) -> Result<(), ListError> {
+    match layout.first_wrong(history) {
+        None => Ok(()),
+        Some((place, value)) => Err(ListError::History { i, j, place, value }),
+    }
 }
 
 /// One pass over the list.
@@ -354,11 +428,11 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         self,
         workspace: &mut Workspace,
-    ) -> u64 {
+    ) -> Result<u64, ListError> {
         if workspace.works_in_lanes(self.laws) {
             self.in_lanes::<FRICTION, RATE, CONSERVATIVE>(workspace)
         } else {
-            self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles())
+            Ok(self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
         }
     }
 

@@ -10,8 +10,9 @@ use super::neighbour_list::{
 };
 use super::particles::{describe, Particle, ParticleError};
 use super::planes::{contact_with_plane, plane_forces, MovingPlane};
+use super::ranges;
 use super::Step;
-use crate::geometry::contact_search::closest;
+use crate::geometry::contact_search::gap;
 use crate::geometry::{
     relative_curvature, touch_plane, ContactSearch, Ellipsoid, Outcome, Vector3,
 };
@@ -69,17 +70,7 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
         identifier: body.identifier,
         what,
     };
-    let finite = |v: [f64; 3], what: &str| {
-        let vector = Vector3::from_array(v);
-        if vector.is_finite() {
-            Ok(vector)
-        } else {
-            Err(fail(format!(
-                "{what} = ({} {} {}) is not finite",
-                v[0], v[1], v[2]
-            )))
-        }
-    };
+    let mut inverse_mass = 0.0;
     if let Some(types) = types {
         if body.kind < 1 || body.kind as usize > types {
             return Err(fail(format!(
@@ -87,19 +78,17 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
                 body.kind
             )));
         }
-        if !(body.mass > 0.0) {
-            return Err(fail(format!("mass = {} must be greater than 0", body.mass)));
-        }
+        inverse_mass = ranges::inverse_mass(body.mass, "mass").map_err(fail)?;
     }
     let shape = Ellipsoid::new(body.semi_axes, body.quaternion)
         .map_err(|e| fail(describe(e, body.semi_axes, body.quaternion)))?;
     Ok(Particle {
-        position: finite(body.position, "position")?,
+        position: ranges::position(body.position).map_err(fail)?,
         radius: shape.bounding_radius(),
         body: shape,
-        velocity: finite(body.velocity, "velocity")?,
-        omega: finite(body.angular_velocity, "angular velocity")?,
-        inverse_mass: 1.0 / body.mass,
+        velocity: ranges::velocity(body.velocity).map_err(fail)?,
+        omega: ranges::angular_velocity(body.angular_velocity).map_err(fail)?,
+        inverse_mass,
         kind: body.kind.max(0) as u32,
         sphere: shape.is_sphere(),
     })
@@ -125,15 +114,61 @@ fn geometry_of(found: &ContactSearch, i: &Particle, j: &Particle, share_i: f64) 
     }
 }
 
-/// Geometry of two ellipsoids, touching or not; `start` is the last normal, if there is one.
-pub fn geometry(i: &Particle, j: &Particle, share_i: f64, start: Option<Vector3>) -> OneContact {
+/// Whether two bodies touch: the one place where the calls for one contact decide it.
+enum Pair {
+    Touching(ContactSearch),
+    Apart {
+        /// Unit normal of a plane between the bodies.
+        normal: Vector3,
+        /// Whether the search found it: then it is the start of the next one.
+        searched: bool,
+    },
+}
+
+impl Pair {
+    fn of(i: &Particle, j: &Particle, start: Option<Vector3>) -> Pair {
+        let d = j.position - i.position;
+        let reach = i.radius + j.radius;
+        if d.norm_squared() >= reach * reach {
+            // Not zero: it is longer than the semi-axes.
+            let normal = d.direction().unwrap_or(Vector3::new(1.0, 0.0, 0.0));
+            return Pair::Apart {
+                normal,
+                searched: false,
+            };
+        }
+        match touch(i, j, d, start) {
+            Outcome::Touching(found) if found.penetration > 0.0 => Pair::Touching(found),
+            Outcome::Touching(found) => Pair::Apart {
+                normal: found.normal,
+                searched: false,
+            },
+            Outcome::Separated(normal) => Pair::Apart {
+                normal,
+                searched: true,
+            },
+        }
+    }
+}
+
+/// Geometry of two bodies that a plane is known to separate, to rounding at least: they do not touch.
+fn geometry_apart(i: &Particle, j: &Particle, share_i: f64, normal: Vector3) -> OneContact {
     let d = j.position - i.position;
-    let found = if i.sphere && j.sphere {
+    let mut found = if i.sphere && j.sphere {
         touch_spheres(i.radius, j.radius, d, &i.body, &j.body)
     } else {
-        closest(&i.body, &j.body, d, start)
+        gap(&i.body, &j.body, d, normal)
     };
+    found.penetration = found.penetration.min(0.0);
     geometry_of(&found, i, j, share_i)
+}
+
+/// Geometry of two ellipsoids, touching or not; `start` is the last normal, a unit vector, if there is one.
+pub fn geometry(i: &Particle, j: &Particle, share_i: f64, start: Option<Vector3>) -> OneContact {
+    match Pair::of(i, j, start) {
+        Pair::Touching(found) => geometry_of(&found, i, j, share_i),
+        Pair::Apart { normal, .. } => geometry_apart(i, j, share_i, normal),
+    }
 }
 
 /// Geometry of an ellipsoid and a plane.
@@ -175,29 +210,58 @@ pub fn one_contact(
     touching: &mut bool,
     history: &mut [f64],
 ) -> Result<Option<(OneContact, ContactForces)>, HaleRatio> {
+    compute(laws, i, j, step, touching, history).map(|contact| contact.ok())
+}
+
+/// The same, with the geometry of a pair that does not touch too.
+///
+/// # Errors
+/// As [`one_contact`].
+pub fn one_contact_or_gap(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<(OneContact, Option<ContactForces>), HaleRatio> {
+    Ok(match compute(laws, i, j, step, touching, history)? {
+        Ok((geometry, forces)) => (geometry, Some(forces)),
+        Err(normal) => {
+            let share_i = laws.get(i.kind as usize, j.kind as usize).constants.share_i;
+            (geometry_apart(i, j, share_i, normal), None)
+        }
+    })
+}
+
+/// A contact, or the normal of a plane between the bodies.
+type ContactOrPlane = Result<(OneContact, ContactForces), Vector3>;
+
+fn compute(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<ContactOrPlane, HaleRatio> {
     let layout = laws.layout();
+    let law = laws.get(i.kind as usize, j.kind as usize);
     let d = j.position - i.position;
     let cached = cached_normal(&layout, history);
-    let reach = i.radius + j.radius;
-    let outcome = if d.norm_squared() >= reach * reach {
-        None
-    } else {
-        Some(touch(i, j, d, cached))
-    };
-    let found = match outcome {
-        Some(Outcome::Touching(found)) if found.penetration > 0.0 => found,
-        other => {
-            if let (Some(Outcome::Separated(n)), Some(at)) = (other, layout.normal) {
-                history[at..at + 3].copy_from_slice(&n.to_array());
+    let found = match Pair::of(i, j, cached) {
+        Pair::Touching(found) => found,
+        Pair::Apart { normal, searched } => {
+            if let Some(at) = layout.normal.filter(|_| searched) {
+                history[at..at + 3].copy_from_slice(&normal.to_array());
             }
             if *touching {
                 *touching = false;
                 forget(&layout, history);
             }
-            return Ok(None);
+            return Ok(Err(normal));
         }
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
     let x = contact_of(&found, i, j);
     let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
     if law.kinds.hale {
@@ -216,7 +280,7 @@ pub fn one_contact(
     );
     remember(&layout, history, found.normal, &f);
     *touching = true;
-    Ok(Some((geometry_of(&found, i, j, law.constants.share_i), f)))
+    Ok(Ok((geometry_of(&found, i, j, law.constants.share_i), f)))
 }
 
 /// One contact of an ellipsoid and a plane; otherwise like [`one_contact`].

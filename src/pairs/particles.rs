@@ -3,11 +3,15 @@
 
 use super::candidates::Candidates;
 use super::preparation::{Prepare, Prepared};
+use super::ranges;
 use super::registers::Line;
 use super::shapes::Shapes;
 use super::InstructionSet;
-use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::ellipsoid::{
+    rotation_columns, within_range, LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS,
+};
 use crate::geometry::{Ellipsoid, ShapeError, Tangent, Vector3};
+use crate::message::{Number, Numbers};
 
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
 pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> {
@@ -192,6 +196,8 @@ pub struct Workspace {
     pub instruction_set: InstructionSet,
     /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
     pub keeps_history: bool,
+    /// Whether the rows of the list were looked through since the list changed.
+    pub(super) list_is_known: bool,
     /// Contacts so far that took the slow search from many starts.
     pub many_starts: u64,
     /// Is told of large memory just allocated, with its length in bytes.
@@ -242,6 +248,7 @@ impl Workspace {
             walls: Vec::new(),
             instruction_set,
             keeps_history: false,
+            list_is_known: false,
             many_starts: 0,
             allocated: |_, _| (),
         }
@@ -250,8 +257,8 @@ impl Workspace {
     /// Checks and prepares all particles, for one contact at a time.
     ///
     /// # Errors
-    /// The first particle with a position, velocity or angular velocity that is not finite, a shape or pose that is
-    /// none, or a type out of range.
+    /// The first particle with a position, velocity, angular velocity or mass out of range ([`ranges`]), a shape or pose that
+    /// is none, or a type out of range.
     pub fn prepare<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
@@ -285,6 +292,7 @@ impl Workspace {
         unchanged: bool,
     ) -> Result<(), ParticleError> {
         let types = laws.types();
+        self.list_is_known &= unchanged;
         if !self.works_in_lanes(laws) {
             return self.prepare(arrays, types);
         }
@@ -364,6 +372,17 @@ impl Workspace {
         self.candidates.batches.written_length()
     }
 
+    /// The pairs of which histories are kept, by central particle and place in its row.
+    pub fn kept_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.candidates.batches.pairs()
+    }
+
+    /// Forgets the list of the last call and what is kept of it.
+    pub fn forget_list(&mut self) {
+        self.candidates.batches.discard();
+        self.clear();
+    }
+
     /// Brings the histories of the list of the last call up to date.
     pub fn write_history<R: super::NeighbourRows>(&mut self, rows: &mut R) {
         self.candidates.batches.write(rows);
@@ -374,6 +393,7 @@ impl Workspace {
         self.particles.clear();
         self.records.records.clear();
         self.candidates.forget();
+        self.list_is_known = false;
     }
 
     /// Bytes held.
@@ -413,6 +433,7 @@ pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn
     let p = prepare_one(arrays, k, types)?;
     let (x, v) = (arrays.positions[k], arrays.velocities[k]);
     let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let q = within_range(q).map_err(|e| describe(e, a, q))?;
     let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
     let record = Record::new(shapes, x, a, q.map(|q| q * s), v, p.omega);
     Ok((record, p.kind, p.inverse_mass))
@@ -427,9 +448,7 @@ fn no_shape() -> String {
 fn inverse_contact_mass(mass: Option<&f64>) -> Result<f64, String> {
     match mass {
         None => Ok(0.0),
-        // An infinite mass is a frozen body.
-        Some(&m) if m > 0.0 => Ok(1.0 / m),
-        Some(m) => Err(format!("contact mass = {m} must be greater than 0")),
+        Some(&m) => ranges::inverse_mass(m, "contact mass"),
     }
 }
 
@@ -438,8 +457,8 @@ fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64
     k: usize,
     types: usize,
 ) -> Result<Particle, String> {
-    let position = finite(arrays.positions[k], "position")?;
-    let velocity = finite(arrays.velocities[k], "velocity")?;
+    let position = ranges::position(arrays.positions[k])?;
+    let velocity = ranges::velocity(arrays.velocities[k])?;
     let kind = arrays.types[k];
     if kind < 1 || kind as usize > types {
         return Err(format!("type {kind} is not between 1 and {types}"));
@@ -448,16 +467,24 @@ fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64
     let body =
         Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;
     let omega = match arrays.rotation {
-        Rotation::Velocity(w) => finite(w[k], "angular velocity")?,
+        Rotation::Velocity(w) => ranges::angular_velocity(w[k])?,
         Rotation::Momentum(l, masses) => {
-            let l = finite(l[k], "angular momentum")?;
+            let l = ranges::vector(l[k], f64::MAX, "angular momentum")?;
             let mass = masses[k];
-            if !(mass > 0.0 && mass.is_finite()) {
+            if !(ranges::is_mass(mass) && mass.is_finite()) {
                 return Err(format!(
-                    "mass = {mass} must be a finite number greater than 0"
+                    "mass = {} must be a finite number greater than 0, from {:e} to {:e}",
+                    Number(mass),
+                    ranges::LEAST_MASS,
+                    ranges::LARGEST_MASS
                 ));
             }
-            angular_velocity(&body, mass, l)
+            let omega = angular_velocity(&body, mass, l).to_array();
+            ranges::vector(
+                omega,
+                ranges::LARGEST_VELOCITY,
+                "angular velocity (from the angular momentum)",
+            )?
         }
     };
     let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
@@ -473,28 +500,23 @@ fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64
     })
 }
 
-fn finite(v: [f64; 3], what: &str) -> Result<Vector3, String> {
-    let vector = Vector3::from_array(v);
-    if vector.is_finite() {
-        Ok(vector)
-    } else {
-        Err(format!(
-            "{what} = ({} {} {}) is not finite",
-            v[0], v[1], v[2]
-        ))
-    }
-}
-
 /// Says what is wrong with a shape, with the value.
 pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) -> String {
     match error {
         ShapeError::SemiAxis(a) => format!(
-            "semi-axis = {a} must be a finite number greater than 0, from 1e-45 to 1e45 (semi-axes {} {} {})",
-            semi_axes[0], semi_axes[1], semi_axes[2]
+            "semi-axis = {} must be a finite number greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_SEMI_AXIS:e} \
+             (semi-axes {})",
+            Number(a),
+            Numbers(&semi_axes)
+        ),
+        ShapeError::AspectRatio(ratio) => format!(
+            "the largest of the semi-axes {} is {} times the smallest: it may be {LARGEST_ASPECT_RATIO:e} times",
+            Numbers(&semi_axes),
+            Number(ratio)
         ),
         ShapeError::Quaternion(_) => format!(
-            "quaternion (w x y z) = ({} {} {} {}) is not a rotation",
-            quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+            "quaternion (w x y z) = {} is not a rotation",
+            Numbers(&quaternion)
         ),
     }
 }

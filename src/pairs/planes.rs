@@ -3,9 +3,7 @@
 
 use super::contact::{contact_forces, relative_curvature_matrix, Contact};
 use super::laws::Laws;
-use super::neighbour_list::{
-    cached_normal, factors_for, forget, hale_holds, recall, remember, HaleBroke,
-};
+use super::neighbour_list::{cached_normal, factors_for, forget, hale_holds, recall, remember};
 use super::particles::{effective_mass, Particle};
 use super::tallies::{Contribution, Tallies};
 use super::{ContactForces, Step};
@@ -36,6 +34,27 @@ pub struct WallArrays<'a> {
     pub torques: &'a mut [[f64; 3]],
     /// Force on each wall, added to; empty when not asked for.
     pub wall_forces: &'a mut [[f64; 3]],
+}
+
+/// Why the walls were not computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanesError {
+    /// Hale's form broke at a contact.
+    Hale {
+        /// The particle's index.
+        i: usize,
+        /// `B/A`.
+        ratio: f64,
+    },
+    /// A history of a touching particle that holds a number which no call has written.
+    History {
+        /// The particle's index.
+        i: usize,
+        /// Place in the contact's history.
+        place: usize,
+        /// What stands there.
+        value: f64,
+    },
 }
 
 /// Geometry and motion of a particle at a plane.
@@ -88,7 +107,7 @@ pub(super) fn plane_forces(
 /// All owned particles against all planes. Contacts with the wall follow the law of the particle's type and `wall_type`.
 ///
 /// # Errors
-/// Only with `factors hale`, and before any force is written.
+/// Before any force is written.
 pub fn compute_planes(
     laws: &Laws,
     particles: &[Particle],
@@ -97,7 +116,7 @@ pub fn compute_planes(
     arrays: &mut WallArrays<'_>,
     step: &Step,
     mut tallies: Option<&mut Tallies<'_>>,
-) -> Result<(), HaleBroke> {
+) -> Result<(), PlanesError> {
     let layout = laws.layout();
     let length = layout.length;
     if laws.features().hale {
@@ -108,13 +127,18 @@ pub fn compute_planes(
                     if found.penetration > 0.0 && laws.get(i.kind as usize, wall_type).kinds.hale {
                         let x = contact_with_plane(&found, i, wall);
                         hale_holds(relative_curvature_matrix(x.weingarten_i, x.weingarten_j))
-                            .map_err(|ratio| HaleBroke {
-                                i: index,
-                                j: index,
-                                ratio,
-                            })?;
+                            .map_err(|ratio| PlanesError::Hale { i: index, ratio })?;
                     }
                 }
+            }
+        }
+    }
+    for (slot, _) in (arrays.touching.iter().enumerate()).filter(|(_, touching)| **touching != 0) {
+        let i = slot / walls.len();
+        if (arrays.acts_on)(i) {
+            let history = &arrays.history[slot * length..(slot + 1) * length];
+            if let Some((place, value)) = layout.first_wrong(history) {
+                return Err(PlanesError::History { i, place, value });
             }
         }
     }

@@ -8,9 +8,12 @@ use super::candidates::Candidates;
 use super::instruction_set::Stage;
 use super::lanes::Lanes;
 use super::particles::{prepare_record, ParticleArrays, Record, Records, Rotation};
+use super::ranges::{is_mass, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY, LEAST_MASS};
 use super::registers::{Line, Registers, MOST_LANES};
 use super::shapes::Shapes;
-use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::ellipsoid::{
+    rotation_columns, LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS,
+};
 use crate::geometry::Vector3;
 use crate::real::Real;
 
@@ -129,7 +132,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         self.records.types[k] = kind as u32;
         if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
             let mass = arrays.contact_masses[k];
-            chunk.sound &= mass > 0.0;
+            chunk.sound &= is_mass(mass);
             *inverse = 1.0 / mass;
         }
     }
@@ -162,7 +165,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         true
     }
 
-    /// Finds out what is wrong; a sum of finite numbers that overflows is not.
+    /// Finds out what is wrong, if anything is: the lanes look at lengths, where the ranges are those of components.
     #[cold]
     fn one_by_one(&mut self, chunk: &[usize]) -> bool {
         for &k in chunk {
@@ -211,25 +214,43 @@ fn finish<S: Registers>(
     let (v, spin) = ([m[2], m[3], m[4]], Vector3::new(m[5], m[6], m[7]));
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     let mass = Lanes::load(registers, masses);
-    // One comparison for all sums: Inf * 0 and NaN * 0 are NaN.
-    let sum = x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + spin.x + spin.y + spin.z;
-    let finite = (sum * 0.0).less(one);
+    // Not a number is not less than anything, and an infinite square neither.
+    let [way, speed] = [x, v].map(|[x, y, z]| Vector3::new(x, y, z).norm_squared());
+    let near = registers.and(
+        way.less(zero.constant(LARGEST_COORDINATE * LARGEST_COORDINATE)),
+        speed.less(zero.constant(LARGEST_VELOCITY * LARGEST_VELOCITY)),
+    );
     let within = |a: Lanes<S>, low: f64, high: f64| {
         registers.and(zero.constant(low).less(a), a.less(zero.constant(high)))
     };
+    // The larger of two may hide one that is not a number: the inertia, of which each is a factor, shows it.
+    let (least, most) = (a[2].min(a[1]).min(a[0]), a[2].max(a[1]).max(a[0]));
     let shape = registers.and(
-        registers.and(within(a[0], 1e-45, 1e45), within(a[1], 1e-45, 1e45)),
-        registers.and(within(a[2], 1e-45, 1e45), within(square, 1e-280, 1e280)),
+        registers.and(
+            within(least, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
+            within(most, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
+        ),
+        registers.and(
+            most.less(least * LARGEST_ASPECT_RATIO),
+            within(square, 1e-280, 1e280),
+        ),
     );
     let (xx, yy, zz) = (a[0] * a[0], a[1] * a[1], a[2] * a[2]);
     let (yz, xz, xy) = (yy + zz, xx + zz, xx + yy);
     let inertia = mass * yz * xz * xy;
-    // A mass that is no number, or none, shows here too.
-    let heavy = registers.and(within(inertia, 1e-280, 1e280), zero.less(mass));
-    let sound = registers.and(registers.and(finite, shape), heavy);
+    let heavy = registers.and(
+        within(inertia, 1e-280, 1e280),
+        within(mass, LEAST_MASS, LARGEST_MASS),
+    );
+    let sound = registers.and(registers.and(near, shape), heavy);
     if registers.bits(sound) != (1 << S::LANES) - 1 {
         return false;
     }
+    let slow = |omega: Vector3<Lanes<S>>| {
+        let square = omega.norm_squared();
+        let slow = square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY));
+        registers.bits(slow) == (1 << S::LANES) - 1
+    };
     let scale = square.reciprocal_sqrt();
     let q = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
     // L = (m/5) diag(yz, xz, xy) omega in body axes.
@@ -243,6 +264,9 @@ fn finish<S: Registers>(
         } else {
             spin
         };
+        if !slow(omega) {
+            return false;
+        }
         super::batch::put(
             registers,
             [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
@@ -279,6 +303,9 @@ fn finish<S: Registers>(
     } else {
         spin
     };
+    if !slow(omega) {
+        return false;
+    }
     super::batch::put(
         registers,
         [x[0], x[1], x[2], axis.x, axis.y, axis.z, polar, equatorial],

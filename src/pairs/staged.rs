@@ -45,8 +45,10 @@ pub struct Past {
     pub touched: bool,
     /// The normal then.
     pub normal: Vector3,
-    /// The tangential displacement; written.
+    /// The tangential memory; written.
     pub memory: Vector3,
+    /// Its elastic energy, of `displacement rescaled`; written.
+    pub energy: f64,
 }
 
 /// A contact whose geometry is known.
@@ -171,6 +173,12 @@ impl StagedContact {
         0.5 / determinant.sqrt() * phi * phi * self.share.value * self.share.value
     }
 
+    /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
+    /// spheres that of the circle in which they intersect, and twice the contact area of Hertz.
+    pub fn section_area(&self) -> f64 {
+        std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
+    }
+
     /// Normal force and the further terms of the conservative law, without the tangential force.
     ///
     /// # Errors
@@ -190,7 +198,7 @@ impl StagedContact {
             continued: false,
             normal: x.normal,
             memory: Vector3::ZERO,
-            stiffness: 0.0,
+            energy: 0.0,
             time: 0.0,
         };
         let mut f = self.forces::<false>(&law, &x, &nothing)?;
@@ -274,7 +282,7 @@ impl StagedContact {
             } else {
                 Vector3::ZERO
             },
-            stiffness: 0.0,
+            energy: if past.touched { past.energy } else { 0.0 },
             time: if step.advance_history {
                 step.time_step
             } else {
@@ -283,6 +291,7 @@ impl StagedContact {
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
         past.memory = f.memory;
+        past.energy = f.tangential_energy;
         Ok(f)
     }
 

@@ -27,9 +27,11 @@ fn codes_are_those_that_were_given_out() {
         ELLGRAN_ERROR_LAW,
         ELLGRAN_ERROR_HALE,
         ELLGRAN_ERROR_PARTICLE,
+        ELLGRAN_ERROR_HISTORY,
+        ELLGRAN_ERROR_RESULT,
         ELLGRAN_ERROR_PANIC,
     ];
-    assert_eq!(codes, [0, 1, 2, 3, 100, 101, 200, 900]);
+    assert_eq!(codes, [0, 1, 2, 3, 100, 101, 200, 201, 202, 900]);
     assert_eq!(BTreeSet::from(codes).len(), codes.len());
 }
 
@@ -752,19 +754,4 @@ fn a_list_where_hales_form_breaks() {
         &["particle 8", "wall"],
     );
     row.check();
-}
-
-/// An index outside the arrays breaks the contract; the library panics on it and must not take the program along.
-#[test]
-fn a_panic_becomes_a_status() {
-    let mut row = Row::new(HERTZ, &row());
-    row.list.rows[0][0] = 1_000_000;
-    let status = row.pairs(|_| (), &STEP);
-    fails(
-        status,
-        ELLGRAN_ERROR_PANIC,
-        &["ellgran_compute_pairs", "internal error", "1000000"],
-    );
-    row.list.rows[0][0] = 1;
-    ok(row.pairs(|_| (), &STEP));
 }

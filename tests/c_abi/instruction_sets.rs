@@ -43,6 +43,7 @@ fn the_choice_of_this_process() {
     let known = |name: &str| InstructionSet::ALL.iter().find(|set| set.name() == name);
     let expected = match &chosen {
         None => InstructionSet::widest(),
+        Some(name) if name.is_empty() => InstructionSet::widest(),
         Some(name) => match known(name) {
             Some(set) if set.is_available() => *set,
             _ => {
@@ -71,6 +72,12 @@ fn each_gives_the_numbers_of_single_contacts() {
             run("paths::a_longer_history", set.name());
             run("shapes::lists_of_each_kind", set.name());
             run("shapes::lists_that_change_kind", set.name());
+            run("extreme_values::lists", set.name());
+            run(
+                "extreme_values::lists_at_the_ends_of_all_ranges",
+                set.name(),
+            );
+            run("list_changes::entries_that_name_no_particle", set.name());
         }
     }
 }

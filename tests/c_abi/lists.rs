@@ -82,9 +82,11 @@ fn shapes_in_an_array_of_structures() {
     let (mut again, mut fresh) = scene();
     let found = forces(&mut again, &mut fresh, true, |p, _| {
         p.shape_indices = indices.as_ptr();
-        p.semi_axes = shapes[0].semi_axes.as_ptr();
+        // From the whole array: a pointer to one field may not leave it.
+        let field = |offset: usize| shapes.as_ptr().wrapping_byte_add(offset).cast();
+        p.semi_axes = field(std::mem::offset_of!(Shape, semi_axes));
         p.semi_axes_stride = size_of::<Shape>();
-        p.quaternions = shapes[0].quaternion.as_ptr();
+        p.quaternions = field(std::mem::offset_of!(Shape, quaternion));
         p.quaternions_stride = size_of::<Shape>();
     });
     assert_eq!(found, expected);

@@ -6,10 +6,12 @@
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod errors;
+mod extreme_values;
 mod friction;
 mod growing;
 mod instruction_sets;
 mod kept_history;
+mod list_changes;
 mod lists;
 mod null_pointers;
 mod paths;

@@ -143,7 +143,10 @@ impl<T> Untouched<T> {
         // SAFETY: all bytes were written, padding included, and a failing call writes none.
         let bytes =
             unsafe { std::slice::from_raw_parts(self.bytes.as_ptr().cast::<u8>(), size_of::<T>()) };
-        assert!(bytes[self.first..].iter().all(|b| *b == PATTERN), "output was written");
+        assert!(
+            bytes[self.first..].iter().all(|b| *b == PATTERN),
+            "output was written"
+        );
     }
 }
 

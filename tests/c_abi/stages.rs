@@ -4,7 +4,7 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
-use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::law::{ellgran_laws_memory_offset, EllgranLaws};
 use ellgran::c_api::particles::*;
 use ellgran::c_api::planes::EllgranPlane;
 use ellgran::c_api::staged::*;
@@ -156,6 +156,11 @@ fn pointers_of_the_stages() {
             "staged",
         );
         is_null(ellgran_staged_equivalent_radius(s, null_mut()), "radius");
+        is_null(
+            ellgran_staged_section_area(null(), radius.pointer()),
+            "staged",
+        );
+        is_null(ellgran_staged_section_area(s, null_mut()), "area");
         is_null(ellgran_staged_normal(null(), l, 1, 1, 1.0, f), "staged");
         is_null(ellgran_staged_normal(s, null(), 1, 1, 1.0, f), "laws");
         is_null(ellgran_staged_normal(s, l, 1, 1, 1.0, null_mut()), "force");
@@ -212,6 +217,8 @@ fn values_of_the_stages() {
     unsafe {
         // Nothing was found yet.
         let status = ellgran_staged_equivalent_radius(s, radius.pointer());
+        fails(status, argument, &["do not touch"]);
+        let status = ellgran_staged_section_area(s, radius.pointer());
         fails(status, argument, &["do not touch"]);
         fails(
             ellgran_staged_normal(s, l, 1, 1, 1.0, f),
@@ -325,8 +332,6 @@ fn values_of_the_stages() {
             argument,
             &["time_step", "-1"],
         );
-        let rescaled = Laws::new(&["hertz 1e4 0.3 tangential mindlin 0.4"]);
-        fails(call(rescaled.0, 1, 1, 0.4, &STEP), argument, &["rescaled"]);
     }
     geometry.check();
     force.check();
@@ -353,7 +358,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
         let bodies = random_bodies(40 + k);
         let (mut i, mut j) = (bodies[k as usize], bodies[k as usize + 1]);
         let (mut start, mut beside) = ([0.0; 3], [0.0; 3]);
-        let (mut memory, mut memory_of_both) = ([0.0; 3], [0.0; 3]);
+        let (mut memory, mut memory_of_both) = ([0.0; 4], [0.0; 4]);
         let mut past = PAST;
         let mut touching = 0;
         let mut history = vec![0.0; laws.length()];
@@ -445,7 +450,17 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                     close(c.force, w.force, scale);
                     close(c.torque_i, w.torque_i, scale);
                     close(c.torque_j, w.torque_j, scale);
-                    close(memory, memory_of_both, size(memory));
+                    let first = |m: [f64; 4]| [m[0], m[1], m[2]];
+                    close(first(memory), first(memory_of_both), size(first(memory)));
+                    let kept = &history[ellgran_laws_memory_offset(laws.0) as usize..];
+                    close(
+                        first(memory),
+                        [kept[0], kept[1], kept[2]],
+                        size(first(memory)),
+                    );
+                    for energy in [memory_of_both[3], kept[3]] {
+                        assert!((memory[3] - energy).abs() <= 1e-12 * energy);
+                    }
                     past.normal = g.normal;
                     seen += 1;
                 }
@@ -511,6 +526,12 @@ fn a_wall_in_stages_is_a_plane() {
         close(f.force, w.force, size(w.force));
         close(f.torque_i, w.torque_i, size(w.force));
         assert!(radius > 0.5 && radius < 2.0, "{radius}");
+        let (mut area, mut known) = (0.0, Untouched::<EllgranContactGeometry>::sized());
+        ok(ellgran_staged_section_area(staged.0, &mut area));
+        ok(ellgran_contact_geometry_plane(&i, &plane, known.pointer()));
+        let k = *known.pointer();
+        let section = std::f64::consts::PI * k.penetration / (k.curvature_a * k.curvature_b).sqrt();
+        assert!((area - section).abs() < 1e-12 * section, "{area} {section}");
     }
 }
 

@@ -61,6 +61,28 @@ fn two_grains_in_c_and_in_rust() {
     assert_same(&rust, &c, "two_grains.rs");
 }
 
+/// With the same libraries as a shared one, in a program without any shared library.
+#[test]
+#[cfg(target_os = "linux")]
+fn two_grains_linked_statically() {
+    let program = scratch("static").join("program");
+    let mut link = build(
+        Language::C99,
+        &source("two_grains.c"),
+        &program,
+        &["-static"],
+    );
+    succeed(&mut link);
+    let text = fs::read(&program).expect("the program");
+    let interpreter = b"/ld-linux";
+    assert!(
+        !text.windows(interpreter.len()).any(|w| w == interpreter),
+        "it asks for a dynamic loader"
+    );
+    let printed = succeed(&mut emulator::program(&program));
+    assert_same(&printed, &promised("two_grains.c"), "two_grains.c -static");
+}
+
 #[test]
 fn neighbour_list_in_cxx() {
     let cxx = printed("neighbour_list.cpp", Language::Cxx11);

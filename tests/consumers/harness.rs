@@ -33,7 +33,7 @@ fn temporary() -> PathBuf {
 
 pub struct Installed {
     pub prefix: PathBuf,
-    /// As rustc prints them, whatever the packaging files say.
+    /// As rustc prints them but for the unwinder, whatever the packaging files say.
     pub system_libraries: String,
 }
 

@@ -112,6 +112,21 @@ fn both_versions_coefficients() {
             &["conservative", "maybe"],
         ),
         ("hertz 1e7 0.3 limit_force 1", &["limit_force", "1"]),
+        // A word without its keyword.
+        ("hertz 1e7 0.3 tfd 0.5", &["did you mean 'tangential tfd'"]),
+        (
+            "hertz 1e7 0.3 restitution 0.5",
+            &["did you mean 'damping restitution'"],
+        ),
+        (
+            "nfd 1e7 0.3 100 100 surface",
+            &["did you mean 'closure surface'"],
+        ),
+        ("hertz 1e7 0.3 hale", &["did you mean 'factors hale'"]),
+        (
+            "hertz 1e7 0.3 nfd 1e7 0.3 100 100",
+            &["one normal law, and it comes first"],
+        ),
     ];
     for (law, words) in cases {
         refused(
@@ -304,6 +319,10 @@ fn both_versions_walls() {
         ("hertz 1e7 0.3 zplane 5 -5", &["5"]),
         ("hertz 1e7 0.3 zplane -5 NULL spin x 1", &["spin"]),
         ("hertz 1e7 0.3 tangential tfd -1 zplane -5 NULL", &["-1"]),
+        (
+            "hertz 1e7 0.3 tfd 0.5 zplane -5 NULL",
+            &["did you mean 'tangential tfd'"],
+        ),
     ];
     for (words, expected) in cases {
         refused(&format!("wall {words}"), &scene, &wall(words), expected);

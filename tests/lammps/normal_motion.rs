@@ -380,17 +380,63 @@ fn both_versions_damping_restitution_at_any_speed() {
                 },
             );
         }
+    }
+}
+
+/// The default: no attraction. Spheres, and ellipsoids end on end and side on side, whose contact is an ellipse.
+#[test]
+fn both_versions_damping_restitution_without_attraction() {
+    let engine = Engine::from_environment();
+    for e in [0.9, 0.3, 0.05] {
         let law = format!("hertz {MODULUS} {POISSON} damping restitution {e}");
-        let limited = restitution(
-            &engine,
-            "restitution",
-            &law,
-            0.1,
-            hertz_time(0.1) / 4000.0,
-            3.0,
-        );
-        println!("damping restitution {e} without attraction (limit_force yes): {limited:.6}");
-        assert!(limited >= e - 1e-3 && limited < e + 0.15 * (1.0 - e));
+        for speed in [1e-2, 0.1] {
+            approach(
+                4000.0,
+                &format!("damping restitution {e} at {speed} m/s, no attraction"),
+                e,
+                2e-5,
+                |s| {
+                    restitution(
+                        &engine,
+                        "restitution",
+                        &law,
+                        speed,
+                        hertz_time(speed) / s,
+                        6.0,
+                    )
+                },
+            );
+        }
+        for semi_axes in [[1e-2, 1e-2, 4e-3], [5e-3, 1.2e-2, 7e-3]] {
+            let speed = 0.1;
+            let grain = |s: f64| Grain {
+                density: DENSITY,
+                ..Grain::new(semi_axes, [s * semi_axes[0], 0.0, 0.0]).moving([
+                    -s * 0.5 * speed,
+                    0.0,
+                    0.0,
+                ])
+            };
+            let scene = Scene::open(0.1, vec![grain(-1.0), grain(1.0)]);
+            approach(
+                4000.0,
+                &format!("damping restitution {e} of {semi_axes:?}"),
+                e,
+                2e-5,
+                |s| {
+                    let deck = Deck {
+                        time_step: hertz_time(speed) / s,
+                        steps: (6.0 * s) as u64,
+                        skin: 1e-3,
+                        ..Deck::new(&law)
+                    };
+                    let outcome = run(&engine, "restitution", &scene, &deck, 1);
+                    let last = outcome.last();
+                    assert_eq!(last.states[1].force, [0.0; 3], "still in contact");
+                    (last.states[1].velocity[0] - last.states[0].velocity[0]) / speed
+                },
+            );
+        }
     }
 }
 

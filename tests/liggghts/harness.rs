@@ -48,6 +48,8 @@ pub struct Deck {
     pub atom_style: String,
     pub materials: Vec<Material>,
     pub friction: f64,
+    /// Of each pair of types, row by row; 0.9 where empty.
+    pub restitution: Vec<f64>,
     /// `primitive ...` or `mesh ...`, one fix each.
     pub walls: Vec<String>,
     /// Words that begin the wall fixes.
@@ -76,6 +78,7 @@ impl Deck {
             atom_style: "superquadric".into(),
             materials: vec![material],
             friction,
+            restitution: vec![],
             walls: vec![],
             wall_fix: "wall/gran/ellipsoid".into(),
             before: vec![],
@@ -150,13 +153,18 @@ impl Deck {
                 per_type(k)
             ));
         }
-        for (name, value) in [
-            ("coefficientFriction", self.friction),
-            ("coefficientRestitution", 0.9),
+        let restitution = if self.restitution.is_empty() {
+            vec![0.9; types * types]
+        } else {
+            self.restitution.clone()
+        };
+        for (name, values) in [
+            ("coefficientFriction", vec![self.friction; types * types]),
+            ("coefficientRestitution", restitution),
         ] {
+            let values: String = values.iter().map(|value| format!(" {value}")).collect();
             lines.push(format!(
-                "fix {name} all property/global {name} peratomtypepair {types}{}",
-                format!(" {value}").repeat(types * types)
+                "fix {name} all property/global {name} peratomtypepair {types}{values}"
             ));
         }
         lines.push(format!(

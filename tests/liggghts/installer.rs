@@ -25,7 +25,7 @@ fn install(words: &[&str], tree: &Path) -> (Option<i32>, String) {
 fn tree(name: &str, version: &str) -> std::path::PathBuf {
     let tree = fresh_directory(name);
     let src = tree.join("src");
-    fs::create_dir_all(&src).unwrap();
+    fs::create_dir_all(src.join("MAKE")).unwrap();
     for (file, text) in [
         ("version_liggghts.txt", version),
         ("version_liggghts_branch.txt", "LIGGGHTS-PUBLIC\n"),
@@ -33,21 +33,165 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ("finish.cpp", "if (list->numneigh > 0) {}\n"),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
+        (
+            "MAKE/Makefile.auto",
+            "TMP := $(shell echo '\\#include <mpi.h>')\nEXTRA_ADDLIBS=\nall:\n",
+        ),
     ] {
         fs::write(src.join(file), text).unwrap();
     }
     tree
 }
 
+/// Names and bytes of all files.
 fn content(tree: &Path) -> BTreeMap<String, Vec<u8>> {
-    fs::read_dir(tree.join("src"))
-        .unwrap()
+    ["src", "src/MAKE"]
+        .into_iter()
+        .flat_map(|directory| fs::read_dir(tree.join(directory)).unwrap())
         .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_file())
         .map(|path| {
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let name = path.to_string_lossy().into_owned();
             (name, fs::read(path).unwrap())
         })
         .collect()
+}
+
+/// Installs twice and removes: what the user had comes back to the byte.
+fn comes_back(name: &str, tree: &Path) {
+    let before = content(tree);
+    for extra in [&[][..], &["--few"][..]] {
+        assert_eq!(install(extra, tree).0, Some(0), "{name}");
+        assert_eq!(install(&["--check"], tree).0, Some(0), "{name}");
+        let once = content(tree);
+        assert!(once.len() > before.len(), "{name}");
+        assert_eq!(install(extra, tree).0, Some(0), "{name}");
+        assert_eq!(once, content(tree), "{name}: twice is once");
+        assert_eq!(install(&["--remove"], tree).0, Some(0), "{name}");
+        assert_eq!(before, content(tree), "{name}: after the removal");
+    }
+}
+
+#[test]
+fn what_a_user_wrote_comes_back_to_the_byte() {
+    let list = "style_contact_model_user.whitelist";
+    for (name, file, text) in [
+        ("no_final_newline_in_cmake", "CMakeLists.txt", "PROJECT(X)"),
+        (
+            "our_name_in_cmake",
+            "CMakeLists.txt",
+            "# for ellgran\nPROJECT(X)\n",
+        ),
+        (
+            "no_final_newline_in_the_list",
+            list,
+            "GRAN_MODEL(A, B, C, D, E)",
+        ),
+        (
+            "our_name_in_the_list",
+            list,
+            "// for ellgran\nGRAN_MODEL(A, B, C, D, E)\n",
+        ),
+        (
+            "our_own_line_in_the_list",
+            list,
+            "GRAN_MODEL(NFD, TANGENTIAL_TFD, COHESION_OFF, ROLLING_OFF, SURFACE_ELLIPSOID)\n",
+        ),
+        ("an_empty_list", list, ""),
+        (
+            "no_final_newline_in_the_dump",
+            "dump_mesh_vtk.h",
+            "class A;",
+        ),
+        (
+            "our_name_in_the_dump",
+            "dump_mesh_vtk.cpp",
+            "/* ellgran */ int a;\n",
+        ),
+        (
+            "a_mend_of_their_own",
+            "finish.cpp",
+            "if (list->numneigh != 0) {}  // as ellgran has it\n",
+        ),
+        (
+            "a_list_of_their_own",
+            "style_contact_model.whitelist",
+            "GRAN_MODEL(A, B, C, D, E)",
+        ),
+        (
+            "a_makefile_of_another_make",
+            "MAKE/Makefile.auto",
+            "EXTRA_ADDLIBS=\nX := $(ellgran)",
+        ),
+    ] {
+        let tree = tree(name, "3.8.0\n");
+        fs::write(tree.join("src").join(file), text).unwrap();
+        comes_back(name, &tree);
+    }
+}
+
+#[test]
+fn what_a_user_changed_since_stays_and_our_lines_go() {
+    let tree = tree("changed_since", "3.8.0\n");
+    let before = content(&tree);
+    assert_eq!(install(&[], &tree).0, Some(0));
+    let files = [
+        "CMakeLists.txt",
+        "finish.cpp",
+        "MAKE/Makefile.auto",
+        "style_contact_model_user.whitelist",
+    ];
+    for file in files {
+        let path = tree.join("src").join(file);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, format!("{text}# mine, for ellgran\n")).unwrap();
+    }
+    assert_eq!(install(&["--remove"], &tree).0, Some(0));
+    let after = content(&tree);
+    for file in files {
+        let path = tree.join("src").join(file).to_string_lossy().into_owned();
+        let mut expected = before.get(&path).cloned().unwrap_or_default();
+        expected.extend(b"# mine, for ellgran\n");
+        assert_eq!(
+            String::from_utf8_lossy(&after[&path]),
+            String::from_utf8_lossy(&expected),
+            "{file}"
+        );
+    }
+    assert_eq!(after.len(), before.len() + 1, "only the user's list is new");
+}
+
+/// LIGGGHTS' build writes the list of all combinations, ours among them, where there was none.
+#[test]
+fn a_list_that_a_build_wrote_loses_our_models() {
+    let tree = tree("built", "3.8.0\n");
+    assert_eq!(install(&[], &tree).0, Some(0));
+    let list = tree.join("src/style_contact_model.whitelist");
+    let theirs = "GRAN_MODEL(HERTZ, TANGENTIAL_OFF, COHESION_OFF, ROLLING_OFF, SURFACE_DEFAULT)\n";
+    let ours = "GRAN_MODEL(HERTZ, TANGENTIAL_OFF, COHESION_OFF, ROLLING_OFF, SURFACE_ELLIPSOID)\n\
+                GRAN_MODEL(NFD, TANGENTIAL_OFF, COHESION_OFF, ROLLING_OFF, SURFACE_DEFAULT)\n";
+    fs::write(&list, format!("{theirs}{ours}{theirs}")).unwrap();
+    assert_eq!(install(&["--remove"], &tree).0, Some(0));
+    assert_eq!(fs::read_to_string(&list).unwrap(), theirs.repeat(2));
+}
+
+#[test]
+fn words_that_contradict_each_other_change_nothing() {
+    let tree = tree("words", "3.8.0\n");
+    assert_eq!(install(&[], &tree).0, Some(0));
+    let installed = content(&tree);
+    for words in [
+        &["--check", "--remove"][..],
+        &["--remove", "--check"],
+        &["--remove", "--few"],
+        &["--few", "--check"],
+        &["--nonsense"],
+    ] {
+        let (status, text) = install(words, &tree);
+        assert_eq!(status, Some(2), "{words:?}: {text}");
+        assert!(text.starts_with("install: "), "{text}");
+        assert_eq!(installed, content(&tree), "{words:?}");
+    }
 }
 
 #[test]

@@ -4,7 +4,11 @@
 use crate::support::perram_wertheim::contact_function;
 use crate::support::random::Stream;
 use crate::support::scene::{advance, body, laws, Memory, Rotation, Vector};
-use ellgran::pairs::{Body, Laws};
+use ellgran::geometry::contact_search::gap;
+use ellgran::geometry::{search, Outcome};
+use ellgran::pairs::one_contact::{self, one_contact_or_gap, prepare_body};
+use ellgran::pairs::particles::Particle;
+use ellgran::pairs::{Body, Laws, Step};
 
 /// Outside this band around 1 the contact function in double precision is sure.
 fn band(i: &Body, j: &Body) -> f64 {
@@ -224,4 +228,115 @@ fn a_remembered_normal_from_another_place_misleads_nobody() {
         let found = advance(&laws, &i, &j, 0.0, &mut memory).is_some();
         assert_eq!(found, contact_function(&i, &j) < 1.0);
     }
+}
+
+/// Thin discs and needles beside each other, where a search has many minima, and grains of any shape.
+fn long_and_flat(stream: &mut Stream, kind: usize) -> [Body; 2] {
+    let mut shape = |kind: usize| {
+        let thin = stream.log_uniform(1e-3, 0.3);
+        match kind {
+            0 => [1.0, 1.0, thin],
+            1 => [1.0, thin, thin],
+            _ => [1.0, stream.log_uniform(thin, 1.0), thin],
+        }
+    };
+    let shapes = [shape(kind % 3), shape(kind / 3 % 3)];
+    let turn = stream.rotation();
+    // Half of the pairs are nearly aligned.
+    let other = if kind % 2 == 0 {
+        let axis = nalgebra::Unit::new_normalize(stream.direction());
+        turn * Rotation::from_axis_angle(&axis, stream.log_uniform(1e-6, 0.1))
+    } else {
+        stream.rotation()
+    };
+    [
+        body(shapes[0], Vector::zeros(), turn),
+        body(shapes[1], stream.direction(), other),
+    ]
+}
+
+/// Pairs that barely touch or barely do not: the flag, the geometry that comes with it, and the geometry that is asked for
+/// alone say the same of each pair, with a remembered normal and without one.
+#[test]
+fn flag_and_geometry_agree() {
+    let laws = elastic();
+    let step = Step {
+        time_step: 0.0,
+        advance_history: false,
+    };
+    let mut stream = Stream::new(17);
+    let (mut touching, mut apart) = (0, 0);
+    for k in 0..20_000 {
+        let [i, j] = long_and_flat(&mut stream, k % 9);
+        // Closer to touching than a search from the wrong start can tell, on both sides.
+        let margin = stream.log_uniform(1e-15, 1e-3) * if k % 4 == 0 { -1.0 } else { 1.0 };
+        let j = at(j, &i, 1.0 + margin);
+        let mut further = j;
+        further.position = j.position.map(|x| 1.01 * x);
+        let (i, j, further) = (particle(&i), particle(&j), particle(&further));
+        // The normal of the step before, when they were further apart; and none.
+        let before = one_contact::geometry(&i, &further, 0.5, None).normal;
+        for start in [None, Some(before)] {
+            let (mut flag, mut history) = (false, [0.0; 3]);
+            if let Some(n) = start {
+                history = n.to_array();
+            }
+            let (found, forces) =
+                one_contact_or_gap(&laws, &i, &j, &step, &mut flag, &mut history).unwrap();
+            let case = || format!("{k} {margin:e} {i:?} {j:?}");
+            assert_eq!(forces.is_some(), flag, "{}", case());
+            assert_eq!(found.touching, flag, "{}", case());
+            assert_eq!(found.penetration > 0.0, flag, "{}", case());
+            let alone = one_contact::geometry(&i, &j, 0.5, start);
+            assert_eq!(alone.touching, flag, "{}", case());
+            assert_eq!(alone.penetration, found.penetration, "{}", case());
+            if flag {
+                touching += 1;
+            } else {
+                apart += 1;
+                // No plane separates them by more than the gap: not that of before either.
+                let n = before;
+                let d = j.position - i.position;
+                let width = n.dot(d) - i.body.support(n).h - j.body.support(n).h;
+                assert!(-found.penetration >= width - 1e-15, "{} {width:e}", case());
+            }
+        }
+    }
+    println!("{touching} touching, {apart} apart");
+    assert!(touching > 5000 && apart > 5000);
+}
+
+/// A start from which a descent ends in a minimum that is not the gap: the certificate of the search leads to it.
+#[test]
+fn a_plane_between_the_bodies_leads_to_the_gap() {
+    let mut stream = Stream::new(18);
+    let mut misled = 0;
+    for k in 0..6000 {
+        let [i, j] = long_and_flat(&mut stream, k % 9);
+        let j = at(j, &i, 1.0 + stream.log_uniform(1e-12, 1e-2));
+        let wanted = one_contact::geometry(&particle(&i), &particle(&j), 0.5, None);
+        if wanted.touching {
+            continue;
+        }
+        let (i, j) = (particle(&i), particle(&j));
+        let d = j.position - i.position;
+        // Another plane between them, found from any start: the same gap.
+        for _ in 0..3 {
+            let start = crate::support::scene::plain(stream.direction());
+            match search(&i.body, &j.body, d, Some(start)) {
+                Outcome::Separated(n) => {
+                    let found = gap(&i.body, &j.body, d, n);
+                    let error = (found.penetration - wanted.penetration).abs();
+                    assert!(error < 1e-14, "{error:e}");
+                }
+                Outcome::Touching(_) => misled += 1,
+            }
+        }
+    }
+    // What the gap must not be looked for from.
+    println!("{misled} descents from any start ended where the bodies seem to touch");
+}
+
+fn particle(b: &Body) -> Particle {
+    prepare_body(b, Some(1)).unwrap()
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! TFD, the law of Cattaneo and Mindlin: force, sliding limit, viscous part (section 4).
+//! TFD, the law of Cattaneo and Mindlin: force, sliding limit, viscous part (section 4), in the published form, `displacement
+//! total`, whose memory is the displacement; and the default form, which is the same at a steady normal force.
 
 use crate::support::elliptic::{complete, curvature_ratio};
 use crate::support::scene::pair_law;
@@ -38,7 +39,9 @@ fn slide(law: &PairLaw, curvature: Symmetric2, xi: Vector2, velocity: Vector2) -
 }
 
 fn elastic() -> PairLaw {
-    pair_law(&format!("hertz 1e6 {NU} tangential tfd {FRICTION}"))
+    pair_law(&format!(
+        "hertz 1e6 {NU} tangential tfd {FRICTION} displacement total"
+    ))
 }
 
 #[test]
@@ -143,7 +146,7 @@ fn elastic_energy_is_the_work_of_the_displacement() {
 fn the_viscous_part_is_a_t_k_t_v_t() {
     let (eta1, eta2) = (3.0, 5.0);
     let law = pair_law(&format!(
-        "nfd 1e6 {NU} {eta1} {eta2} tangential tfd {FRICTION}"
+        "nfd 1e6 {NU} {eta1} {eta2} tangential tfd {FRICTION} displacement total"
     ));
     let e = 1e6;
     let (tau1, tau2) = (eta1 * (1.0 + NU) / e, eta2 * 3.0 * (1.0 - 2.0 * NU) / e);
@@ -179,6 +182,66 @@ fn the_viscous_part_is_a_t_k_t_v_t() {
                     "b/a {axis_ratio}, {x}: {got} {wanted}"
                 );
             }
+        }
+    }
+}
+
+/// Out, back, beyond sliding on the other side, and out again, at a steady normal force.
+#[test]
+fn the_default_is_the_published_form_at_a_steady_normal_force() {
+    for (words, axis_ratio, direction) in [
+        ("hertz 1e6 0.3", 1.0, 0.3f64),
+        ("hertz 1e6 0.3", 10.0, 0.0),
+        ("hertz 1e6 0.3", 10.0, 0.7),
+        ("nfd 1e6 0.3 30 20", 40.0, 1.1),
+    ] {
+        for tangential in ["tfd", "mindlin"] {
+            let deck = format!("{words} tangential {tangential} {FRICTION}");
+            let (default, published) = (
+                pair_law(&deck),
+                pair_law(&format!("{deck} displacement total")),
+            );
+            let m = Symmetric2::new(1.0, 0.0, axis_ratio);
+            let n = normal(&default, m);
+            let factors = exact(m.trace(), m.determinant(), true);
+            let along = Vector2::new(direction.cos(), direction.sin());
+            let none = Vector2::new(0.0, 0.0);
+            let (mut kept, mut energy, mut xi) = (none, 0.0, none);
+            let steps = 400;
+            let path = |k: usize| {
+                let t = k as f64 / steps as f64;
+                FRICTION * PENETRATION * 2.0 * (5.0 * t).sin() * t
+            };
+            let mut slid = false;
+            for k in 1..=steps {
+                let step = along * (path(k) - path(k - 1));
+                let call = |law: &PairLaw, memory, remembered| {
+                    tangential_force(
+                        &law.kinds,
+                        &law.constants,
+                        &n,
+                        &factors,
+                        m,
+                        memory,
+                        remembered,
+                        step,
+                        step * 10.0,
+                    )
+                };
+                let (a, b) = (call(&default, kept, energy), call(&published, xi, 0.0));
+                let apart = a.force - b.force;
+                let limit = FRICTION * n.force;
+                assert!(
+                    apart.dot(apart).sqrt() < 2e-12 * limit,
+                    "{deck}, A/B {axis_ratio}, step {k}: {:?} {:?}",
+                    a.force,
+                    b.force
+                );
+                assert!((a.elastic_energy - b.elastic_energy).abs() < 2e-12 * limit * PENETRATION);
+                slid |= b.force.dot(b.force).sqrt() > limit * (1.0 - 1e-12);
+                (kept, energy, xi) = (a.memory, a.elastic_energy, b.memory);
+            }
+            assert!(slid, "the path never slid");
         }
     }
 }

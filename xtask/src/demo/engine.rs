@@ -43,13 +43,21 @@ impl Engine {
 
     /// Runs `deck`, a path below examples/lammps, with the plugin and the given variables. `name` is the log's.
     pub fn run(&self, deck: &str, name: &str, variables: &[(&str, &str)]) -> Result<()> {
-        let deck = workspace::root().join("examples/lammps").join(deck);
+        self.run_at(
+            &workspace::root().join("examples/lammps").join(deck),
+            name,
+            variables,
+        )
+    }
+
+    /// The same for a deck anywhere.
+    pub fn run_at(&self, deck: &Path, name: &str, variables: &[(&str, &str)]) -> Result<()> {
         let mut command = Command::new(&self.binary);
         command
             .arg("-nocite")
             .args(["-var", "plugin"])
             .arg(&self.plugin);
-        deck::run(&mut command, &deck, name, &self.data, variables)
+        deck::run(&mut command, deck, name, &self.data, variables)
     }
 
     pub fn path(&self, name: &str) -> PathBuf {

@@ -5,6 +5,7 @@ pub mod chart;
 mod contacts;
 mod deck;
 mod engine;
+mod first_deck;
 mod heap;
 mod heaps;
 mod liggghts;
@@ -91,6 +92,7 @@ fn lammps_scenes(output: &Path) -> Result<Outcome> {
         ));
     }
     let mut tables = vec![
+        first_deck::first_deck(&engine, output)?,
         contacts::normal_force(&engine, output)?,
         contacts::tangential_force(&engine, output)?,
         contacts::collision(&engine, output)?,
@@ -101,6 +103,7 @@ fn lammps_scenes(output: &Path) -> Result<Outcome> {
         heading: format!("ellgran in LAMMPS {}", engine.release),
         tables,
         pictures: &[
+            "first-deck.svg",
             "normal-force.svg",
             "tangential-force.svg",
             "collision.svg",

@@ -47,7 +47,7 @@ pub fn fill(prefix: &Path, root: &Path, library: &Path, package: &Package) -> Re
     Ok(())
 }
 
-/// The system libraries that rustc says a static link of the crate needs, each once. Leaves the library itself, built with
+/// The system libraries that rustc says a static link of the crate needs, each once, but for the unwinder. Leaves the library itself, built with
 /// [`TEST_PROFILE`], in `target_directory`, under the name of the profile.
 pub fn system_libraries(root: &Path, target_directory: &Path) -> Result<String> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -70,9 +70,13 @@ pub fn system_libraries(root: &Path, target_directory: &Path) -> Result<String> 
         .ok_or_else(|| Error::other(format!("rustc names no system libraries:\n{text}")))
 }
 
-/// The last place of each is kept: a library must follow those that need it.
+/// The last place of each is kept: a library must follow those that need it. The unwinder of GCC is left out: it has one
+/// name in a static link and another in a shared one, and every C compiler's driver adds the right one itself.
 fn each_once(list: &str) -> String {
-    let words: Vec<&str> = list.split_whitespace().collect();
+    let words: Vec<&str> = list
+        .split_whitespace()
+        .filter(|word| *word != "-lgcc_s")
+        .collect();
     let last = |k: &usize| !words[k + 1..].contains(&words[*k]);
     let kept: Vec<&str> = (0..words.len()).filter(last).map(|k| words[k]).collect();
     kept.join(" ")
