@@ -849,6 +849,19 @@ typedef struct EllgranWallSurface {
    Velocity of the surface there; components up to 1e20.
    */
   double velocity[3];
+  /*
+   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+   alone.
+   */
+  double others_share;
+  /*
+   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+   */
+  double others_share_by_position[3];
+  /*
+   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+   */
+  double others_share_by_rotation[3];
 } EllgranWallSurface;
 
 /*
@@ -1545,7 +1558,9 @@ int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
 
 /*
  The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
- corner is taken as flat in Hertz' law, with the normal that the contact has there.
+ corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
+ their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
+ surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
 
  `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
  free.

@@ -91,7 +91,10 @@ fn claims() -> Claims {
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
             identifier_bytes, forces, torques,
         }
-        EllgranWallSurface { size, point, normal, direction, curvatures, turning_radii, velocity }
+        EllgranWallSurface {
+            size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,
+            others_share_by_rotation,
+        }
         EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
         EllgranStagedPast { size, friction, touched, normal }
         EllgranWallContact { size, triangle, weights }
