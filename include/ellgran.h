@@ -197,7 +197,8 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_PANIC 900
 
 /*
- Version of the binary interface: changes whenever a struct's layout, a signature or the meaning of a value does.
+ Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
+ are added at the end of a struct do not change it.
  */
 #define ELLGRAN_ABI_VERSION 1
 
@@ -401,11 +402,20 @@ typedef struct EllgranContactForce {
    */
   double tangential_energy;
   /*
-   Power of the viscous part of the normal force, > 0 when it dissipates.
+   What of the force on j the viscous terms make, normal and tangential, world frame.
+   */
+  double viscous_force[3];
+  /*
+   What of the tangential force on j is not viscous: the tangential displacement's, up to Coulomb's limit, world frame.
+   */
+  double frictional_force[3];
+  /*
+   Power that the viscous force takes up, >= 0, with the velocities given.
    */
   double viscous_power;
   /*
-   Power put into the contact by the tangential force.
+   Power that the rest of the tangential force takes up, with the velocities given: stored in the tangential
+   displacement, or dissipated by friction.
    */
   double tangential_power;
   /*
@@ -670,6 +680,10 @@ typedef struct EllgranNeighbourList {
    */
   int32_t keep_history;
   /*
+   1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+   */
+  int32_t record_contacts;
+  /*
    One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
    NULL if the history length is 0.
    */
@@ -698,12 +712,37 @@ typedef struct EllgranTallies {
    */
   double *particle_virials;
   /*
-   In/out: time integral of the power of the viscous and of the tangential force. Set it to 0 before the first step
-   and keep it between steps.
+   Out: [count][12] or NULL; what acts on each particle beside the gradient of the normal elastic energy: viscous force
+   and its torque, tangential force without its viscous part and its torque. Where `angular_momenta` are given the
+   torques are multiplied by the inverse inertia. Overwritten.
+
+   Velocity Verlet moves particles with velocities of the half steps: a force does half of its work with the velocity
+   before, and half with the one that it has led to. With this array each call adds the first half, and
+   `ellgran_tally_following_half_step` the second; kinetic, elastic and dissipated energy then add up to second order in
+   the time step. Without it each call takes the velocities that it is given for the whole step, which is of
+   first order.
    */
-  double accumulated_work;
+  double *inelastic_loads;
   /*
-   Out: energy that left the elastic store since `accumulated_work` was 0.
+   Out: with `inelastic_loads`, power of the viscous and of the tangential forces on moving walls, for the second half.
+   */
+  double wall_powers[2];
+  /*
+   In/out: energy that viscous forces dissipated. Set it to 0 before the first step and keep it between steps.
+   */
+  double viscous_dissipation;
+  /*
+   In/out: energy that the tangential forces without their viscous part took up, stored or dissipated. Set it to 0
+   before the first step and keep it between steps.
+   */
+  double tangential_work;
+  /*
+   Out: energy that friction dissipated since `tangential_work` was 0: that less `tangential_elastic_energy`. With
+   displacement total it may be negative, since that law can create energy.
+   */
+  double frictional_dissipation;
+  /*
+   Out: energy dissipated: by viscosity and by friction.
    */
   double dissipated_energy;
   /*
@@ -727,6 +766,28 @@ typedef struct EllgranTallies {
    */
   int64_t pair_count;
 } EllgranTallies;
+
+/*
+ Where a recorded contact stands in the list.
+ */
+typedef struct EllgranContactPlace {
+  /*
+   `sizeof(EllgranContactPlace)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Index of the central particle, the i of geometry and force.
+   */
+  int32_t i;
+  /*
+   Index of its neighbour, without the bits above `index_mask`.
+   */
+  int32_t j;
+  /*
+   Place of the neighbour in the row of the central particle.
+   */
+  size_t entry;
+} EllgranContactPlace;
 
 /*
  Geometry of a contact in stages.
@@ -788,6 +849,19 @@ typedef struct EllgranWallSurface {
    Velocity of the surface there; components up to 1e20.
    */
   double velocity[3];
+  /*
+   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+   alone.
+   */
+  double others_share;
+  /*
+   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+   */
+  double others_share_by_position[3];
+  /*
+   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+   */
+  double others_share_by_rotation[3];
 } EllgranWallSurface;
 
 /*
@@ -811,6 +885,38 @@ typedef struct EllgranStagedPast {
    */
   double normal[3];
 } EllgranStagedPast;
+
+/*
+ The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
+ INFINITY, where the bodies do not touch.
+ */
+typedef struct EllgranContactStiffness {
+  /*
+   `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Derivative of the normal force by the penetration, force/length.
+   */
+  double normal_stiffness;
+  /*
+   Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+   */
+  double tangential_stiffness[2];
+  /*
+   Of the normal dashpot while the bodies approach, force x time/length.
+   */
+  double normal_damping;
+  /*
+   Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+   */
+  double tangential_damping[2];
+  /*
+   The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
+   INFINITY for two fixed bodies.
+   */
+  double critical_step;
+} EllgranContactStiffness;
 
 /*
  Which triangle stands for a contact of an ellipsoid with a wall.
@@ -1069,6 +1175,16 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
                               const struct EllgranNeighbourList *list);
 
 /*
+ Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
+ that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
+ whatever `unchanged` says; those of the old list stay as the last writing left them.
+
+ # Safety
+ `workspace` is NULL or valid.
+ */
+int32_t ellgran_forget_history(struct EllgranWorkspace *workspace);
+
+/*
  A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
  environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
  set.
@@ -1138,6 +1254,41 @@ int32_t ellgran_compute_planes(const struct EllgranLaws *laws,
                                const struct EllgranStep *step,
                                double *wall_forces,
                                struct EllgranTallies *tallies);
+
+/*
+ Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
+ list if `record_contacts` of the list was 1, else 0, as after a call that failed; 0 for NULL.
+
+ # Safety
+ `workspace` is NULL or valid.
+ */
+size_t ellgran_recorded_count(const struct EllgranWorkspace *workspace);
+
+/*
+ A recorded contact, by its number from 0: where it stands in the list, its geometry, and the force that acted. They are in
+ the order of the central particles' indices and within these in that of their rows, whatever the instruction set. Each of
+ the three may be NULL.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_recorded_contact(const struct EllgranWorkspace *workspace,
+                                 size_t number,
+                                 struct EllgranContactPlace *place,
+                                 struct EllgranContactGeometry *geometry,
+                                 struct EllgranContactForce *force);
+
+/*
+ The number of the recorded contact of two particles, whichever of them is the central one; -1 if they do not touch or
+ nothing was recorded. Takes a time that grows as the logarithm of the number of contacts.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_recorded_find(const struct EllgranWorkspace *workspace,
+                              int32_t i,
+                              int32_t j,
+                              int64_t *number);
 
 /*
  Memory for the stages of a contact.
@@ -1287,6 +1438,55 @@ int32_t ellgran_staged_forces(const struct EllgranStagedContact *staged,
 const char *ellgran_last_error(void);
 
 /*
+ Stiffness of the contact of two ellipsoids at their present penetration, and its largest stable time step. Masses are those
+ of the bodies, moments of inertia those of solid ellipsoids; velocities are not read.
+
+ With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
+ relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue of
+ `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. Of what the rotation of the normal adds to `K`,
+ smaller by the penetration over the radius of curvature, nothing is in it. In a packing whose particles have at most n
+ contacts each, the smallest critical step over sqrt(n) is safe (each contact has a share 1/n of the masses: Irons'
+ theorem). The stiffness grows with the penetration: ask at the largest that is expected.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_contact_stiffness(const struct EllgranLaws *laws,
+                                  const struct EllgranBody *i,
+                                  const struct EllgranBody *j,
+                                  struct EllgranContactStiffness *stiffness);
+
+/*
+ How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
+ have here, apart or touching, at `speed` > 0 along the normal. For a central impact that is Hertz' time,
+ `2.9433 delta_max/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the linear law.
+ Damping makes a collision longer. INFINITY for two fixed bodies.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_collision_time(const struct EllgranLaws *laws,
+                               const struct EllgranBody *i,
+                               const struct EllgranBody *j,
+                               double speed,
+                               double *time);
+ Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+ that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+
+ Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
+ call: in velocity Verlet before or after the positions move, before the particles change their order. Of `particles` the
+ first `owned_count` velocities and rotations are read. Under `newton` of the list, the loads that the call left at
+ the ghosts must have been added to those of their owners before. `step` is that of the half step; where
+ `advance_history` is 0 nothing is added.
+
+ # Safety
+ The pointers are as `EllgranParticles` and `EllgranTallies` state.
+ */
+int32_t ellgran_tally_following_half_step(const struct EllgranParticles *particles,
+                                          const struct EllgranStep *step,
+                                          struct EllgranTallies *tallies);
+
+/*
  The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.
  */
 uint32_t ellgran_abi_version(void);
@@ -1358,7 +1558,9 @@ int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
 
 /*
  The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
- corner is taken as flat in Hertz' law, with the normal that the contact has there.
+ corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
+ their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
+ surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
 
  `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
  free.
@@ -1370,6 +1572,38 @@ int32_t ellgran_triangle_contacts(struct EllgranWallContacts *contacts,
                                   const struct EllgranBody *body,
                                   size_t count,
                                   const double *corners);
+
+/*
+ Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is
+ [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle along
+ which the gaps are measured. No law, no history; forces, torques, masses and types are not read, velocities are only
+ checked. One pair after the other, not in lanes.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_gaps(struct EllgranWorkspace *workspace,
+                          const struct EllgranParticles *particles,
+                          size_t pair_count,
+                          const int32_t *pairs,
+                          double *gaps,
+                          double *normals);
+
+/*
+ Elastic energies of the normal deformation of pairs of particles, 0 where they do not touch. `pairs` is [pair_count][2],
+ indices from 0; `energies` is [pair_count]. No history and no tangential energy; forces and torques are not read,
+ velocities are only checked. One pair after the other, not in lanes. On failure nothing is written, but for a contact at
+ which `factors hale` breaks: then the energies before it are.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_energies(const struct EllgranLaws *laws,
+                              struct EllgranWorkspace *workspace,
+                              const struct EllgranParticles *particles,
+                              size_t pair_count,
+                              const int32_t *pairs,
+                              double *energies);
 
 #ifdef __cplusplus
 }  // extern "C"

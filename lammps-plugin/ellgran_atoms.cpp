@@ -334,8 +334,11 @@ EllgranParticles EllgranAtoms::view() const
   return particles;
 }
 
-EllgranBody EllgranAtoms::body(int i, double contact_mass) const
+EllgranBody EllgranAtoms::body(int i, double contact_mass, const double *velocity,
+                               const double *angular_momentum) const
 {
+  if (!velocity) velocity = atom->v[i];
+  if (!angular_momentum) angular_momentum = atom->angmom[i];
   const Shapes found = shapes();
   const double *axes = semi_axes(found, i);
   if (!axes)
@@ -346,7 +349,7 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass) const
   EllgranBody body = ELLGRAN_INIT(EllgranBody);
   for (int k = 0; k < 3; k++) {
     body.position[k] = atom->x[i][k];
-    body.velocity[k] = atom->v[i][k];
+    body.velocity[k] = velocity[k];
     body.semi_axes[k] = axes[k];
   }
   for (int k = 0; k < 4; k++) body.quaternion[k] = quaternion[k];
@@ -361,6 +364,7 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass) const
                        fifth * (axes[0] * axes[0] + axes[2] * axes[2]),
                        fifth * (axes[0] * axes[0] + axes[1] * axes[1])};
   double to_world[4] = {quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
-  MathExtra::mq_to_omega(atom->angmom[i], to_world, moments, body.angular_velocity);
+  double momentum[3] = {angular_momentum[0], angular_momentum[1], angular_momentum[2]};
+  MathExtra::mq_to_omega(momentum, to_world, moments, body.angular_velocity);
   return body;
 }

@@ -57,8 +57,10 @@ class EllgranAtoms : protected Pointers {
   static constexpr int SHAPE_SIZE = 4;
 
   /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
-  /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom).
-  [[nodiscard]] EllgranBody body(int i, double contact_mass) const;
+  /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom). Velocity and
+  /// angular momentum are those given, or the atom's own of now for nullptr.
+  [[nodiscard]] EllgranBody body(int i, double contact_mass, const double *velocity = nullptr,
+                                 const double *angular_momentum = nullptr) const;
 
  private:
   struct Shapes {

@@ -39,7 +39,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
     time_then(0.0), time_step(update->dt), step_then(update->ntimestep),
     last_step(update->ntimestep), fix_step_velocity(nullptr), history_length(0), touching(nullptr), history(nullptr),
-    fix_rigid(nullptr), accumulated_work(0.0), output_here{}, output_all{}, summed(true)
+    fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0), work_of_walls(0.0),
+    power_of_walls(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -195,7 +196,7 @@ int FixWallGranEllipsoid::parse_motion(int iarg, int narg, char **arg)
 
 int FixWallGranEllipsoid::setmask()
 {
-  return POST_FORCE | MIN_POST_FORCE;
+  return POST_INTEGRATE | POST_FORCE | MIN_POST_FORCE;
 }
 
 void FixWallGranEllipsoid::init()
@@ -284,6 +285,20 @@ std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now(bool time_passes) con
   return planes;
 }
 
+/* Half of the work of a force is done with the velocity to which it has led. */
+
+void FixWallGranEllipsoid::post_integrate()
+{
+  work_of_walls += 0.5 * update->dt * power_of_walls;
+  if (!tallies.inelastic_loads) return;
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
+  step.time_step = update->dt;
+  step.advance_history = 1;
+  const EllgranParticles particles = atoms.view();
+  if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+}
+
 void FixWallGranEllipsoid::post_force(int)
 {
   std::fill_n(output_here, static_cast<int>(NUMBER_OF_OUTPUTS), 0.0);
@@ -295,8 +310,9 @@ void FixWallGranEllipsoid::post_force(int)
   follow_time(time_passes);
   const std::vector<EllgranPlane> planes = planes_now(time_passes);
   double wall_forces[6] = {};
-  EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
-  tallies.accumulated_work = accumulated_work;
+  inelastic_loads.resize(12 * static_cast<std::size_t>(atom->nlocal));
+  tallies.inelastic_loads = (atom->nlocal > 0) ? inelastic_loads.data() : nullptr;
+  tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
@@ -314,14 +330,27 @@ void FixWallGranEllipsoid::post_force(int)
       error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   }
 
-  accumulated_work = tallies.accumulated_work;
+  // Friction has dissipated the work of the tangential forces less what the contacts hold of it.
+  if (step.advance_history)
+    friction = tallies.tangential_work - tallies.tangential_elastic_energy;
+  else
+    tallies.tangential_work = friction + tallies.tangential_elastic_energy;
+
+  power_of_walls = 0.0;
+  for (std::size_t k = 0; k < walls.size(); k++)
+    for (int c = 0; c < 3; c++) power_of_walls -= wall_forces[3 * k + c] * planes[k].velocity[c];
+  if (step.advance_history) work_of_walls += 0.5 * step.time_step * power_of_walls;
+
   for (std::size_t k = 0; k < walls.size(); k++)
     for (int c = 0; c < 3; c++)
       output_here[(walls[k].slot == 0 ? FORCE_LO : FORCE_HI) + c] = wall_forces[3 * k + c];
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
-  output_here[DISSIPATED] = tallies.dissipated_energy;
+  output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
+  output_here[FRICTIONAL_DISSIPATION] = friction;
+  output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
   output_here[TOUCHING] = tallies.touching_count;
+  output_here[WORK_OF_WALLS] = work_of_walls;
 }
 
 void FixWallGranEllipsoid::find_contact_masses()
@@ -363,7 +392,7 @@ double FixWallGranEllipsoid::compute_vector(int k)
 double FixWallGranEllipsoid::memory_usage()
 {
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
-  bytes += static_cast<double>(contact_masses.capacity()) * sizeof(double);
+  bytes += static_cast<double>(contact_masses.capacity() + inelastic_loads.capacity()) * sizeof(double);
   if (history_length > 0)
     bytes += static_cast<double>(atom->nmax) * static_cast<double>(walls.size()) *
         (sizeof(int) + history_length * sizeof(double));
@@ -444,23 +473,27 @@ void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 
 void FixWallGranEllipsoid::write_restart(FILE *fp)
 {
-  double sum = 0.0;
-  MPI_Allreduce(&accumulated_work, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+  const double mine[3] = {tallies.viscous_dissipation, friction, work_of_walls};
+  double sums[3] = {0.0, 0.0, 0.0};
+  MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[2] = {sum, time_passed()};
+    const double values[4] = {sums[0], time_passed(), sums[1], sums[2]};
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
-    fwrite(values, sizeof(double), 2, fp);
+    fwrite(values, sizeof(double), 4, fp);
   }
 }
 
 void FixWallGranEllipsoid::restart(char *buffer)
 {
-  double values[2];
+  double values[4];
   std::memcpy(values, buffer, sizeof(values));
-  accumulated_work = (comm->me == 0) ? values[0] : 0.0;
   time_then = values[1];
   step_then = last_step = update->ntimestep;
+  if (comm->me != 0) return;
+  tallies.viscous_dissipation = values[0];
+  friction = values[2];
+  work_of_walls = values[3];
 }
 
 void FixWallGranEllipsoid::set_molecule(int, tagint, int, double *, double *, double *)

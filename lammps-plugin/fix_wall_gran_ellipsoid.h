@@ -29,6 +29,7 @@ class FixWallGranEllipsoid : public Fix {
   void init() override;
   void setup(int) override;
   void min_setup(int) override;
+  void post_integrate() override;
   void post_force(int) override;
   void min_post_force(int) override;
 
@@ -96,9 +97,15 @@ class FixWallGranEllipsoid : public Fix {
     TANGENTIAL_ELASTIC,
     DISSIPATED,
     TOUCHING,
+    VISCOUS_DISSIPATION,
+    FRICTIONAL_DISSIPATION,
+    WORK_OF_WALLS,
     NUMBER_OF_OUTPUTS
   };
-  double accumulated_work;
+  // Energies dissipated and work of the walls since the fix was made, this rank's share, and the loads that dissipate
+  EllgranTallies tallies;
+  std::vector<double> inelastic_loads;
+  double friction, work_of_walls, power_of_walls;
   double output_here[NUMBER_OF_OUTPUTS], output_all[NUMBER_OF_OUTPUTS];
   bool summed;
 

@@ -2,6 +2,7 @@
 
 #include "pair_gran_ellipsoid.h"
 
+#include "ellgran_half_step.h"
 #include "ellgran_history.h"
 #include "ellgran_refusals.h"
 #include "ellgran_step_velocity.h"
@@ -33,7 +34,17 @@ namespace {
 const char CALLER[] = "Pair gran/ellipsoid";
 
 // Extra values of `compute pair`, in the order of its vector.
-enum { NORMAL_ELASTIC, TANGENTIAL_ELASTIC, DISSIPATED, TOUCHING, NUMBER_OF_EXTRA };
+enum {
+  NORMAL_ELASTIC,
+  TANGENTIAL_ELASTIC,
+  DISSIPATED,
+  TOUCHING,
+  VISCOUS_DISSIPATION,
+  FRICTIONAL_DISSIPATION,
+  NUMBER_OF_EXTRA
+};
+
+constexpr int LOADS_PER_ATOM = 12;
 
 // Extra values of `compute pair/local`: p1 is the first. Keep README.md in step.
 enum {
@@ -70,6 +81,11 @@ std::string history_fix_id(int instance)
   return fmt::format("NEIGH_HISTORY_ELLGRAN_{}", instance);
 }
 
+std::string half_step_fix_id(const std::string &id)
+{
+  return "HALF_STEP_" + id;
+}
+
 // The fix is called `id` while it keeps the place, and `id`_LENGTH when it keeps history.
 bool history_fix_exists(Modify *modify, const std::string &id)
 {
@@ -88,9 +104,9 @@ double length(const double *v)
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
-    shapes_may_change(false), shapes_in_message(false), fix_rigid(nullptr),
-    freeze_group_bit(0), contact_mass_differs(false), accumulated_work(0.0), work_wanted(false),
-    deep_told(0)
+    shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
+    freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
   single_enable = 1;
   single_extra = NUMBER_OF_SINGLE;
@@ -106,6 +122,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
   centroidstressflag = CENTROID_NOTAVAIL;
   finitecutflag = 1;
   comm_forward = EllgranAtoms::SHAPE_SIZE;    // shapes, or masses of rigid bodies
+  comm_reverse = LOADS_PER_ATOM;
   nondefault_history_transfer = 1;
 
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
@@ -134,6 +151,8 @@ PairGranEllipsoid::~PairGranEllipsoid()
   if (modify->get_fix_by_id(id_history)) modify->delete_fix(id_history);
   if (fix_step_velocity && modify->get_fix_by_id(id_step_velocity))
     modify->delete_fix(id_step_velocity);
+  if (fix_half_step && modify->get_fix_by_id(half_step_fix_id(id_placeholder)))
+    modify->delete_fix(half_step_fix_id(id_placeholder));
 
   ellgran_laws_free(laws);
   ellgran_workspace_free(workspace);
@@ -161,8 +180,13 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   }
   refresh_contact_masses();
   std::fill_n(pvector, nextra, 0.0);
+  reserve_loads();
+  tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
   // A processor without atoms still takes part in the messages of others.
   if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
+  follow_dissipation();
+  // What acts on a ghost acts on its owner.
+  if (work_wanted && force->newton_pair) comm->reverse_comm(this);
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
 }
 
@@ -183,7 +207,9 @@ EllgranNeighbourList PairGranEllipsoid::view_list() const
   neighbours.unchanged = (neighbor->ago > 0) ? 1 : 0;
   // In a run the fix that owns the arrays asks for what they miss before it reads them, and before the
   // list is built anew. Elsewhere (set-up, minimisation, rerun) a new list may come unannounced.
-  neighbours.keep_history = (fix_history && update->setupflag == 0 && update->whichflag == 1) ? 1 : 0;
+  // What records the histories before each evaluation reads them in each step.
+  neighbours.keep_history =
+      (fix_history && !evaluation_wanted && update->setupflag == 0 && update->whichflag == 1) ? 1 : 0;
   return neighbours;
 }
 
@@ -202,33 +228,126 @@ void PairGranEllipsoid::add_forces()
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
-  // LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
-  // not pass then. Nor does it in a minimisation.
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
-  step.advance_history = (update->setupflag == 0 && update->whichflag != 2) ? 1 : 0;
+  step.advance_history = time_passes() ? 1 : 0;
+
+  evaluation.count = -1;
+  if (evaluation_wanted) record_evaluation(particles, neighbours, step);
 
   const bool tally = evflag || work_wanted;
-  EllgranTallies tallies = ELLGRAN_INIT(EllgranTallies);
   tallies.particle_energies = eflag_atom ? eatom : nullptr;
   tallies.particle_virials = vflag_atom ? vatom[0] : nullptr;
-  tallies.accumulated_work = accumulated_work;
+  tallies.inelastic_loads = work_wanted ? inelastic_loads.data() : nullptr;
+  const double viscous = tallies.viscous_dissipation;
 
   if (ellgran_compute_pairs(laws, workspace, &particles, &neighbours, &step,
                             tally ? &tallies : nullptr) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   if (!tally) return;
 
-  accumulated_work = tallies.accumulated_work;
-  if (eflag_global) {
-    eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
-    pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
-    pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
-    pvector[DISSIPATED] = tallies.dissipated_energy;
-    pvector[TOUCHING] = tallies.touching_count;
-  }
+  // Nobody asked for what is dissipated: the sums stand still.
+  if (!work_wanted) tallies.viscous_dissipation = viscous;
+  if (eflag_global) eng_vdwl += tallies.normal_elastic_energy + tallies.tangential_elastic_energy;
   if (vflag_global)
     for (int k = 0; k < 6; k++) virial[k] += tallies.virial[k];
+}
+
+/* Friction has dissipated the work of the tangential forces less what the contacts hold of it. Where no time passes
+   - when a run starts, perhaps with other laws or after steps that nobody followed - nothing is dissipated. */
+
+void PairGranEllipsoid::follow_dissipation()
+{
+  if (work_wanted && time_passes())
+    friction = tallies.tangential_work - tallies.tangential_elastic_energy;
+  else
+    tallies.tangential_work = friction + tallies.tangential_elastic_energy;
+  if (!eflag_global) return;
+  pvector[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
+  pvector[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
+  pvector[DISSIPATED] = tallies.viscous_dissipation + friction;
+  pvector[TOUCHING] = tallies.touching_count;
+  pvector[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
+  pvector[FRICTIONAL_DISSIPATION] = friction;
+}
+
+/* LAMMPS computes forces anew when a run starts, from the state that the last run left: time does
+   not pass then. Nor does it in a minimisation. */
+
+bool PairGranEllipsoid::time_passes() const
+{
+  return update->setupflag == 0 && update->whichflag != 2;
+}
+
+void PairGranEllipsoid::place_half_step_fix()
+{
+  if (!work_wanted || modify->get_fix_by_id(half_step_fix_id(id_placeholder))) return;
+  fix_half_step = add_half_step(modify, half_step_fix_id(id_placeholder));
+  fix_half_step->after_half_step = [this] { add_following_half_step(); };
+}
+
+/* Before the first evaluation of a run there are no loads, as on a rank without atoms. */
+
+void PairGranEllipsoid::reserve_loads()
+{
+  tallies.inelastic_loads = nullptr;
+  if (!work_wanted) return;
+  inelastic_loads.assign(static_cast<std::size_t>(atom->nlocal + atom->nghost) * LOADS_PER_ATOM, 0.0);
+}
+
+/* Half of the work of a force is done with the velocity to which it has led. */
+
+void PairGranEllipsoid::add_following_half_step()
+{
+  if (!work_wanted || !tallies.inelastic_loads) return;
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
+  step.time_step = update->dt;
+  step.advance_history = 1;
+  const EllgranParticles particles = atoms.view();
+  if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
+int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
+{
+  std::copy_n(inelastic_loads.data() + static_cast<std::size_t>(first) * LOADS_PER_ATOM,
+              n * LOADS_PER_ATOM, buffer);
+  return n * LOADS_PER_ATOM;
+}
+
+void PairGranEllipsoid::unpack_reverse_comm(int n, int *indices, double *buffer)
+{
+  for (int k = 0; k < n; k++) {
+    double *loads = &inelastic_loads[static_cast<std::size_t>(indices[k]) * LOADS_PER_ATOM];
+    for (int c = 0; c < LOADS_PER_ATOM; c++) loads[c] += buffer[k * LOADS_PER_ATOM + c];
+  }
+}
+
+void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
+                                          const EllgranNeighbourList &neighbours,
+                                          const EllgranStep &step)
+{
+  Evaluation &e = evaluation;
+  e.step = step;
+  e.count = atom->nlocal + atom->nghost;
+  e.velocities.clear();
+  e.angular_momenta.clear();
+  if (e.count > 0) {
+    e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
+    e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
+  }
+  e.rows.assign(e.count, -1);
+  e.touching.clear();
+  e.history.clear();
+  if (!fix_history) return;
+  for (std::size_t k = 0; k < neighbours.count; k++) {
+    const int i = neighbours.central[k], n = neighbours.neighbour_counts[i];
+    if (n == 0) continue;
+    e.rows[i] = static_cast<int>(e.touching.size());
+    e.touching.insert(e.touching.end(), neighbours.touching[i], neighbours.touching[i] + n);
+    e.history.insert(e.history.end(), neighbours.history[i],
+                     neighbours.history[i] + n * history_length);
+  }
 }
 
 void PairGranEllipsoid::allocate()
@@ -317,6 +436,8 @@ void PairGranEllipsoid::init_style()
 
   gather_work();
   work_wanted = !modify->get_compute_by_style("^pair$").empty();
+  evaluation_wanted = !modify->get_compute_by_style("^pair/local$").empty();
+  evaluation.count = -1;
 
   find_largest_semi_axes();
   find_mass_sources();
@@ -324,6 +445,7 @@ void PairGranEllipsoid::init_style()
   refuse_what_cannot_work();
   place_history_fix();
   place_step_velocity_fix();
+  place_half_step_fix();
 
   // Only `atom_style ellipsoid superellipsoid` has a per-atom radius that encloses the shape; else
   // the list is cut at the largest semi-axes of the two types. A list cut by radius marks in its
@@ -614,9 +736,12 @@ void PairGranEllipsoid::transfer_history(double *source, double *target, int, in
 
 void PairGranEllipsoid::gather_work()
 {
-  double sum = 0.0;
-  MPI_Allreduce(&accumulated_work, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
-  accumulated_work = (comm->me == 0) ? sum : 0.0;
+  const double mine[2] = {tallies.viscous_dissipation, friction};
+  double sums[2] = {0.0, 0.0};
+  MPI_Allreduce(mine, sums, 2, MPI_DOUBLE, MPI_SUM, world);
+  tallies.viscous_dissipation = (comm->me == 0) ? sums[0] : 0.0;
+  friction = (comm->me == 0) ? sums[1] : 0.0;
+  tallies.tangential_work = friction + tallies.tangential_elastic_energy;
 }
 
 void PairGranEllipsoid::finish()
@@ -669,20 +794,20 @@ void PairGranEllipsoid::write_restart_settings(FILE *fp)
   const int head[3] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
                        static_cast<int>(sizeof(EllgranLawParameters))};
   fwrite(head, sizeof(int), 3, fp);
-  const double values[2] = {cutoff_global, accumulated_work};
-  fwrite(values, sizeof(double), 2, fp);
+  const double values[3] = {cutoff_global, tallies.viscous_dissipation, friction};
+  fwrite(values, sizeof(double), 3, fp);
 }
 
 void PairGranEllipsoid::read_restart_settings(FILE *fp)
 {
   int head[3] = {0, 0, 0};
-  double values[2] = {-1.0, 0.0};
+  double values[3] = {-1.0, 0.0, 0.0};
   if (comm->me == 0) {
     utils::sfread(FLERR, head, sizeof(int), 3, fp, nullptr, error);
-    utils::sfread(FLERR, values, sizeof(double), 2, fp, nullptr, error);
+    utils::sfread(FLERR, values, sizeof(double), 3, fp, nullptr, error);
   }
   MPI_Bcast(head, 3, MPI_INT, 0, world);
-  MPI_Bcast(values, 2, MPI_DOUBLE, 0, world);
+  MPI_Bcast(values, 3, MPI_DOUBLE, 0, world);
   if (head[0] != RESTART_MARK || head[1] != static_cast<int>(ELLGRAN_ABI_VERSION) ||
       head[2] != static_cast<int>(sizeof(EllgranLawParameters)))
     error->all(FLERR,
@@ -690,10 +815,12 @@ void PairGranEllipsoid::read_restart_settings(FILE *fp)
                "read it with the version that wrote it and use write_data",
                CALLER, head[1], static_cast<int>(ELLGRAN_ABI_VERSION));
   cutoff_global = values[0];
-  accumulated_work = (comm->me == 0) ? values[1] : 0.0;
+  tallies.viscous_dissipation = (comm->me == 0) ? values[1] : 0.0;
+  friction = (comm->me == 0) ? values[2] : 0.0;
 }
 
-/* Copies the history of the pair into `scratch`; zeros if the list does not hold the pair. */
+/* Copies into `scratch` the history of the pair before the last evaluation, or as it is now if that was not
+   recorded; zeros if the list does not hold the pair. */
 
 void PairGranEllipsoid::copy_history(int i, int j, int *touching)
 {
@@ -712,14 +839,23 @@ void PairGranEllipsoid::copy_history(int i, int j, int *touching)
     }
     return -1;
   };
+  const bool recorded = evaluation.count == atom->nlocal + atom->nghost;
+  const auto flag = [&](int central, int k) {
+    return recorded ? &evaluation.touching[evaluation.rows[central] + k]
+                    : &fix_history->firstflag[central][k];
+  };
+  const auto values = [&](int central, int k) {
+    return recorded
+        ? &evaluation.history[static_cast<std::size_t>(evaluation.rows[central] + k) * history_length]
+        : &fix_history->firstvalue[central][k * history_length];
+  };
   int k = find(i, j);
   if (k >= 0) {
-    *touching = fix_history->firstflag[i][k];
-    std::copy_n(&fix_history->firstvalue[i][k * history_length], history_length, scratch.begin());
+    *touching = *flag(i, k);
+    std::copy_n(values(i, k), history_length, scratch.begin());
   } else if ((k = find(j, i)) >= 0) {
-    *touching = fix_history->firstflag[j][k];
-    transfer_history(&fix_history->firstvalue[j][k * history_length], scratch.data(),
-                     atom->type[j], atom->type[i]);
+    *touching = *flag(j, k);
+    transfer_history(values(j, k), scratch.data(), atom->type[j], atom->type[i]);
   }
 }
 
@@ -731,15 +867,22 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   if (factor_lj == 0.0) return 0.0;
   if (!laws) error->one(FLERR, "{}: no forces yet: 'run 0' first", CALLER);
 
-  const EllgranBody body_i = atoms.body(i, contact_mass(i));
-  const EllgranBody body_j = atoms.body(j, contact_mass(j));
+  // The force that acted: computed once more from what it was computed from.
+  const bool recorded = evaluation.count == atom->nlocal + atom->nghost;
+  const auto body = [&](int k) {
+    return recorded ? atoms.body(k, contact_mass(k), &evaluation.velocities[3 * k],
+                                 &evaluation.angular_momenta[3 * k])
+                    : atoms.body(k, contact_mass(k));
+  };
+  const EllgranBody body_i = body(i), body_j = body(j);
   int touching = 0;
-  write_history();
+  if (!recorded) write_history();
   copy_history(i, j, &touching);
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 0;
+  if (recorded) step = evaluation.step;
   EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
   EllgranContactForce contact = ELLGRAN_INIT(EllgranContactForce);
   const bool remembers = history_length > 0;
@@ -777,7 +920,8 @@ void *PairGranEllipsoid::extract(const char *name, int &dimension)
 {
   dimension = 0;
   if (std::strcmp(name, "history_length") == 0) return &history_length;
-  if (std::strcmp(name, "accumulated_work") == 0) return &accumulated_work;
+  if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;
+  if (std::strcmp(name, "frictional_dissipation") == 0) return &friction;
   return nullptr;
 }
 
@@ -785,6 +929,11 @@ double PairGranEllipsoid::memory_usage()
 {
   double bytes = Pair::memory_usage();
   bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
+  bytes += static_cast<double>(inelastic_loads.capacity()) * sizeof(double);
+  const Evaluation &e = evaluation;
+  bytes += static_cast<double>(e.velocities.capacity() + e.angular_momenta.capacity() +
+                               e.history.capacity()) * sizeof(double);
+  bytes += static_cast<double>(e.rows.capacity() + e.touching.capacity()) * sizeof(int);
   bytes += static_cast<double>(ellgran_workspace_bytes(workspace));
   bytes += static_cast<double>(parameters.capacity()) * sizeof(EllgranLawParameters);
   return bytes;

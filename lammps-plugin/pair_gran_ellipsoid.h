@@ -42,6 +42,8 @@ class PairGranEllipsoid : public Pair {
 
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
   void transfer_history(double *, double *, int, int) override;
   double memory_usage() override;
 
@@ -72,6 +74,19 @@ class PairGranEllipsoid : public Pair {
   bool shapes_may_change;
   bool shapes_in_message;    // what the next forward communication carries: shapes, else masses of bodies
 
+  // What the forces of the last evaluation were computed from and is gone when single() shows them: velocities
+  // (LAMMPS has them of the half step then, and moves them on), and the histories before
+  struct Evaluation {
+    EllgranStep step = ELLGRAN_INIT(EllgranStep);
+    int count = -1;    // atoms, ghosts included; -1: nothing recorded
+    std::vector<double> velocities, angular_momenta;
+    std::vector<int> rows;    // of each atom: place of its first neighbour, -1 for none
+    std::vector<int> touching;
+    std::vector<double> history;
+  };
+  Evaluation evaluation;
+  bool evaluation_wanted;
+
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;
 
@@ -82,8 +97,11 @@ class PairGranEllipsoid : public Pair {
   std::vector<double> body_mass;        // of the rigid body an atom is in, 0 if none
   std::vector<double> contact_masses;
 
-  // Energy that contacts have taken up since the first run, this rank's share
-  double accumulated_work;
+  // Energy that contacts have dissipated since the first run, this rank's share, and the loads that do so
+  EllgranTallies tallies;
+  double friction;
+  std::vector<double> inelastic_loads;
+  class FixEllgranHalfStep *fix_half_step;
   bool work_wanted;
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
@@ -105,6 +123,13 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] double contact_mass(int i) const;
   void require_allowed_sizes() const;
   void gather_work();
+  void follow_dissipation();
+  [[nodiscard]] bool time_passes() const;
+  void place_half_step_fix();
+  void reserve_loads();
+  void add_following_half_step();
+  void record_evaluation(const EllgranParticles &particles,
+                         const EllgranNeighbourList &neighbours, const EllgranStep &step);
   void copy_history(int i, int j, int *touching);
 };
 

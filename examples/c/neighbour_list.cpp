@@ -194,6 +194,7 @@ int main()
   list.touching = touching_rows.data();
   list.history = history_rows.data();
   list.newton = 1;
+  list.record_contacts = 1;
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = 1e-3;
@@ -226,12 +227,24 @@ int main()
     apart = std::fmax(apart, std::fmax(difference(p.forces, forces), difference(p.torques, torques)));
   }
 
+  // The contacts of the last step one by one: their energies are those of the tallies.
+  EllgranContactForce contact = ELLGRAN_INIT(EllgranContactForce);
+  double energy = 0;
+  for (std::size_t k = 0; k < ellgran_recorded_count(workspace.get()); ++k) {
+    check(ellgran_recorded_contact(workspace.get(), k, nullptr, nullptr, &contact));
+    energy += contact.elastic_energy;
+  }
+
   std::printf("pairs listed:   %lld\n", static_cast<long long>(tallies.pair_count));
   std::printf("contacts:       %.0f\n", tallies.touching_count);
   std::printf("elastic energy: %.4g\n", tallies.normal_elastic_energy + tallies.tangential_elastic_energy);
   std::printf("largest force:  %.4g\n", largest(p.forces));
   if (!(apart <= 1e-12)) {
     std::fprintf(stderr, "wrong: the two ways differ by %g of the largest force or torque\n", apart);
+    return EXIT_FAILURE;
+  }
+  if (!(std::fabs(energy - tallies.normal_elastic_energy) <= 1e-12 * energy)) {
+    std::fprintf(stderr, "wrong: the recorded contacts hold an energy of %g\n", energy);
     return EXIT_FAILURE;
   }
   std::printf("the neighbour list and single contacts agree\n");

@@ -34,8 +34,10 @@ using LIGGGHTS::ContactModels::SurfacesIntersectData;
 namespace {
 
 const int POINT = 1, NORMAL = 4, HISTORY = 7;
-// the most wall contacts that one particle can have at a time
+// the most wall contacts that are remembered of one particle at a time
 const int MOST_CONTACTS = 8;
+// mark of a remembered contact that one of the new ones goes on from
+const double TAKEN = -1.0;
 // 'contact_area constant' among the modes of fix wall/gran
 const int CONTACT_AREA_CONSTANT = 1;
 
@@ -53,7 +55,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     found_(NULL),
     crowded_(0),
     crowd_said_(false),
-    row_(0)
+    row_(0),
+    own_wall_(0)
 {
   check(ellgran_wall_contacts_new(&found_));
   if (!impl->contact_match("surface", "ellipsoid"))
@@ -162,7 +165,7 @@ void FixWallGranEllipsoid::load(int particle)
 
 void FixWallGranEllipsoid::store(int particle)
 {
-  const int length = now_.size();
+  const int length = before_.size();
   for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
     vectorCopyN(&now_[from], storage_[piece]->array_atom[particle], std::min<int>(MOST_VALUES, length - from));
 }
@@ -178,6 +181,24 @@ void FixWallGranEllipsoid::init()
 {
   FixWallGran::init();
   find_storage();
+  find_walls();
+}
+
+void FixWallGranEllipsoid::find_walls()
+{
+  walls_.clear();
+  for (int f = 0; f < modify->nfix; f++) {
+    if (!is(modify->fix[f]->style, style)) continue;
+    FixWallGranEllipsoid *const wall = static_cast<FixWallGranEllipsoid *>(modify->fix[f]);
+    if (wall->kind_ != MESH) continue;
+    if (wall == this) own_wall_ = walls_.size();
+    walls_.push_back(wall);
+  }
+}
+
+bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
+{
+  return contact.surface.others_share == 0.0;
 }
 
 void FixWallGranEllipsoid::setup(int vflag)
@@ -243,12 +264,14 @@ double FixWallGranEllipsoid::depth(const EllgranBody &particle, const EllgranWal
 
 void FixWallGranEllipsoid::keep_deepest(int particle, std::vector<Contact> &contacts)
 {
-  if (int(contacts.size()) <= slots()) return;
+  // Of faces that share a contact any number act; those beyond the room for what is remembered find it with the others.
+  const std::vector<Contact>::iterator shared = std::stable_partition(contacts.begin(), contacts.end(), acts_alone);
+  if (shared - contacts.begin() <= slots()) return;
   crowded_ = atom->tag[particle];
   const EllgranBody grain = body(particle);
   for (size_t c = 0; c < contacts.size(); c++) contacts[c].depth = depth(grain, contacts[c].surface);
-  std::stable_sort(contacts.begin(), contacts.end(), deeper);
-  contacts.resize(slots());
+  std::stable_sort(contacts.begin(), shared, deeper);
+  contacts.erase(contacts.begin() + slots(), shared);
 }
 
 // LIGGGHTS stores the force of the first contact with a primitive wall or a triangle: this is that of a further one, as a needle has
@@ -263,7 +286,8 @@ void FixWallGranEllipsoid::store_again(int particle, int place, const double *fo
 }
 
 // All contacts of a particle with the wall. Each finds what is remembered of it by where it was a step ago: a contact moves
-// from triangle to triangle, but it does not jump.
+// from triangle to triangle, but it does not jump. Faces that share a contact may find the same: what is remembered belongs
+// to the contact as a whole, of which each face takes its share, so that friction goes on from one face to the next.
 void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
 {
   const int length = slot_length();
@@ -271,6 +295,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
   const int count = contacts.size();
   const double *const x = atom->x[particle];
   load(particle);
+  if (now_.size() < size_t(count) * length) now_.resize(count * length);
   std::fill(now_.begin(), now_.end(), 0.0);
   const bool stores = store_force_contact_ && update->ntimestep % store_force_contact_every_ == 0;
   EllgranContact *const model = EllgranContact::of(this);
@@ -283,6 +308,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     for (int s = 0; s < slots(); s++) {
       const double *const slot = &before_[s * length];
       if (slot[0] == 0.0) continue;
+      if (slot[0] == TAKEN && acts_alone(contact)) continue;
       if (vectorDot3D(&slot[NORMAL], contact.surface.normal) < 0.5) continue;
       double way[3];
       vectorSubtract3D(&slot[POINT], point, way);
@@ -295,7 +321,7 @@ void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
     double *const slot = &now_[c * length];
     if (best >= 0) {
       vectorCopyN(&before_[best * length], slot, length);
-      before_[best * length] = 0.0;
+      before_[best * length] = TAKEN;
     }
     slot[0] = 1.0;
     vectorCopy3D(point, &slot[POINT]);
@@ -398,27 +424,37 @@ bool FixWallGranEllipsoid::counts_contacts() const
   return computeflag_ && cwl_;
 }
 
+// Triangles near each particle, of all meshes of all walls together: meshes that meet are one surface, whose contacts each wall
+// finds alike and of which it acts by those on its own triangles.
+void FixWallGranEllipsoid::gather_near()
+{
+  const int nlocal = atom->nlocal;
+  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
+  for (int i = 0; i < nlocal; i++) near_[i].clear();
+  for (size_t w = 0; w < walls_.size(); w++) {
+    FixWallGranEllipsoid *const wall = walls_[w];
+    for (int m = 0; m < wall->n_FixMesh_; m++) {
+      TriMesh *const mesh = wall->FixMesh_list_[m]->triMesh();
+      FixNeighlistMesh *const list = wall->FixMesh_list_[m]->meshNeighlist();
+      const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
+      for (int t = 0; t < triangles; t++) {
+        const std::vector<int> &particles = list->get_contact_list(t);
+        if (particles.empty()) continue;
+        const Near triangle = {int(w), m, mesh->id(t), t};
+        for (size_t k = 0; k < particles.size(); k++)
+          if (particles[k] < nlocal && wall->in_group(particles[k])) near_[particles[k]].push_back(triangle);
+      }
+    }
+  }
+}
+
 void FixWallGranEllipsoid::post_force_mesh(int)
 {
   const int nlocal = atom->nlocal;
   row_ = 0;
   if (counts_contacts())
     for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->markAllContacts();
-  // triangles near each particle, of all meshes together: meshes that meet at an edge are one surface
-  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
-  for (int i = 0; i < nlocal; i++) near_[i].clear();
-  for (int m = 0; m < n_FixMesh_; m++) {
-    TriMesh *const mesh = FixMesh_list_[m]->triMesh();
-    FixNeighlistMesh *const list = FixMesh_list_[m]->meshNeighlist();
-    const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
-    for (int t = 0; t < triangles; t++) {
-      const std::vector<int> &particles = list->get_contact_list(t);
-      if (particles.empty()) continue;
-      const Near triangle = {m, mesh->id(t), t};
-      for (size_t k = 0; k < particles.size(); k++)
-        if (particles[k] < nlocal) near_[particles[k]].push_back(triangle);
-    }
-  }
+  gather_near();
   std::vector<double> corners;
   std::vector<Contact> contacts;
   for (int i = 0; i < nlocal; i++) {
@@ -430,7 +466,7 @@ void FixWallGranEllipsoid::post_force_mesh(int)
       std::sort(near.begin(), near.end());
       corners.resize(9 * near.size());
       for (size_t k = 0; k < near.size(); k++) {
-        TriMesh *const mesh = FixMesh_list_[near[k].mesh]->triMesh();
+        TriMesh *const mesh = walls_[near[k].wall]->FixMesh_list_[near[k].mesh]->triMesh();
         for (int node = 0; node < 3; node++) mesh->node(near[k].place, node, &corners[9 * k + 3 * node]);
       }
       const EllgranBody particle = body(i);
@@ -440,6 +476,7 @@ void FixWallGranEllipsoid::post_force_mesh(int)
         Contact contact;
         contact.surface = ELLGRAN_INIT(EllgranWallSurface);
         check(ellgran_wall_contacts_get(found_, c, &found, &contact.surface));
+        if (near[found.triangle].wall != own_wall_) continue;
         contact.mesh = near[found.triangle].mesh;
         contact.triangle = near[found.triangle].place;
         MultiVectorContainer<double, 3, 3> *const velocities =

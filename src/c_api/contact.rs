@@ -97,9 +97,14 @@ pub struct EllgranContactForce {
     pub elastic_energy: f64,
     /// Elastic energy of the tangential deformation.
     pub tangential_energy: f64,
-    /// Power of the viscous part of the normal force, > 0 when it dissipates.
+    /// What of the force on j the viscous terms make, normal and tangential, world frame.
+    pub viscous_force: [f64; 3],
+    /// What of the tangential force on j is not viscous: the tangential displacement's, up to Coulomb's limit, world frame.
+    pub frictional_force: [f64; 3],
+    /// Power that the viscous force takes up, >= 0, with the velocities given.
     pub viscous_power: f64,
-    /// Power put into the contact by the tangential force.
+    /// Power that the rest of the tangential force takes up, with the velocities given: stored in the tangential
+    /// displacement, or dissipated by friction.
     pub tangential_power: f64,
     /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law.
     pub contact_semi_axes: [f64; 2],
@@ -241,6 +246,8 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
         penetration_rate: f.rate,
         elastic_energy: f.elastic_energy,
         tangential_energy: f.tangential_energy,
+        viscous_force: f.viscous_force.to_array(),
+        frictional_force: f.frictional_force.to_array(),
         viscous_power: f.viscous_power,
         tangential_power: f.tangential_power,
         contact_semi_axes,
@@ -275,6 +282,8 @@ fn no_force() -> EllgranContactForce {
         penetration_rate: 0.0,
         elastic_energy: 0.0,
         tangential_energy: 0.0,
+        viscous_force: [0.0; 3],
+        frictional_force: [0.0; 3],
         viscous_power: 0.0,
         tangential_power: 0.0,
         contact_semi_axes: [0.0; 2],

@@ -245,3 +245,85 @@ impl<T: Growing> Output<'_, T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::mem::offset_of;
+
+    /// What an older header has of [`Now`].
+    #[repr(C)]
+    #[derive(Clone, Copy)]
+    struct Before {
+        size: size_t,
+        length: f64,
+    }
+
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Now {
+        size: size_t,
+        length: f64,
+        added: f64,
+    }
+
+    // SAFETY: the size is first; numbers alone, without padding.
+    unsafe impl Growing for Now {
+        const NAME: &'static str = "Now";
+        const FIRST_SIZE: usize = offset_of!(Now, added);
+    }
+
+    const OLDER: Before = Before {
+        size: size_of::<Before>(),
+        length: 3.0,
+    };
+
+    #[test]
+    fn an_older_struct_lacks_what_was_added() {
+        // SAFETY: as long as its size says.
+        let read = unsafe { given(core::ptr::from_ref(&OLDER).cast::<Now>(), "x") };
+        let read = read.ok().expect("an older struct");
+        assert_eq!((read.length, read.added), (3.0, 0.0));
+    }
+
+    #[test]
+    fn an_older_struct_is_written_as_far_as_it_goes() {
+        let mut two = [OLDER; 2];
+        // SAFETY: as long as its size says.
+        let output = unsafe { Output::new(two.as_mut_ptr().cast::<Now>(), "x") };
+        output.ok().expect("an older struct").write(&Now {
+            size: 0,
+            length: 5.0,
+            added: 7.0,
+        });
+        assert_eq!((two[0].size, two[0].length), (OLDER.size, 5.0));
+        assert_eq!((two[1].size, two[1].length), (OLDER.size, 3.0));
+    }
+
+    #[test]
+    fn older_structs_in_an_array_are_as_far_apart_as_they_say() {
+        let two = [
+            OLDER,
+            Before {
+                length: 4.0,
+                ..OLDER
+            },
+        ];
+        // SAFETY: two of them, as long as the first says.
+        let array = unsafe { GivenArray::new(two.as_ptr().cast::<Now>(), 2, "x") };
+        let array = array.ok().expect("an array");
+        let second = array.get(1).ok().expect("the second");
+        assert_eq!((second.length, second.added), (4.0, 0.0));
+    }
+
+    #[test]
+    fn a_size_between_two_versions_is_none() {
+        let odd = Now {
+            size: size_of::<Before>() + 1,
+            length: 1.0,
+            added: 0.0,
+        };
+        // SAFETY: longer than its size says.
+        assert!(unsafe { given(&odd, "x") }.is_err());
+    }
+}

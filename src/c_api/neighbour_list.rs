@@ -11,7 +11,7 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
-use super::tallies::{borrow, Asked, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::pairs::neighbour_list::{Accumulators, Entries};
 use crate::pairs::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
 use libc::size_t;
@@ -67,6 +67,8 @@ pub struct EllgranNeighbourList {
     /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
     /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
     pub keep_history: i32,
+    /// 1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+    pub record_contacts: i32,
     /// One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
     /// NULL if the history length is 0.
     pub touching: *const *mut i32,
@@ -266,6 +268,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             )
         };
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        kept.workspace.contacts.clear();
         let p = &*unsafe { given(particles, "particles") }?;
         let list = &*unsafe { given(list, "list") }?;
         let step = unsafe { given(step, "step") }?.to_core()?;
@@ -285,7 +288,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
                 "the list may have changed (unchanged = 0), but the history that the workspace keeps of the last list was \
-                 not written: call ellgran_write_history before the list changes",
+                 not written: call ellgran_write_history before the list changes, or ellgran_forget_history to lose it",
             ));
         }
         let central = unsafe { slice(list.central, list.count, "central") }?;
@@ -387,6 +390,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         *is_computing = false;
         prepared?;
         workspace.keeps_history = list.keep_history != 0;
+        workspace.records_contacts = list.record_contacts != 0;
         let entries = Entries {
             mask: list.index_mask,
             shift,
@@ -415,7 +419,10 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         *is_computing = false;
         workspace.deep_contacts += computed.map_err(|e| list_failure(p, list, e))?;
         *last_list = Some(look);
-        if let (Some(asked), Some(sums)) = (&mut asked, sums) {
+        if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
+            let count = accumulators.reaction_below;
+            // SAFETY: promised by the caller.
+            unsafe { add_preceding_half_step(&mut sums, p, count, &step) }?;
             asked.write(&sums);
         }
         Ok(())
@@ -470,6 +477,23 @@ pub unsafe extern "C" fn ellgran_write_history(
             }
         }
         workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
+        Ok(())
+    })
+}
+
+/// Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
+/// that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
+/// whatever `unchanged` says; those of the old list stay as the last writing left them.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_forget_history(workspace: *mut EllgranWorkspace) -> i32 {
+    at_border("ellgran_forget_history", || {
+        // SAFETY: promised by the caller.
+        let kept = unsafe { required_mut(workspace, "workspace") }?;
+        kept.workspace.forget_list();
+        kept.last_list = None;
         Ok(())
     })
 }

@@ -304,17 +304,7 @@ pub(super) unsafe fn prepare(
                 Some(indices) => usize::try_from(indices[k]).ok()?,
             };
             // SAFETY: the caller promises an entry for every index that it names.
-            unsafe {
-                let semi_axes = p
-                    .semi_axes
-                    .byte_add(entry * p.semi_axes_stride)
-                    .cast::<[f64; 3]>();
-                let quaternion = p
-                    .quaternions
-                    .byte_add(entry * p.quaternions_stride)
-                    .cast::<[f64; 4]>();
-                Some((semi_axes.read_unaligned(), quaternion.read_unaligned()))
-            }
+            Some(unsafe { shape_entry(p, entry) })
         },
         identifier: |k: usize| identifier(p, k),
     };
@@ -325,6 +315,41 @@ pub(super) unsafe fn prepare(
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }
     .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+}
+
+/// Semi-axes and quaternion of an entry.
+///
+/// # Safety
+/// There is such an entry.
+unsafe fn shape_entry(p: &EllgranParticles, entry: usize) -> ([f64; 3], [f64; 4]) {
+    // SAFETY: promised by the caller.
+    unsafe {
+        let semi_axes = p
+            .semi_axes
+            .byte_add(entry * p.semi_axes_stride)
+            .cast::<[f64; 3]>();
+        let quaternion = p
+            .quaternions
+            .byte_add(entry * p.quaternions_stride)
+            .cast::<[f64; 4]>();
+        (semi_axes.read_unaligned(), quaternion.read_unaligned())
+    }
+}
+
+/// Semi-axes and quaternion of particle `k`, if it is an ellipsoid.
+///
+/// # Safety
+/// The arrays of `p` are as [`EllgranParticles`] states, and `k` is one of its particles.
+pub(super) unsafe fn shape_of(p: &EllgranParticles, k: usize) -> Option<([f64; 3], [f64; 4])> {
+    // SAFETY: promised by the caller.
+    unsafe {
+        let entry = if p.shape_indices.is_null() {
+            k
+        } else {
+            usize::try_from(*p.shape_indices.add(k)).ok()?
+        };
+        Some(shape_entry(p, entry))
+    }
 }
 
 /// The failure for a contact at which Hale's form breaks.

@@ -8,7 +8,7 @@ use super::particles::{
     EllgranWorkspace, Purpose,
 };
 use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use super::tallies::{borrow, Asked, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::geometry::{Plane, Vector3};
 use crate::message::Numbers;
 use crate::pairs::planes::{PlanesError, WallArrays};
@@ -137,7 +137,9 @@ pub unsafe extern "C" fn ellgran_compute_planes(
                 history_failure(identifier(p, i), None, place, value)
             }
         })?;
-        if let (Some(asked), Some(sums)) = (&mut asked, sums) {
+        if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
+            // SAFETY: promised by the caller.
+            unsafe { add_preceding_half_step(&mut sums, p, owned, &step) }?;
             asked.write(&sums);
         }
         Ok(())

@@ -13,6 +13,7 @@ use super::status::{
 };
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
+use crate::geometry::facet_shares::Share;
 use crate::geometry::Vector3;
 use crate::message::{Number, Numbers};
 use crate::pairs::one_contact::HaleRatio;
@@ -47,6 +48,13 @@ pub struct EllgranWallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there; components up to 1e20.
     pub velocity: [f64; 3],
+    /// The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+    /// alone.
+    pub others_share: f64,
+    /// Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+    pub others_share_by_position: [f64; 3],
+    /// Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+    pub others_share_by_rotation: [f64; 3],
 }
 
 growing!(EllgranWallSurface);
@@ -78,6 +86,16 @@ impl EllgranWallSurface {
                 Numbers(&self.turning_radii)
             )));
         }
+        let gradients = [self.others_share_by_position, self.others_share_by_rotation]
+            .map(Vector3::from_array);
+        if !(0.0..=1.0).contains(&self.others_share)
+            || self.others_share != 0.0 && !gradients.iter().all(|g| g.is_finite())
+        {
+            return Err(fail(format!(
+                "wall: others_share = {} must be between 0 and 1, its gradients finite",
+                Number(self.others_share)
+            )));
+        }
         let tangential = Vector3::from_array(self.direction)
             .direction()
             .and_then(|given| (given - normal * normal.dot(given)).direction());
@@ -100,6 +118,11 @@ impl EllgranWallSurface {
             curvatures: self.curvatures,
             turning_radii: self.turning_radii,
             velocity,
+            share: Share {
+                value: 1.0 - self.others_share,
+                by_position: -Vector3::from_array(self.others_share_by_position),
+                by_rotation: -Vector3::from_array(self.others_share_by_rotation),
+            },
         })
     }
 }

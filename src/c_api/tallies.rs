@@ -2,8 +2,14 @@
 //! Energies, virial and counts that a caller may ask for.
 
 use super::growing::{given, growing, Output};
-use super::status::{slice_mut, Failure};
-use crate::pairs::Tallies;
+use super::particles::{shape_of, EllgranParticles, EllgranStep};
+use super::status::{
+    at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
+};
+use crate::geometry::Ellipsoid;
+use crate::pairs::particles::angular_velocity;
+use crate::pairs::tallies::InelasticLoad;
+use crate::pairs::{Step, Tallies};
 use libc::size_t;
 
 /// What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
@@ -16,10 +22,27 @@ pub struct EllgranTallies {
     pub particle_energies: *mut f64,
     /// In: [count][6] (xx yy zz xy xz yz) or NULL; virial per particle, added to, half to each body.
     pub particle_virials: *mut f64,
-    /// In/out: time integral of the power of the viscous and of the tangential force. Set it to 0 before the first step
-    /// and keep it between steps.
-    pub accumulated_work: f64,
-    /// Out: energy that left the elastic store since `accumulated_work` was 0.
+    /// Out: [count][12] or NULL; what acts on each particle beside the gradient of the normal elastic energy: viscous force
+    /// and its torque, tangential force without its viscous part and its torque. Where `angular_momenta` are given the
+    /// torques are multiplied by the inverse inertia. Overwritten.
+    ///
+    /// Velocity Verlet moves particles with velocities of the half steps: a force does half of its work with the velocity
+    /// before, and half with the one that it has led to. With this array each call adds the first half, and
+    /// `ellgran_tally_following_half_step` the second; kinetic, elastic and dissipated energy then add up to second order in
+    /// the time step. Without it each call takes the velocities that it is given for the whole step, which is of
+    /// first order.
+    pub inelastic_loads: *mut f64,
+    /// Out: with `inelastic_loads`, power of the viscous and of the tangential forces on moving walls, for the second half.
+    pub wall_powers: [f64; 2],
+    /// In/out: energy that viscous forces dissipated. Set it to 0 before the first step and keep it between steps.
+    pub viscous_dissipation: f64,
+    /// In/out: energy that the tangential forces without their viscous part took up, stored or dissipated. Set it to 0
+    /// before the first step and keep it between steps.
+    pub tangential_work: f64,
+    /// Out: energy that friction dissipated since `tangential_work` was 0: that less `tangential_elastic_energy`. With
+    /// displacement total it may be negative, since that law can create energy.
+    pub frictional_dissipation: f64,
+    /// Out: energy dissipated: by viscosity and by friction.
     pub dissipated_energy: f64,
     /// Out: elastic energy of the normal deformation.
     pub normal_elastic_energy: f64,
@@ -56,11 +79,144 @@ pub(super) unsafe fn borrow<'a>(t: &EllgranTallies, count: usize) -> Result<Tall
             )
         }?)
     };
+    // SAFETY: as above.
+    let inelastic_loads = unsafe { loads(t, count) }?;
     Ok(Tallies {
         particle_energies,
         particle_virials,
-        accumulated_work: t.accumulated_work,
+        inelastic_loads,
+        viscous_dissipation: t.viscous_dissipation,
+        tangential_work: t.tangential_work,
+        wall_powers: t.wall_powers,
         ..Tallies::default()
+    })
+}
+
+/// # Safety
+/// The array is NULL or has `count` entries.
+unsafe fn loads<'a>(
+    t: &EllgranTallies,
+    count: usize,
+) -> Result<Option<&'a mut [InelasticLoad]>, Failure> {
+    if t.inelastic_loads.is_null() {
+        return Ok(None);
+    }
+    let entries = t.inelastic_loads.cast::<InelasticLoad>();
+    // SAFETY: promised by the caller; an entry is 12 doubles and nothing else.
+    unsafe { slice_mut(entries, count, "inelastic_loads") }.map(Some)
+}
+
+/// Of the particles that loads may act on: which velocities and rotations move them.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+unsafe fn motion<'a>(
+    p: &'a EllgranParticles,
+    count: usize,
+) -> Result<impl Fn(usize) -> ([f64; 3], [f64; 3]) + 'a, Failure> {
+    let (rotation, name) = if p.angular_velocities.is_null() {
+        (p.angular_momenta, "angular_momenta (or angular_velocities)")
+    } else {
+        (p.angular_velocities, "angular_velocities")
+    };
+    // SAFETY: promised by the caller.
+    let (velocities, rotations) = unsafe {
+        (
+            slice(p.velocities.cast::<[f64; 3]>(), count, "velocities")?,
+            slice(rotation.cast::<[f64; 3]>(), count, name)?,
+        )
+    };
+    Ok(move |k: usize| (velocities[k], rotations[k]))
+}
+
+/// Ends a call that tallied the loads of the first `count` particles: makes of their torques what answers to
+/// the engine's rotations, and adds the work of the half step before. Does nothing without loads.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states, and were checked in this call.
+pub(super) unsafe fn add_preceding_half_step(
+    sums: &mut Tallies<'_>,
+    p: &EllgranParticles,
+    count: usize,
+    step: &Step,
+) -> Result<(), Failure> {
+    let Some(loads) = sums.inelastic_loads.take() else {
+        return Ok(());
+    };
+    if p.angular_velocities.is_null() {
+        for (k, load) in loads.iter_mut().enumerate().filter(|(_, l)| !l.is_zero()) {
+            // SAFETY: promised by the caller; a particle with a load was found to have shape and mass.
+            let (shape, mass) = unsafe { (shape_of(p, k), *p.masses.add(k)) };
+            let body = shape.and_then(|(a, q)| Ellipsoid::new(a, q).ok());
+            if let Some(body) = body {
+                load.respond(|torque| angular_velocity(&body, mass, torque));
+            }
+        }
+    }
+    if step.advance_history {
+        // SAFETY: promised by the caller.
+        let motion = unsafe { motion(p, count) }?;
+        sums.add_half_step(0.5 * step.time_step, &loads[..count], motion);
+    }
+    Ok(())
+}
+
+/// Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+/// that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+///
+/// Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
+/// call: in velocity Verlet before or after the positions move, before the particles change their order. Of `particles` the
+/// first `owned_count` velocities and rotations are read. Under `newton` of the list, the loads that the call left at
+/// the ghosts must have been added to those of their owners before. `step` is that of the half step; where
+/// `advance_history` is 0 nothing is added.
+///
+/// # Safety
+/// The pointers are as `EllgranParticles` and `EllgranTallies` state.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_tally_following_half_step(
+    particles: *const EllgranParticles,
+    step: *const EllgranStep,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_tally_following_half_step", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let p = &*unsafe { given(particles, "particles") }?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
+        let mut asked = unsafe { Asked::new(tallies) }?
+            .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
+        let t = asked.given;
+        if p.owned_count > p.count {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "owned_count = {} is greater than count = {}",
+                    p.owned_count, p.count
+                ),
+            ));
+        }
+        let count = p.owned_count;
+        let loads = unsafe { loads(&t, count) }?.ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_NULL_POINTER,
+                "inelastic_loads must not be NULL",
+            )
+        })?;
+        if step.advance_history {
+            let mut sums = Tallies {
+                viscous_dissipation: t.viscous_dissipation,
+                tangential_work: t.tangential_work,
+                wall_powers: t.wall_powers,
+                ..Tallies::default()
+            };
+            let motion = unsafe { motion(p, count) }?;
+            sums.add_half_step(0.5 * step.time_step, loads, motion);
+            asked.output.write(&EllgranTallies {
+                viscous_dissipation: sums.viscous_dissipation,
+                tangential_work: sums.tangential_work,
+                ..t
+            });
+        }
+        Ok(())
     })
 }
 
@@ -87,8 +243,11 @@ impl Asked<'_> {
 
     pub(super) fn write(&mut self, sums: &Tallies<'_>) {
         self.output.write(&EllgranTallies {
-            accumulated_work: sums.accumulated_work,
-            dissipated_energy: sums.dissipated_energy(),
+            wall_powers: sums.wall_powers,
+            viscous_dissipation: sums.viscous_dissipation,
+            tangential_work: sums.tangential_work,
+            frictional_dissipation: sums.frictional_dissipation(),
+            dissipated_energy: sums.viscous_dissipation + sums.frictional_dissipation(),
             normal_elastic_energy: sums.normal_elastic_energy,
             tangential_elastic_energy: sums.tangential_elastic_energy,
             virial: sums.virial,

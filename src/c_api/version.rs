@@ -3,7 +3,8 @@
 
 use libc::c_char;
 
-/// Version of the binary interface: changes whenever a struct's layout, a signature or the meaning of a value does.
+/// Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
+/// are added at the end of a struct do not change it.
 pub const ELLGRAN_ABI_VERSION: u32 = 1;
 
 /// The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.

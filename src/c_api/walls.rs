@@ -7,7 +7,8 @@ use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::geometry::cylinder::{touch_cylinder, Cylinder};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
-use crate::geometry::triangles::{touch_triangles, Feature, Triangle, TriangleContact};
+use crate::geometry::facet_shares::Share;
+use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
 use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
 use crate::message::{Number, Numbers};
 use crate::pairs::ranges::{self, LARGEST_COORDINATE};
@@ -33,10 +34,10 @@ growing!(EllgranWallContact);
 pub struct EllgranWallContacts {
     all: Vec<(EllgranWallContact, EllgranWallSurface)>,
     triangles: Vec<Triangle>,
-    found: Vec<TriangleContact>,
+    search: TriangleSearch,
 }
 
-fn surface(point: Vector3, normal: Vector3) -> EllgranWallSurface {
+fn surface(point: Vector3, normal: Vector3, share: &Share) -> EllgranWallSurface {
     EllgranWallSurface {
         size: size_of::<EllgranWallSurface>(),
         point: point.to_array(),
@@ -45,6 +46,9 @@ fn surface(point: Vector3, normal: Vector3) -> EllgranWallSurface {
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: [0.0; 3],
+        others_share: 1.0 - share.value,
+        others_share_by_position: (-share.by_position).to_array(),
+        others_share_by_rotation: (-share.by_rotation).to_array(),
     }
 }
 
@@ -148,7 +152,7 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         let found = touch_plane(&body.body, body.position, &Plane { point, normal });
         if found.penetration > 0.0 {
             let deepest = body.position + found.support.point - found.normal * found.penetration;
-            contacts.all.push((NO_TRIANGLE, surface(deepest, normal)));
+            contacts.all.push((NO_TRIANGLE, surface(deepest, normal, &Share::WHOLE)));
         }
         Ok(())
     })
@@ -193,7 +197,7 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
                 direction: cylinder.axis.cross(c.normal).to_array(),
                 curvatures: [1.0 / signed, 0.0],
                 turning_radii: [signed, f64::INFINITY],
-                ..surface(c.point, c.normal)
+                ..surface(c.point, c.normal, &Share::WHOLE)
             };
             all.push((NO_TRIANGLE, surface));
         });
@@ -202,7 +206,9 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
 }
 
 /// The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
-/// corner is taken as flat in Hertz' law, with the normal that the contact has there.
+/// corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
+/// their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
+/// surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
 ///
 /// `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
 /// free.
@@ -224,7 +230,7 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         let EllgranWallContacts {
             all,
             triangles,
-            found,
+            search,
         } = contacts;
         for (index, corner) in corners.iter().flatten().enumerate() {
             if !corner.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
@@ -235,11 +241,10 @@ pub unsafe extern "C" fn ellgran_triangle_contacts(
         }
         all.clear();
         triangles.clear();
-        found.clear();
         triangles.extend(corners.iter().map(|t| t.map(Vector3::from_array)));
-        touch_triangles(&body.body, body.position, triangles, found);
-        all.extend(found.iter().map(|c| {
-            let flat = surface(c.point, c.normal);
+        search.touch(&body.body, body.position, triangles);
+        all.extend(search.contacts().iter().map(|c| {
+            let flat = surface(c.point, c.normal, &c.share);
             let surface = match c.feature {
                 Feature::Face => flat,
                 Feature::Edge(along) => EllgranWallSurface {

@@ -20,4 +20,4 @@ pub use parameters::{
     Closure, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential,
     Unloading,
 };
-pub use tangential::{tangential_force, TangentialForce};
+pub use tangential::{tangential_force, tangential_stiffness, TangentialForce};

@@ -38,6 +38,8 @@ use crate::real::Real;
 pub struct TangentialForce<T = f64> {
     /// Force on body `j` in the tangent basis.
     pub force: Vector2<T>,
+    /// What of it the tangential displacement makes, without the viscous part: `force` itself where that is none.
+    pub elastic_force: Vector2<T>,
     /// What is remembered, in the tangent basis: `xi` (length) for `displacement total`, `zeta` (force) otherwise.
     pub memory: Vector2<T>,
     /// Tangential displacement that the elastic part stands for, in the tangent basis, length.
@@ -113,7 +115,8 @@ pub fn tangential_force<T: Real>(
     let (zeta, slip) = on_the_cone(trial, most, tfd);
     let root = slip.root;
 
-    let mut force = zeta * slip.factor;
+    let elastic = zeta * slip.factor;
+    let mut force = elastic;
     if kinds.tangential_viscous {
         let viscous = if linear {
             velocity * c.tangential_damping
@@ -144,12 +147,47 @@ pub fn tangential_force<T: Real>(
     let (zeta, displacement) = (zeta * left, displacement * left);
     TangentialForce {
         force: force * -one,
+        elastic_force: elastic * -one,
         memory: match kinds.displacement {
             Displacement::Total => displacement,
             _ => zeta,
         },
         displacement,
         elastic_energy: energy * slip.work * left,
+    }
+}
+
+/// Stiffness and damping matrix of a contact that has not slipped, in the tangent basis, for its normal stiffness; zero for
+/// a law without a tangential part.
+pub fn tangential_stiffness(
+    kinds: &LawKinds,
+    c: &LawConstants,
+    normal_stiffness: f64,
+    factors: &Factors,
+    curvature: Symmetric2,
+) -> (Symmetric2, Symmetric2) {
+    let isotropic = |x: f64| Symmetric2::new(x, 0.0, x);
+    let (stiffness, damping) = match kinds.tangential {
+        Tangential::None => return (isotropic(0.0), isotropic(0.0)),
+        Tangential::Linear => (
+            isotropic(c.tangential_stiffness),
+            isotropic(c.tangential_damping),
+        ),
+        Tangential::Tfd | Tangential::Mindlin => {
+            let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
+            let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
+            let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
+            // The three have the same eigenvectors.
+            let columns = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)]
+                .map(|e| inverse.apply(tau.apply(inverse.apply(e))));
+            let damping = Symmetric2::new(columns[0].u, columns[0].v, columns[1].v);
+            (inverse * normal_stiffness, damping * normal_stiffness)
+        }
+    };
+    if kinds.tangential_viscous {
+        (stiffness, damping)
+    } else {
+        (stiffness, isotropic(0.0))
     }
 }
 

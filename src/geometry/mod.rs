@@ -6,6 +6,7 @@ pub mod convex_body;
 pub mod curvature;
 pub mod cylinder;
 pub mod ellipsoid;
+pub mod facet_shares;
 pub mod global_minimum;
 pub mod interior_point;
 pub mod plane;

@@ -2,13 +2,24 @@
 //! An ellipsoid and a surface of triangles.
 //!
 //! The surface acts where its distance from the body's deepest reach is a minimum: on a face, if the deepest point lies
-//! over it; on an edge or a corner, if the normal there lies in the cone between the adjacent faces. An edge between
-//! coplanar triangles, or at the bottom of a fold, has no such cone and never acts; so a body that lies on any number of
-//! coplanar triangles touches once. Both sides of a triangle act; the body's centre decides which.
+//! over it; on an edge or a corner, if the normal there points away from all triangles that meet at the point. Which
+//! triangles meet is a question of place, not of shared corners: a triangle that passes within [`MEETING`] of a point
+//! meets there, whatever mesh it belongs to and wherever its own corners are. So an edge between coplanar triangles, or one
+//! that lies inside another triangle, or at the bottom of a fold, never acts, and a body that lies on any pieces of a
+//! plane touches once. Both sides of a triangle act; the body's centre decides which.
+//!
+//! A face of which the body's deepest point has passed a concave fold goes on acting while the body still overlaps with it,
+//! by its share (`facet_shares`): so a contact goes over a fold of any angle without a jump, and many small facets act as
+//! the curved surface that they approach. Planes that do not cut each other within the overlap act in full.
+//!
+//! What is not continuous: where convex edges lie within the same overlap as folds. A face beyond a fold is there taken as
+//! going on beyond its convex edges, and an edge that shares the overlap with a face is taken to hold its normal in the
+//! gradient of the shares.
 
 use super::ellipsoid::Ellipsoid;
+use super::facet_shares::{share, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
-use super::vector::{Symmetric2, Tangent, Vector3};
+use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// Three corners.
 pub type Triangle = [Vector3; 3];
@@ -27,7 +38,7 @@ pub enum Feature {
 /// A contact with a surface of triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleContact {
-    /// The point of the surface deepest in the body, world frame.
+    /// The point of the surface, or of the face's plane, deepest in the body, world frame.
     pub point: Vector3,
     /// Unit normal out of the surface, towards the body.
     pub normal: Vector3,
@@ -37,199 +48,403 @@ pub struct TriangleContact {
     pub triangle: usize,
     /// What touches.
     pub feature: Feature,
+    /// By how much of Hertz' law it acts.
+    pub share: Share,
 }
 
-/// Sine of an angle, and share of a length, that count as none.
+/// Contacts of a body with a surface of triangles, and the memory to find them; kept between calls.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleSearch {
+    contacts: Vec<TriangleContact>,
+    near: Vec<Near>,
+    candidates: Vec<Candidate>,
+    planes: Vec<SupportingPlane>,
+    memory: ShareMemory,
+}
+
+/// Sine of an angle that counts as none.
 const TOLERANCE: f64 = 1e-9;
 
-/// Contacts on adjacent triangles whose normals differ by less than this are one, the deepest: the surface is then a
-/// smooth one in small flat pieces. Cosine of 3 degrees.
-const SMOOTH: f64 = 0.998_629_534_754_573_9;
+/// Triangles meet where they are closer than this, over the smallest semi-axis: gaps, steps and slivers that are smaller
+/// are taken as flaws of the mesh.
+const MEETING: f64 = 1e-5;
 
-/// The contacts of a body with centre `centre`, deepest first, appended to `contacts`. The triangles are all those near the
-/// body: an edge at which one is missing counts as a free edge.
-pub fn touch_triangles(
-    body: &Ellipsoid,
-    centre: Vector3,
-    triangles: &[Triangle],
-    contacts: &mut Vec<TriangleContact>,
-) {
-    let start = contacts.len();
-    // Reach of the body along the world axes: most triangles are out of it.
-    let reach = [
-        Vector3::new(1.0, 0.0, 0.0),
-        Vector3::new(0.0, 1.0, 0.0),
-        Vector3::new(0.0, 0.0, 1.0),
-    ]
-    .map(|e| body.support(e).h);
-    let near = |t: &Triangle| {
-        let position = centre.to_array();
-        let corners = t.map(|p| p.to_array());
-        (0..3).all(|k| {
-            let low = corners.iter().fold(f64::INFINITY, |m, p| m.min(p[k]));
-            let high = corners.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]));
-            low <= position[k] + reach[k] && high >= position[k] - reach[k]
-        })
-    };
-    for (index, triangle) in triangles.iter().enumerate() {
-        if near(triangle) {
-            touch_face(body, centre, index, triangle, contacts);
-            touch_edges(body, centre, index, triangles, contacts);
-            touch_corners(body, centre, index, triangles, contacts);
-        }
+/// Sine of the angle between two faces below which they are one plane.
+const SAME_PLANE: f64 = 1e-8;
+
+/// An edge or a corner whose normal differs from that of a contact at the same place by less is that contact. Cosine of 3
+/// degrees.
+const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
+
+/// How far a face beyond a fold may be from the body, over the smallest semi-axis, and still cut the contacts of others: the
+/// paraboloids of two faces differ at the fold, by more the longer the body is, and the cut must end before the face counts as
+/// far.
+const BEYOND: f64 = 1.0;
+
+/// A triangle that may touch, with the body's centre as the origin.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    index: usize,
+    corners: Triangle,
+    /// Towards the body's centre.
+    normal: Vector3,
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+/// A plane that may support the body.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// As in [`SupportingPlane`].
+    plane: SupportingPlane,
+    /// The deepest point of the plane, from the body's centre.
+    foot: Vector3,
+    penetration: f64,
+    triangle: usize,
+    feature: Feature,
+    /// The deepest point belongs to the surface.
+    over: bool,
+    /// False where the body does not reach the surface, though its plane may cut the contacts of others.
+    reached: bool,
+}
+
+impl TriangleSearch {
+    /// The contacts of the last call of [`TriangleSearch::touch`], deepest first.
+    pub fn contacts(&self) -> &[TriangleContact] {
+        &self.contacts
     }
-    contacts[start..].sort_by(|a, b| b.penetration.total_cmp(&a.penetration));
-    let size = reach.iter().copied().fold(0.0, f64::max);
-    let mut kept = start;
-    for k in start..contacts.len() {
-        let c = contacts[k];
-        let known = contacts[start..kept].iter_mut().find(|d| {
-            d.normal.dot(c.normal) > SMOOTH
-                && ((d.point - c.point).norm() <= 1e-6 * size
-                    || adjacent(&triangles[d.triangle], &triangles[c.triangle]))
+
+    /// Finds the contacts of a body with centre `centre`. The triangles are all those near the body: an edge at which one is
+    /// missing counts as a free edge.
+    pub fn touch(&mut self, body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) {
+        self.contacts.clear();
+        self.candidates.clear();
+        let meeting = MEETING * body.smallest_semi_axis();
+        self.gather(body, centre, triangles, meeting);
+        for k in 0..self.near.len() {
+            self.face(body, k, meeting);
+            self.edges(body, k, meeting);
+            self.corners(body, k, meeting);
+        }
+        let largest = body.bounding_radius();
+        self.candidates.sort_unstable_by(|a, b| {
+            b.penetration
+                .total_cmp(&a.penetration)
+                .then(a.triangle.cmp(&b.triangle))
         });
-        match known {
-            // Where the deepest point lies over an edge or a corner, to rounding, the face has it.
-            Some(d) if c.feature == Feature::Face && d.feature != Feature::Face => {
-                if c.penetration >= d.penetration - TOLERANCE * size {
-                    *d = c;
+        let mut kept = 0;
+        for k in 0..self.candidates.len() {
+            let c = self.candidates[k];
+            match self.candidates[..kept]
+                .iter_mut()
+                .find(|d| same_contact(d, &c, largest, meeting))
+            {
+                Some(d) => {
+                    let reached = d.reached || c.reached;
+                    if (c.rank(), c.triangle) < (d.rank(), d.triangle) {
+                        *d = c;
+                    }
+                    d.reached = reached;
+                }
+                None => {
+                    self.candidates[kept] = c;
+                    kept += 1;
                 }
             }
-            Some(_) => {}
-            None => {
-                contacts[kept] = c;
-                kept += 1;
+        }
+        self.candidates.truncate(kept);
+        self.planes.clear();
+        self.planes.extend(self.candidates.iter().map(|c| c.plane));
+        for (k, c) in self.candidates.iter().enumerate() {
+            if !c.reached {
+                continue;
+            }
+            let share = match kept {
+                1 => Share::WHOLE,
+                _ => share(body, &self.planes, k, &mut self.memory),
+            };
+            if share.value > 0.0 {
+                self.contacts.push(TriangleContact {
+                    point: centre + c.foot,
+                    normal: c.plane.normal,
+                    penetration: c.penetration,
+                    triangle: c.triangle,
+                    feature: c.feature,
+                    share,
+                });
             }
         }
     }
-    contacts.truncate(kept);
-}
 
-/// The same point of a mesh, which every triangle keeps for itself.
-fn same(a: Vector3, b: Vector3, scale: f64) -> bool {
-    (a - b).norm_squared() <= (TOLERANCE * scale).powi(2)
-}
-
-fn size(t: &Triangle) -> f64 {
-    (t[1] - t[0]).norm().max((t[2] - t[0]).norm())
-}
-
-fn adjacent(a: &Triangle, b: &Triangle) -> bool {
-    let scale = size(a);
-    a.iter().any(|p| b.iter().any(|q| same(*p, *q, scale)))
-}
-
-fn touch_face(
-    body: &Ellipsoid,
-    centre: Vector3,
-    index: usize,
-    t: &Triangle,
-    contacts: &mut Vec<TriangleContact>,
-) {
-    let cross = (t[1] - t[0]).cross(t[2] - t[0]);
-    let twice_area = cross.norm();
-    if !(twice_area > 0.0) {
-        return;
-    }
-    let mut normal = cross * (1.0 / twice_area);
-    let mut distance = normal.dot(centre - t[0]);
-    if distance < 0.0 {
-        normal = -normal;
-        distance = -distance;
-    }
-    let support = body.support(-normal);
-    let penetration = support.h - distance;
-    if !(penetration > 0.0) {
-        return;
-    }
-    let point = centre + support.point + normal * penetration;
-    let face = cross * (1.0 / twice_area);
-    let over = (0..3).all(|k| {
-        let (a, b) = (t[k], t[(k + 1) % 3]);
-        let edge = b - a;
-        let inwards = face.cross(edge);
-        inwards.dot(point - a) >= -TOLERANCE * twice_area
-    });
-    if over {
-        contacts.push(TriangleContact {
-            point,
-            normal,
-            penetration,
-            triangle: index,
-            feature: Feature::Face,
-        });
-    }
-}
-
-/// Unit vector in the plane of the triangle with corners `a`, `b`, `c`, across its edge `a b` (unit `along`), inwards.
-fn inwards(a: Vector3, c: Vector3, along: Vector3) -> Option<Vector3> {
-    let w = c - a;
-    let across = w - along * along.dot(w);
-    let length = across.norm();
-    (length > 0.0).then(|| across * (1.0 / length))
-}
-
-fn touch_edges(
-    body: &Ellipsoid,
-    centre: Vector3,
-    index: usize,
-    triangles: &[Triangle],
-    contacts: &mut Vec<TriangleContact>,
-) {
-    let t = &triangles[index];
-    let scale = size(t);
-    for k in 0..3 {
-        let (a, b, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
-        let length = (b - a).norm();
-        if !(length > 0.0) {
-            continue;
-        }
-        let along = (b - a) * (1.0 / length);
-        let Some(own) = inwards(a, c, along) else {
-            continue;
-        };
-        let Some(n) = nearest_across(body, a - centre, along) else {
-            continue;
-        };
-        let normal = -n;
-        if normal.dot(own) > TOLERANCE {
-            continue;
-        }
-        let support = body.support(n);
-        let penetration = support.h - n.dot(a - centre);
-        if !(penetration > 0.0) {
-            continue;
-        }
-        let point = centre + support.point - n * penetration;
-        let place = along.dot(point - a);
-        if place < -TOLERANCE * length || place > (1.0 + TOLERANCE) * length {
-            continue;
-        }
-        let others_agree = triangles.iter().enumerate().all(|(other, q)| {
-            if other == index {
-                return true;
+    /// The triangles within the body's reach along the world axes, without slivers.
+    fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
+        self.near.clear();
+        let reach = [
+            Vector3::new(1.0, 0.0, 0.0),
+            Vector3::new(0.0, 1.0, 0.0),
+            Vector3::new(0.0, 0.0, 1.0),
+        ]
+        .map(|e| body.support(e).h + meeting);
+        for (index, t) in all.iter().enumerate() {
+            let corners = t.map(|p| p - centre);
+            let axes = corners.map(|p| p.to_array());
+            let low: [f64; 3] =
+                core::array::from_fn(|k| axes.iter().fold(f64::INFINITY, |m, p| m.min(p[k])));
+            let high: [f64; 3] =
+                core::array::from_fn(|k| axes.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k])));
+            if !(0..3).all(|k| low[k] <= reach[k] && high[k] >= -reach[k]) {
+                continue;
             }
-            let at = |p: Vector3| (0..3).find(|&m| same(q[m], p, scale));
-            match (at(a), at(b)) {
-                (Some(m), Some(o)) if m != o => {
-                    // An edge is looked at from the first of its triangles alone.
-                    other > index
-                        && inwards(a, q[3 - m - o], along)
-                            .is_none_or(|u| normal.dot(u) <= TOLERANCE)
-                }
-                _ => true,
+            let sides: [Vector3; 3] = core::array::from_fn(|k| corners[(k + 1) % 3] - corners[k]);
+            let cross = sides[0].cross(sides[1]);
+            let twice_area = cross.norm();
+            let longest = sides.iter().map(|e| e.norm()).fold(0.0, f64::max);
+            if !(twice_area > meeting * longest) {
+                continue;
             }
-        });
-        if others_agree {
-            contacts.push(TriangleContact {
-                point: a + along * place,
+            let mut normal = cross * (1.0 / twice_area);
+            if normal.dot(corners[0]) > 0.0 {
+                normal = -normal;
+            }
+            self.near.push(Near {
+                index,
+                corners,
                 normal,
-                penetration,
-                triangle: index,
-                feature: Feature::Edge(along),
+                low,
+                high,
             });
         }
     }
+
+    fn face(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
+        let t = &self.near[k];
+        let normal = t.normal;
+        let support = body.support(-normal);
+        let penetration = support.h + normal.dot(t.corners[0]);
+        let slack = BEYOND * body.smallest_semi_axis();
+        if !(penetration > -slack) {
+            return;
+        }
+        let foot = support.point + normal * penetration;
+        // the point of the triangle that is deepest beneath the body's paraboloid
+        let tangent = Tangent::new(-normal);
+        let curvature = body.weingarten(&support, &tangent);
+        let scale = Root::of(curvature);
+        let place = |p: Vector3| scale.apply(tangent.components(p - foot));
+        let deepest = nearest_to_origin(t.corners.map(place));
+        let point = combine(&t.corners, deepest);
+        let aside = place(point);
+        let depth = penetration - 0.5 * aside.dot(aside);
+        let over = (point - foot).norm_squared() <= meeting * meeting;
+        if !over && !self.folds_up(k, point, meeting) {
+            return;
+        }
+        self.candidates.push(Candidate {
+            plane: SupportingPlane { point, normal },
+            foot,
+            penetration,
+            triangle: self.near[k].index,
+            feature: Feature::Face,
+            over,
+            reached: penetration > 0.0 && (over || depth > 0.0),
+        });
+    }
+
+    /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
+    fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        self.near.iter().enumerate().any(|(k, q)| {
+            let above = |normal: Vector3, corners: &Triangle| {
+                corners.iter().any(|z| {
+                    let way = *z - point;
+                    normal.dot(way) > TOLERANCE * way.norm() + f64::MIN_POSITIVE
+                })
+            };
+            let nowhere_below = |normal: Vector3, corners: &Triangle| {
+                corners.iter().all(|z| {
+                    let way = *z - point;
+                    normal.dot(way) >= -(TOLERANCE * way.norm() + meeting)
+                })
+            };
+            k != own
+                && q.box_has(point, meeting)
+                && above(t.normal, &q.corners)
+                && above(q.normal, &t.corners)
+                && nowhere_below(q.normal, &t.corners)
+                && q.has(point, meeting)
+        })
+    }
+
+    /// Whether a normal at a point points away from all triangles that meet there.
+    fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
+        self.near.iter().all(|q| {
+            let away = q.corners.iter().all(|z| {
+                let way = *z - point;
+                normal.dot(way) <= TOLERANCE * way.norm()
+            });
+            away || !q.box_has(point, meeting) || !q.has(point, meeting)
+        })
+    }
+
+    fn edges(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
+        let t = self.near[k];
+        for m in 0..3 {
+            let (a, b, c) = (t.corners[m], t.corners[(m + 1) % 3], t.corners[(m + 2) % 3]);
+            let length = (b - a).norm();
+            let along = (b - a) * (1.0 / length);
+            let Some(n) = nearest_across(body, a, along) else {
+                continue;
+            };
+            let normal = -n;
+            if normal.dot(c - a) > TOLERANCE * (c - a).norm() {
+                continue;
+            }
+            let support = body.support(n);
+            let penetration = support.h - n.dot(a);
+            if !(penetration > 0.0) {
+                continue;
+            }
+            let place = along.dot(support.point - a);
+            if place < -meeting || place > length + meeting {
+                continue;
+            }
+            let point = a + along * place;
+            if self.is_outermost(normal, point, meeting) {
+                self.candidates.push(Candidate {
+                    plane: SupportingPlane { point, normal },
+                    foot: point,
+                    penetration,
+                    triangle: t.index,
+                    feature: Feature::Edge(along),
+                    over: true,
+                    reached: true,
+                });
+            }
+        }
+    }
+
+    fn corners(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
+        let t = self.near[k];
+        for corner in t.corners {
+            let local = body.to_body(corner).to_array();
+            let Some(n) = nearest_normal(body.semi_axes.to_array(), local) else {
+                continue;
+            };
+            let n = body.to_world(Vector3::from_array(n)).normalised();
+            let normal = -n;
+            let penetration = body.support(n).h - n.dot(corner);
+            if penetration > 0.0 && self.is_outermost(normal, corner, meeting) {
+                self.candidates.push(Candidate {
+                    plane: SupportingPlane {
+                        point: corner,
+                        normal,
+                    },
+                    foot: corner,
+                    penetration,
+                    triangle: t.index,
+                    feature: Feature::Corner,
+                    over: true,
+                    reached: true,
+                });
+            }
+        }
+    }
+}
+
+impl Candidate {
+    /// Which of two candidates for one contact stands for it: the smaller.
+    fn rank(&self) -> u8 {
+        match self.feature {
+            Feature::Face if self.over => 0,
+            Feature::Face => 1,
+            Feature::Edge(_) => 2,
+            Feature::Corner => 3,
+        }
+    }
+}
+
+/// Whether two candidates are one contact: the same plane, or an edge or a corner beneath the deepest point of a face.
+fn same_contact(a: &Candidate, b: &Candidate, largest: f64, meeting: f64) -> bool {
+    let faces = a.feature == Feature::Face && b.feature == Feature::Face;
+    let cosine = a.plane.normal.dot(b.plane.normal);
+    if !faces && cosine > SAME_NORMAL && (a.foot - b.foot).norm() <= 3.0 * meeting {
+        return true;
+    }
+    let apart = a.plane.normal.dot(a.plane.point - b.plane.point);
+    cosine > 0.0
+        && (a.plane.normal - b.plane.normal).norm() <= SAME_PLANE
+        && apart.abs() <= 1e-12 * largest
+}
+
+impl Near {
+    fn box_has(&self, p: Vector3, margin: f64) -> bool {
+        let p = p.to_array();
+        (0..3).all(|k| self.low[k] - margin <= p[k] && self.high[k] + margin >= p[k])
+    }
+
+    /// Whether the triangle passes within `margin` of a point.
+    fn has(&self, p: Vector3, margin: f64) -> bool {
+        let tangent = Tangent::new(self.normal);
+        let place = self.corners.map(|c| tangent.components(c - p));
+        let nearest = combine(&self.corners, nearest_to_origin(place));
+        (nearest - p).norm_squared() <= margin * margin
+    }
+}
+
+fn combine(corners: &Triangle, weights: [f64; 3]) -> Vector3 {
+    corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
+}
+
+/// A square root `l` of a positive matrix, `l^T l`: lengths of `l x` are those of the matrix.
+struct Root {
+    uu: f64,
+    uv: f64,
+    vv: f64,
+}
+
+impl Root {
+    fn of(m: Symmetric2) -> Self {
+        let uu = m.uu.sqrt();
+        Root {
+            uu,
+            uv: m.uv / uu,
+            vv: (m.determinant() / m.uu).max(0.0).sqrt(),
+        }
+    }
+    fn apply(&self, x: Vector2) -> Vector2 {
+        Vector2::new(self.uu * x.u + self.uv * x.v, self.vv * x.v)
+    }
+}
+
+/// Weights of the corners of a triangle in the plane at its point nearest to the origin.
+fn nearest_to_origin(corners: [Vector2; 3]) -> [f64; 3] {
+    let cross = |a: Vector2, b: Vector2| a.u * b.v - a.v * b.u;
+    let parts: [f64; 3] =
+        core::array::from_fn(|k| cross(corners[(k + 1) % 3], corners[(k + 2) % 3]));
+    let whole = parts[0] + parts[1] + parts[2];
+    if whole != 0.0 && parts.iter().all(|p| p / whole >= 0.0) {
+        return parts.map(|p| p / whole);
+    }
+    let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let side = b - a;
+        let length = side.dot(side);
+        let share = if length > 0.0 {
+            (-(a.dot(side)) / length).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let point = a + side * share;
+        let distance = point.dot(point);
+        if distance < best.0 {
+            let mut weights = [0.0; 3];
+            weights[k] = 1.0 - share;
+            weights[(k + 1) % 3] = share;
+            best = (distance, weights);
+        }
+    }
+    best.1
 }
 
 /// The unit vector `n` across `along` that makes `h(n) - n.y` smallest: from within the body to the surface nearest to the
@@ -265,57 +480,15 @@ fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector
     Some(n)
 }
 
-fn touch_corners(
-    body: &Ellipsoid,
-    centre: Vector3,
-    index: usize,
-    triangles: &[Triangle],
-    contacts: &mut Vec<TriangleContact>,
-) {
-    let t = &triangles[index];
-    let scale = size(t);
-    let in_cone = |normal: Vector3, q: &Triangle, m: usize| {
-        (1..3).all(|o| {
-            let edge = q[(m + o) % 3] - q[m];
-            normal.dot(edge) <= TOLERANCE * edge.norm()
-        })
-    };
-    for k in 0..3 {
-        let corner = t[k];
-        let local = body.to_body(corner - centre).to_array();
-        let Some(n) = nearest_normal(body.semi_axes.to_array(), local) else {
-            continue;
-        };
-        let n = body.to_world(Vector3::from_array(n)).normalised();
-        let normal = -n;
-        let penetration = body.support(n).h - n.dot(corner - centre);
-        if !(penetration > 0.0) || !in_cone(normal, t, k) {
-            continue;
-        }
-        let others_agree = triangles.iter().enumerate().all(|(other, q)| {
-            if other == index {
-                return true;
-            }
-            match (0..3).find(|&m| same(q[m], corner, scale)) {
-                Some(m) => other > index && in_cone(normal, q, m),
-                None => true,
-            }
-        });
-        if others_agree {
-            contacts.push(TriangleContact {
-                point: corner,
-                normal,
-                penetration,
-                triangle: index,
-                feature: Feature::Corner,
-            });
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn touch(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> Vec<TriangleContact> {
+        let mut search = TriangleSearch::default();
+        search.touch(body, centre, triangles);
+        search.contacts().to_vec()
+    }
 
     fn sheet(cells: usize, half: f64) -> Vec<Triangle> {
         let at = |i: usize, j: usize| {
@@ -350,8 +523,7 @@ mod tests {
                         // the deepest point over (x, y)
                         let s = body.support(down).point;
                         let centre = Vector3::new(x - s.x, y - s.y, 0.98 * h);
-                        let mut contacts = vec![];
-                        touch_triangles(&body, centre, &sheet, &mut contacts);
+                        let contacts = touch(&body, centre, &sheet);
                         assert_eq!(
                             contacts.len(),
                             1,
@@ -383,8 +555,7 @@ mod tests {
         let mut seen_edge = false;
         for k in 0..2000 {
             let x = -1.0 + 2.0 * k as f64 / 2000.0;
-            let mut contacts = vec![];
-            touch_triangles(&body, p(x, 0.3, 0.99 * h), &block, &mut contacts);
+            let contacts = touch(&body, p(x, 0.3, 0.99 * h), &block);
             assert!(contacts.len() <= 1, "{x}: {contacts:?}");
             let now = contacts.first().copied();
             if let (Some(a), Some(b)) = (last, now) {
@@ -411,8 +582,7 @@ mod tests {
             [p(0.0, -5.0, 0.0), p(0.0, 5.0, 5.0), p(0.0, -5.0, 5.0)],
         ];
         let body = Ellipsoid::new([0.2; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
-        let mut contacts = vec![];
-        touch_triangles(&body, p(0.19, 0.4, 0.18), &fold, &mut contacts);
+        let contacts = touch(&body, p(0.19, 0.4, 0.18), &fold);
         assert_eq!(contacts.len(), 2, "{contacts:?}");
         assert!((contacts[0].penetration - 0.02).abs() < 1e-12);
         assert!((contacts[1].penetration - 0.01).abs() < 1e-12);

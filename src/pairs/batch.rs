@@ -41,14 +41,20 @@ pub(super) struct Common<'a> {
     pub only_law: Option<&'a PairLaw>,
     /// Whether energies are asked for.
     pub tally: bool,
+    /// Whether the loads that are not elastic are asked for.
+    pub loads: bool,
 }
 
 /// What the lanes give back, a line per pair, where energies are asked for.
 pub(super) struct BatchTallies {
     /// Force on `j`.
     pub forces: [Line; MOST_LANES],
-    /// Normal and tangential elastic energy, viscous and tangential power, vector between the centres.
+    /// Normal and tangential elastic energy, viscous power, vector between the centres, tangential power.
     pub energies: [Line; MOST_LANES],
+    /// Viscous force on `j`, and contact point from the centre of `i`; where loads are asked for.
+    pub viscous: [Line; MOST_LANES],
+    /// Tangential force on `j` without its viscous part; where loads are asked for.
+    pub tangential: [Line; MOST_LANES],
 }
 
 impl BatchTallies {
@@ -56,7 +62,23 @@ impl BatchTallies {
     pub const EMPTY: BatchTallies = BatchTallies {
         forces: [Line::ZERO; MOST_LANES],
         energies: [Line::ZERO; MOST_LANES],
+        viscous: [Line::ZERO; MOST_LANES],
+        tangential: [Line::ZERO; MOST_LANES],
     };
+}
+
+/// All that there is to say of the touching pairs of a batch, in lines of eight numbers a pair:
+/// - force, torque on `i`, normal force, penetration;
+/// - torque on `j`, tangential force, viscous and tangential power;
+/// - normal, contact point from the centre of `i`, normal and tangential energy;
+/// - displacement, rate, relative curvature matrix;
+/// - the tangent basis;
+/// - tangential memory, stiffness.
+pub(super) struct BatchRecords(pub [[Line; MOST_LANES]; 6]);
+
+impl BatchRecords {
+    /// Nothing yet.
+    pub const EMPTY: BatchRecords = BatchRecords([[Line::ZERO; MOST_LANES]; 6]);
 }
 
 /// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses where
@@ -492,6 +514,7 @@ pub(super) fn run<
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
+    const RECORD: bool,
 >(
     registers: S,
     batch: &Batch<'_>,
@@ -500,6 +523,7 @@ pub(super) fn run<
     common: &Common<'_>,
     sums: &mut [Line],
     tallies: &mut BatchTallies,
+    lines: &mut BatchRecords,
 ) -> Left {
     let kinds = match common.only_law {
         Some(law) => &law.kinds,
@@ -695,6 +719,46 @@ pub(super) fn run<
             put_number(numbers, at, energy);
         }
     }
+    if RECORD {
+        let world = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, e: Lanes<S>| {
+            [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
+        };
+        let (t, m) = (&found.tangent, curvature);
+        let all = [
+            world(f.force, f.torque_i, f.normal_force, x.penetration),
+            world(
+                f.torque_j,
+                f.tangential_force,
+                f.viscous_power,
+                f.tangential_power,
+            ),
+            world(n, f.contact_point, f.elastic_energy, f.tangential_energy),
+            [
+                f.displacement.x,
+                f.displacement.y,
+                f.displacement.z,
+                f.rate,
+                m.uu,
+                m.uv,
+                m.vv,
+                zero,
+            ],
+            world(t.u, t.v, zero, zero),
+            [
+                f.memory.x,
+                f.memory.y,
+                f.memory.z,
+                f.stiffness,
+                zero,
+                zero,
+                zero,
+                zero,
+            ],
+        ];
+        for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
+            put(registers, numbers, lines);
+        }
+    }
     if RATE && common.tally {
         put(
             registers,
@@ -706,15 +770,28 @@ pub(super) fn run<
             [
                 f.elastic_energy,
                 f.tangential_energy,
-                f.viscous_power + f.tangential_power,
+                f.viscous_power,
                 d.x,
                 d.y,
                 d.z,
-                zero,
+                f.tangential_power,
                 zero,
             ],
             &mut tallies.energies,
         );
+        if common.loads {
+            let (v, p, t) = (f.viscous_force, f.contact_point, f.frictional_force);
+            put(
+                registers,
+                [v.x, v.y, v.z, p.x, p.y, p.z, zero, zero],
+                &mut tallies.viscous,
+            );
+            put(
+                registers,
+                [t.x, t.y, t.z, zero, zero, zero, zero, zero],
+                &mut tallies.tangential,
+            );
+        }
     }
     left
 }

@@ -107,9 +107,14 @@ pub struct ContactForces<T = f64> {
     pub elastic_energy: T,
     /// Elastic energy of the tangential deformation.
     pub tangential_energy: T,
-    /// Power of the viscous part of the normal force, >= 0 when it dissipates.
+    /// What of the force on `j` the viscous terms make, normal and tangential, world frame.
+    pub viscous_force: Vector3<T>,
+    /// What of the tangential force on `j` is not viscous, world frame.
+    pub frictional_force: Vector3<T>,
+    /// Power that the viscous force takes up, >= 0, with the velocities that the force was computed with.
     pub viscous_power: T,
-    /// Power put into the contact by the tangential force.
+    /// Power that the rest of the tangential force takes up, with these velocities: stored in the tangential
+    /// displacement, or dissipated by friction.
     pub tangential_power: T,
 }
 
@@ -334,6 +339,8 @@ pub fn contact_forces<
         rate,
         elastic_energy: normal.elastic_energy,
         tangential_energy: zero,
+        viscous_force: x.normal * (normal.force - normal.elastic),
+        frictional_force: null,
         viscous_power: (normal.force - normal.elastic) * rate,
         tangential_power: zero,
     };
@@ -409,7 +416,11 @@ pub fn contact_forces<
         result.memory = x.tangent.vector(t.memory);
         result.displacement = x.tangent.vector(t.displacement);
         result.tangential_energy = t.elastic_energy;
-        result.tangential_power = -(t.force.dot(velocity));
+        let viscous = t.force - t.elastic_force;
+        result.viscous_force = result.viscous_force + x.tangent.vector(viscous);
+        result.frictional_force = x.tangent.vector(t.elastic_force);
+        result.viscous_power = result.viscous_power - viscous.dot(velocity);
+        result.tangential_power = -(t.elastic_force.dot(velocity));
     }
     result.force = force.to_world(x);
     result.torque_i = torque_i.to_world(x);

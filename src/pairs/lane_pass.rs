@@ -3,9 +3,10 @@
 //!
 //! The order in which forces are added up is that of the list, whatever was left out on the way.
 
-use super::batch::{run as run_batch, separated_by, Batch, BatchTallies, Common};
+use super::batch::{run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common};
 use super::batches::Candidate;
 use super::candidates::Candidates;
+use super::contact_record::of_lane;
 use super::instruction_set::Stage;
 use super::laws::Laws;
 use super::neighbour_list::{check_history, ListError, NeighbourRow, NeighbourRows, Pass, Place};
@@ -49,6 +50,7 @@ struct Contacts<
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
+    const RECORD: bool,
 > {
     pass: &'p mut Pass<'a, 'b, 'c, R>,
     particles: &'p mut Records,
@@ -56,13 +58,13 @@ struct Contacts<
     kind: PhantomData<K>,
 }
 
-impl<R: NeighbourRows, K: Kind, const F: bool, const V: bool, const C: bool> Stage
-    for Contacts<'_, '_, '_, '_, R, K, F, V, C>
+impl<R: NeighbourRows, K: Kind, const F: bool, const V: bool, const C: bool, const P: bool> Stage
+    for Contacts<'_, '_, '_, '_, R, K, F, V, C, P>
 {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         self.pass
-            .contacts::<S, K, F, V, C>(registers, self.particles, self.candidates);
+            .contacts::<S, K, F, V, C, P>(registers, self.particles, self.candidates);
     }
 }
 
@@ -127,7 +129,12 @@ impl<'a> Pending<'a> {
 
 impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     /// The whole list on the workspace's instruction set.
-    pub(super) fn in_lanes<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    pub(super) fn in_lanes<
+        const FRICTION: bool,
+        const RATE: bool,
+        const CONSERVATIVE: bool,
+        const RECORD: bool,
+    >(
         mut self,
         workspace: &mut Workspace,
     ) -> Result<u64, ListError> {
@@ -140,12 +147,12 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         }
         match particles.shapes {
             // The conservative law adds nothing to a force between spheres.
-            Shapes::Spheres => self.of_kind::<Spheres, FRICTION, RATE, false>(workspace)?,
+            Shapes::Spheres => self.of_kind::<Spheres, FRICTION, RATE, false, RECORD>(workspace)?,
             Shapes::Spheroids => {
-                self.of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE>(workspace)?;
+                self.of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE, RECORD>(workspace)?;
             }
             Shapes::Ellipsoids => {
-                self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE>(workspace)?;
+                self.of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE, RECORD>(workspace)?;
             }
         }
         if !workspace.keeps_history {
@@ -155,7 +162,13 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
     }
 
     /// With the closed form of one kind of shape.
-    fn of_kind<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    fn of_kind<
+        K: Kind,
+        const FRICTION: bool,
+        const RATE: bool,
+        const CONSERVATIVE: bool,
+        const RECORD: bool,
+    >(
         &mut self,
         workspace: &mut Workspace,
     ) -> Result<(), ListError> {
@@ -177,7 +190,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             t.pairs += candidates.listed;
         }
         candidates.batches.advanced();
-        set.run(Contacts::<R, K, FRICTION, RATE, CONSERVATIVE> {
+        set.run(Contacts::<R, K, FRICTION, RATE, CONSERVATIVE, RECORD> {
             pass: &mut *self,
             particles,
             candidates,
@@ -264,6 +277,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
         const FRICTION: bool,
         const RATE: bool,
         const CONSERVATIVE: bool,
+        const RECORD: bool,
     >(
         &mut self,
         registers: S,
@@ -290,10 +304,15 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             },
             only_law: one_type.then(|| laws.get(1, 1)),
             tally: self.tallies.is_some(),
+            loads: self
+                .tallies
+                .as_deref()
+                .is_some_and(|t| t.inelastic_loads.is_some()),
         };
         let mut batch_laws = [laws.get(1, 1); MOST_LANES];
         let mut inverse_effective_mass = [0.0; MOST_LANES];
         let mut tallies = BatchTallies::EMPTY;
+        let mut lines = BatchRecords::EMPTY;
         let single = Single {
             records,
             types,
@@ -332,7 +351,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 laws: &batch_laws,
                 inverse_effective_mass: &inverse_effective_mass,
             };
-            let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE>(
+            let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE, RECORD>(
                 registers,
                 &batch,
                 *bits,
@@ -340,10 +359,16 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &common,
                 sums,
                 &mut tallies,
+                &mut lines,
             );
             bits.touching = left.touching as u16 | bits.touching & left.hard as u16;
             if RATE && common.tally {
                 self.tally(&batch, left.touching, &tallies, common.time);
+            }
+            if RECORD {
+                for lane in (0..S::LANES).filter(|lane| left.touching >> lane & 1 != 0) {
+                    self.record(batches.pair(number, lane), lane, &lines, single);
+                }
             }
             let mut hard = left.hard;
             while hard != 0 {
@@ -376,6 +401,7 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 continue;
             }
             let (e, f) = (&tallies.energies[k].0, &tallies.forces[k].0);
+            let (v, r) = (&tallies.viscous[k].0, &tallies.tangential[k].0);
             t.add(
                 batch.i[k] as usize,
                 Some(batch.j[k] as usize),
@@ -383,11 +409,33 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &Contribution {
                     normal_energy: e[0],
                     tangential_energy: e[1],
-                    work: time * e[2],
+                    works: [time * e[2], time * e[6]],
                     d: Vector3::new(e[3], e[4], e[5]),
                     force: Vector3::new(f[0], f[1], f[2]),
+                    viscous_force: Vector3::new(v[0], v[1], v[2]),
+                    tangential_force: Vector3::new(r[0], r[1], r[2]),
+                    contact_point: Vector3::new(v[3], v[4], v[5]),
+                    wall_velocity: Vector3::ZERO,
                 },
             );
+        }
+    }
+
+    /// A touching pair in full.
+    fn record(&mut self, pair: Candidate, lane: usize, lines: &BatchRecords, single: Single<'_>) {
+        let (i, j) = (pair.i as usize, pair.j as usize);
+        let law = self
+            .laws
+            .get(single.types[i] as usize, single.types[j] as usize);
+        if let Some(recorded) = self.recorded.as_deref_mut() {
+            let place = (i, j, pair.entry as usize);
+            recorded.push(of_lane(
+                place,
+                lane,
+                lines,
+                law,
+                single.records[i].position(),
+            ));
         }
     }
 

@@ -7,8 +7,10 @@
 use super::contact::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
 };
+use super::contact_record::{ContactRecord, ContactRecords};
 use super::history::HistoryLayout;
 use super::laws::Laws;
+use super::one_contact::geometry_of;
 use super::particles::{effective_mass, Particle, Workspace};
 use super::tallies::{Contribution, Tallies};
 use super::Step;
@@ -319,7 +321,8 @@ pub(super) fn normal_before(
 }
 
 /// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare_for_pairs`]). Returns how many
-/// contacts were deeper than Hertz' law allows.
+/// contacts were deeper than Hertz' law allows. Where [`Workspace::records_contacts`] is set, the touching pairs are in
+/// [`Workspace::contacts`] then.
 ///
 /// # Errors
 /// What is wrong with the list, before any force is written.
@@ -331,6 +334,7 @@ pub fn compute_pairs<R: NeighbourRows>(
     accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<u64, ListError> {
+    workspace.contacts.clear();
     let features = laws.features();
     if !workspace.works_in_lanes(laws) && !workspace.list_is_known {
         check_rows(&laws.layout(), workspace.particles().len(), rows)?;
@@ -343,6 +347,9 @@ pub fn compute_pairs<R: NeighbourRows>(
         t.start_step();
     }
     let rate = features.viscous || features.friction || tallies.is_some();
+    // Lent to the pass, which has the workspace beside it.
+    let mut recorded = core::mem::take(&mut workspace.contacts);
+    let records = workspace.records_contacts;
     let pass = Pass {
         laws,
         layout: laws.layout(),
@@ -350,16 +357,26 @@ pub fn compute_pairs<R: NeighbourRows>(
         step,
         accumulators,
         tallies,
+        recorded: records.then_some(&mut recorded),
         deep_contacts: 0,
     };
-    match (features.friction, rate, features.conservative) {
-        (true, _, true) => pass.run::<true, true, true>(workspace),
-        (true, _, false) => pass.run::<true, true, false>(workspace),
-        (false, true, true) => pass.run::<false, true, true>(workspace),
-        (false, true, false) => pass.run::<false, true, false>(workspace),
-        (false, false, true) => pass.run::<false, false, true>(workspace),
-        (false, false, false) => pass.run::<false, false, false>(workspace),
+    let deep_contacts = match (features.friction, rate, features.conservative) {
+        // One kernel with all terms, of which the laws use theirs, serves all scenes.
+        _ if records => pass.run::<true, true, true, true>(workspace),
+        (true, _, true) => pass.run::<true, true, true, false>(workspace),
+        (true, _, false) => pass.run::<true, true, false, false>(workspace),
+        (false, true, true) => pass.run::<false, true, true, false>(workspace),
+        (false, true, false) => pass.run::<false, true, false, false>(workspace),
+        (false, false, true) => pass.run::<false, false, true, false>(workspace),
+        (false, false, false) => pass.run::<false, false, false, false>(workspace),
+    };
+    if deep_contacts.is_ok() {
+        recorded.sort();
+    } else {
+        recorded.clear();
     }
+    workspace.contacts = recorded;
+    deep_contacts
 }
 
 /// Goes through a new list for entries that name no particle and for histories that no call has written. In lanes the search
@@ -413,6 +430,8 @@ pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
     pub step: &'a Step,
     pub accumulators: &'a mut Accumulators<'b>,
     pub tallies: Option<&'a mut Tallies<'c>>,
+    /// Every touching pair, where asked for.
+    pub recorded: Option<&'a mut ContactRecords>,
     pub deep_contacts: u64,
 }
 
@@ -425,12 +444,12 @@ pub(super) struct Place {
 }
 
 impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
-    fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    fn run<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool, const RECORD: bool>(
         self,
         workspace: &mut Workspace,
     ) -> Result<u64, ListError> {
         if workspace.works_in_lanes(self.laws) {
-            self.in_lanes::<FRICTION, RATE, CONSERVATIVE>(workspace)
+            self.in_lanes::<FRICTION, RATE, CONSERVATIVE, RECORD>(workspace)
         } else {
             Ok(self.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
         }
@@ -545,6 +564,16 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
             &remembered,
         );
         self.deep_contacts += found.deep as u64;
+        if let Some(recorded) = self.recorded.as_deref_mut() {
+            recorded.push(ContactRecord {
+                i: place.i,
+                j: place.j,
+                entry: place.entry,
+                linear: law.kinds.linear,
+                geometry: geometry_of(&found, i, j, law.constants.share_i),
+                forces: f,
+            });
+        }
         self.apply(place, d, found.normal, &f, remembered.time);
     }
 
@@ -573,9 +602,13 @@ impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
                 &Contribution {
                     normal_energy: f.elastic_energy,
                     tangential_energy: f.tangential_energy,
-                    work: time * (f.viscous_power + f.tangential_power),
+                    works: [time * f.viscous_power, time * f.tangential_power],
                     d,
                     force: f.force,
+                    viscous_force: f.viscous_force,
+                    tangential_force: f.frictional_force,
+                    contact_point: f.contact_point,
+                    wall_velocity: Vector3::ZERO,
                 },
             );
         }

@@ -94,7 +94,12 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
     })
 }
 
-fn geometry_of(found: &ContactSearch, i: &Particle, j: &Particle, share_i: f64) -> OneContact {
+pub(super) fn geometry_of(
+    found: &ContactSearch,
+    i: &Particle,
+    j: &Particle,
+    share_i: f64,
+) -> OneContact {
     let m = relative_curvature_matrix(
         i.body.weingarten(&found.support_i, &found.tangent),
         j.body.weingarten(&found.support_j, &found.tangent),

@@ -196,6 +196,10 @@ pub struct Workspace {
     pub instruction_set: InstructionSet,
     /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
     pub keeps_history: bool,
+    /// Whether [`super::compute_pairs`] records every touching pair.
+    pub records_contacts: bool,
+    /// The touching pairs of the last call that recorded them; none after one that did not.
+    pub contacts: super::ContactRecords,
     /// Whether the rows of the list were looked through since the list changed.
     pub(super) list_is_known: bool,
     /// Contacts so far that were deeper than Hertz' law allows ([`crate::geometry::ContactSearch::deep`]).
@@ -248,6 +252,8 @@ impl Workspace {
             walls: Vec::new(),
             instruction_set,
             keeps_history: false,
+            records_contacts: false,
+            contacts: super::ContactRecords::default(),
             list_is_known: false,
             deep_contacts: 0,
             allocated: |_, _| (),
@@ -401,6 +407,7 @@ impl Workspace {
         self.particles.capacity() * core::mem::size_of::<Particle>()
             + self.records.bytes()
             + self.candidates.bytes()
+            + self.contacts.bytes()
     }
 
     /// The particles prepared one at a time.

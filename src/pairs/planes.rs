@@ -199,9 +199,16 @@ pub fn compute_planes(
                     &Contribution {
                         normal_energy: f.elastic_energy,
                         tangential_energy: f.tangential_energy,
-                        work: remembered.time * (f.viscous_power + f.tangential_power),
+                        works: [
+                            remembered.time * f.viscous_power,
+                            remembered.time * f.tangential_power,
+                        ],
                         d: f.contact_point,
                         force: f.force,
+                        viscous_force: f.viscous_force,
+                        tangential_force: f.frictional_force,
+                        contact_point: f.contact_point,
+                        wall_velocity: wall.velocity,
                     },
                 );
             }

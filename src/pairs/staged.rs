@@ -15,6 +15,7 @@ use crate::force::conservative::{
 };
 use crate::force::hertz_factors;
 use crate::force::{PairLaw, Tangential};
+use crate::geometry::facet_shares::Share;
 use crate::geometry::{Outcome, Symmetric2, Tangent, Vector2, Vector3};
 
 /// The surface of a wall where a body touches it.
@@ -33,6 +34,8 @@ pub struct WallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there.
     pub velocity: Vector3,
+    /// By how much of the law the surface acts, and the gradient of that.
+    pub share: Share,
 }
 
 /// What is remembered of a contact.
@@ -55,6 +58,7 @@ pub struct StagedContact {
     curvature: Symmetric2,
     /// For a wall: its turning radii and the direction that they belong to, in the tangent basis.
     wall: Option<([f64; 2], Vector2)>,
+    share: Share,
 }
 
 impl StagedContact {
@@ -81,6 +85,7 @@ impl StagedContact {
                     curvature: relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
                     x,
                     wall: None,
+                    share: Share::WHOLE,
                 });
             }
             Outcome::Separated(n) => *cached_normal = n,
@@ -134,6 +139,7 @@ impl StagedContact {
             },
             curvature,
             wall: Some((wall.turning_radii, along)),
+            share: wall.share,
         })
     }
 
@@ -160,11 +166,11 @@ impl StagedContact {
     }
 
     /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
-    /// makes a law written for spheres exact on ellipses in its normal force.
+    /// makes a law written for spheres exact on ellipses in its normal force. Times the square of the share.
     pub fn equivalent_radius(&self) -> f64 {
         let (trace, determinant) = (self.curvature.trace(), self.curvature.determinant());
         let phi = hertz_factors::exact(trace, determinant, false).phi;
-        0.5 / determinant.sqrt() * phi * phi
+        0.5 / determinant.sqrt() * phi * phi * self.share.value * self.share.value
     }
 
     /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
@@ -199,6 +205,7 @@ impl StagedContact {
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
+        self.take_share(law.kinds.conservative, &mut f);
         Ok(f)
     }
 
@@ -218,6 +225,7 @@ impl StagedContact {
         // The normal part is subtracted below: without its further terms.
         law.kinds.conservative = false;
         let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        self.take_share(false, &mut f);
         f.force = f.tangential_force;
         f.torque_i = -f.contact_point.cross(f.tangential_force);
         f.torque_j = if self.is_wall() {
@@ -245,6 +253,7 @@ impl StagedContact {
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
+        self.take_share(law.kinds.conservative, &mut f);
         Ok(f)
     }
 
@@ -306,6 +315,34 @@ impl StagedContact {
                 kinds, constants, &factors, m, x, remembered,
             )
         })
+    }
+
+    /// Times the share; with the conservative law, the further terms by which force and torque are the gradient of share
+    /// times energy. What is remembered is that of the whole, so that it can go from one face to the next.
+    fn take_share(&self, conservative: bool, f: &mut ContactForces) {
+        let share = &self.share;
+        if share.value == 1.0 {
+            return;
+        }
+        let w = share.value;
+        f.force = f.force * w;
+        f.torque_i = f.torque_i * w;
+        f.torque_j = f.torque_j * w;
+        f.tangential_force = f.tangential_force * w;
+        if conservative {
+            f.force = f.force + share.by_position * f.elastic_energy;
+            f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;
+        }
+        for part in [
+            &mut f.normal_force,
+            &mut f.stiffness,
+            &mut f.elastic_energy,
+            &mut f.tangential_energy,
+            &mut f.viscous_power,
+            &mut f.tangential_power,
+        ] {
+            *part *= w;
+        }
     }
 
     /// A plane holds the normal where it is; on any other wall the normal turns as the body moves, and the energy changes

@@ -185,6 +185,9 @@ fn no_surface() -> EllgranWallSurface {
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: [0.0; 3],
+        others_share: 0.0,
+        others_share_by_position: [0.0; 3],
+        others_share_by_rotation: [0.0; 3],
     }
 }
 

@@ -6,7 +6,9 @@ use std::ptr::null_mut;
 
 use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::law::ellgran_laws_new;
-use ellgran::c_api::neighbour_list::{ellgran_compute_pairs, ellgran_write_history};
+use ellgran::c_api::neighbour_list::{
+    ellgran_compute_pairs, ellgran_forget_history, ellgran_write_history,
+};
 use ellgran::c_api::status::{ELLGRAN_ERROR_ARGUMENT, ELLGRAN_SUCCESS};
 
 use crate::scene::*;
@@ -206,4 +208,57 @@ fn types_may_change() {
             assert!((a - b).abs() <= 1e-11 * largest, "step {step}: {a} and {b}");
         }
     }
+}
+
+/// A caller that has given up its list loses what was kept of it, and nothing else: the new list is taken as it is, also
+/// where it is said to be unchanged.
+#[test]
+fn what_is_kept_can_be_forgotten() {
+    for unchanged in [false, true] {
+        let mut bodies = random_bodies(5);
+        let mut run = Run::new(&DECKS[0], &bodies, true);
+        for step in 0..5 {
+            advance(&mut bodies, 3e-3);
+            ok(run.step(&bodies, step > 0).0);
+        }
+        let before = run.history();
+        // The arrays of the list are gone; those of another one start from nothing.
+        run.list = List::near(&bodies, OWNED, run.laws.length());
+        let new = run.history();
+        let words = ["unchanged = 0", "ellgran_forget_history"];
+        let refused = run.step(&bodies, false).0;
+        crate::scene::fails(refused, ELLGRAN_ERROR_ARGUMENT, &words);
+        // SAFETY: the workspace is valid.
+        ok(unsafe { ellgran_forget_history(run.workspace.0) });
+        // Nothing is left to write.
+        run.write();
+        assert_eq!(run.history(), new);
+        assert_ne!(before, new);
+        let (status, forces) = run.step(&bodies, unchanged);
+        ok(status);
+        let mut fresh = Run::new(&DECKS[0], &bodies, true);
+        let (status, expected) = fresh.step(&bodies, false);
+        ok(status);
+        // The two workspaces look at other candidates: the forces are the same but for rounding.
+        let largest = |v: &[Vec<[f64; 3]>; 2]| {
+            v.iter()
+                .flatten()
+                .flatten()
+                .fold(0.0, |m: f64, x| x.abs().max(m))
+        };
+        let mut apart = forces.clone();
+        for (a, b) in apart.iter_mut().flatten().zip(expected.iter().flatten()) {
+            for (a, b) in a.iter_mut().zip(b) {
+                *a -= b;
+            }
+        }
+        assert!(largest(&apart) < 1e-12 * largest(&expected));
+    }
+    // SAFETY: NULL is refused.
+    let status = unsafe { ellgran_forget_history(null_mut()) };
+    crate::scene::fails(
+        status,
+        ellgran::c_api::status::ELLGRAN_ERROR_NULL_POINTER,
+        &["workspace"],
+    );
 }

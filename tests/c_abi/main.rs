@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code)]
 
+mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod errors;
@@ -13,8 +14,10 @@ mod instruction_sets;
 mod kept_history;
 mod list_changes;
 mod lists;
+mod measures;
 mod null_pointers;
 mod paths;
+mod recorded;
 mod scene;
 mod shapes;
 mod stages;

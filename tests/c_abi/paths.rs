@@ -7,6 +7,7 @@ use ellgran::c_api::contact::*;
 use ellgran::c_api::law::ELLGRAN_OPTION_NO_WARM_START;
 use ellgran::c_api::neighbour_list::{ellgran_compute_pairs, ellgran_write_history};
 use ellgran::c_api::particles::EllgranStep;
+use ellgran::c_api::tallies::ellgran_tally_following_half_step;
 
 use crate::scene::*;
 
@@ -110,6 +111,18 @@ fn add(sum: &mut [f64], term: &[f64], sign: f64) {
     for (s, t) in sum.iter_mut().zip(term) {
         *s += sign * t;
     }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn size(v: &[f64]) -> f64 {
@@ -225,7 +238,7 @@ impl Comparison {
         let mut list = List::near(&bodies, OWNED, length);
         let mut alone = List::near(&bodies, OWNED, length);
         let mut tallies = no_tallies();
-        let mut work = 0.0;
+        let mut works = [0.0; 2];
         let mut work_scale = 0.0;
         for n in 0..steps {
             // The first is the set-up of a run: nothing advances.
@@ -242,6 +255,9 @@ impl Comparison {
             let mut virials = vec![[0.0; 6]; count];
             tallies.particle_energies = energies.as_mut_ptr();
             tallies.particle_virials = virials.as_mut_ptr().cast();
+            // What is there is overwritten.
+            let mut loads = vec![[7.0; 12]; count];
+            tallies.inelastic_loads = loads.as_mut_ptr().cast();
             let (mut particles, mut view) = (arrays.particles(), list.view(newton));
             let solid: Vec<f64> = bodies.iter().map(|b| b.mass.min(3.0)).collect();
             let momenta: Vec<[f64; 3]> = bodies
@@ -287,6 +303,7 @@ impl Comparison {
                 virial_scale: 0.0,
                 touching: 0.0,
             };
+            let mut alone_loads = vec![[[0.0; 3]; 4]; count];
             let mut memory_scale = vec![0.0f64; length];
             let mut roundings = vec![Vec::new(); OWNED];
             for i in 0..OWNED {
@@ -297,7 +314,7 @@ impl Comparison {
                     let before = *flag;
                     let history = &mut alone.history[i][m * length..(m + 1) * length];
                     // SAFETY: all arguments are valid.
-                    let (f, penetration) = unsafe {
+                    let (f, penetration, contact_point) = unsafe {
                         ok(ellgran_contact(
                             laws.0,
                             &bodies[i],
@@ -308,7 +325,11 @@ impl Comparison {
                             geometry.pointer(),
                             force.pointer(),
                         ));
-                        (*force.pointer(), (*geometry.pointer()).penetration)
+                        (
+                            *force.pointer(),
+                            (*geometry.pointer()).penetration,
+                            (*geometry.pointer()).contact_point,
+                        )
                     };
                     for (scale, h) in memory_scale.iter_mut().zip(history.iter()) {
                         *scale = scale.max(h.abs());
@@ -347,18 +368,19 @@ impl Comparison {
                         sums.torque_scale[k] += amplified * (size(&torque) + terms);
                         sums.energies[k] += energy;
                         add(&mut sums.virials[k], &virial, 0.5);
+                        let arm = std::array::from_fn(|c| contact_point[c] - bodies[k].position[c]);
+                        for (part, force) in
+                            [f.viscous_force, f.frictional_force].iter().enumerate()
+                        {
+                            add(&mut alone_loads[k][2 * part], force, sign);
+                            add(&mut alone_loads[k][2 * part + 1], &cross(arm, *force), sign);
+                        }
                     }
                     sums.normal_energy += weight * f.elastic_energy;
                     sums.tangential_energy += weight * f.tangential_energy;
                     add(&mut sums.virial, &virial, weight);
                     sums.virial_scale += size(&virial);
                     sums.touching += weight * f64::from(*flag);
-                    if n > 0 {
-                        let power = f.viscous_power + f.tangential_power;
-                        work += weight * step.time_step * power;
-                        work_scale +=
-                            step.time_step * (f.viscous_power.abs() + f.tangential_power.abs());
-                    }
                 }
             }
 
@@ -424,9 +446,65 @@ impl Comparison {
                 &at,
             );
             close(&tallies.virial, &sums.virial, sums.virial_scale, &at);
-            close(&[tallies.accumulated_work], &[work], work_scale, &at);
-            let dissipated = tallies.accumulated_work - tallies.tangential_elastic_energy;
+            // Who the loads are handed to, as torques or for angular momenta, and their work in the half step before.
+            let handed = if newton { count } else { OWNED };
+            for (k, load) in loads.iter().enumerate() {
+                let b = &bodies[k];
+                for (part, expected) in alone_loads[k].iter().enumerate() {
+                    let mut given: [f64; 3] = std::array::from_fn(|c| load[3 * part + c]);
+                    if self.momenta && part % 2 == 1 {
+                        given = angular_momentum(b.semi_axes, b.quaternion, solid[k], given);
+                    }
+                    let scale = if part % 2 == 0 {
+                        sums.force_scale[k]
+                    } else {
+                        sums.torque_scale[k]
+                    };
+                    close(
+                        &given,
+                        expected,
+                        scale,
+                        &format!("{at}: load {part} of {k}"),
+                    );
+                    if n > 0 && k < handed {
+                        let motion = if part % 2 == 0 {
+                            b.velocity
+                        } else {
+                            b.angular_velocity
+                        };
+                        let half = 0.5 * step.time_step;
+                        works[part / 2] -= half * dot(*expected, motion);
+                        work_scale += half * scale * size(&motion);
+                    }
+                }
+            }
+            let given = [tallies.viscous_dissipation, tallies.tangential_work];
+            close(&given, &works, work_scale, &at);
+            let friction = tallies.tangential_work - tallies.tangential_elastic_energy;
+            assert_eq!(tallies.frictional_dissipation, friction, "{at}");
+            let dissipated = tallies.viscous_dissipation + friction;
             assert_eq!(tallies.dissipated_energy, dissipated, "{at}");
+            // The half step after, here with the same velocities: as much again by the owned particles.
+            // SAFETY: all arrays live to the end of the step.
+            unsafe {
+                ok(ellgran_tally_following_half_step(
+                    &particles,
+                    &step,
+                    &mut tallies,
+                ));
+            }
+            if n > 0 {
+                for (k, loads) in alone_loads.iter().enumerate().take(OWNED) {
+                    let b = &bodies[k];
+                    let half = 0.5 * step.time_step;
+                    for (part, load) in loads.iter().enumerate() {
+                        let motion = [b.velocity, b.angular_velocity][part % 2];
+                        works[part / 2] -= half * dot(*load, motion);
+                    }
+                }
+            }
+            let given = [tallies.viscous_dissipation, tallies.tangential_work];
+            close(&given, &works, 2.0 * work_scale, &at);
             assert_eq!(tallies.touching_count, sums.touching, "{at}");
             let pairs: usize = list.rows.iter().map(Vec::len).sum();
             assert_eq!(tallies.pair_count, pairs as i64, "{at}");

@@ -98,6 +98,9 @@ const WALL: EllgranWallSurface = EllgranWallSurface {
     curvatures: [0.0; 2],
     turning_radii: [f64::INFINITY; 2],
     velocity: [0.1, 0.0, 0.2],
+    others_share: 0.0,
+    others_share_by_position: [0.0; 3],
+    others_share_by_rotation: [0.0; 3],
 };
 
 #[track_caller]
@@ -271,6 +274,8 @@ fn values_of_the_stages() {
             |w| w.velocity[0] = f64::INFINITY,
             |w| w.curvatures[1] = f64::NAN,
             |w| w.turning_radii[0] = f64::NAN,
+            |w| w.others_share = f64::NAN,
+            |w| w.others_share = 1.5,
         ];
         for change in changes {
             let mut wall = WALL;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An install prefix, compilers, and programs that are run.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,28 @@ pub fn root() -> &'static Path {
 
 pub fn header() -> String {
     fs::read_to_string(root().join("include").join("ellgran.h")).expect("include/ellgran.h")
+}
+
+/// The header without its comments.
+pub fn declarations() -> String {
+    let header = header();
+    let mut text = String::new();
+    let mut rest = header.as_str();
+    while let Some((before, after)) = rest.split_once("/*") {
+        text.push_str(before);
+        rest = after.split_once("*/").map_or("", |(_, rest)| rest);
+    }
+    text + rest
+}
+
+/// The functions of the header.
+pub fn declared_functions() -> BTreeSet<String> {
+    declarations()
+        .split('(')
+        .filter_map(|before| before.rsplit([' ', '*', '\n']).next())
+        .filter(|name| name.starts_with("ellgran_"))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// An empty directory of this test's own.

@@ -13,14 +13,18 @@ use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::planes::EllgranPlane;
+use ellgran::c_api::recorded::EllgranContactPlace;
 use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
 use ellgran::c_api::status::*;
+use ellgran::c_api::stiffness::EllgranContactStiffness;
 use ellgran::c_api::tallies::EllgranTallies;
 use ellgran::c_api::version::ELLGRAN_ABI_VERSION;
 use ellgran::c_api::walls::EllgranWallContact;
 
 use crate::emulator;
-use crate::harness::{build, compiler, fail, header, installed, scratch, succeed, Language};
+use crate::harness::{
+    build, compiler, declarations, declared_functions, fail, installed, scratch, succeed, Language,
+};
 
 /// What must hold, as C expressions.
 #[derive(Default)]
@@ -71,7 +75,7 @@ fn claims() -> Claims {
         }
         EllgranContactForce {
             size, force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
-            tangential_energy, viscous_power, tangential_power, contact_semi_axes,
+            tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power, contact_semi_axes,
         }
         EllgranLawParameters {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
@@ -80,22 +84,30 @@ fn claims() -> Claims {
         }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,
-            unchanged, keep_history, touching, history,
+            unchanged, keep_history, record_contacts, touching, history,
         }
         EllgranParticles {
             size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
             identifier_bytes, forces, torques,
         }
-        EllgranWallSurface { size, point, normal, direction, curvatures, turning_radii, velocity }
+        EllgranWallSurface {
+            size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,
+            others_share_by_rotation,
+        }
         EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
         EllgranStagedPast { size, friction, touched, normal }
         EllgranWallContact { size, triangle, weights }
+        EllgranContactStiffness {
+            size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
+        }
+        EllgranContactPlace { size, i, j, entry }
         EllgranStep { size, advance_history, time_step }
         EllgranPlane { size, point, normal, velocity }
         EllgranTallies {
-            size, particle_energies, particle_virials, accumulated_work, dissipated_energy, normal_elastic_energy,
-            tangential_elastic_energy, virial, touching_count, pair_count,
+            size, particle_energies, particle_virials, inelastic_loads, wall_powers, viscous_dissipation, tangential_work,
+            frictional_dissipation, dissipated_energy, normal_elastic_energy, tangential_elastic_energy, virial,
+            touching_count, pair_count,
         }
     }
     constants! { claims:
@@ -112,18 +124,6 @@ fn claims() -> Claims {
         ELLGRAN_ERROR_HALE ELLGRAN_ERROR_PARTICLE ELLGRAN_ERROR_HISTORY ELLGRAN_ERROR_RESULT ELLGRAN_ERROR_PANIC
     }
     claims
-}
-
-/// The header without its comments.
-fn declarations() -> String {
-    let header = header();
-    let mut text = String::new();
-    let mut rest = header.as_str();
-    while let Some((before, after)) = rest.split_once("/*") {
-        text.push_str(before);
-        rest = after.split_once("*/").map_or("", |(_, rest)| rest);
-    }
-    text + rest
 }
 
 #[test]
@@ -208,12 +208,7 @@ fn sizes_offsets_and_constants_are_the_same() {
 
 #[test]
 fn every_declared_function_is_in_the_library() {
-    let text = declarations();
-    let names: BTreeSet<&str> = text
-        .split('(')
-        .filter_map(|before| before.rsplit([' ', '*', '\n']).next())
-        .filter(|name| name.starts_with("ellgran_"))
-        .collect();
+    let names = declared_functions();
     assert!(names.len() > 15, "{names:?}");
     let mut program = String::from(
         "#include <ellgran.h>\ntypedef void (*Function)(void);\nstatic const Function all[] = {\n",

@@ -10,5 +10,6 @@ mod packages;
 #[path = "../../xtask/src/install/prefix.rs"]
 mod prefix;
 mod sanitizer;
+mod shared;
 #[path = "../../examples/rust/two_grains.rs"]
 mod two_grains;

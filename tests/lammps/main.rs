@@ -13,6 +13,7 @@ use engines::shapes;
 mod conservation;
 mod contact_or_not;
 mod decomposition;
+mod energy_balance;
 mod engine_commands;
 mod golden_pairs;
 mod grown_and_moved;

@@ -165,3 +165,105 @@ fn both_versions_energy_is_kept_stored_or_dissipated() {
         assert!(fine.0 < 2e-3 && fine.0 < 0.5 * coarse.0, "{law}");
     }
 }
+
+/// Rows of the last section of a dump.
+fn last_rows(text: &str) -> Vec<Vec<f64>> {
+    let section = text.rsplit("ITEM: TIMESTEP").next().unwrap();
+    section
+        .lines()
+        .skip_while(|l| !l.starts_with("ITEM: ENTRIES"))
+        .skip(1)
+        .map(|l| l.split_whitespace().map(|w| w.parse().unwrap()).collect())
+        .collect()
+}
+
+/// `compute pair/local` shows the forces and torques that acted: over all pairs they add up to those on the atoms.
+#[test]
+fn both_versions_pair_local_shows_the_forces_that_acted() {
+    let engine = Engine::from_environment();
+    let scene = crowd(64);
+    for law in [
+        LAW,
+        "nfd 1e8 0.3 2000 3000 tangential tfd 0.5 displacement rescaled",
+        "hertz 1e8 0.3 damping restitution 0.5 tangential mindlin 0.5 displacement incremental",
+        "lsd 2e5 5 tangential linear 1.5e5 3 0.5",
+        "nfd 1e8 0.3 2000 3000 unloading first_order limit_force no",
+    ] {
+        let mut powers = vec![];
+        let all = [
+            (1, true, 0),
+            (1, true, 300),
+            (4, false, 300),
+            (2, true, 300),
+            (2, false, 300),
+            (4, true, 300),
+        ];
+        // The first law on all ranks, the others on some.
+        let decompositions = if law == LAW { &all[..] } else { &all[..3] };
+        for &(ranks, newton, steps) in decompositions {
+            let deck = Deck {
+                newton,
+                time_step: 1e-5,
+                steps,
+                skin: 2e-3,
+                fixes: vec![
+                    "compute ends all property/local patom1 patom2".into(),
+                    "compute contact all pair/local p21 p22 p23 p24 p25 p26 p27 p28 p29 p32 p33"
+                        .into(),
+                ],
+                runs: vec![
+                    format!("run {steps}"),
+                    "write_dump all local contacts c_ends[1] c_ends[2] c_contact[*] modify format float %.17g"
+                        .into(),
+                ],
+                ..Deck::new(law)
+            };
+            let outcome = run(&engine, "local_sums", &scene, &deck, ranks);
+            let rows = last_rows(&fs::read_to_string(outcome.directory.join("contacts")).unwrap());
+            let mut sums = vec![[0.0f64; 6]; scene.grains.len()];
+            let mut contacts = 0;
+            let mut power = [0.0; 2];
+            for row in &rows {
+                let (i, j) = (row[0] as usize - 1, row[1] as usize - 1);
+                contacts += (row[2] != 0.0) as usize;
+                for k in 0..3 {
+                    sums[i][k] += row[2 + k];
+                    sums[j][k] -= row[2 + k];
+                    sums[i][3 + k] += row[5 + k];
+                    sums[j][3 + k] += row[8 + k];
+                }
+                assert!(row[11] >= 0.0, "{law}: a viscous force that gives energy");
+                power[0] += row[11];
+                power[1] += row[12];
+            }
+            let states = &outcome.last().states;
+            let scale = |of: fn(&crate::harness::State) -> Vector| {
+                states.iter().map(|s| length(of(s))).fold(0.0, f64::max)
+            };
+            let scales = [scale(|s| s.force), scale(|s| s.torque)];
+            let error = sums
+                .iter()
+                .zip(states)
+                .flat_map(|(sum, s)| {
+                    [
+                        length(sub([sum[0], sum[1], sum[2]], s.force)) / scales[0],
+                        length(sub([sum[3], sum[4], sum[5]], s.torque)) / scales[1],
+                    ]
+                })
+                .fold(0.0, f64::max);
+            println!("{law}: {ranks} ranks, newton {newton}, {steps} steps: {contacts} contacts, off by {error:.1e}");
+            assert!(steps == 0 || contacts >= 3);
+            assert!(error < 1e-11, "{law}: {ranks} ranks, newton {newton}");
+            if steps > 0 {
+                powers.push(power);
+            }
+        }
+        let size = powers[0][0].abs() + powers[0][1].abs();
+        assert!(size > 0.0, "{law}");
+        for power in &powers {
+            for k in 0..2 {
+                assert!((power[k] - powers[0][k]).abs() < 1e-6 * size, "{law}");
+            }
+        }
+    }
+}

@@ -26,6 +26,7 @@ mod installer;
 mod local_output;
 mod many_triangles;
 mod mesh_edges;
+mod mesh_folds;
 mod mesh_ranks;
 mod meshes;
 mod misuse;

@@ -12,6 +12,7 @@ mod elastic_collision;
 mod energy_gradient;
 mod exchange_of_bodies;
 mod extremes;
+mod faceted_walls;
 mod first_touch;
 mod gap;
 mod global_minimum;

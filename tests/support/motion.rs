@@ -45,13 +45,13 @@ impl Rigid {
         0.5 * self.body.mass * v.norm_squared()
             + 0.5 * self.momentum.dot(&Vector::from(self.body.angular_velocity))
     }
-    fn kick(&mut self, force: Vector, torque: Vector, time: f64) {
+    pub fn kick(&mut self, force: Vector, torque: Vector, time: f64) {
         self.body.velocity =
             array(Vector::from(self.body.velocity) + force * (time / self.body.mass));
         self.momentum += torque * time;
         self.set_angular_velocity();
     }
-    fn drift(&mut self, time: f64) {
+    pub fn drift(&mut self, time: f64) {
         self.body.position = array(position(&self.body) + Vector::from(self.body.velocity) * time);
         let inertia = self.inertia();
         let mut q = self.turn();

@@ -9,6 +9,7 @@ mod support;
 
 mod closures;
 mod compliance;
+mod critical_step;
 mod factor_fit;
 mod golden_pairs;
 mod hale;

@@ -4,8 +4,9 @@
 mod prefix;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{bail, Context, Result};
 
 use crate::progress::say;
 use crate::workspace::{cargo, root, target_directory};
@@ -16,10 +17,13 @@ pub struct Options {
     /// Where lib/ and include/ are to be
     #[arg(long)]
     prefix: PathBuf,
+    /// The shared library libellgran.so too (Linux), linked by $CC or cc
+    #[arg(long)]
+    shared: bool,
 }
 
 pub fn install(options: &Options) -> Result<()> {
-    into(&options.prefix)?;
+    fill(&options.prefix, options.shared)?;
     let prefix = std::path::absolute(&options.prefix)?;
     say(format!(
         "installed into {0}\n  pkg-config: PKG_CONFIG_PATH={0}/lib/pkgconfig\n  CMake:      -DCMAKE_PREFIX_PATH={0}",
@@ -28,7 +32,17 @@ pub fn install(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// Without the shared library.
 pub fn into(prefix: &Path) -> Result<()> {
+    fill(prefix, false)
+}
+
+fn fill(prefix: &Path, shared: bool) -> Result<()> {
+    if shared && !cfg!(target_os = "linux") {
+        bail!(
+            "--shared is made for the linkers of Linux: leave it out, and link the static library"
+        );
+    }
     let system_libraries =
         prefix::system_libraries(&root(), &target_directory()?.join(prefix::TEST_PROFILE))?;
     let metadata: serde_json::Value = serde_json::from_str(&process::output_of(cargo().args([
@@ -46,15 +60,15 @@ pub fn into(prefix: &Path) -> Result<()> {
             .as_str()
             .with_context(|| format!("Cargo.toml has no {key}"))
     };
-    prefix::fill(
-        prefix,
-        &root(),
-        &library::library()?,
-        &prefix::Package {
-            version: text("version")?,
-            description: text("description")?,
-            system_libraries: &system_libraries,
-        },
-    )?;
+    let package = prefix::Package {
+        version: text("version")?,
+        description: text("description")?,
+        system_libraries: &system_libraries,
+    };
+    prefix::fill(prefix, &root(), &library::library()?, &package)?;
+    if shared {
+        let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
+        prefix::add_shared(prefix, &root(), &package, Command::new(compiler))?;
+    }
     Ok(())
 }

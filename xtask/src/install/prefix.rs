@@ -19,6 +19,68 @@ pub struct Package<'a> {
     pub system_libraries: &'a str,
 }
 
+/// The version of the binary interface, which names the shared library.
+fn abi_version(header: &Path) -> Result<String> {
+    let text = fs::read_to_string(header).map_err(|e| naming(header, e))?;
+    text.lines()
+        .find_map(|line| line.strip_prefix("#define ELLGRAN_ABI_VERSION "))
+        .map(|version| version.trim().to_owned())
+        .ok_or_else(|| Error::other("ellgran.h has no ELLGRAN_ABI_VERSION"))
+}
+
+/// Adds the shared library to a prefix that has the static one, of whose code it is made: `libellgran.so.N`, N the version of
+/// the binary interface, `libellgran.so`, which points to it, and a pkg-config file. It shows the functions of the header
+/// and nothing else. `compiler` is a C compiler that links for the GNU or LLVM linker.
+pub fn add_shared(
+    prefix: &Path,
+    root: &Path,
+    package: &Package,
+    mut compiler: Command,
+) -> Result<()> {
+    let lib = prefix.join("lib");
+    let name = format!(
+        "libellgran.so.{}",
+        abi_version(&prefix.join("include").join("ellgran.h"))?
+    );
+    let exports = root.join("packaging").join("exports.map");
+    let option = |name: &str, value: &Path| {
+        let mut all = std::ffi::OsString::from(name);
+        all.push(value);
+        all
+    };
+    let output = compiler
+        .args(["-shared", "-fPIC", "-o"])
+        .arg(lib.join(&name))
+        .arg(format!("-Wl,-soname,{name}"))
+        .arg(option("-Wl,--version-script=", &exports))
+        .args(["-Wl,--gc-sections", "-Wl,-z,defs", "-Wl,--whole-archive"])
+        .arg(lib.join("libellgran.a"))
+        .arg("-Wl,--no-whole-archive")
+        .args(package.system_libraries.split_whitespace())
+        .stdin(Stdio::null())
+        .output()?;
+    if !output.status.success() {
+        return Err(Error::other(format!(
+            "{name} does not link:\n{}",
+            String::from_utf8_lossy(&output.stderr)
+        )));
+    }
+    let link = lib.join("libellgran.so");
+    let _ = fs::remove_file(&link);
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(&name, &link).map_err(|e| naming(&link, e))?;
+    let templates = root.join("packaging");
+    template(
+        &templates,
+        &lib.join("pkgconfig"),
+        "ellgran-shared.pc",
+        &[
+            ("@VERSION@", package.version),
+            ("@DESCRIPTION@", package.description),
+        ],
+    )
+}
+
 /// Writes into `prefix` all that a consumer of the static library needs.
 pub fn fill(prefix: &Path, root: &Path, library: &Path, package: &Package) -> Result<()> {
     let lib = prefix.join("lib");
@@ -32,19 +94,33 @@ pub fn fill(prefix: &Path, root: &Path, library: &Path, package: &Package) -> Re
         (&cmake, "ellgran-config.cmake"),
         (&cmake, "ellgran-config-version.cmake"),
     ] {
-        let template = templates.join(format!("{name}.in"));
-        let text = fs::read_to_string(&template).map_err(|e| naming(&template, e))?;
         let list: Vec<&str> = package.system_libraries.split_whitespace().collect();
-        let filled = text
-            .replace("@VERSION@", package.version)
-            .replace("@DESCRIPTION@", package.description)
-            .replace("@SYSTEM_LIBRARIES@", package.system_libraries)
-            .replace("@SYSTEM_LIBRARIES_LIST@", &list.join(";"));
-        fs::create_dir_all(directory).map_err(|e| naming(directory, e))?;
-        let file = directory.join(name);
-        fs::write(&file, filled).map_err(|e| naming(&file, e))?;
+        template(
+            &templates,
+            directory,
+            name,
+            &[
+                ("@VERSION@", package.version),
+                ("@ABI_VERSION@", &abi_version(&header)?),
+                ("@DESCRIPTION@", package.description),
+                ("@SYSTEM_LIBRARIES@", package.system_libraries),
+                ("@SYSTEM_LIBRARIES_LIST@", &list.join(";")),
+            ],
+        )?;
     }
     Ok(())
+}
+
+/// Fills in a template of packaging/.
+fn template(templates: &Path, directory: &Path, name: &str, values: &[(&str, &str)]) -> Result<()> {
+    let template = templates.join(format!("{name}.in"));
+    let mut text = fs::read_to_string(&template).map_err(|e| naming(&template, e))?;
+    for (word, value) in values {
+        text = text.replace(word, value);
+    }
+    fs::create_dir_all(directory).map_err(|e| naming(directory, e))?;
+    let file = directory.join(name);
+    fs::write(&file, text).map_err(|e| naming(&file, e))
 }
 
 /// The system libraries that rustc says a static link of the crate needs, each once, but for the unwinder. Leaves the library itself, built with

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The touching pairs of a neighbour list one by one, as the last call computed them.
+
+use super::contact::{force_of, EllgranContactForce, EllgranContactGeometry};
+use super::growing::{growing, Output};
+use super::particles::EllgranWorkspace;
+use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use libc::size_t;
+
+/// Where a recorded contact stands in the list.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranContactPlace {
+    /// `sizeof(EllgranContactPlace)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Index of the central particle, the i of geometry and force.
+    pub i: i32,
+    /// Index of its neighbour, without the bits above `index_mask`.
+    pub j: i32,
+    /// Place of the neighbour in the row of the central particle.
+    pub entry: size_t,
+}
+
+growing!(EllgranContactPlace);
+
+/// Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
+/// list if `record_contacts` of the list was 1, else 0, as after a call that failed; 0 for NULL.
+///
+/// # Safety
+/// `workspace` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_recorded_count(workspace: *const EllgranWorkspace) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.contacts.as_slice().len())
+}
+
+/// A recorded contact, by its number from 0: where it stands in the list, its geometry, and the force that acted. They are in
+/// the order of the central particles' indices and within these in that of their rows, whatever the instruction set. Each of
+/// the three may be NULL.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_recorded_contact(
+    workspace: *const EllgranWorkspace,
+    number: size_t,
+    place: *mut EllgranContactPlace,
+    geometry: *mut EllgranContactGeometry,
+    force: *mut EllgranContactForce,
+) -> i32 {
+    at_border("ellgran_recorded_contact", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let workspace = &unsafe { required(workspace, "workspace") }?.workspace;
+        let place = unsafe { Output::optional(place, "place") }?;
+        let geometry = unsafe { Output::optional(geometry, "geometry") }?;
+        let force = unsafe { Output::optional(force, "force") }?;
+        let all = workspace.contacts.as_slice();
+        let record = all.get(number).ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "number = {number} is not one of {} recorded contacts",
+                    all.len()
+                ),
+            )
+        })?;
+        if let Some(mut place) = place {
+            place.write(&EllgranContactPlace {
+                size: size_of::<EllgranContactPlace>(),
+                // Indices came as i32.
+                i: record.i as i32,
+                j: record.j as i32,
+                entry: record.entry,
+            });
+        }
+        if let Some(mut geometry) = geometry {
+            geometry.write(&EllgranContactGeometry::from(&record.geometry));
+        }
+        if let Some(mut force) = force {
+            let of_ellipse = (!record.linear).then_some(&record.geometry);
+            force.write(&force_of(of_ellipse, &record.forces));
+        }
+        Ok(())
+    })
+}
+
+/// The number of the recorded contact of two particles, whichever of them is the central one; -1 if they do not touch or
+/// nothing was recorded. Takes a time that grows as the logarithm of the number of contacts.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_recorded_find(
+    workspace: *const EllgranWorkspace,
+    i: i32,
+    j: i32,
+    number: *mut i64,
+) -> i32 {
+    at_border("ellgran_recorded_find", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let workspace = &unsafe { required(workspace, "workspace") }?.workspace;
+        let out = unsafe { required_mut(number, "number") }?;
+        let found = match (usize::try_from(i), usize::try_from(j)) {
+            (Ok(i), Ok(j)) => workspace.contacts.find(i, j),
+            _ => None,
+        };
+        *out = found.map_or(-1, |at| at as i64);
+        Ok(())
+    })
+}

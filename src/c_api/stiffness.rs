@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Stiffness of a contact, its largest stable time step, and how long a collision lasts.
+
+use super::contact::EllgranBody;
+use super::growing::{given, growing, Output};
+use super::law::EllgranLaws;
+use super::particles::hale_failure;
+use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use crate::pairs::stability::{collision_time, contact_stiffness, ContactStiffness};
+use libc::size_t;
+
+/// The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
+/// INFINITY, where the bodies do not touch.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranContactStiffness {
+    /// `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Derivative of the normal force by the penetration, force/length.
+    pub normal_stiffness: f64,
+    /// Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+    pub tangential_stiffness: [f64; 2],
+    /// Of the normal dashpot while the bodies approach, force x time/length.
+    pub normal_damping: f64,
+    /// Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+    pub tangential_damping: [f64; 2],
+    /// The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
+    /// INFINITY for two fixed bodies.
+    pub critical_step: f64,
+}
+
+growing!(EllgranContactStiffness);
+
+/// Stiffness of the contact of two ellipsoids at their present penetration, and its largest stable time step. Masses are those
+/// of the bodies, moments of inertia those of solid ellipsoids; velocities are not read.
+///
+/// With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
+/// relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue of
+/// `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. Of what the rotation of the normal adds to `K`,
+/// smaller by the penetration over the radius of curvature, nothing is in it. In a packing whose particles have at most n
+/// contacts each, the smallest critical step over sqrt(n) is safe (each contact has a share 1/n of the masses: Irons'
+/// theorem). The stiffness grows with the penetration: ask at the largest that is expected.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_contact_stiffness(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    j: *const EllgranBody,
+    stiffness: *mut EllgranContactStiffness,
+) -> i32 {
+    at_border("ellgran_contact_stiffness", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
+        let types = Some(laws.types());
+        let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        let mut out = unsafe { Output::new(stiffness, "stiffness") }?;
+        let found = contact_stiffness(laws, &i, &j)
+            .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?
+            .unwrap_or(ContactStiffness {
+                normal_stiffness: 0.0,
+                tangential_stiffness: [0.0; 2],
+                normal_damping: 0.0,
+                tangential_damping: [0.0; 2],
+                critical_step: f64::INFINITY,
+            });
+        out.write(&EllgranContactStiffness {
+            size: size_of::<EllgranContactStiffness>(),
+            normal_stiffness: found.normal_stiffness,
+            tangential_stiffness: found.tangential_stiffness,
+            normal_damping: found.normal_damping,
+            tangential_damping: found.tangential_damping,
+            critical_step: found.critical_step,
+        });
+        Ok(())
+    })
+}
+
+/// How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
+/// have here, apart or touching, at `speed` > 0 along the normal. For a central impact that is Hertz' time,
+/// `2.9433 delta_max/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the linear law.
+/// Damping makes a collision longer. INFINITY for two fixed bodies.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_collision_time(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    j: *const EllgranBody,
+    speed: f64,
+    time: *mut f64,
+) -> i32 {
+    at_border("ellgran_collision_time", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
+        let types = Some(laws.types());
+        let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        let out = unsafe { required_mut(time, "time") }?;
+        if !(speed > 0.0 && speed.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("speed = {speed} must be greater than 0"),
+            ));
+        }
+        *out = collision_time(laws, &i, &j, speed)
+            .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?;
+        Ok(())
+    })
+}

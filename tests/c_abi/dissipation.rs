@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Kinetic, elastic and dissipated energy of bodies that velocity Verlet moves add up, to second order in the time step.
+
+use std::ptr::{null, null_mut};
+
+use ellgran::c_api::contact::EllgranBody;
+use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
+use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
+use ellgran::c_api::planes::{ellgran_compute_planes, EllgranPlane};
+use ellgran::c_api::status::*;
+use ellgran::c_api::tallies::{ellgran_tally_following_half_step, EllgranTallies};
+
+use crate::scene::*;
+
+/// Energies at the end, and the work of the wall.
+struct Account {
+    before: f64,
+    kinetic: f64,
+    elastic: f64,
+    viscous: f64,
+    friction: f64,
+    wall: f64,
+}
+
+impl Account {
+    /// Share of what was dissipated by which the sum of all energies is off.
+    fn error(&self) -> f64 {
+        let now = self.kinetic + self.elastic + self.viscous + self.friction;
+        (now - self.before - self.wall).abs() / (self.viscous + self.friction)
+    }
+}
+
+/// Unit spheres of mass 1.
+fn kinetic(bodies: &[EllgranBody]) -> f64 {
+    let square = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>();
+    bodies
+        .iter()
+        .map(|b| 0.5 * square(b.velocity) + 0.2 * square(b.angular_velocity))
+        .sum()
+}
+
+fn kick(bodies: &mut [EllgranBody], arrays: &Arrays, time: f64) {
+    for (k, b) in bodies.iter_mut().enumerate() {
+        for c in 0..3 {
+            b.velocity[c] += time * arrays.forces[k][c];
+            b.angular_velocity[c] += time * arrays.torques[k][c] / 0.4;
+        }
+    }
+}
+
+/// What acts on the spheres: each other, or a plane that oscillates.
+enum Partner {
+    Sphere,
+    Plane,
+}
+
+const PLANE_SPEED: [f64; 3] = [0.4, 0.0, 0.6];
+const PLANE_RATE: f64 = 3.0;
+
+const TIME: f64 = 1.2;
+/// Steps of the coarsest run.
+const COARSE: usize = 200;
+/// The error of a collision depends on where within a step it begins: so many places stand for all.
+const PHASES: usize = 16;
+
+/// Root of the mean square of the errors over the phases, and the account of the last.
+fn mean_error(law: &str, partner: &Partner, steps: usize, halves: bool) -> (f64, Account) {
+    let all: Vec<Account> = (0..PHASES)
+        .map(|k| run(law, partner, steps, halves, k as f64 / PHASES as f64))
+        .collect();
+    let square = all.iter().map(|a| a.error().powi(2)).sum::<f64>() / PHASES as f64;
+    (square.sqrt(), all.into_iter().next_back().unwrap())
+}
+
+/// Moves the spheres over a time; `halves`: whether the work is that of both half steps; `phase`: share of a coarse step by
+/// which they begin before or after the others.
+fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> Account {
+    let laws = Laws::new(&[law]);
+    let workspace = WorkspaceHandle::new();
+    let mut bodies = match partner {
+        Partner::Sphere => vec![sphere_at(-1.0), sphere_at(1.0)],
+        Partner::Plane => vec![sphere_at(0.0)],
+    };
+    bodies[0].velocity = [0.5, 0.4, -0.1];
+    bodies[0].angular_velocity = [0.1, 0.2, -0.5];
+    if let Partner::Plane = partner {
+        bodies[0].position[2] = 1.0;
+        bodies[0].velocity = [0.3, 0.2, -0.5];
+    }
+    for c in 0..3 {
+        bodies[0].position[c] -= phase * TIME / COARSE as f64 * bodies[0].velocity[c];
+    }
+    let time_step = TIME / steps as f64;
+    let count = bodies.len();
+    let mut list = List::near(&bodies, count, laws.length());
+    let mut touching = [0];
+    let mut history = vec![0.0; laws.length()];
+    let mut loads = vec![[0.0; 12]; count];
+    let mut tallies = no_tallies();
+    if halves {
+        tallies.inelastic_loads = loads.as_mut_ptr().cast();
+    }
+    let before = kinetic(&bodies);
+    let mut wall = 0.0;
+    for n in 0..=steps {
+        let step = EllgranStep {
+            time_step,
+            advance_history: (n > 0) as i32,
+            ..STEP
+        };
+        let mut arrays = Arrays::new(&bodies, count);
+        arrays.forces.fill([0.0; 3]);
+        arrays.torques.fill([0.0; 3]);
+        let particles = arrays.particles();
+        // The plane starts at z = 0 and moves by its speed over the rate, as a sine.
+        let phase = PLANE_RATE * n as f64 * time_step;
+        let velocity = PLANE_SPEED.map(|v| v * phase.cos());
+        let mut wall_force = [0.0; 3];
+        // SAFETY: all arrays live to the end of the step.
+        ok(unsafe {
+            match partner {
+                Partner::Sphere => ellgran_compute_pairs(
+                    laws.0,
+                    workspace.0,
+                    &particles,
+                    &list.view(true),
+                    &step,
+                    &mut tallies,
+                ),
+                Partner::Plane => ellgran_compute_planes(
+                    laws.0,
+                    workspace.0,
+                    &particles,
+                    null(),
+                    0,
+                    1,
+                    1,
+                    &EllgranPlane {
+                        size: size_of::<EllgranPlane>(),
+                        point: PLANE_SPEED.map(|v| v / PLANE_RATE * phase.sin()),
+                        normal: [0.0, 0.0, 1.0],
+                        velocity,
+                    },
+                    touching.as_mut_ptr(),
+                    history.as_mut_ptr(),
+                    &step,
+                    wall_force.as_mut_ptr(),
+                    &mut tallies,
+                ),
+            }
+        });
+        let power: f64 = (0..3).map(|c| -wall_force[c] * velocity[c]).sum();
+        let share = if n == 0 || n == steps { 0.5 } else { 1.0 };
+        wall += share * time_step * power;
+        if n > 0 {
+            kick(&mut bodies, &arrays, 0.5 * time_step);
+        }
+        if n == steps {
+            break;
+        }
+        kick(&mut bodies, &arrays, 0.5 * time_step);
+        if halves {
+            let mut now = Arrays::new(&bodies, count);
+            let step = EllgranStep {
+                advance_history: 1,
+                ..step
+            };
+            // SAFETY: as above.
+            ok(unsafe { ellgran_tally_following_half_step(&now.particles(), &step, &mut tallies) });
+        }
+        advance(&mut bodies, time_step);
+    }
+    Account {
+        before,
+        kinetic: kinetic(&bodies),
+        elastic: tallies.normal_elastic_energy + tallies.tangential_elastic_energy,
+        viscous: tallies.viscous_dissipation,
+        friction: tallies.frictional_dissipation,
+        wall,
+    }
+}
+
+#[test]
+fn energies_add_up_to_second_order() {
+    for (law, viscous) in [
+        ("hertz 200 0.3 damping relaxation 0.02", true),
+        ("hertz 200 0.3 tangential mindlin 0.3", false),
+        (
+            "nfd 200 0.3 3 3 tangential tfd 0.3 displacement rescaled",
+            true,
+        ),
+        (
+            "nfd 200 0.3 3 3 tangential tfd 0.3 displacement total",
+            true,
+        ),
+        (
+            "hertz 200 0.3 damping restitution 0.7 tangential mindlin 0.3 displacement incremental",
+            true,
+        ),
+        ("lsd 100 1 tangential linear 60 0.5 0.3", true),
+    ] {
+        for (name, partner) in [("sphere", Partner::Sphere), ("plane", Partner::Plane)] {
+            let all = [1, 4, 16].map(|k| mean_error(law, &partner, k * COARSE, true));
+            let errors = [0, 1, 2].map(|k| all[k].0);
+            let last = &all[2].1;
+            let one_velocity = mean_error(law, &partner, COARSE, false).0;
+            println!(
+                "{law}, {name}: off by {:.1e} {:.1e} {:.1e} of what is dissipated ({:.3} and {:.3} of {:.3}); {one_velocity:.1e} with one velocity a step",
+                errors[0], errors[1], errors[2], last.viscous, last.friction, last.before
+            );
+            assert_eq!(last.viscous > 1e-3 * last.before, viscous, "{law}, {name}");
+            assert!(
+                errors[1] < 0.2 * errors[0] && errors[2] < 0.03 * errors[0],
+                "{law}, {name}: not of second order"
+            );
+            assert!(errors[0] < 1e-2, "{law}, {name}");
+            assert!(
+                one_velocity > 3.0 * errors[0],
+                "{law}, {name}: no better than first order"
+            );
+            if law.contains("tangential") {
+                assert!(last.friction > 1e-3 * last.before, "{law}, {name}");
+            }
+        }
+    }
+}
+
+/// Without a step that passes there is no work; what is missing is named.
+#[test]
+fn half_steps_that_add_nothing() {
+    let mut arrays = Arrays::new(&[sphere_at(0.0)], 1);
+    let particles = arrays.particles();
+    let mut loads = [[1.0; 12]];
+    let mut tallies = no_tallies();
+    let add = |p: *const EllgranParticles, s: *const EllgranStep, t: *mut EllgranTallies| {
+        // SAFETY: pointers are NULL or valid.
+        unsafe { ellgran_tally_following_half_step(p, s, t) }
+    };
+    let null_pointer = |status: i32, name: &str| {
+        fails(
+            status,
+            ELLGRAN_ERROR_NULL_POINTER,
+            &[&format!("{name} must not be NULL")],
+        );
+    };
+    null_pointer(add(&particles, &STEP, &mut tallies), "inelastic_loads");
+    tallies.inelastic_loads = loads.as_mut_ptr().cast();
+    null_pointer(add(null(), &STEP, &mut tallies), "particles");
+    null_pointer(add(&particles, null(), &mut tallies), "step");
+    null_pointer(add(&particles, &STEP, null_mut()), "tallies");
+    let without = EllgranParticles {
+        velocities: null(),
+        ..particles
+    };
+    null_pointer(add(&without, &STEP, &mut tallies), "velocities");
+    let many = EllgranParticles {
+        owned_count: 2,
+        ..particles
+    };
+    fails(
+        add(&many, &STEP, &mut tallies),
+        ELLGRAN_ERROR_ARGUMENT,
+        &["owned_count = 2 is greater than count = 1"],
+    );
+    let standing = EllgranStep {
+        advance_history: 0,
+        ..STEP
+    };
+    ok(add(&particles, &standing, &mut tallies));
+    assert_eq!(
+        (tallies.viscous_dissipation, tallies.tangential_work),
+        (0.0, 0.0)
+    );
+}

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Gaps and energies in batches, stiffness of a contact, time of a collision: they are what the contact itself says.
+
+use std::ptr::{null, null_mut};
+
+use ellgran::c_api::contact::*;
+use ellgran::c_api::status::*;
+use ellgran::c_api::stiffness::*;
+use ellgran::c_api::without_history::*;
+
+use crate::scene::*;
+
+const DECKS: [&str; 2] = [
+    "nfd 1e4 0.3 40 60 tangential tfd 0.4",
+    "nfd 3e4 0.2 90 30 tangential tfd 0.2",
+];
+
+fn all_pairs(count: i32) -> Vec<[i32; 2]> {
+    (0..count)
+        .flat_map(|i| (i + 1..count).map(move |j| [i, j]))
+        .collect()
+}
+
+#[test]
+fn gaps_and_energies_are_those_of_single_contacts() {
+    let bodies = random_bodies(3);
+    let laws = Laws::new(&DECKS);
+    let workspace = WorkspaceHandle::new();
+    let mut arrays = Arrays::new(&bodies, bodies.len());
+    let particles = arrays.particles();
+    let pairs = all_pairs(bodies.len() as i32);
+    let (mut gaps, mut energies) = (vec![0.0; pairs.len()], vec![-1.0; pairs.len()]);
+    let mut normals = vec![[0.0; 3]; pairs.len()];
+    let p = pairs.as_ptr().cast();
+    // SAFETY: the arrays have an entry, or three, for each pair.
+    unsafe {
+        let n = normals.as_mut_ptr().cast();
+        let (w, count) = (workspace.0, pairs.len());
+        ok(ellgran_pair_gaps(
+            w,
+            &particles,
+            count,
+            p,
+            gaps.as_mut_ptr(),
+            n,
+        ));
+        let with_normals = gaps.clone();
+        ok(ellgran_pair_gaps(
+            w,
+            &particles,
+            count,
+            p,
+            gaps.as_mut_ptr(),
+            null_mut(),
+        ));
+        assert_eq!(gaps, with_normals);
+        let e = energies.as_mut_ptr();
+        ok(ellgran_pair_energies(laws.0, w, &particles, count, p, e));
+        // No pairs at all.
+        ok(ellgran_pair_gaps(
+            w,
+            &particles,
+            0,
+            null(),
+            null_mut(),
+            null_mut(),
+        ));
+    }
+    let mut touching = 0;
+    for (k, [i, j]) in pairs.iter().enumerate() {
+        let (i, j) = (&bodies[*i as usize], &bodies[*j as usize]);
+        let mut geometry = Untouched::<EllgranContactGeometry>::sized();
+        let mut force = Untouched::<EllgranContactForce>::sized();
+        let (mut touches, mut history) = (0, vec![0.0; laws.length()]);
+        // SAFETY: all pointers are valid; both structs are written on success.
+        let (g, f) = unsafe {
+            ok(ellgran_contact(
+                laws.0,
+                i,
+                j,
+                &STEP,
+                &mut touches,
+                history.as_mut_ptr(),
+                geometry.pointer(),
+                force.pointer(),
+            ));
+            (*geometry.pointer(), *force.pointer())
+        };
+        touching += g.touching;
+        assert!((gaps[k] + g.penetration).abs() < 1e-12);
+        for (a, b) in normals[k].iter().zip(g.normal) {
+            assert!((a - b).abs() < 1e-6, "{:?} {:?}", normals[k], g.normal);
+        }
+        let apart = (energies[k] - f.elastic_energy).abs();
+        assert!(apart <= 1e-11 * f.elastic_energy, "{apart}");
+    }
+    assert!(touching > 30);
+}
+
+#[test]
+fn wrong_pairs_are_named() {
+    let bodies = random_bodies(3);
+    let workspace = WorkspaceHandle::new();
+    let laws = Laws::new(&DECKS);
+    let mut arrays = Arrays::new(&bodies, bodies.len());
+    let particles = arrays.particles();
+    let mut out = Untouched::<[f64; 2]>::new();
+    // SAFETY: the arrays have two entries; NULL is refused.
+    unsafe {
+        let (w, o) = (workspace.0, out.pointer().cast::<f64>());
+        for (second, words) in [
+            ([64, 3], ["pairs[1]", "particle 64"]),
+            ([2, -1], ["pairs[1]", "particle -1"]),
+            ([5, 5], ["pairs[1]", "5 twice"]),
+        ] {
+            let pairs = [[0, 1], second];
+            let p = pairs.as_ptr().cast();
+            fails(
+                ellgran_pair_gaps(w, &particles, 2, p, o, null_mut()),
+                ELLGRAN_ERROR_ARGUMENT,
+                &words,
+            );
+            fails(
+                ellgran_pair_energies(laws.0, w, &particles, 2, p, o),
+                ELLGRAN_ERROR_ARGUMENT,
+                &words,
+            );
+        }
+        let missing = ELLGRAN_ERROR_NULL_POINTER;
+        let (n, pair) = (null_mut(), [0, 1]);
+        let p = pair.as_ptr();
+        let gaps = [
+            (
+                ellgran_pair_gaps(null_mut(), &particles, 1, p, o, n),
+                "workspace",
+            ),
+            (ellgran_pair_gaps(w, null(), 1, p, o, n), "particles"),
+            (ellgran_pair_gaps(w, &particles, 1, null(), o, n), "pairs"),
+            (ellgran_pair_gaps(w, &particles, 1, p, n, n), "gaps"),
+        ];
+        assert!(gaps.iter().all(|(status, _)| *status == missing));
+        fails(
+            ellgran_pair_energies(null(), w, &particles, 1, p, o),
+            missing,
+            &["laws"],
+        );
+        fails(
+            ellgran_pair_energies(laws.0, w, &particles, 1, p, n),
+            missing,
+            &["energies"],
+        );
+    }
+    out.check();
+}
+
+#[test]
+fn stiffness_and_time_of_a_collision() {
+    let laws = Laws::new(&DECKS);
+    let (i, mut j) = (sphere_at(0.0), sphere_at(1.99));
+    let mut out = Untouched::<EllgranContactStiffness>::sized();
+    let mut time = 0.0;
+    // SAFETY: all pointers are valid; the struct is written on success.
+    unsafe {
+        ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
+        let s = *out.pointer();
+        // Two equal spheres of E 1e4, nu 0.3: 2 E* sqrt(R/2 delta), E* = E/(2 (1 - nu^2)).
+        let expected = 1e4 / (1.0 - 0.09) * f64::sqrt(0.5 * 0.01);
+        assert!((s.normal_stiffness / expected - 1.0).abs() < 1e-12);
+        // Mindlin: k_t/k_n = 2 (1 - nu)/(2 - nu), whatever the direction.
+        for k in s.tangential_stiffness {
+            assert!((k / s.normal_stiffness - 1.4 / 1.7).abs() < 1e-6, "{k}");
+        }
+        assert!(s.normal_damping > 0.0 && s.tangential_damping[0] > 0.0);
+        assert!(s.critical_step > 0.0 && s.critical_step < 2.0 / (2.0 * expected).sqrt());
+        ok(ellgran_collision_time(laws.0, &i, &j, 0.5, &mut time));
+        // 2.87 (m^2/(R E*^2 v))^(1/5) with the effective radius, mass and modulus.
+        let modulus: f64 = 1e4 / (2.0 * 0.91);
+        let hertz = 2.8683 * (0.25 / (0.5 * modulus * modulus * 0.5)).powf(0.2);
+        assert!((time / hertz - 1.0).abs() < 1e-3, "{time} {hertz}");
+
+        j.position[0] = 3.0;
+        ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
+        let apart = *out.pointer();
+        assert_eq!(apart.normal_stiffness, 0.0);
+        assert_eq!(apart.critical_step, f64::INFINITY);
+        // The grains may be apart: they will meet as they are.
+        let mut later = 0.0;
+        ok(ellgran_collision_time(laws.0, &i, &j, 0.5, &mut later));
+        assert!((later / time - 1.0).abs() < 1e-9);
+
+        for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            fails(
+                ellgran_collision_time(laws.0, &i, &j, speed, &mut time),
+                ELLGRAN_ERROR_ARGUMENT,
+                &["speed", &speed.to_string()],
+            );
+        }
+        let missing = ELLGRAN_ERROR_NULL_POINTER;
+        let o = out.pointer();
+        for (status, word) in [
+            (ellgran_contact_stiffness(null(), &i, &j, o), "laws"),
+            (ellgran_contact_stiffness(laws.0, null(), &j, o), "i"),
+            (ellgran_contact_stiffness(laws.0, &i, null(), o), "j"),
+            (
+                ellgran_contact_stiffness(laws.0, &i, &j, null_mut()),
+                "stiffness",
+            ),
+            (
+                ellgran_collision_time(laws.0, &i, &j, 1.0, null_mut()),
+                "time",
+            ),
+        ] {
+            assert_eq!(status, missing, "{word}");
+        }
+    }
+}
