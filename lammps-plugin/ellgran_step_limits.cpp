@@ -4,6 +4,7 @@
 
 #include "atom.h"
 #include "error.h"
+#include "fmt/format.h"
 #include "update.h"
 
 #include <mpi.h>
