@@ -140,7 +140,7 @@ fn both_versions_a_time_step_that_is_too_long_is_warned_of() {
     // Semi-axes 0.5, 0.4, 0.3: Rayleigh's time is 0.0261 (G 3.846e6, density 2500, r 0.3).
     let fine = text("a_short_step", LAW, 1e-4, 1.0);
     assert!(!fine.contains("WARNING"), "{fine}");
-    assert!(fine.contains("Rayleigh time 0.02594 (type 1)"), "{fine}");
+    assert!(fine.contains("Rayleigh time 0.02596 (type 1)"), "{fine}");
     assert!(fine.contains("shortest collision"), "{fine}");
     let at_rest = text("at_rest", LAW, 1e-4, 0.0);
     assert!(at_rest.contains("nothing moves yet"), "{at_rest}");
