@@ -228,6 +228,11 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
+ The share of a plane in a body's contact, and its gradient.
+ */
+typedef struct Share Share;
+
+/*
  A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {
@@ -938,6 +943,8 @@ typedef struct EllgranWallContact {
 
 
 
+
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1470,6 +1477,8 @@ int32_t ellgran_collision_time(const struct EllgranLaws *laws,
                                const struct EllgranBody *j,
                                double speed,
                                double *time);
+
+/*
  Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
  that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 
