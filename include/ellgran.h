@@ -228,6 +228,11 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
+ The share of a plane in a body's contact, and its gradient.
+ */
+typedef struct Share Share;
+
+/*
  A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {
@@ -938,6 +943,8 @@ typedef struct EllgranWallContact {
 
 
 
+
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1458,18 +1465,33 @@ int32_t ellgran_contact_stiffness(const struct EllgranLaws *laws,
 
 /*
  How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
- have here, apart or touching, at `speed` > 0 along the normal. For a central impact that is Hertz' time,
- `2.9433 delta_max/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the linear law.
- Damping makes a collision longer. INFINITY for two fixed bodies.
+ have here, apart or touching, at `speed` > 0 along the normal, and how deep it goes. For a central impact the time is that of
+ Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the
+ linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
+
+ # Safety
+ The pointers are NULL or valid; `penetration` may be NULL.
+ */
+int32_t ellgran_collision(const struct EllgranLaws *laws,
+                          const struct EllgranBody *i,
+                          const struct EllgranBody *j,
+                          double speed,
+                          double *time,
+                          double *penetration);
+
+/*
+ Rayleigh's time of a grain: how long a surface wave takes from pole to pole of a sphere of the grain's least semi-axis,
+ `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W. Randall, Micromechanics of
+ Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the linear law, which has no material.
 
  # Safety
  The pointers are NULL or valid.
  */
-int32_t ellgran_collision_time(const struct EllgranLaws *laws,
-                               const struct EllgranBody *i,
-                               const struct EllgranBody *j,
-                               double speed,
-                               double *time);
+int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
+                              const struct EllgranBody *grain,
+                              double *time);
+
+/*
  Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
  that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 

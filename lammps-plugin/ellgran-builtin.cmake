@@ -28,6 +28,7 @@ function(ellgran_add_to_lammps)
     "${ELLGRAN_STYLES_DIR}/ellgran_step_velocity.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_refusals.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_half_step.cpp"
+    "${ELLGRAN_STYLES_DIR}/ellgran_step_limits.cpp"
     "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.cpp"
     "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.cpp")
   target_include_directories(lammps PRIVATE "${ELLGRAN_STYLES_DIR}" "${ELLGRAN_INCLUDE_DIR}")

@@ -174,6 +174,56 @@ void EllgranAtoms::require_shapes(int group_bit) const
   }
 }
 
+std::vector<EllgranBody> EllgranAtoms::smallest_grains() const
+{
+  struct VolumeOnRank {
+    double volume;
+    int rank;
+  };
+  // Three semi-axes and the mass of a type.
+  constexpr int WIDTH = 4;
+
+  const Shapes found = shapes();
+  const int count = atom->ntypes + 1;
+  int me = 0;
+  MPI_Comm_rank(world, &me);
+  std::vector<VolumeOnRank> mine(count, {std::numeric_limits<double>::infinity(), me}), least(count);
+  std::vector<int> index(count, -1);
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *axes = semi_axes(found, i);
+    if (!axes) continue;
+    const double volume = axes[0] * axes[1] * axes[2];
+    const int type = atom->type[i];
+    if (volume < mine[type].volume) {
+      mine[type].volume = volume;
+      index[type] = i;
+    }
+  }
+  MPI_Allreduce(mine.data(), least.data(), count, MPI_DOUBLE_INT, MPI_MINLOC, world);
+
+  std::vector<double> values(static_cast<std::size_t>(count) * WIDTH, 0.0);
+  for (int type = 1; type < count; type++)
+    if (least[type].rank == me && index[type] >= 0) {
+      double *row = &values[static_cast<std::size_t>(type) * WIDTH];
+      std::copy_n(semi_axes(found, index[type]), 3, row);
+      std::sort(row, row + 3, [](double a, double b) { return a > b; });
+      row[3] = atom->rmass[index[type]];
+    }
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), count * WIDTH, MPI_DOUBLE, MPI_SUM, world);
+
+  std::vector<EllgranBody> grains(count, ELLGRAN_INIT(EllgranBody));
+  for (int type = 1; type < count; type++) {
+    const double *row = &values[static_cast<std::size_t>(type) * WIDTH];
+    EllgranBody &grain = grains[type];
+    grain.quaternion[0] = 1.0;
+    std::copy_n(row, 3, grain.semi_axes);
+    grain.mass = row[3];
+    grain.kind = type;
+    grain.identifier = type;
+  }
+  return grains;
+}
+
 std::string EllgranAtoms::implausible_masses() const
 {
   const Shapes found = shapes();

@@ -28,6 +28,10 @@ class EllgranAtoms : protected Pointers {
   /// ellipsoid with finite positive semi-axes and, where LAMMPS knows exponents, block 2 2.
   void require_shapes(int group_bit) const;
 
+  /// The grain of least volume of each type, on all ranks; index 0 is not used. It stands at the origin, its semi-axes fall
+  /// along x, y and z from the longest to the shortest. Mass 0: there is none.
+  [[nodiscard]] std::vector<EllgranBody> smallest_grains() const;
+
   /// What is wrong with the masses of the grains, on all ranks; empty if nothing is. A shape or a density that was set in
   /// the wrong order, or never, leaves a mass that LAMMPS takes without a word.
   [[nodiscard]] std::string implausible_masses() const;

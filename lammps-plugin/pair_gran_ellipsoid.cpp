@@ -102,7 +102,8 @@ double length(const double *v)
 }    // namespace
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
-    Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), workspace(nullptr),
+    Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr),
+    limits(lmp, CALLER), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
@@ -442,6 +443,7 @@ void PairGranEllipsoid::init_style()
   find_largest_semi_axes();
   find_mass_sources();
   build_laws();
+  tell_step_limits();
   refuse_what_cannot_work();
   place_history_fix();
   place_step_velocity_fix();
@@ -520,6 +522,24 @@ void PairGranEllipsoid::warn_of_masses()
   if (!text.empty() && text != warned && comm->me == 0)
     error->warning(FLERR, "{}: {}", CALLER, text);
   warned = text;
+}
+
+/* Which time step the grains allow as they are when a run starts, and a warning where that of the run is longer. */
+
+void PairGranEllipsoid::tell_step_limits()
+{
+  const int ntypes = atom->ntypes;
+  std::vector<uint8_t> used(parameters.size(), 0);
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) used[(i - 1) * ntypes + (j - 1)] = has_law(i, j) ? 1 : 0;
+  limits.find(atoms, laws, parameters, used);
+  const std::string text = limits.describe(), excess = limits.excess();
+  if (comm->me == 0) {
+    if (!text.empty() && text != limits_told) utils::logmesg(lmp, "  {}\n", text);
+    if (!excess.empty() && excess != excess_told) error->warning(FLERR, "{}: {}", CALLER, excess);
+  }
+  limits_told = text;
+  excess_told = excess;
 }
 
 /* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */

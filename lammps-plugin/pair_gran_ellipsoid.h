@@ -14,6 +14,7 @@ PairStyle(gran/ellipsoid,PairGranEllipsoid);
 #include "pair.h"
 
 #include "ellgran_atoms.h"
+#include "ellgran_step_limits.h"
 
 #include <string>
 #include <vector>
@@ -56,6 +57,8 @@ class PairGranEllipsoid : public Pair {
   EllgranLaws *laws;
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
+  EllgranStepLimits limits;
+  std::string limits_told, excess_told;    // of the time step, as last written to the log
 
   EllgranWorkspace *workspace;
 
@@ -111,6 +114,7 @@ class PairGranEllipsoid : public Pair {
   void add_forces();
   void find_largest_semi_axes();
   void warn_of_masses();
+  void tell_step_limits();
   void build_laws();
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;

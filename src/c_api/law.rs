@@ -195,7 +195,7 @@ fn choose<T: Copy>(name: &str, value: i32, choices: &[T]) -> Result<T, Failure> 
 }
 
 impl EllgranLawParameters {
-    fn to_core(self) -> Result<LawParameters, Failure> {
+    pub(super) fn to_core(self) -> Result<LawParameters, Failure> {
         Ok(LawParameters {
             normal: choose(
                 "normal",

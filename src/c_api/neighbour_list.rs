@@ -376,12 +376,6 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             Some(asked) => Some(unsafe { borrow(&asked.given, p.count) }?),
             None => None,
         };
-        if let Some(work) = (sums.as_ref().map(|s| s.accumulated_work)).filter(|w| !w.is_finite()) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("accumulated_work = {work} of the tallies must be finite: set it to 0 before the first step"),
-            ));
-        }
         let purpose = Purpose::Pairs {
             unchanged: list.unchanged != 0,
         };

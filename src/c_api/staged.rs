@@ -86,10 +86,14 @@ impl EllgranWallSurface {
                 Numbers(&self.turning_radii)
             )));
         }
-        let gradients = [self.others_share_by_position, self.others_share_by_rotation]
-            .map(Vector3::from_array);
+        let [by_position, by_rotation] = if self.others_share == 0.0 {
+            [Vector3::ZERO; 2]
+        } else {
+            [self.others_share_by_position, self.others_share_by_rotation].map(Vector3::from_array)
+        };
         if !(0.0..=1.0).contains(&self.others_share)
-            || self.others_share != 0.0 && !gradients.iter().all(|g| g.is_finite())
+            || !by_position.is_finite()
+            || !by_rotation.is_finite()
         {
             return Err(fail(format!(
                 "wall: others_share = {} must be between 0 and 1, its gradients finite",
@@ -120,8 +124,8 @@ impl EllgranWallSurface {
             velocity,
             share: Share {
                 value: 1.0 - self.others_share,
-                by_position: -Vector3::from_array(self.others_share_by_position),
-                by_rotation: -Vector3::from_array(self.others_share_by_rotation),
+                by_position: -by_position,
+                by_rotation: -by_rotation,
             },
         })
     }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Stiffness of a contact, its largest stable time step, and how long a collision lasts.
+//! Stiffness of a contact, its largest stable time step, how long a collision lasts and a wave through a grain.
 
 use super::contact::EllgranBody;
 use super::growing::{given, growing, Output};
-use super::law::EllgranLaws;
+use super::law::{EllgranLawParameters, EllgranLaws};
 use super::particles::hale_failure;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use crate::pairs::stability::{collision_time, contact_stiffness, ContactStiffness};
+use crate::pairs::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
 use libc::size_t;
 
 /// The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
@@ -79,35 +79,63 @@ pub unsafe extern "C" fn ellgran_contact_stiffness(
 }
 
 /// How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
-/// have here, apart or touching, at `speed` > 0 along the normal. For a central impact that is Hertz' time,
-/// `2.9433 delta_max/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the linear law.
-/// Damping makes a collision longer. INFINITY for two fixed bodies.
+/// have here, apart or touching, at `speed` > 0 along the normal, and how deep it goes. For a central impact the time is that of
+/// Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the
+/// linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
 ///
 /// # Safety
-/// The pointers are NULL or valid.
+/// The pointers are NULL or valid; `penetration` may be NULL.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_collision_time(
+pub unsafe extern "C" fn ellgran_collision(
     laws: *const EllgranLaws,
     i: *const EllgranBody,
     j: *const EllgranBody,
     speed: f64,
     time: *mut f64,
+    penetration: *mut f64,
 ) -> i32 {
-    at_border("ellgran_collision_time", || {
+    at_border("ellgran_collision", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let types = Some(laws.types());
         let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
-        let out = unsafe { required_mut(time, "time") }?;
+        let time = unsafe { required_mut(time, "time") }?;
         if !(speed > 0.0 && speed.is_finite()) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
                 format!("speed = {speed} must be greater than 0"),
             ));
         }
-        *out = collision_time(laws, &i, &j, speed)
+        let found = collision(laws, &i, &j, speed)
             .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?;
+        *time = found.time;
+        // SAFETY: promised by the caller.
+        if let Some(penetration) = unsafe { penetration.as_mut() } {
+            *penetration = found.penetration;
+        }
+        Ok(())
+    })
+}
+
+/// Rayleigh's time of a grain: how long a surface wave takes from pole to pole of a sphere of the grain's least semi-axis,
+/// `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W. Randall, Micromechanics of
+/// Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the linear law, which has no material.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_rayleigh_time(
+    parameters: *const EllgranLawParameters,
+    grain: *const EllgranBody,
+    time: *mut f64,
+) -> i32 {
+    at_border("ellgran_rayleigh_time", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let parameters = unsafe { given(parameters, "parameters") }?.to_core()?;
+        let grain = unsafe { given(grain, "grain") }?.to_core(None)?;
+        let time = unsafe { required_mut(time, "time") }?;
+        *time = rayleigh_time(&parameters, &grain);
         Ok(())
     })
 }

@@ -61,6 +61,17 @@ growing!(EllgranTallies);
 /// # Safety
 /// The arrays of `t` are NULL or have `count` entries.
 pub(super) unsafe fn borrow<'a>(t: &EllgranTallies, count: usize) -> Result<Tallies<'a>, Failure> {
+    for (value, name) in [
+        (t.viscous_dissipation, "viscous_dissipation"),
+        (t.tangential_work, "tangential_work"),
+    ] {
+        if !value.is_finite() {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("{name} = {value} of the tallies must be finite: set it to 0 before the first step"),
+            ));
+        }
+    }
     // SAFETY: promised by the caller; NULL is not asked for.
     let particle_energies = if t.particle_energies.is_null() {
         None

@@ -152,7 +152,9 @@ pub unsafe extern "C" fn ellgran_plane_contacts(
         let found = touch_plane(&body.body, body.position, &Plane { point, normal });
         if found.penetration > 0.0 {
             let deepest = body.position + found.support.point - found.normal * found.penetration;
-            contacts.all.push((NO_TRIANGLE, surface(deepest, normal, &Share::WHOLE)));
+            contacts
+                .all
+                .push((NO_TRIANGLE, surface(deepest, normal, &Share::WHOLE)));
         }
         Ok(())
     })

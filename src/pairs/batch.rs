@@ -71,9 +71,9 @@ impl BatchTallies {
 /// - force, torque on `i`, normal force, penetration;
 /// - torque on `j`, tangential force, viscous and tangential power;
 /// - normal, contact point from the centre of `i`, normal and tangential energy;
-/// - displacement, rate, relative curvature matrix;
-/// - the tangent basis;
-/// - tangential memory, stiffness.
+/// - displacement, rate, relative curvature matrix, first component of the viscous force;
+/// - the tangent basis, the other two components of the viscous force;
+/// - tangential memory, stiffness, frictional force.
 pub(super) struct BatchRecords(pub [[Line; MOST_LANES]; 6]);
 
 impl BatchRecords {
@@ -741,17 +741,17 @@ pub(super) fn run<
                 m.uu,
                 m.uv,
                 m.vv,
-                zero,
+                f.viscous_force.x,
             ],
-            world(t.u, t.v, zero, zero),
+            world(t.u, t.v, f.viscous_force.y, f.viscous_force.z),
             [
                 f.memory.x,
                 f.memory.y,
                 f.memory.z,
                 f.stiffness,
-                zero,
-                zero,
-                zero,
+                f.frictional_force.x,
+                f.frictional_force.y,
+                f.frictional_force.z,
                 zero,
             ],
         ];

@@ -125,6 +125,8 @@ pub(super) fn of_lane(
             tangential_energy: number(2, 7),
             viscous_power: number(1, 6),
             tangential_power: number(1, 7),
+            viscous_force: Vector3::new(number(3, 7), number(4, 6), number(4, 7)),
+            frictional_force: vector(5, 4),
         },
     }
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! How stiff a contact is, the largest time step that it allows, and how long a collision lasts.
+//! How stiff a contact is, the largest time step that it allows, how long a collision lasts and a wave through a grain.
 
 use super::contact::{relative_curvature_matrix, Contact};
 use super::laws::Laws;
 use super::neighbour_list::{contact_of, factors_for, hale_holds, touch, touch_spheres};
 use super::one_contact::HaleRatio;
 use super::particles::Particle;
+use crate::force::parameters::{LawParameters, Normal};
 use crate::force::{normal_force, tangential_stiffness, PairLaw};
 use crate::geometry::contact_search::closest;
 use crate::geometry::{relative_curvature, Outcome, Symmetric2, Vector3};
@@ -241,19 +242,27 @@ fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
 /// `T v/delta_max` of an elastic Hertzian collision, `(4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)`.
 const HERTZ_TIME: f64 = 2.943_275_1;
 
-/// How long an elastic collision lasts in which the bodies meet with the normal, the curvatures and the mobility that they have
-/// here (apart or touching) at this speed along the normal: for a central impact the time of Hertz (Landau and Lifshitz,
-/// Theory of Elasticity, section 9), `pi sqrt(m/k)` for the linear law. Damping makes it longer. Infinite where nothing can
-/// move or the speed is 0.
+/// How long an elastic collision lasts, and how deep it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Collision {
+    /// From first touch to the end of the contact, time; infinite where nothing can move.
+    pub time: f64,
+    /// Largest penetration, length; infinite where nothing can move.
+    pub penetration: f64,
+}
+
+/// The elastic collision in which the bodies meet with the normal, the curvatures and the mobility that they have here (apart or
+/// touching) at this speed along the normal: for a central impact that of Hertz (Landau and Lifshitz, Theory of Elasticity,
+/// section 9), half an oscillation for the linear law. Damping makes it longer and less deep.
 ///
 /// # Errors
 /// Only with `factors hale`.
-pub fn collision_time(
+pub fn collision(
     laws: &Laws,
     i: &Particle,
     j: &Particle,
     speed: f64,
-) -> Result<f64, HaleRatio> {
+) -> Result<Collision, HaleRatio> {
     let d = j.position - i.position;
     let found = if i.sphere && j.sphere {
         touch_spheres(i.radius, j.radius, d, &i.body, &j.body)
@@ -273,10 +282,34 @@ pub fn collision_time(
     };
     let inverse_mass = mobility(&touching, i, j, law.constants.share_i).0[2][2];
     if law.kinds.linear {
-        return Ok(core::f64::consts::PI / (inverse_mass * law.constants.normal_stiffness).sqrt());
+        let frequency = (inverse_mass * law.constants.normal_stiffness).sqrt();
+        return Ok(Collision {
+            time: core::f64::consts::PI / frequency,
+            penetration: speed / frequency,
+        });
     }
     // F = k delta^(3/2), and dF/d(delta) at 1 is 3/2 k.
     let k = at_rest(law, &x, m, 1.0) / 1.5;
     let deepest = (1.25 * speed * speed / (inverse_mass * k)).powf(0.4);
-    Ok(HERTZ_TIME * deepest / speed)
+    Ok(Collision {
+        time: HERTZ_TIME * deepest / speed,
+        penetration: deepest,
+    })
+}
+
+/// Rayleigh's time of a grain, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)`: how long a surface wave takes from pole to pole of a
+/// sphere of the grain's least semi-axis `r`, `rho` the density of the solid grain (C. Thornton and C.W. Randall, in
+/// Micromechanics of Granular Materials, Elsevier 1988). Infinite for the linear law, which has no material.
+pub fn rayleigh_time(parameters: &LawParameters, grain: &Particle) -> f64 {
+    if parameters.normal == Normal::Lsd {
+        return f64::INFINITY;
+    }
+    let a = grain.body.semi_axes;
+    let volume = 4.0 / 3.0 * core::f64::consts::PI * a.x * a.y * a.z;
+    let density = 1.0 / (grain.inverse_mass * volume);
+    let material = &parameters.material;
+    core::f64::consts::PI
+        * grain.body.smallest_semi_axis()
+        * (density / material.shear_modulus()).sqrt()
+        / (0.1631 * material.poissons_ratio + 0.8766)
 }

@@ -451,7 +451,9 @@ impl Scene {
             }
             finite(
                 &[
-                    tallies.accumulated_work,
+                    tallies.viscous_dissipation,
+                    tallies.tangential_work,
+                    tallies.frictional_dissipation,
                     tallies.dissipated_energy,
                     tallies.normal_elastic_energy,
                     tallies.tangential_elastic_energy,
@@ -863,7 +865,7 @@ fn surfaces_of_walls() {
     let [body, _] = pair_of(SHAPES[0]);
     let laws = Laws::new(&[DECKS[2]]);
     for x in EXTREMES {
-        for k in 0..16 {
+        for k in 0..23 {
             let what = format!("wall {k} {x:e}");
             let mut wall = EllgranWallSurface {
                 size: size_of::<EllgranWallSurface>(),
@@ -873,6 +875,9 @@ fn surfaces_of_walls() {
                 curvatures: [0.0, -0.1],
                 turning_radii: [f64::INFINITY, -10.0],
                 velocity: [0.0; 3],
+                others_share: 0.3,
+                others_share_by_position: [0.0, 0.1, 0.0],
+                others_share_by_rotation: [0.0; 3],
             };
             match k {
                 0..3 => wall.point[k] = x,
@@ -880,7 +885,10 @@ fn surfaces_of_walls() {
                 6..9 => wall.direction[k - 6] = x,
                 9..11 => wall.curvatures[k - 9] = x,
                 11..13 => wall.turning_radii[k - 11] = x,
-                _ => wall.velocity[k - 13] = x,
+                13..16 => wall.velocity[k - 13] = x,
+                16 => wall.others_share = x,
+                17..20 => wall.others_share_by_position[k - 17] = x,
+                _ => wall.others_share_by_rotation[k - 20] = x,
             }
             let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
             let g = geometry.pointer();

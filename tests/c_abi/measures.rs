@@ -158,7 +158,7 @@ fn stiffness_and_time_of_a_collision() {
     let laws = Laws::new(&DECKS);
     let (i, mut j) = (sphere_at(0.0), sphere_at(1.99));
     let mut out = Untouched::<EllgranContactStiffness>::sized();
-    let mut time = 0.0;
+    let (mut time, mut deepest) = (0.0, 0.0);
     // SAFETY: all pointers are valid; the struct is written on success.
     unsafe {
         ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
@@ -172,11 +172,19 @@ fn stiffness_and_time_of_a_collision() {
         }
         assert!(s.normal_damping > 0.0 && s.tangential_damping[0] > 0.0);
         assert!(s.critical_step > 0.0 && s.critical_step < 2.0 / (2.0 * expected).sqrt());
-        ok(ellgran_collision_time(laws.0, &i, &j, 0.5, &mut time));
+        ok(ellgran_collision(
+            laws.0,
+            &i,
+            &j,
+            0.5,
+            &mut time,
+            &mut deepest,
+        ));
         // 2.87 (m^2/(R E*^2 v))^(1/5) with the effective radius, mass and modulus.
         let modulus: f64 = 1e4 / (2.0 * 0.91);
         let hertz = 2.8683 * (0.25 / (0.5 * modulus * modulus * 0.5)).powf(0.2);
         assert!((time / hertz - 1.0).abs() < 1e-3, "{time} {hertz}");
+        assert!((time * 0.5 / deepest - 2.943_275_184_324_7).abs() < 1e-6);
 
         j.position[0] = 3.0;
         ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
@@ -185,12 +193,19 @@ fn stiffness_and_time_of_a_collision() {
         assert_eq!(apart.critical_step, f64::INFINITY);
         // The grains may be apart: they will meet as they are.
         let mut later = 0.0;
-        ok(ellgran_collision_time(laws.0, &i, &j, 0.5, &mut later));
+        ok(ellgran_collision(
+            laws.0,
+            &i,
+            &j,
+            0.5,
+            &mut later,
+            null_mut(),
+        ));
         assert!((later / time - 1.0).abs() < 1e-9);
 
         for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             fails(
-                ellgran_collision_time(laws.0, &i, &j, speed, &mut time),
+                ellgran_collision(laws.0, &i, &j, speed, &mut time, null_mut()),
                 ELLGRAN_ERROR_ARGUMENT,
                 &["speed", &speed.to_string()],
             );
@@ -206,11 +221,40 @@ fn stiffness_and_time_of_a_collision() {
                 "stiffness",
             ),
             (
-                ellgran_collision_time(laws.0, &i, &j, 1.0, null_mut()),
+                ellgran_collision(laws.0, &i, &j, 1.0, null_mut(), null_mut()),
+                "time",
+            ),
+            (ellgran_rayleigh_time(null(), &i, &mut time), "parameters"),
+            (
+                ellgran_rayleigh_time(&parse(DECKS[0]), null(), &mut time),
+                "grain",
+            ),
+            (
+                ellgran_rayleigh_time(&parse(DECKS[0]), &i, null_mut()),
                 "time",
             ),
         ] {
             assert_eq!(status, missing, "{word}");
         }
     }
+}
+
+#[test]
+fn the_time_of_a_wave_through_a_grain() {
+    // Sand: 65 GPa, nu 0.25, 2650 kg/m^3, 1 mm across its thin axis.
+    let mut grain = sphere_at(0.0);
+    grain.semi_axes = [2e-3, 1e-3, 5e-4];
+    grain.mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-9;
+    let mut time = 0.0;
+    // SAFETY: all pointers are valid.
+    ok(unsafe { ellgran_rayleigh_time(&parse("hertz 65e9 0.25"), &grain, &mut time) });
+    // Wave of shear sqrt(G/rho) = 3132.1 m/s, Rayleigh's 0.917375 of it.
+    let speed = (65e9f64 / 2.5 / 2650.0).sqrt() * (0.1631 * 0.25 + 0.8766);
+    assert!(
+        (time * speed / (std::f64::consts::PI * 5e-4) - 1.0).abs() < 1e-12,
+        "{time:e}"
+    );
+    // SAFETY: as above.
+    ok(unsafe { ellgran_rayleigh_time(&parse("lsd 60 0"), &grain, &mut time) });
+    assert_eq!(time, f64::INFINITY);
 }

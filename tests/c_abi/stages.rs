@@ -267,7 +267,7 @@ fn values_of_the_stages() {
         }
         let status = ellgran_staged_neighbours(s, 0, 1, 2.0, start.as_mut_ptr(), g);
         fails(status, argument, &["share_i", "2"]);
-        let changes: [fn(&mut EllgranWallSurface); 6] = [
+        let changes: [fn(&mut EllgranWallSurface); 8] = [
             |w| w.normal = [0.0; 3],
             |w| w.normal[0] = f64::NAN,
             |w| w.point[0] = f64::NAN,

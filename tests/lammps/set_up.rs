@@ -123,3 +123,36 @@ fn both_versions_a_deck_without_friction_warns_of_no_history() {
     let text = on_one_line(&started("no_history", &scene, &deck));
     assert!(!text.contains("WARNING"), "{text}");
 }
+
+/// The limits stand in the log, and a step or a viscosity beyond them is warned of before it ends as `Lost atoms`.
+#[test]
+fn both_versions_a_time_step_that_is_too_long_is_warned_of() {
+    let scene = grains(&[2500.0]);
+    let text = |name: &str, law: &str, step: f64, speed: f64| {
+        let mut scene = scene.clone();
+        scene.grains[0].velocity = [speed, 0.0, 0.0];
+        let deck = Deck {
+            time_step: step,
+            ..Deck::new(law)
+        };
+        on_one_line(&started(name, &scene, &deck))
+    };
+    // Semi-axes 0.5, 0.4, 0.3: Rayleigh's time is 0.0261 (G 3.846e6, density 2500, r 0.3).
+    let fine = text("a_short_step", LAW, 1e-4, 1.0);
+    assert!(!fine.contains("WARNING"), "{fine}");
+    assert!(fine.contains("Rayleigh time 0.02596 (type 1)"), "{fine}");
+    assert!(fine.contains("shortest collision"), "{fine}");
+    let at_rest = text("at_rest", LAW, 1e-4, 0.0);
+    assert!(at_rest.contains("nothing moves yet"), "{at_rest}");
+
+    let coarse = text("a_coarse_step", LAW, 1e-2, 1.0);
+    assert!(coarse.contains("fewer than 10 time steps"), "{coarse}");
+    let long = text("a_long_step", LAW, 1.0, 0.0);
+    assert!(
+        long.contains("with which a contact of types 1 and 1 is still stable"),
+        "{long}"
+    );
+    // What the step allows without viscosity it does not with much of it.
+    let viscous = text("a_viscosity", "nfd 1e7 0.3 1e8 1e8", 1e-4, 1.0);
+    assert!(viscous.contains("is still stable"), "{viscous}");
+}

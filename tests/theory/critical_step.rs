@@ -6,7 +6,7 @@ use crate::support::motion::{Motion, Partner, Rigid};
 use crate::support::random::Stream;
 use crate::support::scene::{advance, geometry, laws, position, Memory, Vector};
 use ellgran::pairs::one_contact::prepare_body;
-use ellgran::pairs::stability::{collision_time, contact_stiffness};
+use ellgran::pairs::stability::{collision, contact_stiffness};
 use ellgran::pairs::{Body, Laws};
 
 fn grain(semi_axes: [f64; 3], quaternion: [f64; 4], position: [f64; 3], mass: f64) -> Body {
@@ -170,7 +170,9 @@ fn fixed_bodies_and_bodies_apart() {
     (i.mass, j.mass) = (f64::INFINITY, f64::INFINITY);
     let found = contact_stiffness(&laws, &prepare(&i), &prepare(&j)).unwrap();
     assert_eq!(found.unwrap().critical_step, f64::INFINITY);
-    let time = collision_time(&laws, &prepare(&i), &prepare(&j), 1.0).unwrap();
+    let time = collision(&laws, &prepare(&i), &prepare(&j), 1.0)
+        .unwrap()
+        .time;
     assert_eq!(time, f64::INFINITY);
     j.position[0] += 1.0;
     assert!(contact_stiffness(&laws, &prepare(&i), &prepare(&j))
@@ -197,7 +199,9 @@ fn a_collision_lasts_as_long() {
         let speed = 0.02;
         j.velocity[0] = -speed;
         let prepared = [&i, &j].map(|b| prepare_body(b, Some(1)).unwrap());
-        let expected = collision_time(&laws, &prepared[0], &prepared[1], speed).unwrap();
+        let expected = collision(&laws, &prepared[0], &prepared[1], speed)
+            .unwrap()
+            .time;
         let step = expected / 4000.0;
         let mut motion = Motion::new(&laws, i, Partner::Body(Rigid::new(j)), step);
         let mut touching = 0;
