@@ -376,13 +376,8 @@ pub fn contact_forces<
         let leaning = memory.normal / (before.normal + 1.0).max(zero.constant(1e-12));
         let turned = before.tangential.scale_add(-leaning, memory.tangential);
         let turned = quarter_turn(turned).scale_add(spin, turned);
-        let old = remembered.memory.norm_squared();
-        let both = old * turned.dot(turned);
-        let (least, most) = (zero.constant(1e-290), zero.constant(1e290));
-        // Neither product nor root may leave the range of the numbers; where they would, the length is left as it is.
-        let root = both.max(least).min(most).reciprocal_sqrt();
-        let keep = T::select(least.less(both), old * root, one);
-        let keep = T::select(both.less(most), keep, one);
+        // The rotation between the normals keeps the length; that about the normal, by the tangent of its angle, does not.
+        let keep = spin.multiply_add(spin, one).reciprocal_sqrt();
         let t: TangentialForce<T> = tangential_force(
             kinds,
             c,

@@ -70,7 +70,7 @@ fn none_where_it_is_zero_and_the_history_keeps_its_length() {
     let (force, history) = slide(&changed, [1, 2]);
     let without = Laws::new(&["nfd 1e4 0.3 40 60", "nfd 1e4 0.3 40 60"]);
     assert_eq!(force, slide(&without, [1, 2]).0);
-    assert_eq!(history[3..], [0.0; 3]);
+    assert!(history[3..].iter().all(|h| *h == 0.0), "{history:?}");
     // A law without a tangential part gets none.
     let frictionless = with_friction(&without, &[0.5; 4]);
     assert_eq!(slide(&frictionless, [1, 2]).0, force);
