@@ -96,8 +96,10 @@ impl EllgranWallSurface {
             || !by_rotation.is_finite()
         {
             return Err(fail(format!(
-                "wall: others_share = {} must be between 0 and 1, its gradients finite",
-                Number(self.others_share)
+                "wall: others_share = {} must be between 0 and 1, its gradients {} and {} finite",
+                Number(self.others_share),
+                Numbers(&self.others_share_by_position),
+                Numbers(&self.others_share_by_rotation)
             )));
         }
         let tangential = Vector3::from_array(self.direction)

@@ -21,7 +21,7 @@ pub const LARGEST_MASS: f64 = 1e50;
 /// Largest size of a component of a remembered tangential displacement or force.
 pub const LARGEST_REMEMBERED: f64 = 1e100;
 /// Largest size of a remembered energy.
-pub const LARGEST_REMEMBERED_ENERGY: f64 = 1e150;
+pub const LARGEST_REMEMBERED_ENERGY: f64 = 1e200;
 
 /// A vector whose components are at most so large.
 pub(crate) fn vector(v: [f64; 3], largest: f64, what: &str) -> Result<Vector3, String> {

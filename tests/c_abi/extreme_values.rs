@@ -512,7 +512,7 @@ fn lists() {
                         let words = ["particle 1234", "particle 5678", &place, &value];
                         fails(status, ELLGRAN_ERROR_HISTORY, &words);
                     } else {
-                        assert!(k < 3 || x.abs() <= [1e100, 1e150][k / 6], "{what}");
+                        assert!(k < 3 || x.abs() <= [1e100, 1e200][k / 6], "{what}");
                     }
                 }
                 let step = EllgranStep {
