@@ -244,15 +244,15 @@ typedef struct EllgranBody {
    */
   double quaternion[4];
   /*
-   Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
+   Semi-axes along the body axes, from 1e-20 to 1e20, the largest at most 1e6 times the smallest.
    */
   double semi_axes[3];
   /*
-   Velocity of the centre; components up to 1e20. See `EllgranStep`.
+   Velocity of the centre; components up to 1e25. See `EllgranStep`.
    */
   double velocity[3];
   /*
-   Angular velocity, world frame; components up to 1e20.
+   Angular velocity, world frame; components up to 1e25.
    */
   double angular_velocity[3];
   /*
@@ -332,7 +332,7 @@ typedef struct EllgranPlane {
    */
   double normal[3];
   /*
-   Velocity; components up to 1e20.
+   Velocity; components up to 1e25.
    */
   double velocity[3];
 } EllgranPlane;
@@ -350,7 +350,7 @@ typedef struct EllgranStep {
    */
   int32_t advance_history;
   /*
-   Time step, from 0 to 1e10. The velocities are those of the half step, which moved the particles over it to where they
+   Time step, from 0 to 1e15. The velocities are those of the half step, which moved the particles over it to where they
    are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
    tangential displacement has an error of the order of the time step.
    */
@@ -426,8 +426,8 @@ typedef struct EllgranContactForce {
 
 /*
  The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
- units. Moduli and `normal_stiffness` are from 1e-30 to 1e30, the other constants at most 1e30, a relaxation time at most
- 1e15.
+ units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
+ 1e20.
  */
 typedef struct EllgranLawParameters {
   /*
@@ -541,12 +541,12 @@ typedef struct EllgranParticles {
    */
   const double *positions;
   /*
-   Velocities of the centres, [count][3]; components up to 1e20. Those that moved the particles to where they are, see
+   Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
    `EllgranStep`.
    */
   const double *velocities;
   /*
-   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e20.
+   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
    */
   const double *angular_velocities;
   /*
@@ -572,7 +572,7 @@ typedef struct EllgranParticles {
    */
   const int32_t *shape_indices;
   /*
-   Semi-axes, 3 doubles an entry, from 1e-15 to 1e15, the largest at most 1e6 times the smallest. As many entries as there
+   Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
    are particles, or as `shape_indices` name.
    */
   const double *semi_axes;
@@ -837,7 +837,7 @@ typedef struct EllgranWallSurface {
    */
   double direction[3];
   /*
-   Curvatures along `direction` and across it, 1/length, up to 1e21: 0 for a plane, negative in a cavity.
+   Curvatures along `direction` and across it, 1/length, up to 1e26: 0 for a plane, negative in a cavity.
    */
   double curvatures[2];
   /*
@@ -846,7 +846,7 @@ typedef struct EllgranWallSurface {
    */
   double turning_radii[2];
   /*
-   Velocity of the surface there; components up to 1e20.
+   Velocity of the surface there; components up to 1e25.
    */
   double velocity[3];
   /*

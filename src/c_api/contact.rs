@@ -29,11 +29,11 @@ pub struct EllgranBody {
     pub position: [f64; 3],
     /// Rotation from body to world, (w, x, y, z); of any length but zero.
     pub quaternion: [f64; 4],
-    /// Semi-axes along the body axes, from 1e-15 to 1e15, the largest at most 1e6 times the smallest.
+    /// Semi-axes along the body axes, from 1e-20 to 1e20, the largest at most 1e6 times the smallest.
     pub semi_axes: [f64; 3],
-    /// Velocity of the centre; components up to 1e20. See `EllgranStep`.
+    /// Velocity of the centre; components up to 1e25. See `EllgranStep`.
     pub velocity: [f64; 3],
-    /// Angular velocity, world frame; components up to 1e20.
+    /// Angular velocity, world frame; components up to 1e25.
     pub angular_velocity: [f64; 3],
     /// Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
     pub mass: f64,

@@ -29,10 +29,10 @@ pub struct EllgranParticles {
     pub count: size_t,
     /// Centres, [count][3]; components up to 1e20.
     pub positions: *const f64,
-    /// Velocities of the centres, [count][3]; components up to 1e20. Those that moved the particles to where they are, see
+    /// Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
     /// `EllgranStep`.
     pub velocities: *const f64,
-    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e20.
+    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
     pub angular_velocities: *const f64,
     /// Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
     pub angular_momenta: *const f64,
@@ -46,7 +46,7 @@ pub struct EllgranParticles {
     /// Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
     /// particle's own index.
     pub shape_indices: *const i32,
-    /// Semi-axes, 3 doubles an entry, from 1e-15 to 1e15, the largest at most 1e6 times the smallest. As many entries as there
+    /// Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
     /// are particles, or as `shape_indices` name.
     pub semi_axes: *const f64,
     /// Bytes from one entry of `semi_axes` to the next.
@@ -75,7 +75,7 @@ pub struct EllgranStep {
     pub size: size_t,
     /// 1 in a step; 0 in the set-up of a run: forces from the history as it stands.
     pub advance_history: i32,
-    /// Time step, from 0 to 1e10. The velocities are those of the half step, which moved the particles over it to where they
+    /// Time step, from 0 to 1e15. The velocities are those of the half step, which moved the particles over it to where they
     /// are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
     /// tangential displacement has an error of the order of the time step.
     pub time_step: f64,

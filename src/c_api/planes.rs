@@ -26,7 +26,7 @@ pub struct EllgranPlane {
     pub point: [f64; 3],
     /// Normal out of the wall, towards the particles; any length but zero.
     pub normal: [f64; 3],
-    /// Velocity; components up to 1e20.
+    /// Velocity; components up to 1e25.
     pub velocity: [f64; 3],
 }
 

@@ -17,16 +17,13 @@ use crate::geometry::facet_shares::Share;
 use crate::geometry::Vector3;
 use crate::message::{Number, Numbers};
 use crate::pairs::one_contact::HaleRatio;
-use crate::pairs::ranges::{
-    self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY,
-    LARGEST_VELOCITY,
-};
+use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
 use crate::pairs::staged::{Past, StagedContact, WallSurface};
-use crate::pairs::{ContactForces, InstructionSet, Step, Workspace};
+use crate::pairs::{ContactForces, HistoryLayout, InstructionSet, Step, Workspace};
 use libc::size_t;
 
 /// Of a wall, 1/length: that of the smallest body, as flat as it may be.
-const LARGEST_CURVATURE: f64 = 1e21;
+const LARGEST_CURVATURE: f64 = 1e26;
 
 /// The surface of a wall where a body touches it.
 #[repr(C)]
@@ -41,12 +38,12 @@ pub struct EllgranWallSurface {
     /// First principal direction; only its part in the tangent plane counts. Not read where both entries of
     /// `curvatures` and of `turning_radii` are alike.
     pub direction: [f64; 3],
-    /// Curvatures along `direction` and across it, 1/length, up to 1e21: 0 for a plane, negative in a cavity.
+    /// Curvatures along `direction` and across it, 1/length, up to 1e26: 0 for a plane, negative in a cavity.
     pub curvatures: [f64; 2],
     /// How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
     /// plane, -Rc in a cavity of radius Rc, 0 across an edge.
     pub turning_radii: [f64; 2],
-    /// Velocity of the surface there; components up to 1e20.
+    /// Velocity of the surface there; components up to 1e25.
     pub velocity: [f64; 3],
     /// The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
     /// alone.
@@ -89,22 +86,30 @@ impl EllgranWallSurface {
         let [by_position, by_rotation] = if self.others_share == 0.0 {
             [Vector3::ZERO; 2]
         } else {
-            [self.others_share_by_position, self.others_share_by_rotation].map(Vector3::from_array)
+            let gradient = |v, what| ranges::vector(v, LARGEST_CURVATURE, what).map_err(fail);
+            [
+                gradient(
+                    self.others_share_by_position,
+                    "wall: others_share_by_position",
+                )?,
+                gradient(
+                    self.others_share_by_rotation,
+                    "wall: others_share_by_rotation",
+                )?,
+            ]
         };
-        if !(0.0..=1.0).contains(&self.others_share)
-            || !by_position.is_finite()
-            || !by_rotation.is_finite()
-        {
+        if !(0.0..=1.0).contains(&self.others_share) {
             return Err(fail(format!(
-                "wall: others_share = {} must be between 0 and 1, its gradients {} and {} finite",
-                Number(self.others_share),
-                Numbers(&self.others_share_by_position),
-                Numbers(&self.others_share_by_rotation)
+                "wall: others_share = {} must be between 0 and 1",
+                Number(self.others_share)
             )));
         }
         let tangential = Vector3::from_array(self.direction)
             .direction()
-            .and_then(|given| (given - normal * normal.dot(given)).direction());
+            .map(|given| given - normal * normal.dot(given))
+            // Less is the rounding of a direction along the normal.
+            .filter(|tangential| tangential.norm() > 1e-10)
+            .and_then(Vector3::direction);
         let direction = if let Some(direction) = tangential {
             direction
         } else if self.curvatures[0] == self.curvatures[1]
@@ -571,14 +576,11 @@ pub unsafe extern "C" fn ellgran_staged_forces(
 }
 
 /// The place of the first number of a memory that no call has written.
-fn wrong_memory(memory: &[f64]) -> Option<usize> {
-    let largest = [
-        LARGEST_REMEMBERED,
-        LARGEST_REMEMBERED,
-        LARGEST_REMEMBERED,
-        LARGEST_REMEMBERED_ENERGY,
-    ];
-    (memory.iter().zip(largest)).position(|(x, largest)| !(x.abs() <= largest))
+fn wrong_memory(layout: &HistoryLayout, memory: &[f64]) -> Option<usize> {
+    let at = layout.memory?;
+    let mut history = [0.0; HistoryLayout::LONGEST];
+    history[at..at + memory.len()].copy_from_slice(memory);
+    layout.first_wrong(&history).map(|(place, _)| place - at)
 }
 
 type PastArguments = (
@@ -635,7 +637,7 @@ unsafe fn with_past(
     checked_mass(law, effective_mass)?;
     let (i, j) = staged.identifiers;
     if past.touched != 0 {
-        if let Some(place) = wrong_memory(memory) {
+        if let Some(place) = wrong_memory(&laws.layout(), memory) {
             return Err(history_failure(i, j, place, memory[place]));
         }
     }
@@ -650,7 +652,7 @@ unsafe fn with_past(
     result.check(i, j)?;
     let [x, y, z] = past.memory.to_array();
     let remembered = [x, y, z, past.energy];
-    if let Some(place) = wrong_memory(&remembered) {
+    if let Some(place) = wrong_memory(&laws.layout(), &remembered[..memory.len()]) {
         return Err(result_failure(i, j, "memory", remembered[place]));
     }
     memory.copy_from_slice(&remembered[..memory.len()]);

@@ -5,12 +5,12 @@ use super::material::Material;
 use crate::message::Number;
 
 /// Smallest modulus and normal stiffness, in any unit.
-pub const LEAST_CONSTANT: f64 = 1e-30;
+pub const LEAST_CONSTANT: f64 = 1e-50;
 /// Largest of any constant but a relaxation time, in any unit: forces of bodies within their ranges then stay within double
 /// precision.
-pub const LARGEST_CONSTANT: f64 = 1e30;
+pub const LARGEST_CONSTANT: f64 = 1e50;
 /// Longest relaxation time of `damping relaxation`.
-pub const LONGEST_RELAXATION_TIME: f64 = 1e15;
+pub const LONGEST_RELAXATION_TIME: f64 = 1e20;
 
 /// Normal law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,9 +22,9 @@ pub struct Ellipsoid<T = f64> {
 }
 
 /// Smallest and largest semi-axis, length. The sixth power of their ratio must be far within double precision.
-pub const LEAST_SEMI_AXIS: f64 = 1e-15;
+pub const LEAST_SEMI_AXIS: f64 = 1e-20;
 /// See [`LEAST_SEMI_AXIS`].
-pub const LARGEST_SEMI_AXIS: f64 = 1e15;
+pub const LARGEST_SEMI_AXIS: f64 = 1e20;
 /// Largest over smallest semi-axis. Curvatures at one point differ by its square, and the determinant of their matrix, which
 /// loses as many digits, must stay greater than zero.
 pub const LARGEST_ASPECT_RATIO: f64 = 1e6;

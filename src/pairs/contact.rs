@@ -350,7 +350,9 @@ pub fn contact_forces<
         // half step. Normal and lever arms are turned back by half a step, or a rotation of the pair as a whole, and
         // the normal approach, would leak into the tangential displacement (Vyas et al. 2024).
         let half = zero.constant(0.5);
+        // A turn beyond a few radians says no more than that the step is far too long; its tangent would outgrow the rest.
         let spin = (omega_i.normal + omega_j.normal) * remembered.time * 0.5;
+        let spin = spin.min(zero.constant(10.0)).max(zero.constant(-10.0));
         let before = InFrame::of(remembered.normal, x);
         // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
         let half_before = before.tangential * half;

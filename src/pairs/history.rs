@@ -9,7 +9,7 @@
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
 
-use super::ranges::{LARGEST_REMEMBERED, LARGEST_REMEMBERED_ENERGY};
+use super::ranges::{LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE};
 
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub struct HistoryLayout {
     pub energy: Option<usize>,
     /// Doubles per contact.
     pub length: usize,
+    /// Whether some memory is a displacement, not a force.
+    pub of_displacements: bool,
 }
 
 impl HistoryLayout {
@@ -46,6 +48,7 @@ impl HistoryLayout {
             memory,
             energy,
             length,
+            of_displacements: false,
         }
     }
 
@@ -55,9 +58,11 @@ impl HistoryLayout {
         let at = self.memory?;
         let wrong = |k: &usize| {
             let largest = if Some(*k) == self.energy {
-                LARGEST_REMEMBERED_ENERGY
+                LARGEST_TANGENTIAL_ENERGY
+            } else if self.of_displacements {
+                LARGEST_DISPLACEMENT
             } else {
-                LARGEST_REMEMBERED
+                LARGEST_TANGENTIAL_FORCE
             };
             !(history[*k].abs() <= largest)
         };

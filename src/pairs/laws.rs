@@ -84,10 +84,14 @@ impl Laws {
         let rescaled = table.iter().any(|l| {
             l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Rescaled
         });
+        let mut layout = HistoryLayout::new(cached_normal, features.friction, rescaled);
+        layout.of_displacements = table.iter().any(|l| {
+            l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Total
+        });
         Ok(Laws {
             types,
             table,
-            layout: HistoryLayout::new(cached_normal, features.friction, rescaled),
+            layout,
             features,
         })
     }

@@ -3,7 +3,8 @@
 //!
 //! Together with the ranges of the semi-axes ([`crate::geometry::ellipsoid`]) and of the constants of the laws
 //! ([`crate::force::parameters`]) they are such that no product in the search and in the law leaves the range of double
-//! precision: what is within them has a force. They are wider than any system of units asks for.
+//! precision: what is within them has a force. They hold grains of any material in any units of length, mass and time that are
+//! within nine powers of ten of a metre, a kilogram and a second.
 
 use crate::geometry::Vector3;
 use crate::message::{Number, Numbers};
@@ -11,17 +12,19 @@ use crate::message::{Number, Numbers};
 /// Largest size of a coordinate of a centre or of a wall, length.
 pub const LARGEST_COORDINATE: f64 = 1e20;
 /// Largest size of a component of a velocity (length/time) and of an angular velocity (1/time).
-pub const LARGEST_VELOCITY: f64 = 1e20;
+pub const LARGEST_VELOCITY: f64 = 1e25;
 /// Longest time step.
-pub const LONGEST_TIME_STEP: f64 = 1e10;
+pub const LONGEST_TIME_STEP: f64 = 1e15;
 /// Smallest and largest mass; a body may also be infinitely heavy.
 pub const LEAST_MASS: f64 = 1e-50;
 /// See [`LEAST_MASS`].
 pub const LARGEST_MASS: f64 = 1e50;
-/// Largest size of a component of a remembered tangential displacement or force.
-pub const LARGEST_REMEMBERED: f64 = 1e100;
+/// Largest size of a component of a remembered tangential displacement.
+pub const LARGEST_DISPLACEMENT: f64 = 1e75;
+/// Largest size of a component of a remembered tangential force.
+pub const LARGEST_TANGENTIAL_FORCE: f64 = 1e140;
 /// Largest size of a remembered energy.
-pub const LARGEST_REMEMBERED_ENERGY: f64 = 1e200;
+pub const LARGEST_TANGENTIAL_ENERGY: f64 = 1e200;
 
 /// A vector whose components are at most so large.
 pub(crate) fn vector(v: [f64; 3], largest: f64, what: &str) -> Result<Vector3, String> {

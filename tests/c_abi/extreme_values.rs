@@ -512,7 +512,7 @@ fn lists() {
                         let words = ["particle 1234", "particle 5678", &place, &value];
                         fails(status, ELLGRAN_ERROR_HISTORY, &words);
                     } else {
-                        assert!(k < 3 || x.abs() <= [1e100, 1e200][k / 6], "{what}");
+                        assert!(k < 3 || x.abs() <= [1e140, 1e200][k / 6], "{what}");
                     }
                 }
                 let step = EllgranStep {
@@ -590,21 +590,21 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
             random.between(-most, most)
         }
     };
-    let size = end(random, 14.99);
+    let size = end(random, 19.99);
     let mut bodies = [sphere_at(0.0); 2];
     for (k, body) in bodies.iter_mut().enumerate() {
-        let own = (size + random.between(-3.0, 3.0)).clamp(-14.9, 14.9);
+        let own = (size + random.between(-3.0, 3.0)).clamp(-19.9, 19.9);
         let spread = random.between(0.0, 5.9);
-        let clamp = |x: f64| 10f64.powf(x.clamp(-14.9, 14.9));
+        let clamp = |x: f64| 10f64.powf(x.clamp(-19.9, 19.9));
         body.semi_axes = [
             clamp(own),
             clamp(own - spread),
             clamp(own - spread * random.between(0.0, 1.0)),
         ];
         body.quaternion = random.vector(-1.0, 1.0);
-        let speed = end(random, 19.7);
+        let speed = end(random, 24.7);
         body.velocity = random.vector::<3>(-1.0, 1.0).map(|v| v * 10f64.powf(speed));
-        let spin = end(random, 19.7);
+        let spin = end(random, 24.7);
         body.angular_velocity = random.vector::<3>(-1.0, 1.0).map(|w| w * 10f64.powf(spin));
         body.mass = 10f64.powf(end(random, 49.9));
         body.identifier = 1234 + k as i64;
@@ -615,10 +615,10 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
     bodies[1].position = random.vector::<3>(-1.0, 1.0).map(|x| x * far);
     let step = EllgranStep {
         size: size_of::<EllgranStep>(),
-        time_step: 10f64.powf(end(random, 9.9)),
+        time_step: 10f64.powf(end(random, 14.9)),
         advance_history: 1,
     };
-    let mut constant = || 10f64.powf(end(random, 29.9));
+    let mut constant = || 10f64.powf(end(random, 49.9));
     let (e, eta1, eta2, mu, kt, ct) = (
         constant(),
         constant(),
@@ -634,7 +634,7 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
         2 => format!("nfd {e:e} 0.2 {eta1:e} {eta2:e} tangential tfd {mu:e} displacement {displacement}"),
         3 => format!("nfd {e:e} 0.49 {eta1:e} {eta2:e} unloading first_order limit_force no"),
         4 => format!("lsd {e:e} {eta1:e} tangential linear {kt:e} {ct:e} {mu:e} displacement {displacement}"),
-        5 => format!("hertz {e:e} 0 damping relaxation 1e15 tangential mindlin {mu:e} displacement {displacement}"),
+        5 => format!("hertz {e:e} 0 damping relaxation 1e20 tangential mindlin {mu:e} displacement {displacement}"),
         _ => format!("nfd {e:e} 0.2 {eta1:e} {eta2:e} conservative no tangential mindlin {mu:e} displacement {displacement}"),
     };
     (deck, bodies, step)
@@ -665,7 +665,7 @@ fn contacts_at_the_ends_of_all_ranges() {
             size: size_of::<EllgranPlane>(),
             point: random
                 .vector::<3>(-1.0, 1.0)
-                .map(|x| x * power(&mut random, -15.0, 19.7)),
+                .map(|x| x * power(&mut random, -20.0, 19.7)),
             normal: random.vector(-1.0, 1.0),
             velocity: bodies[1].velocity,
         };
