@@ -77,7 +77,7 @@ fn not_set<T: Growing>(size: usize, name: &dyn Display) -> Failure {
 
 fn check<T: Growing>(size: usize, name: &dyn Display) -> Result<(), Failure> {
     let possible = T::FIRST_SIZE..=size_of::<T>() + GROWTH;
-    if possible.contains(&size) && size % align_of::<T>() == 0 {
+    if possible.contains(&size) && size.is_multiple_of(align_of::<T>()) {
         Ok(())
     } else {
         Err(not_set::<T>(size, name))

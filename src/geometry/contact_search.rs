@@ -124,6 +124,8 @@ impl Minima {
     }
 }
 
+// One lives on the stack of a search: a box would be an allocation in a step.
+#[allow(clippy::large_enum_variant)]
 enum Descent {
     Separated(Vector3),
     Minimum(Minimum),

@@ -508,6 +508,7 @@ pub(super) struct Left {
 /// Takes a batch through search and law: forces and torques onto the `sums`, what is remembered into the `numbers`. All
 /// its laws are of the same kinds. What a hard pair had remembered stays as it was.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 pub(super) fn run<
     S: Registers,
     K: Kind,
