@@ -3,7 +3,7 @@
 //!
 //! The surface acts where its distance from the body's deepest reach is a minimum: on a face, if the deepest point lies
 //! over it; on an edge or a corner, if the normal there points away from all triangles that meet at the point. Which
-//! triangles meet is a question of place, not of shared corners: a triangle that passes within [`MEETING`] of a point
+//! triangles meet is a question of place, not of shared corners: a triangle that passes within `MEETING` of a point
 //! meets there, whatever mesh it belongs to and wherever its own corners are. So an edge between coplanar triangles, or one
 //! that lies inside another triangle, or at the bottom of a fold, never acts, and a body that lies on any pieces of a
 //! plane touches once. Both sides of a triangle act; the body's centre decides which.

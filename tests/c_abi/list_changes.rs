@@ -19,6 +19,9 @@ struct Scene {
     list: List,
 }
 
+/// Forces, torques, flags and histories.
+type Written = (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<Vec<i32>>, Vec<Vec<f64>>);
+
 impl Scene {
     fn new() -> Scene {
         let laws = Laws::new(&[FRICTION]);
@@ -54,7 +57,7 @@ impl Scene {
     }
 
     /// All that a call may write.
-    fn written(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<Vec<i32>>, Vec<Vec<f64>>) {
+    fn written(&self) -> Written {
         (
             self.arrays.forces.clone(),
             self.arrays.torques.clone(),

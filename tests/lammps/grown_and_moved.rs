@@ -130,8 +130,8 @@ fn both_versions_a_wiggling_wall_keeps_its_phase() {
         outcome
             .output
             .lines()
-            .filter_map(|l| l.strip_prefix("FORCE "))
-            .last()
+            .rev()
+            .find_map(|l| l.strip_prefix("FORCE "))
             .expect("no force was printed")
             .trim()
             .parse::<f64>()

@@ -28,8 +28,8 @@ fn overlapping(i: Body, mut j: Body, overlap: f64) -> (Body, Body) {
         let found = geometry(&i, &j);
         let shift = found.penetration - overlap;
         let n = found.normal.to_array();
-        for k in 0..3 {
-            j.position[k] += shift * n[k];
+        for (x, n) in j.position.iter_mut().zip(n) {
+            *x += shift * n;
         }
     }
     let left = geometry(&i, &j).penetration;
@@ -149,8 +149,8 @@ fn springs_are_the_derivatives_of_the_forces() {
         let n = geometry(&i, &j).normal.to_array();
         let force = |by: f64| {
             let mut moved = j;
-            for k in 0..3 {
-                moved.position[k] -= by * n[k];
+            for (x, n) in moved.position.iter_mut().zip(n) {
+                *x -= by * n;
             }
             let felt = advance(&laws, &i, &moved, 0.0, &mut Memory::new(&laws));
             felt.expect("a contact").forces.normal_force
