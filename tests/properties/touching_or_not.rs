@@ -243,7 +243,7 @@ fn long_and_flat(stream: &mut Stream, kind: usize) -> [Body; 2] {
     let shapes = [shape(kind % 3), shape(kind / 3 % 3)];
     let turn = stream.rotation();
     // Half of the pairs are nearly aligned.
-    let other = if kind % 2 == 0 {
+    let other = if kind.is_multiple_of(2) {
         let axis = nalgebra::Unit::new_normalize(stream.direction());
         turn * Rotation::from_axis_angle(&axis, stream.log_uniform(1e-6, 0.1))
     } else {
