@@ -104,7 +104,8 @@ pub fn tangential_force<T: Real>(
         let energy = old.dot(compliance.apply(old));
         let ratio = remembered_energy * (energy * slip.work).max(tiny).reciprocal();
         let along = energy * old.dot(old).max(least).reciprocal();
-        (old * ratio.min(one), along)
+        // No energy is less than none: nothing is kept then.
+        (old * ratio.min(one).max(zero), along)
     } else {
         (memory, zero)
     };

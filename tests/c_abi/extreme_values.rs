@@ -612,7 +612,9 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
     // From coincident to just apart.
     let reach = bodies.map(|b| b.semi_axes.into_iter().fold(0.0, f64::max));
     let far = random.between(0.0, 1.0).powi(3) * (reach[0] + reach[1]);
-    bodies[1].position = random.vector::<3>(-1.0, 1.0).map(|x| x * far);
+    bodies[1].position = random
+        .vector::<3>(-1.0, 1.0)
+        .map(|x| (x * far).clamp(-1e20, 1e20));
     let step = EllgranStep {
         size: size_of::<EllgranStep>(),
         time_step: 10f64.powf(end(random, 14.9)),
@@ -894,7 +896,10 @@ fn surfaces_of_walls() {
             let g = geometry.pointer();
             let status = unsafe { ellgran_staged_wall(staged.0, &body, &wall, 0.5, g) };
             if status != 0 {
-                fails(status, ELLGRAN_ERROR_ARGUMENT, &["wall", &text(x)]);
+                // A normal may turn so far that the given direction lies along it.
+                let along = (3..6).contains(&k) && message().contains("direction = (1 0 0)");
+                let value = if along { "wall".into() } else { text(x) };
+                fails(status, ELLGRAN_ERROR_ARGUMENT, &["wall", &value]);
                 geometry.check();
                 continue;
             }
