@@ -154,7 +154,8 @@ macro_rules! records_of {
     }};
 }
 
-/// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`.
+/// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`, else, for coincident
+/// centres, any.
 #[inline(always)]
 fn starts<S: Registers>(
     registers: S,
@@ -164,7 +165,9 @@ fn starts<S: Registers>(
     let c = Lanes::all(registers, registers.columns(&lines!(lines)));
     let n = Vector3::new(c[0], c[1], c[2]);
     let tiny = d.x.constant(1e-290);
-    let towards = d * d.norm_squared().max(tiny).reciprocal_sqrt();
+    let square = d.norm_squared();
+    let mut towards = d * square.max(tiny).reciprocal_sqrt();
+    towards.x = Lanes::select(square.less(tiny), d.x.constant(1.0), towards.x);
     let is_unit = (n.norm_squared() - 1.0).abs().less(d.x.constant(1e-6));
     Vector3::new(
         Lanes::select(is_unit, n.x, towards.x),
@@ -399,9 +402,11 @@ fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
         );
         proved = registers.or(proved, registers.and(positive, zero.less(along)));
     }
+    // Without a start there is no normal.
+    let started = (one * 0.5).less(start.norm_squared());
     let sound = registers.and(
         registers.and(converged, falling),
-        registers.and(shallow, proved),
+        registers.and(registers.and(shallow, proved), started),
     );
     hard = registers.or(hard, registers.and_not(zero.less(one), sound));
     let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));

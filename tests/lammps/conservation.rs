@@ -452,8 +452,8 @@ fn both_versions_an_elastic_frictional_gas_gains_no_energy() {
     );
     assert!(gain < 1e-5 && left < 1.0);
     assert!(
-        published > 1.002,
-        "displacement total gained nothing to be warned about"
+        most > 1e-3,
+        "displacement total gained nothing to be warned about: {most:e}"
     );
     assert_eq!((warned, warnings), (0, 1));
 }

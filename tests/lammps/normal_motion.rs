@@ -422,7 +422,7 @@ fn both_versions_damping_restitution_without_attraction() {
                 4000.0,
                 &format!("damping restitution {e} of {semi_axes:?}"),
                 e,
-                2e-5,
+                3e-5,
                 |s| {
                     let deck = Deck {
                         time_step: hertz_time(speed) / s,
