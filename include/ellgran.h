@@ -228,11 +228,6 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- The share of a plane in a body's contact, and its gradient.
- */
-typedef struct Share Share;
-
-/*
  A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {

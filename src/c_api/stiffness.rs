@@ -133,7 +133,8 @@ pub unsafe extern "C" fn ellgran_rayleigh_time(
     at_border("ellgran_rayleigh_time", || {
         // SAFETY: promised by the caller, for all of this function.
         let parameters = unsafe { given(parameters, "parameters") }?.to_core()?;
-        let grain = unsafe { given(grain, "grain") }?.to_core(None)?;
+        // Any type is right.
+        let grain = unsafe { given(grain, "grain") }?.to_core(Some(usize::MAX))?;
         let time = unsafe { required_mut(time, "time") }?;
         *time = rayleigh_time(&parameters, &grain);
         Ok(())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The terms that make force and torques the complete gradient of the elastic energy (THEORY, section 7).
+//! The terms that make force and torques the complete gradient of the elastic energy (docs/theory.md, section 7).
 //!
 //! The energy `U = (2/5) c g(M) delta^(5/2)` depends on the pose through `delta` and through the relative curvature
 //! `M`. A force along `n` is the first part of its gradient; the second, of relative order `delta/R`, is here.

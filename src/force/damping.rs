@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Coefficients of normal damping: the relaxation time `A_n` of NFD by three closures, and the damping that gives a
-//! coefficient of restitution (THEORY, sections 3 and 6).
+//! coefficient of restitution (docs/theory.md, sections 3 and 6).
 
 use super::material::Material;
 use super::parameters::Closure;
@@ -88,7 +88,7 @@ fn oscillator_phase(z: f64) -> (f64, f64) {
 /// The two numbers from which the tangential relaxation times follow: `A_t = (t0 - t1 beta)/(1 - nu beta)`, with
 /// `beta = Bl/K` along the major and `D/K` along the minor semi-axis of the contact ellipse.
 ///
-/// `Closure::Energy`: the tangential load's own strain-rate energy (THEORY, section 4). The other closures: the authors'
+/// `Closure::Energy`: the tangential load's own strain-rate energy (docs/theory.md, section 4). The other closures: the authors'
 /// own `A_t = eta1/(2G) = tau1`.
 pub fn tangential_relaxation_numbers(material: &Material, closure: Closure) -> (f64, f64) {
     let nu = material.poissons_ratio;

@@ -43,7 +43,7 @@ pub struct EllipseIntegrals {
     pub k: f64,
 }
 
-/// `D`, `Bl` and `K` without cancellation (THEORY, section 2).
+/// `D`, `Bl` and `K` without cancellation (docs/theory.md, section 2).
 pub fn ellipse_integrals(axis_ratio: f64) -> EllipseIntegrals {
     let k2 = axis_ratio * axis_ratio;
     let d = carlson_rd(0.0, k2, 1.0) / 3.0;

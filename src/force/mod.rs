@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! From material constants to laws, and from laws to force (THEORY: sections 2 to 5 and 7). No contact search.
+//! From material constants to laws, and from laws to force (docs/theory.md, sections 2 to 5 and 7). No contact search.
 
 pub mod conservative;
 pub mod damping;

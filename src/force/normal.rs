@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The normal force: Hertz, NFD, LSD (THEORY, sections 2, 3 and 5; the paper's Eqs (1) to (7)).
+//! The normal force: Hertz, NFD, LSD (docs/theory.md, sections 2, 3 and 5; the paper's Eqs (1) to (7)).
 
 use super::hertz_factors::Factors;
 use super::law::{LawConstants, LawKinds};

@@ -34,7 +34,7 @@ pub enum Damping {
     Relaxation,
 }
 
-/// How `A_n` follows from the viscosities (THEORY, section 3).
+/// How `A_n` follows from the viscosities (docs/theory.md, section 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closure {
     /// Dissipation of the quasi-static strain-rate field.
@@ -107,7 +107,7 @@ pub struct LawParameters {
     pub displacement: Displacement,
     /// Form of the Hertz factors.
     pub factors: FactorForm,
-    /// Whether force and torques are the complete gradient of the elastic energy (THEORY, section 7).
+    /// Whether force and torques are the complete gradient of the elastic energy (docs/theory.md, section 7).
     pub conservative: bool,
     /// Whether an attractive normal force is cut off.
     pub limit_force: bool,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The tangential force: TFD, Mindlin, linear (THEORY, sections 4 and 5).
+//! The tangential force: TFD, Mindlin, linear (docs/theory.md, sections 4 and 5).
 //!
 //! In the tangent plane the no-slip compliance of an elliptical contact is a symmetric matrix,
 //! `C = C_n (kappa0 I - kappa1 Beta)`, where `Beta` has the eigenvalue `Bl/K` along the major and `D/K` along the minor

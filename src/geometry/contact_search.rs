@@ -5,7 +5,7 @@
 //! f(n) = h_i(n) + h_j(n) - n.d ,   d = x_j - x_i
 //! ```
 //!
-//! (THEORY, section 1). `f < 0` for any single `n` proves that the bodies do not touch, so a neighbour pair is
+//! (docs/theory.md, section 1). `f < 0` for any single `n` proves that the bodies do not touch, so a neighbour pair is
 //! rejected by one evaluation with the normal remembered from the last step. A touching pair costs about two Newton
 //! steps in the tangent plane from that normal. What plain Newton gets wrong (it runs into maxima and saddles for
 //! elongated bodies) is caught by a shifted Hessian, a limited step and backtracking. Whether the minimum that is found is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Relative curvature of two surfaces at their contact (THEORY, section 1; the paper's Eq. (5) in one tangent basis).
+//! Relative curvature of two surfaces at their contact (docs/theory.md, section 1; the paper's Eq. (5) in one tangent basis).
 
 use super::ellipsoid::{Ellipsoid, Support};
 use super::vector::{Symmetric2, Tangent, Vector3};

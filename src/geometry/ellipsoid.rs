@@ -177,7 +177,7 @@ impl<T: Real> Ellipsoid<T> {
     /// The Weingarten map (curvature, 1/length) at the surface point with normal `n`, in the tangent basis: the
     /// level-set form `V = h T^T S^-1 T`, a Gram matrix, hence positive and free of cancellation.
     ///
-    /// Its eigenvalues are the principal curvatures. The inverse Weingarten map of THEORY section 1 is its inverse;
+    /// Its eigenvalues are the principal curvatures. The inverse Weingarten map of docs/theory.md, section 1, is its inverse;
     /// `det V = h^4 / (a1 a2 a3)^2`.
     #[inline(always)]
     pub fn weingarten(&self, support: &Support<T>, tangent: &Tangent<T>) -> Symmetric2<T> {

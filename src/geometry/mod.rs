@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Bodies by their support function, the contact search, curvature (THEORY: sections 1 and 7). No force, no allocation.
+//! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
 pub mod contact_search;
 pub mod convex_body;

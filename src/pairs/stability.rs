@@ -217,10 +217,11 @@ fn at_rest(law: &PairLaw, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
 }
 
 fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
-    let root = mobility.root();
-    if !(root.iter().flatten().any(|x| *x != 0.0)) {
+    if mobility.0[2][2] == 0.0 {
+        // Two fixed bodies.
         return f64::INFINITY;
     }
+    let root = mobility.root();
     let (k, c) = (stiffness.between(&root), damping.between(&root));
     let undamped = 2.0 / k.largest_eigenvalue().sqrt();
     if c.0.iter().flatten().all(|x| *x == 0.0) {

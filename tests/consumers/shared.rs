@@ -18,7 +18,7 @@ use crate::prefix;
 fn shared() -> &'static Path {
     static PREFIX: OnceLock<PathBuf> = OnceLock::new();
     PREFIX.get_or_init(|| {
-        let directory = scratch("shared prefix");
+        let directory = scratch("shared-prefix");
         let library = installed().prefix.join("lib").join("libellgran.a");
         let package = prefix::Package {
             version: env!("CARGO_PKG_VERSION"),

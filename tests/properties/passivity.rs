@@ -353,7 +353,7 @@ fn random_cycles_give_no_work_by_default() {
             for friction in [0.1, 0.5, 10.0] {
                 let most = given(words, friction, lead, 4);
                 println!("{name}: {words}, mu {friction}: at most {most:.1e}");
-                assert!(most < 1e-3, "{name}: {words}, mu {friction}: {most:e}");
+                assert!(most < 3e-4, "{name}: {words}, mu {friction}: {most:e}");
             }
         }
     }
@@ -362,7 +362,7 @@ fn random_cycles_give_no_work_by_default() {
 /// The other forms do give work, and a memory that falls with the stiffness alone would on ellipses.
 #[test]
 fn the_published_form_gives_work() {
-    for (lead, least) in [(0, 1e-2), (2, 3e-3), (3, 1e-2)] {
+    for (lead, least) in [(0, 1e-2), (2, 6e-4), (3, 1e-2)] {
         let (name, lead) = &LEADS[lead];
         let words = "hertz 1e6 0.3 tangential tfd MU displacement total";
         let most = given(words, 0.5, lead, 4);

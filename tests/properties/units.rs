@@ -50,7 +50,7 @@ proptest! {
     fn units_of_length_mass_and_time(
         pair in touching_pair(10.0, 1e-5..0.8),
         which in 0usize..4,
-        powers in prop::array::uniform3(-9.0..9.0f64),
+        powers in prop::array::uniform3(-5.0..5.0f64),
     ) {
         let [l, m, t] = powers.map(|p| 10f64.powf(p));
         let feel = |l: f64, m: f64, t: f64| {

@@ -56,7 +56,7 @@ def touching_normal(generator, ti, tj):
     s = ti @ ti.T + tj @ tj.T
     n = np.linalg.solve(s, u)
     n /= np.linalg.norm(n)
-    for _ in range(2000):  # fixed point of THEORY, monotone: the ray leaves the Minkowski sum here
+    for _ in range(2000):  # fixed point of the ray direction, monotone: the ray leaves the Minkowski sum here
         m = ti @ ti.T / np.linalg.norm(n @ ti) + tj @ tj.T / np.linalg.norm(n @ tj)
         new = np.linalg.solve(m, u)
         new /= np.linalg.norm(new)

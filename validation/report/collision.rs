@@ -21,7 +21,7 @@ const SPEED: f64 = 1.0;
 /// Largest overlap of a head-on collision, in small semi-axes.
 const OVERLAP: f64 = 0.02;
 const POISSONS_RATIO: f64 = 0.3;
-/// Hertz: contact time and angular frequency at the largest overlap, in `overlap/speed` and its inverse (THEORY, section 6).
+/// Hertz: contact time and angular frequency at the largest overlap, in `overlap/speed` and its inverse (docs/theory.md, section 6).
 const CONTACT_TIME: f64 = 2.943_275_184_324_704_7;
 const FREQUENCY: f64 = 1.369_306_393_762_915_3;
 

@@ -32,7 +32,7 @@ fn points(count: usize) -> Vec<Point> {
     (0..count)
         .map(|n| {
             let axis_ratio = 10f64.powf(-3.0 * (n as f64 + 0.5) / count as f64);
-            // Carlson's integrals: B/A and F2 free of cancellation (THEORY, section 2).
+            // Carlson's integrals: B/A and F2 free of cancellation (docs/theory.md, section 2).
             let e = ellipse_integrals(axis_ratio);
             let ratio = e.bl / (axis_ratio * axis_ratio * e.d);
             let f1 = (4.0 / std::f64::consts::PI * (axis_ratio * e.bl * e.d).sqrt()).cbrt();
