@@ -482,14 +482,7 @@ double PairGranEllipsoid::init_one(int i, int j)
 void PairGranEllipsoid::find_largest_semi_axes()
 {
   const int ntypes = atom->ntypes;
-  std::vector<double> mine = atoms.largest_semi_axes();
-  for (const char *inserting : {"^pour", "^deposit"})
-    for (auto *fix : modify->get_fix_by_style(inserting))
-      for (int type = 1; type <= ntypes; type++) {
-        int query = type;
-        const auto *radius = static_cast<double *>(fix->extract("radius", query));
-        if (radius) mine[type] = std::max(mine[type], *radius);
-      }
+  const std::vector<double> mine = atoms.largest_semi_axes();
   largest.assign(ntypes + 1, 0.0);
   MPI_Allreduce(mine.data(), largest.data(), ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
 
@@ -599,8 +592,7 @@ void PairGranEllipsoid::build_laws()
   // Two spheres need no remembered normal to start the search for contact from.
   int spheres_here = atoms.all_spheres() ? 1 : 0, all_spheres = 0;
   MPI_Allreduce(&spheres_here, &all_spheres, 1, MPI_INT, MPI_MIN, world);
-  const bool scene_is_fixed = atom->natoms > 0 && !shapes_may_change && modify->get_fix_by_style("^pour").empty() &&
-      modify->get_fix_by_style("^deposit").empty();
+  const bool scene_is_fixed = atom->natoms > 0 && !shapes_may_change;
   const uint32_t options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
 
   ellgran_laws_free(laws);
