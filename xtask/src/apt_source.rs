@@ -68,8 +68,43 @@ pub fn find_in(name: &str, upstream: &str, suites: &[&str]) -> Result<Option<Pac
     failure.map_or(Ok(None), Err)
 }
 
+/// The versions of source package `name` in `suite`.
+pub fn versions(name: &str, suite: &str) -> Result<Vec<String>> {
+    let apt = indexed(suite, &format!("Looking for {name} in {suite}"))?;
+    let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
+    Ok(shown_versions(&shown, name))
+}
+
+fn shown_versions(shown: &str, name: &str) -> Vec<String> {
+    let package = format!("Package: {name}");
+    shown
+        .split("\n\n")
+        .filter(|paragraph| paragraph.lines().any(|line| line == package))
+        .filter_map(|paragraph| {
+            let version = paragraph
+                .lines()
+                .find_map(|line| line.strip_prefix("Version: "));
+            version.map(str::to_string)
+        })
+        .collect()
+}
+
 /// The newest version of source package `name` in `suite` whose version starts with `upstream`.
 fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
+    let apt = indexed(suite, &format!("Looking for {name} {upstream} in {suite}"))?;
+    let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
+    Ok(
+        newest(&shown, name, upstream).map(|(version, size)| Package {
+            name: name.to_string(),
+            version,
+            size,
+            apt,
+        }),
+    )
+}
+
+/// An apt that has read the index of `suite`.
+fn indexed(suite: &str, title: &str) -> Result<PrivateApt> {
     for tool in ["apt-get", "apt-cache", "apt-config"] {
         if find_program(tool).is_none() {
             bail!("{tool} is not on this system");
@@ -77,7 +112,7 @@ fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
     }
     let archive = machine_archive()?;
     let apt = PrivateApt::new(&archive, suite)?;
-    let mut progress = Progress::start(format!("Looking for {name} {upstream} in {suite}"));
+    let mut progress = Progress::start(title);
     let log = apt.directory.path().join("update.log");
     let result = run_logged(
         apt.command("apt-get").args(["update", "-q"]),
@@ -89,15 +124,7 @@ fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
         return Err(error);
     }
     progress.finish();
-    let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
-    Ok(
-        newest(&shown, name, upstream).map(|(version, size)| Package {
-            name: name.to_string(),
-            version,
-            size,
-            apt,
-        }),
-    )
+    Ok(apt)
 }
 
 impl Package {
@@ -532,6 +559,10 @@ Files:
         assert_eq!(
             newest(shown, "engine", "20250204"),
             Some(("20250204+dfsg.1-2".into(), Some(132_367_436)))
+        );
+        assert_eq!(
+            shown_versions(shown, "engine"),
+            ["20260704+dfsg-2", "20250204+dfsg.1-2"]
         );
         assert_eq!(newest(shown, "engine", "2027"), None);
         assert_eq!(newest(shown, "other", "20250204"), None);
