@@ -20,6 +20,7 @@ mod report;
 mod setup;
 mod tarball;
 mod test;
+mod vtk;
 mod workspace;
 
 use std::path::PathBuf;

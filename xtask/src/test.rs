@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, vtk};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -165,10 +165,18 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
+        let has_vtk = vtk::vtk().is_ok();
+        if !has_vtk {
+            say("NOT TESTED: LIGGGHTS' VTK dumps: no VTK is to be had here");
+        }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
+                    .env(
+                        "ELLGRAN_TEST_LIGGGHTS_VTK",
+                        if has_vtk { "yes" } else { "no" },
+                    )
                     .arg("--")
                     .args(filter),
             )
