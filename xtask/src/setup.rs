@@ -72,9 +72,21 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
+/// To make virtual environments.
+const PYTHON_NEEDS: &[Need] = &[Need {
+    what: "python3 with venv and pip",
+    package: "python3-venv",
+    present: || output_of(Command::new("python3").args(["-c", "import venv, ensurepip"])).is_ok(),
+}];
+
 /// Installs what is missing as root; otherwise fails with the command for the user to run.
 pub fn setup() -> Result<()> {
     provide(NEEDS)
+}
+
+/// The same for Python.
+pub fn python() -> Result<()> {
+    provide(PYTHON_NEEDS)
 }
 
 /// The same for the cross compiler and the emulator.

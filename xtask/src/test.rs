@@ -9,7 +9,9 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, vtk};
+use crate::{
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, vtk, wheel,
+};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -161,6 +163,18 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     if both && oldest.2 != newest.2 {
         steps.run("through the oldest supported LAMMPS", || {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
+        })?;
+    }
+    if cfg!(target_os = "linux") {
+        let directory = tempfile::tempdir()?;
+        let wheel = steps.run("wheel", || wheel::build(directory.path()))?;
+        steps.run("through the wheel", || {
+            run_open(
+                with_engine(engine_tests("wheel"), &oldest)?
+                    .env("ELLGRAN_TEST_WHEEL", &wheel)
+                    .arg("--")
+                    .args(filter),
+            )
         })?;
     }
     if root().join("tests").join("liggghts").is_dir() {
