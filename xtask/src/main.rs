@@ -16,6 +16,8 @@ mod packed_grains;
 mod plugin;
 mod process;
 mod progress;
+mod python;
+mod python_interface;
 mod report;
 mod setup;
 mod tarball;
@@ -50,9 +52,9 @@ enum Task {
     Path { what: Artefact },
     /// Install the missing tools and headers, or say how
     Setup,
-    /// Write include/ellgran.h from the Rust sources
+    /// Write include/ellgran.h from the Rust sources, and Python's declarations from it
     Header {
-        /// Fail if the committed header differs, and write nothing
+        /// Fail if a committed file differs, and write nothing
         #[arg(long)]
         check: bool,
     },
@@ -66,6 +68,8 @@ enum Task {
     Report(report::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// Test the Python module
+    Python(python::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -106,6 +110,7 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())
