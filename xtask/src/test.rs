@@ -10,7 +10,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, vtk, wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, vtk,
+    wheel,
 };
 
 #[derive(clap::Args)]
@@ -97,6 +98,9 @@ pub fn test(options: &Options) -> Result<()> {
             let output = tempfile::tempdir()?;
             report::quick(output.path(), false)
         })?;
+    }
+    if options.quick && options.filter.is_none() {
+        steps.run("Python", || python::test(None))?;
     }
     if !options.quick {
         if options.filter.is_none() {
@@ -197,6 +201,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         })?;
     }
     if filter.is_empty() {
+        steps.run("Python", || python::test(Some((&newest.0, &newest.1))))?;
         steps.run("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())
