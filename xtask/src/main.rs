@@ -16,8 +16,10 @@ mod packed_grains;
 mod plugin;
 mod process;
 mod progress;
+mod python;
 mod report;
 mod setup;
+mod site;
 mod tarball;
 mod test;
 mod workspace;
@@ -64,6 +66,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Make the documentation site, which opens from its files
+    Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
     /// Run every check and test
@@ -105,6 +109,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::Test(options) => test::test(&options)?,
     }

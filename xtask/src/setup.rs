@@ -72,6 +72,27 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
+/// To make Python environments, for the documentation site and pictures.
+const PYTHON_NEEDS: &[Need] = &[Need {
+    what: "python3 with venv",
+    package: "python3-venv",
+    present: || {
+        Command::new("python3")
+            .args(["-c", "import venv, ensurepip"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+    },
+}];
+
+/// To look at the documentation site's pages.
+const BROWSER_NEEDS: &[Need] = &[Need {
+    what: "a browser without a screen",
+    package: "chromium-headless-shell",
+    present: crate::site::has_browser,
+}];
+
 /// Installs what is missing as root; otherwise fails with the command for the user to run.
 pub fn setup() -> Result<()> {
     provide(NEEDS)
@@ -80,6 +101,14 @@ pub fn setup() -> Result<()> {
 /// The same for the cross compiler and the emulator.
 pub fn aarch64() -> Result<()> {
     provide(AARCH64_NEEDS)
+}
+
+pub fn python() -> Result<()> {
+    provide(PYTHON_NEEDS)
+}
+
+pub fn browser() -> Result<()> {
+    provide(BROWSER_NEEDS)
 }
 
 fn provide(needs: &[Need]) -> Result<()> {
