@@ -42,7 +42,8 @@ exclude_patterns = [".*", "target", "**/target", "**/node_modules", "demo-output
 extensions = ["myst_parser", "sphinx.ext.napoleon", "sphinxcontrib.katex", "hawkmoth", "sphinx_copybutton"]
 nitpicky = True
 # docs/bench/table.md begins with a heading of the second level, as a part of what `cargo xtask bench` prints.
-suppress_warnings = ["myst.header"]
+# Pages that stand in no table of contents are found by links and by the search.
+suppress_warnings = ["myst.header", "toc.not_included"]
 nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t")]
 
 # Markdown as the repository's pages have it.
@@ -119,6 +120,11 @@ def restructured(app, lines, transform, options):
     lines[:] = text.split("\n")
 
 
+def links_of_part(app, relative_path, parent_docname, content):
+    """Where a page includes a part of another, links within that other page lead there."""
+    content[0] = content[0].replace("](#", f"](/{relative_path}#")
+
+
 def setup(app):
     (Path(SCRATCH.name) / "ellgran.h").write_text(documented_header())
     static = Path(SCRATCH.name) / "static" / "katex"
@@ -126,5 +132,6 @@ def setup(app):
     for part in ["katex.min.css", "fonts"]:
         (static / part).symlink_to(KATEX / "dist" / part)
     app.connect("hawkmoth-process-docstring", restructured)
+    app.connect("include-read", links_of_part)
     app.add_lexer("lammps", DeckLexer)
     app.add_lexer("liggghts", DeckLexer)
