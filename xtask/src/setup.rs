@@ -72,6 +72,20 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
+/// To draw shaded pictures.
+const RENDERER_NEEDS: &[Need] = &[
+    Need {
+        what: "povray",
+        package: "povray",
+        present: || find_program("povray").is_some(),
+    },
+    Need {
+        what: "cwebp and img2webp",
+        package: "webp",
+        present: || find_program("cwebp").is_some() && find_program("img2webp").is_some(),
+    },
+];
+
 /// To make Python environments, for the documentation site and pictures.
 const PYTHON_NEEDS: &[Need] = &[Need {
     what: "python3 with venv",
@@ -105,6 +119,10 @@ pub fn aarch64() -> Result<()> {
 
 pub fn python() -> Result<()> {
     provide(PYTHON_NEEDS)
+}
+
+pub fn renderer() -> Result<()> {
+    provide(RENDERER_NEEDS)
 }
 
 pub fn browser() -> Result<()> {

