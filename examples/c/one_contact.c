@@ -4,8 +4,7 @@
  *
  *   cc one_contact.c $(pkg-config --cflags --libs ellgran)
  *
- * Prints
- *
+ * Prints: normal force 10.5319 mN
  */
 #include <ellgran.h>
 #include <stdio.h>
@@ -41,7 +40,7 @@ int main(void)
     fprintf(stderr, "%s\n", ellgran_last_error());
     return 1;
   }
-  printf("normal force %.6g N\n", force.normal_force);
+  printf("normal force %.6g mN\n", 1e3 * force.normal_force);
   ellgran_laws_free(laws);
   return 0;
 }

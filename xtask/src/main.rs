@@ -14,6 +14,8 @@ mod library;
 mod liggghts;
 mod packed_grains;
 mod plugin;
+#[cfg(test)]
+mod printed_commands;
 mod process;
 mod progress;
 mod python;

@@ -72,6 +72,13 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
+/// To make virtual environments.
+const PYTHON_NEEDS: &[Need] = &[Need {
+    what: "python3 with venv and pip",
+    package: "python3-venv",
+    present: || output_of(Command::new("python3").args(["-c", "import venv, ensurepip"])).is_ok(),
+}];
+
 /// To draw shaded pictures.
 const RENDERER_NEEDS: &[Need] = &[
     Need {
@@ -86,20 +93,6 @@ const RENDERER_NEEDS: &[Need] = &[
     },
 ];
 
-/// To make Python environments, for the documentation site and pictures.
-const PYTHON_NEEDS: &[Need] = &[Need {
-    what: "python3 with venv",
-    package: "python3-venv",
-    present: || {
-        Command::new("python3")
-            .args(["-c", "import venv, ensurepip"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status()
-            .is_ok_and(|status| status.success())
-    },
-}];
-
 /// To look at the documentation site's pages.
 const BROWSER_NEEDS: &[Need] = &[Need {
     what: "a browser without a screen",
@@ -112,19 +105,22 @@ pub fn setup() -> Result<()> {
     provide(NEEDS)
 }
 
+/// The same for Python.
+pub fn python() -> Result<()> {
+    provide(PYTHON_NEEDS)
+}
+
 /// The same for the cross compiler and the emulator.
 pub fn aarch64() -> Result<()> {
     provide(AARCH64_NEEDS)
 }
 
-pub fn python() -> Result<()> {
-    provide(PYTHON_NEEDS)
-}
-
+/// The same for the renderer.
 pub fn renderer() -> Result<()> {
     provide(RENDERER_NEEDS)
 }
 
+/// The same for the browser.
 pub fn browser() -> Result<()> {
     provide(BROWSER_NEEDS)
 }

