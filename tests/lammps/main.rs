@@ -23,6 +23,7 @@ mod linear_spring;
 mod misuse;
 mod normal_motion;
 mod outputs;
+mod pages;
 mod plane_motion;
 mod plugin_file;
 mod readme;

