@@ -91,16 +91,15 @@ fn add(
                 Number(*bound)
             ));
         }
-        if end == End::Closed && p.side == Side::OfCentre {
-            return Err(
-                "cylinder or cone: one that is closed has particles either inside or outside"
-                    .into(),
-            );
-        }
     }
+    // From within, a closed end is a concave corner: what lies behind either surface counts, wherever the other one is.
+    let goes_on = |k: usize| p.side == Side::Inside && p.ends[k] == End::Closed;
     parts.push(Box::new(ConeWall {
         cone,
-        bounds: p.bounds,
+        bounds: [
+            if goes_on(0) { f64::NEG_INFINITY } else { low },
+            if goes_on(1) { f64::INFINITY } else { high },
+        ],
         side: p.side,
     }));
     for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
@@ -115,12 +114,14 @@ fn add(
             }
             End::Open => {}
             End::Closed if p.side == Side::Inside => {
-                // The plane goes on beyond the edge, which is concave.
                 let normal = cone.axis * -out;
-                parts.push(Box::new(PlaneWall::disc(centre, normal, f64::INFINITY)));
+                let plane = PlaneWall::disc(centre, normal, f64::INFINITY, false);
+                parts.push(Box::new(plane));
             }
             End::Closed => {
-                parts.push(Box::new(PlaneWall::disc(centre, cone.axis * out, radius)));
+                let both_sides = p.side == Side::OfCentre;
+                let disc = PlaneWall::disc(centre, cone.axis * out, radius, both_sides);
+                parts.push(Box::new(disc));
                 if radius > 0.0 {
                     let disc = [-1.0, 0.0];
                     let edge = Rim::new(centre, cone.axis, radius, &[inwards, disc]);

@@ -15,14 +15,14 @@ pub(super) struct PlaneWall {
 }
 
 impl PlaneWall {
-    /// A disc that acts on the side of its normal.
-    pub(super) fn disc(centre: Vector3, normal: Vector3, radius: f64) -> Self {
+    /// A disc that acts on the side of its normal, or on that of a particle's centre.
+    pub(super) fn disc(centre: Vector3, normal: Vector3, radius: f64, both_sides: bool) -> Self {
         PlaneWall {
             plane: Plane {
                 point: centre,
                 normal,
             },
-            both_sides: false,
+            both_sides,
             radius,
         }
     }
@@ -34,10 +34,13 @@ pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resul
     } else {
         p.axis
     };
-    parts.push(Box::new(PlaneWall {
-        both_sides: p.side == Side::OfCentre,
-        ..PlaneWall::disc(p.point, normal, f64::INFINITY)
-    }));
+    let both_sides = p.side == Side::OfCentre;
+    parts.push(Box::new(PlaneWall::disc(
+        p.point,
+        normal,
+        f64::INFINITY,
+        both_sides,
+    )));
     Ok(())
 }
 
