@@ -14,6 +14,7 @@ use engines::shapes;
 
 mod conservation;
 mod contact_or_not;
+mod curved_walls;
 mod decomposition;
 mod energy_balance;
 mod engine_commands;
