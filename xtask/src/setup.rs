@@ -105,11 +105,6 @@ pub fn setup() -> Result<()> {
     provide(NEEDS)
 }
 
-/// The same for Python.
-pub fn python() -> Result<()> {
-    provide(PYTHON_NEEDS)
-}
-
 /// The same for the cross compiler and the emulator.
 pub fn aarch64() -> Result<()> {
     provide(AARCH64_NEEDS)
