@@ -29,5 +29,6 @@ pub mod status;
 pub mod stiffness;
 pub mod tallies;
 pub mod version;
+pub mod rigid_wall;
 pub mod walls;
 pub mod without_history;

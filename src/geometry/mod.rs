@@ -2,9 +2,9 @@
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
 pub mod contact_search;
+pub mod cone;
 pub mod convex_body;
 pub mod curvature;
-pub mod cylinder;
 pub mod ellipsoid;
 pub mod facet_shares;
 pub mod global_minimum;

@@ -38,7 +38,7 @@ pub fn into(prefix: &Path) -> Result<()> {
 }
 
 /// With the shared library.
-pub fn shared_into(prefix: &Path) -> Result<()> {
+pub fn with_shared(prefix: &Path) -> Result<()> {
     fill(prefix, true)
 }
 

