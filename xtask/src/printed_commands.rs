@@ -42,7 +42,7 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     (
         "cmake -S lammps-plugin -B build-plugin -DLAMMPS_SOURCE_DIR=$LAMMPS/src -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
         "xtask/src/plugin.rs",
-        "-DLAMMPS_SOURCE_DIR=",
+        "LAMMPS_SOURCE_DIR",
     ),
     ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
 ];
