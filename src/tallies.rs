@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums over contacts that an engine may ask for: energies, virial, counts.
 
-use crate::geometry::Vector3;
+use crate::vector::Vector3;
 
 /// What is asked for and its sums. A scene that asks for nothing passes none and pays nothing.
 #[derive(Debug, Default)]
@@ -109,7 +109,7 @@ pub(super) struct Contribution {
 
 impl Tallies<'_> {
     /// Zeroes the sums of a step; what is carried between steps stays.
-    pub(super) fn start_step(&mut self) {
+    pub(crate) fn start_step(&mut self) {
         self.normal_elastic_energy = 0.0;
         self.tangential_elastic_energy = 0.0;
         self.virial = [0.0; 6];
@@ -154,7 +154,7 @@ impl Tallies<'_> {
 
     /// Adds a contact of `i` and `j`. `owned_j` is false where another rank adds the same contact too.
     #[inline(always)]
-    pub(super) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
+    pub(crate) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
         let weight = if owned_j { 1.0 } else { 0.5 };
         self.touching += weight;
         self.normal_elastic_energy += weight * c.normal_energy;

@@ -74,6 +74,13 @@ impl<T: Real> Vector3<T> {
     pub fn normalised(self) -> Self {
         self * self.norm_squared().reciprocal_sqrt()
     }
+    /// Whether its length is 1, to a few parts in ten million: what a search or a file has left of a unit vector, and
+    /// neither zeros nor NaN.
+    #[inline(always)]
+    pub fn is_unit(self) -> T::Mask {
+        let square = self.norm_squared();
+        (square - 1.0).abs().less(square.constant(1e-6))
+    }
 }
 
 impl Vector3<f64> {

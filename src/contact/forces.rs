@@ -8,8 +8,47 @@ use crate::force::conservative::{
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, Tangential, TangentialForce,
 };
-use crate::geometry::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::geometry::curvature::inverse_weingarten;
 use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
+
+/// One body at a contact: its surface, and its motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<T: Real = f64> {
+    /// Support function, which is the part of the witness along the normal, from the centre.
+    pub h: T,
+    /// `1/h`.
+    pub inverse_h: T,
+    /// The other part of the witness, in the tangent basis.
+    pub witness: Vector2<T>,
+    /// Weingarten map in the tangent basis; zero for a plane.
+    pub weingarten: Symmetric2<T>,
+    /// `(a1 a2 a3)^2`.
+    pub determinant: T,
+    /// Velocity of the centre, or of a wall at the contact.
+    pub velocity: Vector3<T>,
+    /// Angular velocity, world frame.
+    pub omega: Vector3<T>,
+}
+
+impl<T: Real> Surface<T> {
+    /// What the conservative law needs. A function, not a closure: a closure is not always inlined into the code of the
+    /// chosen instruction set, and then costs a call per operation.
+    #[inline(always)]
+    pub(super) fn for_gradient(&self) -> BodyAtContact<T> {
+        BodyAtContact {
+            h: self.h,
+            inverse_h: self.inverse_h,
+            witness: self.witness,
+            weingarten: self.weingarten,
+            inverse_weingarten: inverse_weingarten(
+                self.weingarten,
+                self.inverse_h,
+                self.determinant,
+            ),
+        }
+    }
+}
 
 /// A touching pair: geometry and motion.
 #[derive(Clone, Copy, Debug)]
@@ -20,34 +59,10 @@ pub struct Contact<T: Real = f64> {
     pub tangent: Tangent<T>,
     /// Penetration > 0.
     pub penetration: T,
-    /// Support function of `i`, which is the part of its witness along the normal, from its centre.
-    pub h_i: T,
-    /// `1/h_i`.
-    pub inverse_h_i: T,
-    /// The other part of the witness of `i`, in the tangent basis.
-    pub witness_i: Vector2<T>,
-    /// Weingarten map of `i` in the tangent basis.
-    pub weingarten_i: Symmetric2<T>,
-    /// `(a1 a2 a3)^2` of `i`.
-    pub determinant_i: T,
-    /// The same of `j`, for the same `n`: its witness from its centre is minus that. Unused for a wall.
-    pub h_j: T,
-    /// `1/h_j`.
-    pub inverse_h_j: T,
-    /// Tangential part of minus the witness of `j`.
-    pub witness_j: Vector2<T>,
-    /// Weingarten map of `j` in the tangent basis; zero for a wall.
-    pub weingarten_j: Symmetric2<T>,
-    /// `(a1 a2 a3)^2` of `j`.
-    pub determinant_j: T,
-    /// Velocity of the centre of `i`.
-    pub velocity_i: Vector3<T>,
-    /// Velocity of the centre of `j`, or of the wall at the contact.
-    pub velocity_j: Vector3<T>,
-    /// Angular velocity of `i`, world frame.
-    pub omega_i: Vector3<T>,
-    /// Angular velocity of `j`, world frame.
-    pub omega_j: Vector3<T>,
+    /// The surface and the motion of `i`.
+    pub i: Surface<T>,
+    /// The same of `j`, for the same normal: its witness from its centre is minus that of the support function.
+    pub j: Surface<T>,
     /// Effective mass `m_i m_j/(m_i + m_j)`.
     pub effective_mass: T,
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
@@ -56,11 +71,16 @@ pub struct Contact<T: Real = f64> {
 }
 
 impl<T: Real> Contact<T> {
+    /// The relative curvature matrix `M`, 1/length.
+    #[inline(always)]
+    pub fn curvature(&self) -> Symmetric2<T> {
+        relative_curvature_matrix(self.i.weingarten, self.j.weingarten)
+    }
     /// Centre of `j` less centre of `i`.
     #[inline(always)]
     pub fn between_centres(&self) -> Vector3<T> {
-        let along = self.h_i + self.h_j - self.penetration;
-        let across = self.tangent.vector(self.witness_i + self.witness_j);
+        let along = self.i.h + self.j.h - self.penetration;
+        let across = self.tangent.vector(self.i.witness + self.j.witness);
         self.normal.scale_add(along, across)
     }
 }
@@ -118,7 +138,7 @@ pub struct ContactForces<T = f64> {
     pub tangential_power: T,
 }
 
-/// Trace and determinant of the relative curvature matrix `M`, and `M`.
+/// The relative curvature matrix `M`, half the sum of two Weingarten maps.
 #[inline(always)]
 pub fn relative_curvature_matrix<T: Real>(vi: Symmetric2<T>, vj: Symmetric2<T>) -> Symmetric2<T> {
     (vi + vj) * vi.uu.constant(0.5)
@@ -221,12 +241,12 @@ pub fn contact_forces<
     };
     let (relative, omega_i, omega_j) = if RATE {
         (
-            InFrame::of(x.velocity_j - x.velocity_i, x),
-            InFrame::of(x.omega_i, x),
+            InFrame::of(x.j.velocity - x.i.velocity, x),
+            InFrame::of(x.i.omega, x),
             if WALL {
                 still
             } else {
-                InFrame::of(x.omega_j, x)
+                InFrame::of(x.j.omega, x)
             },
         )
     } else {
@@ -234,11 +254,11 @@ pub fn contact_forces<
     };
     // Any point between the witnesses has the same velocity along n: they lie on one line along n.
     let rate = if RATE {
-        let approach = area(omega_i.tangential, x.witness_i) - relative.normal;
+        let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
         if WALL {
             approach
         } else {
-            approach + area(omega_j.tangential, x.witness_j)
+            approach + area(omega_j.tangential, x.j.witness)
         }
     } else {
         zero
@@ -258,12 +278,12 @@ pub fn contact_forces<
     // The contact point from either centre; from that of j, its tangential part is minus the witness.
     let share = x.penetration * c.share_i;
     let r_i = InFrame {
-        tangential: x.witness_i,
-        normal: x.h_i - share,
+        tangential: x.i.witness,
+        normal: x.i.h - share,
     };
     let r_j = InFrame {
-        tangential: x.witness_j * -one,
-        normal: x.penetration - share - x.h_j,
+        tangential: x.j.witness * -one,
+        normal: x.penetration - share - x.j.h,
     };
 
     let mut force = InFrame {
@@ -271,27 +291,21 @@ pub fn contact_forces<
         normal: normal.force,
     };
     let mut torque_i = InFrame {
-        tangential: quarter_turn(x.witness_i) * normal.force,
+        tangential: quarter_turn(x.i.witness) * normal.force,
         normal: zero,
     };
     let mut torque_j = if WALL {
         still
     } else {
         InFrame {
-            tangential: quarter_turn(x.witness_j) * normal.force,
+            tangential: quarter_turn(x.j.witness) * normal.force,
             normal: zero,
         }
     };
 
     if CONSERVATIVE && kinds.conservative {
         let p = curvature_gradient(curvature, factors);
-        let body_i = body_at_contact(
-            x.h_i,
-            x.inverse_h_i,
-            x.witness_i,
-            x.weingarten_i,
-            x.determinant_i,
-        );
+        let body_i = x.i.for_gradient();
         let gradient_i = body_gradient(p, &body_i);
         let minus = -normal.elastic_energy;
         if WALL {
@@ -300,13 +314,7 @@ pub fn contact_forces<
             let own = additional_torque(&body_i, &gradient_i, &held);
             torque_i = torque_i.plus(minus, own);
         } else {
-            let body_j = body_at_contact(
-                x.h_j,
-                x.inverse_h_j,
-                x.witness_j,
-                x.weingarten_j,
-                x.determinant_j,
-            );
+            let body_j = x.j.for_gradient();
             let gradient_j = body_gradient(p, &body_j);
             let gamma = gradient_i.gamma + gradient_j.gamma;
             let response = match x.inverse_hessian {
@@ -425,24 +433,4 @@ pub fn contact_forces<
         result.torque_j = torque_j.to_world(x);
     }
     result
-}
-
-/// What the conservative law needs of a body, in the tangent basis. A function, not a closure: a closure is not always
-/// inlined into the code of the chosen instruction set, and then costs a call per operation.
-#[inline(always)]
-fn body_at_contact<T: Real>(
-    h: T,
-    inverse_h: T,
-    witness: Vector2<T>,
-    weingarten: Symmetric2<T>,
-    determinant: T,
-) -> BodyAtContact<T> {
-    let square = inverse_h * inverse_h;
-    BodyAtContact {
-        h,
-        inverse_h,
-        witness,
-        weingarten,
-        inverse_weingarten: weingarten.adjugate() * (determinant * (square * square)),
-    }
 }

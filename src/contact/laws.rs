@@ -13,7 +13,7 @@ pub struct Laws {
     table: Vec<PairLaw>,
     layout: HistoryLayout,
     /// Which terms any pair of types has.
-    pub(super) features: Features,
+    pub(crate) features: Features,
 }
 
 /// The terms that some pair of types has; a kernel without the others serves the scene.

@@ -2,41 +2,16 @@
 //! One contact at a time: geometry, force, torques, history in and out. The same functions as the neighbour list's, so
 //! that both give the same numbers.
 
-use super::contact::{contact_forces, relative_curvature_matrix, ContactForces};
+use super::forces::{relative_curvature_matrix, ContactForces};
+use super::history::{cached_normal, forget, Step};
 use super::laws::Laws;
-use super::neighbour_list::{
-    cached_normal, contact_of, factors_for, forget, hale_holds, normal_before, recall, remember,
-    touch, touch_spheres,
+use super::pair::{
+    checked_factors, contact_of, normal_before, through_law, touch_spheres, HaleRatio, Pair,
 };
-use super::particles::{describe, Particle, ParticleError};
-use super::planes::{contact_with_plane, plane_forces, MovingPlane};
-use super::ranges;
-use super::Step;
+use super::particle::Particle;
 use crate::geometry::contact_search::gap;
-use crate::geometry::{
-    relative_curvature, touch_plane, ContactSearch, Ellipsoid, Outcome, Vector3,
-};
-
-/// A body of one contact. World frame.
-#[derive(Clone, Copy, Debug)]
-pub struct Body {
-    /// Centre.
-    pub position: [f64; 3],
-    /// Rotation from body to world, `(w, x, y, z)`; normalised here.
-    pub quaternion: [f64; 4],
-    /// Semi-axes along the body axes.
-    pub semi_axes: [f64; 3],
-    /// Velocity of the centre.
-    pub velocity: [f64; 3],
-    /// Angular velocity.
-    pub angular_velocity: [f64; 3],
-    /// Mass, read by damping with a coefficient of restitution; infinite for a fixed body.
-    pub mass: f64,
-    /// Type, counted from 1.
-    pub kind: i32,
-    /// What to call it in a message.
-    pub identifier: i64,
-}
+use crate::geometry::{relative_curvature, ContactSearch};
+use crate::vector::Vector3;
 
 /// Geometry of a pair, touching or not.
 #[derive(Clone, Copy, Debug)]
@@ -61,40 +36,7 @@ pub struct OneContact {
     pub major_direction: Vector3,
 }
 
-/// Checks a body and prepares it.
-///
-/// # Errors
-/// Names the body and the value.
-pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, ParticleError> {
-    let fail = |what: String| ParticleError {
-        identifier: body.identifier,
-        what,
-    };
-    let mut inverse_mass = 0.0;
-    if let Some(types) = types {
-        if body.kind < 1 || body.kind as usize > types {
-            return Err(fail(format!(
-                "type {} is not between 1 and {types}",
-                body.kind
-            )));
-        }
-        inverse_mass = ranges::inverse_mass(body.mass, "mass").map_err(fail)?;
-    }
-    let shape = Ellipsoid::new(body.semi_axes, body.quaternion)
-        .map_err(|e| fail(describe(e, body.semi_axes, body.quaternion)))?;
-    Ok(Particle {
-        position: ranges::position(body.position).map_err(fail)?,
-        radius: shape.bounding_radius(),
-        body: shape,
-        velocity: ranges::velocity(body.velocity).map_err(fail)?,
-        omega: ranges::angular_velocity(body.angular_velocity).map_err(fail)?,
-        inverse_mass,
-        kind: body.kind.max(0) as u32,
-        sphere: shape.is_sphere(),
-    })
-}
-
-pub(super) fn geometry_of(
+pub(crate) fn geometry_of(
     found: &ContactSearch,
     i: &Particle,
     j: &Particle,
@@ -119,46 +61,14 @@ pub(super) fn geometry_of(
     }
 }
 
-/// Whether two bodies touch: the one place where the calls for one contact decide it.
-enum Pair {
-    Touching(ContactSearch),
-    Apart {
-        /// Unit normal of a plane between the bodies.
-        normal: Vector3,
-        /// Whether the search found it: then it is the start of the next one.
-        searched: bool,
-    },
-}
-
-impl Pair {
-    fn of(i: &Particle, j: &Particle, start: Option<Vector3>) -> Pair {
-        let d = j.position - i.position;
-        let reach = i.radius + j.radius;
-        if d.norm_squared() >= reach * reach {
-            // Not zero: it is longer than the semi-axes.
-            let normal = d.direction().unwrap_or(Vector3::new(1.0, 0.0, 0.0));
-            return Pair::Apart {
-                normal,
-                searched: false,
-            };
-        }
-        match touch(i, j, d, start) {
-            Outcome::Touching(found) if found.penetration > 0.0 => Pair::Touching(found),
-            Outcome::Touching(found) => Pair::Apart {
-                normal: found.normal,
-                searched: false,
-            },
-            Outcome::Separated(normal) => Pair::Apart {
-                normal,
-                searched: true,
-            },
-        }
-    }
-}
-
-/// Geometry of two bodies that a plane is known to separate, to rounding at least: they do not touch.
-fn geometry_apart(i: &Particle, j: &Particle, share_i: f64, normal: Vector3) -> OneContact {
+/// Geometry of two bodies that a plane is known to separate, to rounding at least: they do not touch. Without its normal the
+/// bounding spheres do not meet.
+fn geometry_apart(i: &Particle, j: &Particle, share_i: f64, normal: Option<Vector3>) -> OneContact {
     let d = j.position - i.position;
+    // Not zero: it is longer than the semi-axes.
+    let normal = normal
+        .or(d.direction())
+        .unwrap_or(Vector3::new(1.0, 0.0, 0.0));
     let mut found = if i.sphere && j.sphere {
         touch_spheres(i.radius, j.radius, d, &i.body, &j.body)
     } else {
@@ -175,32 +85,6 @@ pub fn geometry(i: &Particle, j: &Particle, share_i: f64, start: Option<Vector3>
         Pair::Apart { normal, .. } => geometry_apart(i, j, share_i, normal),
     }
 }
-
-/// Geometry of an ellipsoid and a plane.
-pub fn geometry_with_plane(i: &Particle, wall: &MovingPlane, share_i: f64) -> OneContact {
-    let found = touch_plane(&i.body, i.position, &wall.plane);
-    let x = contact_with_plane(&found, i, wall);
-    let curvature = relative_curvature(
-        relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
-        &found.tangent,
-    );
-    let witness_i = i.position + found.support.point;
-    OneContact {
-        touching: found.penetration > 0.0,
-        penetration: found.penetration,
-        normal: found.normal,
-        contact_point: witness_i - found.normal * (found.penetration * share_i),
-        witness_i,
-        witness_j: witness_i - found.normal * found.penetration,
-        curvature_a: curvature.a,
-        curvature_b: curvature.b,
-        major_direction: curvature.major_direction,
-    }
-}
-
-/// Hale's form broke: the ratio `B/A`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HaleRatio(pub f64);
 
 /// One contact of two ellipsoids: `None` when they do not touch. `touching` and `history` are those of the pair
 /// (length [`super::HistoryLayout::length`]) and are written.
@@ -239,8 +123,8 @@ pub fn one_contact_or_gap(
     })
 }
 
-/// A contact, or the normal of a plane between the bodies.
-type ContactOrPlane = Result<(OneContact, ContactForces), Vector3>;
+/// A contact, or the normal of a plane between the bodies where one is known.
+type ContactOrPlane = Result<(OneContact, ContactForces), Option<Vector3>>;
 
 fn compute(
     laws: &Laws,
@@ -257,8 +141,8 @@ fn compute(
     let found = match Pair::of(i, j, cached) {
         Pair::Touching(found) => found,
         Pair::Apart { normal, searched } => {
-            if let Some(at) = layout.normal.filter(|_| searched) {
-                history[at..at + 3].copy_from_slice(&normal.to_array());
+            if let (Some(at), Some(n)) = (layout.normal.filter(|_| searched), normal) {
+                history[at..at + 3].copy_from_slice(&n.to_array());
             }
             if *touching {
                 *touching = false;
@@ -268,60 +152,11 @@ fn compute(
         }
     };
     let x = contact_of(&found, i, j);
-    let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-    if law.kinds.hale {
-        hale_holds(curvature).map_err(HaleRatio)?;
-    }
-    let factors = factors_for(law, curvature.trace(), curvature.determinant());
+    let factors = checked_factors(law, x.curvature())?;
     let before = normal_before(cached, i, j, d, found.normal, step);
-    let remembered = recall(&layout, history, *touching, step, found.normal, before);
-    let f = contact_forces::<f64, true, true, true, false>(
-        &law.kinds,
-        &law.constants,
-        &factors,
-        curvature,
-        &x,
-        &remembered,
+    let f = through_law::<true, true, true, false>(
+        law, &factors, &x, &layout, history, *touching, before, step,
     );
-    remember(&layout, history, found.normal, &f);
     *touching = true;
     Ok(Ok((geometry_of(&found, i, j, law.constants.share_i), f)))
-}
-
-/// One contact of an ellipsoid and a plane; otherwise like [`one_contact`].
-///
-/// # Errors
-/// Only with `factors hale`, before anything is written.
-pub fn one_contact_with_plane(
-    laws: &Laws,
-    i: &Particle,
-    wall: &MovingPlane,
-    wall_type: usize,
-    step: &Step,
-    touching: &mut bool,
-    history: &mut [f64],
-) -> Result<Option<(OneContact, ContactForces)>, HaleRatio> {
-    let layout = laws.layout();
-    let found = touch_plane(&i.body, i.position, &wall.plane);
-    if found.penetration <= 0.0 {
-        if *touching {
-            *touching = false;
-            forget(&layout, history);
-        }
-        return Ok(None);
-    }
-    let law = laws.get(i.kind as usize, wall_type);
-    let x = contact_with_plane(&found, i, wall);
-    if law.kinds.hale {
-        hale_holds(relative_curvature_matrix(x.weingarten_i, x.weingarten_j)).map_err(HaleRatio)?;
-    }
-    let before = cached_normal(&layout, history).unwrap_or(found.normal);
-    let remembered = recall(&layout, history, *touching, step, found.normal, before);
-    let f = plane_forces(law, &x, &remembered);
-    remember(&layout, history, found.normal, &f);
-    *touching = true;
-    Ok(Some((
-        geometry_with_plane(i, wall, law.constants.share_i),
-        f,
-    )))
 }

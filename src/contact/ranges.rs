@@ -6,8 +6,8 @@
 //! precision: what is within them has a force. They hold grains of any material in any units of length, mass and time that are
 //! within nine powers of ten of a metre, a kilogram and a second.
 
-use crate::geometry::Vector3;
 use crate::message::{Number, Numbers};
+use crate::vector::Vector3;
 
 /// Largest size of a coordinate of a centre or of a wall, length.
 pub const LARGEST_COORDINATE: f64 = 1e20;

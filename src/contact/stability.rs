@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How stiff a contact is, the largest time step that it allows, how long a collision lasts and a wave through a grain.
 
-use super::contact::{relative_curvature_matrix, Contact};
+use super::forces::Contact;
 use super::laws::Laws;
-use super::neighbour_list::{contact_of, factors_for, hale_holds, touch, touch_spheres};
-use super::one_contact::HaleRatio;
-use super::particles::Particle;
+use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
+use super::particle::Particle;
 use crate::force::parameters::{LawParameters, Normal};
-use crate::force::{normal_force, tangential_stiffness, PairLaw};
+use crate::force::{normal_force, tangential_stiffness, Factors, PairLaw};
 use crate::geometry::contact_search::closest;
-use crate::geometry::{relative_curvature, Outcome, Symmetric2, Vector3};
+use crate::geometry::relative_curvature;
+use crate::vector::{Symmetric2, Vector3};
 
 /// The springs and dashpots that a contact consists of for small motions about where it is.
 #[derive(Clone, Copy, Debug)]
@@ -106,8 +106,8 @@ impl Matrix {
 fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
     let frame = [x.tangent.u, x.tangent.v, x.normal];
     let share = x.penetration * share_i;
-    let arm_i = x.tangent.vector(x.witness_i) + x.normal * (x.h_i - share);
-    let arm_j = x.normal * (x.penetration - share - x.h_j) - x.tangent.vector(x.witness_j);
+    let arm_i = x.tangent.vector(x.i.witness) + x.normal * (x.i.h - share);
+    let arm_j = x.normal * (x.penetration - share - x.j.h) - x.tangent.vector(x.j.witness);
     let mut sum = [[0.0; 3]; 3];
     for (body, arm) in [(i, arm_i), (j, arm_j)] {
         // Principal moments of a solid ellipsoid.
@@ -148,25 +148,14 @@ pub fn contact_stiffness(
     i: &Particle,
     j: &Particle,
 ) -> Result<Option<ContactStiffness>, HaleRatio> {
-    let d = j.position - i.position;
-    let reach = i.radius + j.radius;
-    if d.norm_squared() >= reach * reach {
-        return Ok(None);
-    }
-    let Outcome::Touching(found) = touch(i, j, d, None) else {
+    let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(None);
     };
-    if !(found.penetration > 0.0) {
-        return Ok(None);
-    }
     let law = laws.get(i.kind as usize, j.kind as usize);
     let x = contact_of(&found, i, j);
-    let m = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-    if law.kinds.hale {
-        hale_holds(m).map_err(HaleRatio)?;
-    }
-    let normal = at_rest(law, &x, m, x.penetration);
-    let factors = factors_for(law, m.trace(), m.determinant());
+    let m = x.curvature();
+    let factors = checked_factors(law, m)?;
+    let normal = at_rest(law, &factors, &x, m, x.penetration);
     let (stiffness, damping) =
         tangential_stiffness(&law.kinds, &law.constants, normal, &factors, m);
     let c = &law.constants;
@@ -189,7 +178,7 @@ pub fn contact_stiffness(
         .tangent
         .components(relative_curvature(m, &found.tangent).major_direction);
     let along = |s: Symmetric2| {
-        let minor = crate::geometry::Vector2::new(-major.v, major.u);
+        let minor = crate::vector::Vector2::new(-major.v, major.u);
         [major.dot(s.apply(major)), minor.dot(s.apply(minor))]
     };
     Ok(Some(ContactStiffness {
@@ -202,15 +191,14 @@ pub fn contact_stiffness(
 }
 
 /// Normal stiffness at a penetration, the bodies at rest.
-fn at_rest(law: &PairLaw, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
-    let factors = factors_for(law, m.trace(), m.determinant());
+fn at_rest(law: &PairLaw, factors: &Factors, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
     normal_force(
         &law.kinds,
         &law.constants,
         penetration,
         0.0,
         m.determinant(),
-        &factors,
+        factors,
         x.effective_mass,
     )
     .stiffness
@@ -272,10 +260,8 @@ pub fn collision(
     };
     let law = laws.get(i.kind as usize, j.kind as usize);
     let x = contact_of(&found, i, j);
-    let m = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-    if law.kinds.hale {
-        hale_holds(m).map_err(HaleRatio)?;
-    }
+    let m = x.curvature();
+    let factors = checked_factors(law, m)?;
     // At first touch: there is no penetration.
     let touching = Contact {
         penetration: 0.0,
@@ -290,7 +276,7 @@ pub fn collision(
         });
     }
     // F = k delta^(3/2), and dF/d(delta) at 1 is 3/2 k.
-    let k = at_rest(law, &x, m, 1.0) / 1.5;
+    let k = at_rest(law, &factors, &x, m, 1.0) / 1.5;
     let deepest = (1.25 * speed * speed / (inverse_mass * k)).powf(0.4);
     Ok(Collision {
         time: HERTZ_TIME * deepest / speed,

@@ -2,21 +2,18 @@
 //! One contact in stages - geometry, normal force, tangential force - for engines that keep the three apart and let a
 //! user combine them. The same functions as in one call, so that both give the same numbers.
 
-use super::contact::{
-    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered,
-};
-use super::neighbour_list::{contact_of, factors_for, hale_holds, touch};
-use super::one_contact::HaleRatio;
-use super::particles::{effective_mass, Particle};
-use super::Step;
+use super::forces::{contact_forces, Contact, ContactForces, Remembered};
+use super::history::Step;
+use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
+use super::particle::Particle;
 use crate::force::conservative::{
-    additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
-    BodyGradient, NormalResponse,
+    additional_torque, body_gradient, curvature_gradient, normal_response, BodyGradient,
+    NormalResponse,
 };
 use crate::force::hertz_factors;
 use crate::force::{PairLaw, Tangential};
 use crate::geometry::facet_shares::Share;
-use crate::geometry::{Outcome, Symmetric2, Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// The surface of a wall where a body touches it.
 #[derive(Clone, Copy, Debug)]
@@ -71,25 +68,23 @@ impl StagedContact {
         found: &mut Option<Self>,
     ) {
         *found = None;
-        let d = j.position - i.position;
-        let reach = i.radius + j.radius;
-        if d.norm_squared() >= reach * reach {
-            return;
-        }
-        let start = Some(*cached_normal).filter(|n| (n.norm_squared() - 1.0).abs() < 1e-6);
-        match touch(i, j, d, start) {
-            Outcome::Touching(contact) if contact.penetration > 0.0 => {
+        let start = Some(*cached_normal).filter(|n| n.is_unit());
+        match Pair::of(i, j, start) {
+            Pair::Touching(contact) => {
                 *cached_normal = contact.normal;
                 let x = contact_of(&contact, i, j);
                 *found = Some(StagedContact {
-                    curvature: relative_curvature_matrix(x.weingarten_i, x.weingarten_j),
+                    curvature: x.curvature(),
                     x,
                     wall: None,
                     share: Share::WHOLE,
                 });
             }
-            Outcome::Separated(n) => *cached_normal = n,
-            Outcome::Touching(_) => {}
+            Pair::Apart {
+                normal: Some(n),
+                searched: true,
+            } => *cached_normal = n,
+            Pair::Apart { .. } => {}
         }
     }
 
@@ -110,34 +105,17 @@ impl StagedContact {
             (k1 - k2) * u * v,
             k1 * v * v + k2 * u * u,
         );
-        let weingarten_i = i.body.weingarten(&support, &tangent);
-        let curvature = convex(
-            relative_curvature_matrix(weingarten_i, weingarten_j),
-            weingarten_i,
+        let x = contact_with_wall(
+            i,
+            &support,
+            (normal, tangent),
+            penetration,
+            weingarten_j,
+            wall.velocity,
         );
         Some(StagedContact {
-            x: Contact {
-                normal,
-                tangent,
-                penetration,
-                h_i: support.h,
-                inverse_h_i: support.inverse_h,
-                witness_i: tangent.components(support.point),
-                weingarten_i,
-                determinant_i: i.body.shape_determinant(),
-                h_j: 1.0,
-                inverse_h_j: 1.0,
-                witness_j: Vector2::new(0.0, 0.0),
-                weingarten_j,
-                determinant_j: 1.0,
-                velocity_i: i.velocity,
-                velocity_j: wall.velocity,
-                omega_i: i.omega,
-                omega_j: Vector3::ZERO,
-                effective_mass: effective_mass(i.inverse_mass, 0.0),
-                inverse_hessian: None,
-            },
-            curvature,
+            curvature: convex(x.curvature(), x.i.weingarten),
+            x,
             wall: Some((wall.turning_radii, along)),
             share: wall.share,
         })
@@ -161,8 +139,8 @@ impl StagedContact {
     /// The contact point; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
     pub fn contact_point(&self, centre_i: Vector3, share_i: f64) -> Vector3 {
         let x = &self.x;
-        let along = x.h_i - x.penetration * share_i;
-        centre_i + x.tangent.vector(x.witness_i) + x.normal * along
+        let along = x.i.h - x.penetration * share_i;
+        centre_i + x.tangent.vector(x.i.witness) + x.normal * along
     }
 
     /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
@@ -273,7 +251,7 @@ impl StagedContact {
             effective_mass,
             ..self.x
         };
-        let known = past.touched && (past.normal.norm_squared() - 1.0).abs() < 1e-6;
+        let known = past.touched && past.normal.is_unit();
         let remembered = Remembered {
             continued: past.touched,
             normal: if known { past.normal } else { x.normal },
@@ -283,11 +261,7 @@ impl StagedContact {
                 Vector3::ZERO
             },
             energy: if past.touched { past.energy } else { 0.0 },
-            time: if step.advance_history {
-                step.time_step
-            } else {
-                0.0
-            },
+            time: step.elapsed(),
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
         past.memory = f.memory;
@@ -301,10 +275,7 @@ impl StagedContact {
         x: &Contact,
         remembered: &Remembered,
     ) -> Result<ContactForces, HaleRatio> {
-        if law.kinds.hale {
-            hale_holds(self.curvature).map_err(HaleRatio)?;
-        }
-        let factors = factors_for(law, self.curvature.trace(), self.curvature.determinant());
+        let factors = checked_factors(law, self.curvature)?;
         let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);
         Ok(if self.is_wall() {
             contact_forces::<f64, FRICTION, true, true, true>(
@@ -355,15 +326,8 @@ impl StagedContact {
             return;
         }
         let x = &self.x;
-        let factors = factors_for(law, self.curvature.trace(), self.curvature.determinant());
-        let square = x.inverse_h_i * x.inverse_h_i;
-        let body = BodyAtContact {
-            h: x.h_i,
-            inverse_h: x.inverse_h_i,
-            witness: x.witness_i,
-            weingarten: x.weingarten_i,
-            inverse_weingarten: x.weingarten_i.adjugate() * (x.determinant_i * (square * square)),
-        };
+        let factors = factors_for(law, self.curvature);
+        let body = x.i.for_gradient();
         let gamma = body_gradient(curvature_gradient(self.curvature, &factors), &body).gamma;
         let lambda = response(body.inverse_weingarten, x.penetration, radii, along, gamma);
         let none = BodyGradient {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What depends on where two bodies are and on nothing else: their gap, and their elastic energy.
 
-use super::contact::relative_curvature_matrix;
 use super::laws::Laws;
-use super::neighbour_list::{contact_of, factors_for, hale_holds, touch, touch_spheres};
-use super::one_contact::HaleRatio;
-use super::particles::Particle;
+use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
+use super::particle::Particle;
 use crate::force::normal_force;
 use crate::geometry::contact_search::closest;
-use crate::geometry::{Outcome, Vector3};
+use crate::vector::Vector3;
 
 /// Gap of two bodies, minus the penetration where they overlap, and the unit normal from `i` to `j` along which it is measured.
 pub fn gap(i: &Particle, j: &Particle) -> (f64, Vector3) {
@@ -26,22 +24,13 @@ pub fn gap(i: &Particle, j: &Particle) -> (f64, Vector3) {
 /// # Errors
 /// Only with `factors hale`.
 pub fn elastic_energy(laws: &Laws, i: &Particle, j: &Particle) -> Result<f64, HaleRatio> {
-    let d = j.position - i.position;
-    let reach = i.radius + j.radius;
-    if d.norm_squared() >= reach * reach {
+    let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(0.0);
-    }
-    let found = match touch(i, j, d, None) {
-        Outcome::Touching(found) if found.penetration > 0.0 => found,
-        _ => return Ok(0.0),
     };
     let law = laws.get(i.kind as usize, j.kind as usize);
     let x = contact_of(&found, i, j);
-    let m = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-    if law.kinds.hale {
-        hale_holds(m).map_err(HaleRatio)?;
-    }
-    let factors = factors_for(law, m.trace(), m.determinant());
+    let m = x.curvature();
+    let factors = checked_factors(law, m)?;
     let (kinds, constants) = (&law.kinds, &law.constants);
     let determinant = m.determinant();
     let normal = normal_force(

@@ -7,7 +7,7 @@
 //! bodies.
 
 use super::ellipsoid::Ellipsoid;
-use super::vector::{Tangent, Vector3};
+use crate::vector::{Tangent, Vector3};
 
 /// A cylinder.
 #[derive(Clone, Copy, Debug)]

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
 //!
-//! A lane that misbehaves - a Hessian that is not safely positive, a long step, a deep contact, a minimum not proved to be the
-//! global one, a curvature ratio beyond the fit - is handed back, to be taken by the scalar path, which has the safeguards.
+//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar path,
+//! which has the safeguards.
 
 use super::batches::{LaneBits, Numbers};
-use super::contact::{contact_forces, relative_curvature_matrix, Contact, Remembered};
-use super::lanes::Lanes;
-use super::particles::Record;
-use super::registers::{Line, Registers, MOST_LANES};
-use super::shapes::Kind;
+use super::records::Record;
+use super::shapes::{Kind, Side};
+use crate::contact::forces::{
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered, Surface,
+};
+use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
 use crate::force::hertz_factors::{
     fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
 };
-use crate::force::{Factors, LawConstants, PairLaw};
-use crate::geometry::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal};
-use crate::geometry::tangent_model::{TangentModel, TangentPoint};
-use crate::geometry::{ConvexBody, SupportInFrame, Symmetric2, Tangent, Vector2, Vector3};
+use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
+use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
+use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
+use crate::vector::{Symmetric2, Vector3};
 
 /// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
 pub(super) struct Batch<'a> {
@@ -81,49 +82,6 @@ impl BatchRecords {
     pub const EMPTY: BatchRecords = BatchRecords([[Line::ZERO; MOST_LANES]; 6]);
 }
 
-/// Steps towards the widest gap when the candidates are chosen: the first along the line between the witnesses where
-/// there is a gap, which helps from far away, the others Newton's.
-const IMPROVEMENTS: usize = 6;
-/// Square of a step that widens a gap by so little that it is the last.
-const SHORT_STEP: f64 = 1e-5;
-/// Newton steps before a lane is hard.
-const NEWTON_STEPS: usize = 6;
-/// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
-/// that t^3/s^2 is left after t.
-const SETTLED: f64 = 1e-30;
-/// Square of the step that the first one is compared with: a first step of 1e-7 is the last.
-const STEP_BEFORE: f64 = 1e-8;
-/// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
-/// times the square of the aspect ratio at most.
-const LARGEST_CORRECTION: f64 = 1e-26;
-
-/// References, one by one: a closure is not always inlined.
-macro_rules! lines {
-    ($records:expr $(, $field:ident)?) => {{
-        let r = $records;
-        [
-            &r[0]$(.$field)?,
-            &r[1]$(.$field)?,
-            &r[2]$(.$field)?,
-            &r[3]$(.$field)?,
-            &r[4]$(.$field)?,
-            &r[5]$(.$field)?,
-            &r[6]$(.$field)?,
-            &r[7]$(.$field)?,
-            &r[8]$(.$field)?,
-            &r[9]$(.$field)?,
-            &r[10]$(.$field)?,
-            &r[11]$(.$field)?,
-            &r[12]$(.$field)?,
-            &r[13]$(.$field)?,
-            &r[14]$(.$field)?,
-            &r[15]$(.$field)?,
-        ]
-    }};
-}
-
-pub(super) use lines;
-
 /// The records of particles, one by one: no array of references is ever in memory.
 macro_rules! records_of {
     ($records:expr, $indices:expr, $lanes:expr) => {{
@@ -168,18 +126,13 @@ fn starts<S: Registers>(
     let square = d.norm_squared();
     let mut towards = d * square.max(tiny).reciprocal_sqrt();
     towards.x = Lanes::select(square.less(tiny), d.x.constant(1.0), towards.x);
-    let is_unit = (n.norm_squared() - 1.0).abs().less(d.x.constant(1e-6));
-    Vector3::new(
-        Lanes::select(is_unit, n.x, towards.x),
-        Lanes::select(is_unit, n.y, towards.y),
-        Lanes::select(is_unit, n.z, towards.z),
-    )
+    let is_unit = n.is_unit();
+    select3(is_unit, n, towards)
 }
 
-/// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal, or one of those that
-/// `IMPROVEMENTS` steps lead to. `lines` begin with a normal; one that is no unit vector stands for the
-/// direction between the centres. Leaves there the normals with the widest gaps. No steps are taken for the pairs of
-/// `stay` alone.
+/// Bits of the pairs that a plane separates by more than `margin`. `lines` begin with a normal to look at first; one that is no
+/// unit vector stands for the direction between the centres. Leaves there the normals with the widest gaps. No others are
+/// looked at for the pairs of `stay` alone.
 #[inline(always)]
 pub(super) fn separated_by<S: Registers, K: Kind>(
     registers: S,
@@ -191,78 +144,15 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
 ) -> u32 {
     let (i, j) = (K::load(registers, i), K::load(registers, j));
     let d = j.centre - i.centre;
-    let mut n = starts(registers, lines, d);
+    let n = starts(registers, lines, d);
+    let (apart, best) = separating_planes(registers, &i.body, &j.body, d, n, margin, stay);
     let zero = Lanes::splat(registers, 0.0);
-    let margin = Lanes::splat(registers, margin);
-    let mut apart = 0;
-    let mut open = (1u32 << S::LANES) - 1;
-    let mut best = n;
-    let mut widest = zero.constant(f64::NEG_INFINITY);
-    for left in (0..=IMPROVEMENTS).rev() {
-        let ((h_i, point_i), (h_j, point_j)) =
-            (i.body.support_in_world(n), j.body.support_in_world(n));
-        let gap = n.dot(d) - h_i - h_j;
-        apart |= registers.bits(margin.less(gap));
-        best = select3(widest.less(gap), n, best);
-        widest = widest.max(gap);
-        open &= !(apart | stay);
-        if open == 0 || left == 0 {
-            break;
-        }
-        // Between the witnesses of overlapping projections there is no way out of the bodies.
-        let between = d - point_i - point_j;
-        let square = between.norm_squared();
-        let longer = d.norm_squared() * 1e-20;
-        let leads = registers.and(longer.less(square), zero.less(gap));
-        let along = between * square.max(longer).reciprocal_sqrt();
-        let (newton, square, sound) = newton_step(registers, &i.body, &j.body, d, n);
-        // A gap as wide as it gets.
-        open &= !registers.bits(registers.and(sound, square.less(square.constant(SHORT_STEP))));
-        n = if left == IMPROVEMENTS {
-            select3(leads, along, select3(sound, newton, n))
-        } else {
-            select3(sound, newton, select3(leads, along, n))
-        };
-    }
     put(
         registers,
         [best.x, best.y, best.z, zero, zero, zero, zero, zero],
         lines,
     );
     apart
-}
-
-/// The normal that one step of Newton's method leads to, half a radian away at most, the square of the whole step, and
-/// where it can be trusted.
-#[inline(always)]
-fn newton_step<S: Registers, B: ConvexBody<Lanes<S>>>(
-    registers: S,
-    i: &B,
-    j: &B,
-    d: Vector3<Lanes<S>>,
-    n: Vector3<Lanes<S>>,
-) -> (Vector3<Lanes<S>>, Lanes<S>, S::Mask) {
-    let tiny = d.x.constant(1e-290);
-    let base = Tangent::new(n);
-    let at = TangentModel::new(i, j, d, n, &base).at_base();
-    let (change, square, definite) = newton_change(registers, &at);
-    let shorter = (square.max(tiny).reciprocal_sqrt() * 0.5).min(tiny.constant(1.0));
-    let turned = n + base.vector(change * shorter);
-    let length = turned.norm_squared().max(tiny);
-    (turned * length.reciprocal_sqrt(), square, definite)
-}
-
-/// Newton's step in the tangent plane, its square, and where the Hessian is safely positive.
-#[inline(always)]
-fn newton_change<S: Registers>(
-    registers: S,
-    at: &TangentPoint<Lanes<S>>,
-) -> (Vector2<Lanes<S>>, Lanes<S>, S::Mask) {
-    let zero = at.value.constant(0.0);
-    let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
-    let change = at.hessian.adjugate().apply(at.gradient) * (zero - determinant.reciprocal());
-    let definite = registers.and((trace * trace * 1e-11).less(determinant), zero.less(trace));
-    (change, change.dot(change), definite)
 }
 
 macro_rules! load_constants {
@@ -282,224 +172,6 @@ macro_rules! load_constants {
             }
         }
     };
-}
-
-/// What the search leaves for the law.
-struct Found<S: Registers> {
-    normal: Vector3<Lanes<S>>,
-    tangent: Tangent<Lanes<S>>,
-    penetration: Lanes<S>,
-    support_i: SupportInFrame<Lanes<S>>,
-    support_j: SupportInFrame<Lanes<S>>,
-    weingarten_i: Symmetric2<Lanes<S>>,
-    weingarten_j: Symmetric2<Lanes<S>>,
-    inverse_hessian: Symmetric2<Lanes<S>>,
-    separated: S::Mask,
-    hard: S::Mask,
-}
-
-/// Newton's method from the start normals in the tangent plane, and one evaluation at its end; `None` where the planes of
-/// the start normals separate all pairs.
-#[inline(always)]
-fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
-    registers: S,
-    i: &B,
-    j: &B,
-    d: Vector3<Lanes<S>>,
-    start: Vector3<Lanes<S>>,
-) -> Option<Found<S>> {
-    let zero = Lanes::splat(registers, 0.0);
-    let one = Lanes::splat(registers, 1.0);
-    let base = Tangent::new(start);
-    let model = TangentModel::new(i, j, d, start, &base);
-    let mut at = model.at_base();
-    let first = at.value;
-    let apart = first.less(zero);
-    if registers.bits(apart) == (1u32 << S::LANES) - 1 {
-        return None;
-    }
-    let mut y = Vector2::new(zero, zero);
-    let mut hard = zero.less(zero);
-    let mut active = registers.and_not(zero.less(one), apart);
-    let mut step = 0;
-    let mut last = Lanes::splat(registers, STEP_BEFORE);
-    loop {
-        let (change, square, definite) = newton_change(registers, &at);
-        let good = registers.and(definite, square.less(one * 0.25));
-        hard = registers.or(hard, registers.and_not(active, good));
-        active = registers.and(active, good);
-        y = Vector2::new(
-            Lanes::select(active, y.u + change.u, y.u),
-            Lanes::select(active, y.v + change.v, y.v),
-        );
-        let moving = (last * last * SETTLED).less(square * square * square);
-        active = registers.and(active, moving);
-        last = square;
-        step += 1;
-        if registers.bits(active) == 0 || step == NEWTON_STEPS {
-            break;
-        }
-        at = model.at(y);
-    }
-    // Whatever is still active did not converge.
-    hard = registers.or(hard, active);
-    let n = (start + base.vector(y)) * (y.dot(y) + 1.0).reciprocal_sqrt();
-
-    let tangent = Tangent::new(n);
-    let (view_i, view_j) = (i.view(n, &tangent), j.view(n, &tangent));
-    let mut support_i = i.support_in_frame(&view_i);
-    let mut support_j = j.support_in_frame(&view_j);
-    let (along, across) = (n.dot(d), tangent.components(d));
-    let f = support_i.h + support_j.h - along;
-    let g = support_i.witness + support_j.witness - across;
-    let weingarten_i = i.weingarten_in_frame(&view_i, support_i.h);
-    let weingarten_j = j.weingarten_in_frame(&view_j, support_j.h);
-    let radii_i = inverse(weingarten_i, support_i.inverse_h, i.squared_product());
-    let radii_j = inverse(weingarten_j, support_j.inverse_h, j.squared_product());
-    let radii = radii_i + radii_j;
-    // What is left of the gradient moves the normal and the witnesses by no more than this; the curvature stays.
-    let hessian = radii.shifted(-f);
-    let inverse_hessian = hessian.adjugate() * hessian.determinant().reciprocal();
-    let change = inverse_hessian.apply(g) * (zero - one);
-    let penetration = change.dot(g).multiply_add(one * 0.5, f);
-    let converged = change
-        .dot(change)
-        .less(Lanes::splat(registers, LARGEST_CORRECTION));
-    let size = support_i.h + support_j.h;
-    let falling = penetration.less(first + size * 1e-13);
-
-    // Deeper than half the smallest radius of curvature, Hertz' law ends: the scalar path counts such contacts.
-    let twice = penetration * 2.0;
-    let remaining = radii.shifted(-twice);
-    let shallow = registers.and(
-        zero.less(remaining.determinant()),
-        zero.less(remaining.trace()),
-    );
-    // Any start may lead to a minimum that is not the global one: the scalar path searches where this one is not proved to be.
-    let balls = i.inscribed_radius(support_i.inverse_h) + j.inscribed_radius(support_j.inverse_h);
-    let mut proved = penetration.less(balls);
-    let open = registers.and_not(
-        registers.and(shallow, zero.less(penetration)),
-        registers.or(registers.or(apart, hard), proved),
-    );
-    if registers.bits(open) != 0 {
-        let at = |support: &SupportInFrame<Lanes<S>>, squared_product, radii| BodyAtNormal {
-            h: support.h,
-            inverse_h: support.inverse_h,
-            squared_product,
-            radii,
-        };
-        let margin = inscribed_ellipsoid_margin(
-            &at(&support_i, i.squared_product(), radii_i),
-            &at(&support_j, j.squared_product(), radii_j),
-            penetration,
-            across,
-        );
-        let trace = margin.trace();
-        let positive = registers.and(
-            (trace * trace * 1e-12).less(margin.determinant()),
-            zero.less(trace),
-        );
-        proved = registers.or(proved, registers.and(positive, zero.less(along)));
-    }
-    // Without a start there is no normal.
-    let started = (one * 0.5).less(start.norm_squared());
-    let sound = registers.and(
-        registers.and(converged, falling),
-        registers.and(registers.and(shallow, proved), started),
-    );
-    hard = registers.or(hard, registers.and_not(zero.less(one), sound));
-    let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));
-    support_i = moved(&support_i, radii_i, change);
-    support_j = moved(&support_j, radii_j, change);
-    Some(Found {
-        normal: select3(apart, start, n + tangent.vector(change)),
-        tangent: Tangent {
-            u: n.scale_add(-change.u, tangent.u),
-            v: n.scale_add(-change.v, tangent.v),
-        },
-        penetration,
-        support_i,
-        support_j,
-        weingarten_i,
-        weingarten_j,
-        inverse_hessian,
-        separated,
-        hard: registers.and_not(hard, separated),
-    })
-}
-
-/// Support function and witness for the normal and the basis that a small change of the normal leads to.
-#[inline(always)]
-fn moved<T: Real>(
-    support: &SupportInFrame<T>,
-    radii: Symmetric2<T>,
-    change: Vector2<T>,
-) -> SupportInFrame<T> {
-    let witness = support.witness;
-    SupportInFrame {
-        h: witness
-            .u
-            .multiply_add(change.u, witness.v.multiply_add(change.v, support.h)),
-        inverse_h: support.inverse_h,
-        witness: change.scale_add(-support.h, witness + radii.apply(change)),
-    }
-}
-
-/// Two spheres: the closed form.
-#[inline(always)]
-fn search_spheres<S: Registers, B: ConvexBody<Lanes<S>>>(
-    registers: S,
-    i: &B,
-    j: &B,
-    d: Vector3<Lanes<S>>,
-) -> Option<Found<S>> {
-    let zero = Lanes::splat(registers, 0.0);
-    let square = d.norm_squared();
-    let least = Lanes::splat(registers, 1e-290);
-    let normal = d * square.max(least).reciprocal_sqrt();
-    let ((r_i, curvature_i), (r_j, curvature_j)) = (i.radius_of_sphere(), j.radius_of_sphere());
-    let penetration = r_i + r_j - square.sqrt();
-    let separated = penetration.less(zero);
-    if registers.bits(separated) == (1u32 << S::LANES) - 1 {
-        return None;
-    }
-    let none = Vector2::new(zero, zero);
-    Some(Found {
-        normal,
-        tangent: Tangent::new(normal),
-        penetration,
-        support_i: SupportInFrame {
-            h: r_i,
-            inverse_h: curvature_i,
-            witness: none,
-        },
-        support_j: SupportInFrame {
-            h: r_j,
-            inverse_h: curvature_j,
-            witness: none,
-        },
-        weingarten_i: Symmetric2::new(curvature_i, zero, curvature_i),
-        weingarten_j: Symmetric2::new(curvature_j, zero, curvature_j),
-        // The conservative law, which alone asks for it, adds nothing.
-        inverse_hessian: Symmetric2::new(zero, zero, zero),
-        separated,
-        // Coincident centres have no direction.
-        hard: square.less(least),
-    })
-}
-
-#[inline(always)]
-fn select3<S: Registers>(
-    mask: S::Mask,
-    a: Vector3<Lanes<S>>,
-    b: Vector3<Lanes<S>>,
-) -> Vector3<Lanes<S>> {
-    Vector3::new(
-        Lanes::select(mask, a.x, b.x),
-        Lanes::select(mask, a.y, b.y),
-        Lanes::select(mask, a.z, b.z),
-    )
 }
 
 /// Bits of the lanes that need more.
@@ -535,18 +207,14 @@ pub(super) fn run<
         Some(law) => &law.kinds,
         None => &batch.laws[0].kinds,
     };
-    let layout = numbers.layout;
     let zero = Lanes::splat(registers, 0.0);
-    let one = Lanes::splat(registers, 1.0);
     let i = K::load(registers, &records_of!(batch.records, batch.i, S::LANES));
     let j = K::load(registers, &records_of!(batch.records, batch.j, S::LANES));
     let d = j.centre - i.centre;
-    let null = Vector3::new(zero, zero, zero);
-    let start = match layout.normal {
+    let start = match numbers.layout.normal {
         Some(at) => vector(registers, numbers, at),
-        None => null,
+        None => Vector3::new(zero, zero, zero),
     };
-    let present = registers.mask(u32::from(bits.present));
     let found = if K::SPHERES {
         search_spheres(registers, &i.body, &j.body, d)
     } else {
@@ -555,33 +223,15 @@ pub(super) fn run<
     let Some(found) = found else {
         return all_apart::<S, FRICTION>(registers, bits, numbers);
     };
-    let n = found.normal;
-    let mut hard = found.hard;
-
     let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
-    let factors = if K::SPHERES {
-        Factors {
-            phi: one,
-            sigma: one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 }),
-        }
-    } else if kinds.linear {
-        Factors {
-            phi: one,
-            sigma: zero,
-        }
-    } else {
-        let (trace, determinant) = (curvature.trace(), curvature.determinant());
-        let q = near_variable(trace, determinant);
-        let near = registers.or(q.less(zero.constant(NEAR_END)), found.separated);
-        if registers.bits(near) == (1u32 << S::LANES) - 1 {
-            fitted_near(q, FRICTION || CONSERVATIVE)
-        } else {
-            let w = fit_variable(trace, determinant);
-            let beyond = zero.constant(FIT_END).less(w);
-            hard = registers.or(hard, registers.and_not(beyond, found.separated));
-            fitted(w, FRICTION || CONSERVATIVE)
-        }
-    };
+    let (factors, beyond) = factors::<S, K>(
+        registers,
+        kinds,
+        curvature,
+        found.separated,
+        FRICTION || CONSERVATIVE,
+    );
+    let hard = registers.or(found.hard, beyond);
     let constants = load_constants!(
         registers,
         batch.laws,
@@ -599,75 +249,15 @@ pub(super) fn run<
         share_i
     );
     let effective_mass = if RATE && kinds.restitution {
-        let inverse = Lanes::load(registers, batch.inverse_effective_mass);
-        // Two frozen bodies need no damping.
-        Lanes::select(
-            zero.less(inverse),
-            inverse.max(one * 1e-300).reciprocal(),
-            zero,
-        )
+        effective_mass(registers, batch.inverse_effective_mass)
     } else {
         zero
     };
-    let x = Contact {
-        normal: n,
-        tangent: found.tangent,
-        // A separated or hard lane computes nothing that is used, but must not make a trap of it.
-        penetration: found.penetration.max(zero.constant(1e-300)),
-        h_i: found.support_i.h,
-        inverse_h_i: found.support_i.inverse_h,
-        witness_i: found.support_i.witness,
-        weingarten_i: found.weingarten_i,
-        determinant_i: i.body.squared_product(),
-        h_j: found.support_j.h,
-        inverse_h_j: found.support_j.inverse_h,
-        witness_j: found.support_j.witness,
-        weingarten_j: found.weingarten_j,
-        determinant_j: j.body.squared_product(),
-        velocity_i: i.velocity,
-        velocity_j: j.velocity,
-        omega_i: i.omega,
-        omega_j: j.omega,
-        effective_mass,
-        inverse_hessian: Some(found.inverse_hessian),
-    };
-    let time = Lanes::splat(registers, common.time);
-    let remembered = match layout.memory {
-        Some(at) if FRICTION => {
-            let continues = registers.mask(u32::from(bits.touching));
-            let was = if common.remembers_normals {
-                start
-            } else {
-                // For two spheres the last normal follows from the motion.
-                let before = d - (j.velocity - i.velocity) * time;
-                let square = before.norm_squared().max(zero.constant(1e-290));
-                let before = before * square.reciprocal_sqrt();
-                if K::SPHERES {
-                    before
-                } else {
-                    let spheres =
-                        registers.and(K::round(registers, &i.body), K::round(registers, &j.body));
-                    select3(spheres, before, n)
-                }
-            };
-            Remembered {
-                continued: continues,
-                normal: select3(continues, was, n),
-                memory: select3(continues, vector(registers, numbers, at), null),
-                energy: match layout.energy {
-                    Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
-                    None => zero,
-                },
-                time,
-            }
-        }
-        _ => Remembered {
-            continued: one.less(zero),
-            normal: n,
-            memory: null,
-            energy: zero,
-            time: zero,
-        },
+    let x = contact_of(&found, &i, &j, effective_mass);
+    let remembered = if FRICTION {
+        recall::<S, K>(registers, bits, numbers, common, start, &found, (&i, &j))
+    } else {
+        nothing_remembered(registers, found.normal)
     };
     let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
         kinds,
@@ -678,8 +268,180 @@ pub(super) fn run<
         &remembered,
     );
 
+    // Lanes without a pair of their own go along; nothing of them is used.
+    let present = registers.mask(u32::from(bits.present));
     let hard = registers.and(hard, present);
     let touching = registers.and_not(present, registers.or(found.separated, hard));
+    let force = scatter(registers, batch, touching, &f, sums);
+    let left = Left {
+        touching: registers.bits(touching),
+        hard: registers.bits(hard),
+    };
+    remember::<S, FRICTION>(
+        numbers,
+        (touching, hard),
+        left.hard != 0,
+        start,
+        &remembered,
+        &x,
+        &f,
+    );
+    if RECORD {
+        record(registers, &x, curvature, &f, lines);
+    }
+    if RATE && common.tally {
+        tally(registers, d, force, &f, common.loads, tallies);
+    }
+    left
+}
+
+/// Hertz factors, and the lanes that are beyond their fit. Lanes `apart` are not asked for.
+#[inline(always)]
+fn factors<S: Registers, K: Kind>(
+    registers: S,
+    kinds: &LawKinds,
+    curvature: Symmetric2<Lanes<S>>,
+    apart: S::Mask,
+    with_sigma: bool,
+) -> (Factors<Lanes<S>>, S::Mask) {
+    let one = Lanes::splat(registers, 1.0);
+    let none = registers.no_lane();
+    if K::SPHERES || kinds.linear {
+        let sigma = one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 });
+        return (Factors { phi: one, sigma }, none);
+    }
+    let (trace, determinant) = (curvature.trace(), curvature.determinant());
+    let q = near_variable(trace, determinant);
+    let near = registers.or(q.less(one.constant(NEAR_END)), apart);
+    if registers.all(near) {
+        return (fitted_near(q, with_sigma), none);
+    }
+    let w = fit_variable(trace, determinant);
+    let beyond = registers.and_not(one.constant(FIT_END).less(w), apart);
+    (fitted(w, with_sigma), beyond)
+}
+
+/// Effective masses from the sums of the inverse masses.
+#[inline(always)]
+fn effective_mass<S: Registers>(registers: S, inverse: &[f64; MOST_LANES]) -> Lanes<S> {
+    let (zero, one) = (Lanes::splat(registers, 0.0), Lanes::splat(registers, 1.0));
+    let inverse = Lanes::load(registers, inverse);
+    // Two frozen bodies need no damping.
+    Lanes::select(
+        zero.less(inverse),
+        inverse.max(one * 1e-300).reciprocal(),
+        zero,
+    )
+}
+
+/// Geometry and motion for the law.
+#[inline(always)]
+fn contact_of<S: Registers, K: Kind>(
+    found: &Found<S>,
+    i: &Side<S, K>,
+    j: &Side<S, K>,
+    effective_mass: Lanes<S>,
+) -> Contact<Lanes<S>> {
+    Contact {
+        normal: found.normal,
+        tangent: found.tangent,
+        // A separated or hard lane computes nothing that is used, but must not make a trap of it.
+        penetration: found.penetration.max(effective_mass.constant(1e-300)),
+        i: surface(i, &found.support_i, found.weingarten_i),
+        j: surface(j, &found.support_j, found.weingarten_j),
+        effective_mass,
+        inverse_hessian: Some(found.inverse_hessian),
+    }
+}
+
+#[inline(always)]
+fn surface<S: Registers, K: Kind>(
+    side: &Side<S, K>,
+    support: &SupportInFrame<Lanes<S>>,
+    weingarten: Symmetric2<Lanes<S>>,
+) -> Surface<Lanes<S>> {
+    Surface {
+        h: support.h,
+        inverse_h: support.inverse_h,
+        witness: support.witness,
+        weingarten,
+        determinant: side.body.squared_product(),
+        velocity: side.velocity,
+        omega: side.omega,
+    }
+}
+
+/// What is remembered of the pairs; of those that did not touch at the last step, nothing.
+#[inline(always)]
+fn recall<S: Registers, K: Kind>(
+    registers: S,
+    bits: LaneBits,
+    numbers: &Numbers<'_>,
+    common: &Common<'_>,
+    start: Vector3<Lanes<S>>,
+    found: &Found<S>,
+    (i, j): (&Side<S, K>, &Side<S, K>),
+) -> Remembered<Lanes<S>> {
+    let n = found.normal;
+    let Some(at) = numbers.layout.memory else {
+        return nothing_remembered(registers, n);
+    };
+    let zero = Lanes::splat(registers, 0.0);
+    let time = Lanes::splat(registers, common.time);
+    let continues = registers.mask(u32::from(bits.touching));
+    let was = if common.remembers_normals {
+        start
+    } else {
+        // For two spheres the last normal follows from the motion.
+        let before = j.centre - i.centre - (j.velocity - i.velocity) * time;
+        let square = before.norm_squared().max(zero.constant(1e-290));
+        let before = before * square.reciprocal_sqrt();
+        if K::SPHERES {
+            before
+        } else {
+            let spheres = registers.and(K::round(registers, &i.body), K::round(registers, &j.body));
+            select3(spheres, before, n)
+        }
+    };
+    let null = Vector3::new(zero, zero, zero);
+    Remembered {
+        continued: continues,
+        normal: select3(continues, was, n),
+        memory: select3(continues, vector(registers, numbers, at), null),
+        energy: match numbers.layout.energy {
+            Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
+            None => zero,
+        },
+        time,
+    }
+}
+
+#[inline(always)]
+fn nothing_remembered<S: Registers>(
+    registers: S,
+    normal: Vector3<Lanes<S>>,
+) -> Remembered<Lanes<S>> {
+    let zero = Lanes::splat(registers, 0.0);
+    Remembered {
+        continued: registers.no_lane(),
+        normal,
+        memory: Vector3::new(zero, zero, zero),
+        energy: zero,
+        time: zero,
+    }
+}
+
+/// Adds forces and torques of the touching pairs to the sums of their particles; the forces on `j`.
+#[inline(always)]
+fn scatter<S: Registers>(
+    registers: S,
+    batch: &Batch<'_>,
+    touching: S::Mask,
+    f: &ContactForces<Lanes<S>>,
+    sums: &mut [Line],
+) -> Vector3<Lanes<S>> {
+    let zero = Lanes::splat(registers, 0.0);
+    let null = Vector3::new(zero, zero, zero);
     let force = select3(touching, f.force, null);
     let torque_i = select3(touching, f.torque_i, null);
     let torque_j = select3(touching, f.torque_j, null);
@@ -701,21 +463,33 @@ pub(super) fn run<
         batch.j,
         sums,
     );
-    // Lanes without a pair of their own go along; nothing of them is used.
-    let left = Left {
-        touching: registers.bits(touching),
-        hard: registers.bits(hard),
-    };
-    if left.hard == 0 {
-        if let Some(at) = layout.normal {
-            put_vector(numbers, at, n);
-        }
-    } else if let Some(at) = layout.normal {
-        put_vector(numbers, at, select3(hard, start, n));
+    force
+}
+
+/// Writes what is to be remembered; of a hard pair what it had remembered.
+#[inline(always)]
+fn remember<S: Registers, const FRICTION: bool>(
+    numbers: &mut Numbers<'_>,
+    (touching, hard): (S::Mask, S::Mask),
+    any_hard: bool,
+    start: Vector3<Lanes<S>>,
+    remembered: &Remembered<Lanes<S>>,
+    x: &Contact<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+) {
+    let layout = numbers.layout;
+    let zero = x.penetration.constant(0.0);
+    if let Some(at) = layout.normal {
+        let normal = if any_hard {
+            select3(hard, start, x.normal)
+        } else {
+            x.normal
+        };
+        put_vector(numbers, at, normal);
     }
     if let Some(at) = layout.memory.filter(|_| FRICTION) {
-        let mut memory = select3(touching, f.memory, null);
-        if left.hard != 0 {
+        let mut memory = select3(touching, f.memory, Vector3::new(zero, zero, zero));
+        if any_hard {
             memory = select3(hard, remembered.memory, memory);
         }
         put_vector(numbers, at, memory);
@@ -725,81 +499,101 @@ pub(super) fn run<
             put_number(numbers, at, energy);
         }
     }
-    if RECORD {
-        let world = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, e: Lanes<S>| {
-            [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
-        };
-        let (t, m) = (&found.tangent, curvature);
-        let all = [
-            world(f.force, f.torque_i, f.normal_force, x.penetration),
-            world(
-                f.torque_j,
-                f.tangential_force,
-                f.viscous_power,
-                f.tangential_power,
-            ),
-            world(n, f.contact_point, f.elastic_energy, f.tangential_energy),
-            [
-                f.displacement.x,
-                f.displacement.y,
-                f.displacement.z,
-                f.rate,
-                m.uu,
-                m.uv,
-                m.vv,
-                f.viscous_force.x,
-            ],
-            world(t.u, t.v, f.viscous_force.y, f.viscous_force.z),
-            [
-                f.memory.x,
-                f.memory.y,
-                f.memory.z,
-                f.stiffness,
-                f.frictional_force.x,
-                f.frictional_force.y,
-                f.frictional_force.z,
-                zero,
-            ],
-        ];
-        for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
-            put(registers, numbers, lines);
-        }
+}
+
+/// All that there is to say of the contacts.
+#[inline(always)]
+fn record<S: Registers>(
+    registers: S,
+    x: &Contact<Lanes<S>>,
+    curvature: Symmetric2<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+    lines: &mut BatchRecords,
+) {
+    let world = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, e: Lanes<S>| {
+        [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
+    };
+    let (t, m, n) = (&x.tangent, curvature, x.normal);
+    let zero = Lanes::splat(registers, 0.0);
+    let all = [
+        world(f.force, f.torque_i, f.normal_force, x.penetration),
+        world(
+            f.torque_j,
+            f.tangential_force,
+            f.viscous_power,
+            f.tangential_power,
+        ),
+        world(n, f.contact_point, f.elastic_energy, f.tangential_energy),
+        [
+            f.displacement.x,
+            f.displacement.y,
+            f.displacement.z,
+            f.rate,
+            m.uu,
+            m.uv,
+            m.vv,
+            f.viscous_force.x,
+        ],
+        world(t.u, t.v, f.viscous_force.y, f.viscous_force.z),
+        [
+            f.memory.x,
+            f.memory.y,
+            f.memory.z,
+            f.stiffness,
+            f.frictional_force.x,
+            f.frictional_force.y,
+            f.frictional_force.z,
+            zero,
+        ],
+    ];
+    for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
+        put(registers, numbers, lines);
     }
-    if RATE && common.tally {
+}
+
+/// What the sums of a call are made of; `force` is that on `j`, zero where a pair does not touch.
+#[inline(always)]
+fn tally<S: Registers>(
+    registers: S,
+    d: Vector3<Lanes<S>>,
+    force: Vector3<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+    loads: bool,
+    tallies: &mut BatchTallies,
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    put(
+        registers,
+        [force.x, force.y, force.z, zero, zero, zero, zero, zero],
+        &mut tallies.forces,
+    );
+    put(
+        registers,
+        [
+            f.elastic_energy,
+            f.tangential_energy,
+            f.viscous_power,
+            d.x,
+            d.y,
+            d.z,
+            f.tangential_power,
+            zero,
+        ],
+        &mut tallies.energies,
+    );
+    if loads {
+        let (v, p, t) = (f.viscous_force, f.contact_point, f.frictional_force);
         put(
             registers,
-            [force.x, force.y, force.z, zero, zero, zero, zero, zero],
-            &mut tallies.forces,
+            [v.x, v.y, v.z, p.x, p.y, p.z, zero, zero],
+            &mut tallies.viscous,
         );
         put(
             registers,
-            [
-                f.elastic_energy,
-                f.tangential_energy,
-                f.viscous_power,
-                d.x,
-                d.y,
-                d.z,
-                f.tangential_power,
-                zero,
-            ],
-            &mut tallies.energies,
+            [t.x, t.y, t.z, zero, zero, zero, zero, zero],
+            &mut tallies.tangential,
         );
-        if common.loads {
-            let (v, p, t) = (f.viscous_force, f.contact_point, f.frictional_force);
-            put(
-                registers,
-                [v.x, v.y, v.z, p.x, p.y, p.z, zero, zero],
-                &mut tallies.viscous,
-            );
-            put(
-                registers,
-                [t.x, t.y, t.z, zero, zero, zero, zero, zero],
-                &mut tallies.tangential,
-            );
-        }
     }
-    left
 }
 
 /// No pair touches: no tangential part any more.
@@ -848,24 +642,4 @@ fn put_vector<S: Registers>(numbers: &mut Numbers<'_>, k: usize, v: Vector3<Lane
     put_number(numbers, k, v.x);
     put_number(numbers, k + 1, v.y);
     put_number(numbers, k + 2, v.z);
-}
-
-#[inline(always)]
-fn values<S: Registers>(v: [Lanes<S>; 8]) -> [S::Vector; 8] {
-    [
-        v[0].value, v[1].value, v[2].value, v[3].value, v[4].value, v[5].value, v[6].value,
-        v[7].value,
-    ]
-}
-
-#[inline(always)]
-pub(super) fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
-    registers.lines(values(v), lines);
-}
-
-/// `V^-1 = adj V (a1 a2 a3)^2/h^4`.
-#[inline(always)]
-fn inverse<T: Real>(v: Symmetric2<T>, inverse_h: T, determinant: T) -> Symmetric2<T> {
-    let square = inverse_h * inverse_h;
-    v.adjugate() * (determinant * (square * square))
 }

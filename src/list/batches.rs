@@ -5,10 +5,11 @@
 //! which it goes through them, and looks nothing up. The engine's own arrays are brought up to date in every step, or,
 //! where the caller asks for it, only when it needs them.
 
-use super::history::HistoryLayout;
-use super::neighbour_list::NeighbourRows;
-use super::particles::{reserve, Allocated};
-use crate::geometry::Vector3;
+use super::memory::{reserve, Allocated};
+use super::rows::NeighbourRows;
+use crate::contact::history::cached_normal;
+use crate::contact::HistoryLayout;
+use crate::vector::Vector3;
 
 /// Doubles of a cache line.
 const LINE: usize = 8;
@@ -181,11 +182,7 @@ impl Batches {
         bits.touching |= u16::from(touching) << lane;
         let (here, there) = (self.here, self.there);
         if let Some(at) = here.normal {
-            let known = there
-                .normal
-                .map(|k| Vector3::new(history[k], history[k + 1], history[k + 2]))
-                .filter(|n| (n.norm_squared() - 1.0).abs() < 1e-6);
-            let n = known.map_or(start, Vector3::to_array);
+            let n = cached_normal(&there, history).map_or(start, Vector3::to_array);
             let lanes = if lane == 0 {
                 0..self.lanes
             } else {

@@ -5,9 +5,10 @@
 //! pair whose bodies a plane separates by more than the margin is left out until one of the particles has moved by half
 //! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
 
+use super::arrays::ParticleArrays;
 use super::batches::Batches;
-use super::particles::{reserve, Allocated, ParticleArrays};
-use super::registers::Line;
+use super::memory::{reserve, Allocated};
+use crate::simd::Line;
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
 const FIRST_MARGIN: f64 = 0.01;

@@ -2,10 +2,11 @@
 //! The touching pairs of a neighbour list one by one: geometry and force of each, as they acted.
 
 use super::batch::BatchRecords;
-use super::contact::ContactForces;
-use super::one_contact::OneContact;
+use crate::contact::one_contact::OneContact;
+use crate::contact::ContactForces;
 use crate::force::PairLaw;
-use crate::geometry::{relative_curvature, Symmetric2, Tangent, Vector3};
+use crate::geometry::relative_curvature;
+use crate::vector::{Symmetric2, Tangent, Vector3};
 
 /// A touching pair of a list.
 #[derive(Clone, Copy, Debug)]

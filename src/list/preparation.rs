@@ -4,18 +4,18 @@
 //! The engine's numbers are copied into the records as they are; a handful of records at a time is then checked and
 //! finished in place. A handful in which anything looks wrong is done again particle by particle, which finds out what.
 
+use super::arrays::{ParticleArrays, Rotation};
 use super::candidates::Candidates;
-use super::instruction_set::Stage;
-use super::lanes::Lanes;
-use super::particles::{prepare_record, ParticleArrays, Record, Records, Rotation};
-use super::ranges::{is_mass, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY, LEAST_MASS};
-use super::registers::{Line, Registers, MOST_LANES};
-use super::shapes::Shapes;
+use super::records::{prepare_record, Record, Records, Shapes};
+use crate::contact::ranges::{
+    is_mass, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY, LEAST_MASS,
+};
 use crate::geometry::ellipsoid::{
     rotation_columns, LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS,
 };
-use crate::geometry::Vector3;
 use crate::real::Real;
+use crate::simd::{lines, put, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::vector::Vector3;
 
 /// Particles between the one that is prepared and the one whose record is asked for.
 const AHEAD: usize = 24;
@@ -196,14 +196,8 @@ fn finish<S: Registers>(
     from_momenta: bool,
     shapes: Shapes,
 ) -> bool {
-    let p = Lanes::all(
-        registers,
-        registers.columns(&super::batch::lines!(&lines[0])),
-    );
-    let m = Lanes::all(
-        registers,
-        registers.columns(&super::batch::lines!(&lines[1])),
-    );
+    let p = Lanes::all(registers, registers.columns(&lines!(&lines[0])));
+    let m = Lanes::all(registers, registers.columns(&lines!(&lines[1])));
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let (x, q, a) = (
@@ -243,13 +237,13 @@ fn finish<S: Registers>(
         within(mass, LEAST_MASS, LARGEST_MASS),
     );
     let sound = registers.and(registers.and(near, shape), heavy);
-    if registers.bits(sound) != (1 << S::LANES) - 1 {
+    if !registers.all(sound) {
         return false;
     }
     let slow = |omega: Vector3<Lanes<S>>| {
         let square = omega.norm_squared();
         let slow = square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY));
-        registers.bits(slow) == (1 << S::LANES) - 1
+        registers.all(slow)
     };
     let scale = square.reciprocal_sqrt();
     let q = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
@@ -267,12 +261,12 @@ fn finish<S: Registers>(
         if !slow(omega) {
             return false;
         }
-        super::batch::put(
+        put(
             registers,
             [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
             &mut lines[0],
         );
-        super::batch::put(
+        put(
             registers,
             [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
             &mut lines[1],
@@ -281,10 +275,7 @@ fn finish<S: Registers>(
     }
     // The axis of revolution: the third where the first two semi-axes are the same, else the one that stands apart.
     let axes = rotation_columns(q, one * 2.0);
-    let third = registers.and_not(
-        zero.less(one),
-        registers.or(a[0].less(a[1]), a[1].less(a[0])),
-    );
+    let third = registers.not(registers.or(a[0].less(a[1]), a[1].less(a[0])));
     let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
     let choose = |x: Lanes<S>, y: Lanes<S>, z: Lanes<S>| {
         Lanes::select(third, z, Lanes::select(second, y, x))
@@ -306,12 +297,12 @@ fn finish<S: Registers>(
     if !slow(omega) {
         return false;
     }
-    super::batch::put(
+    put(
         registers,
         [x[0], x[1], x[2], axis.x, axis.y, axis.z, polar, equatorial],
         &mut lines[0],
     );
-    super::batch::put(
+    put(
         registers,
         [
             v[0],

@@ -1,54 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The shapes of a list: the simplest closed form that serves all of them, how a record holds it, and how the lanes load
-//! it.
+//! The kinds of shape that a kernel is made for: how the lanes load them, and the closed form that they have.
 
-use super::batch::lines;
-use super::lanes::Lanes;
-use super::particles::{ParticleArrays, Record};
-use super::registers::{Registers, MOST_LANES};
+use super::records::Record;
 use crate::geometry::ellipsoid::rotation_columns;
-use crate::geometry::{ConvexBody, Ellipsoid, Spheroid, Vector3};
+use crate::geometry::{ConvexBody, Ellipsoid, Spheroid};
 use crate::real::Real;
-
-/// The simplest form that serves all shapes of a list.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Shapes {
-    /// Three semi-axes the same.
-    Spheres,
-    /// Two of them the same: an axis of revolution.
-    Spheroids,
-    /// Any.
-    #[default]
-    Ellipsoids,
-}
-
-impl Shapes {
-    /// Of one shape.
-    #[inline(always)]
-    pub fn of([a, b, c]: &[f64; 3]) -> Shapes {
-        match (a == b, b == c, a == c) {
-            (true, true, _) => Shapes::Spheres,
-            (false, false, false) => Shapes::Ellipsoids,
-            _ => Shapes::Spheroids,
-        }
-    }
-
-    /// Of all particles. One without a shape, which the preparation refuses, does not count.
-    pub fn of_all<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
-        arrays: &ParticleArrays<'_, A, I>,
-    ) -> Shapes {
-        let mut shapes = Shapes::Spheres;
-        for k in 0..arrays.positions.len() {
-            if let Some((a, _)) = (arrays.shape)(k) {
-                shapes = shapes.max(Shapes::of(&a));
-            }
-            if shapes == Shapes::Ellipsoids {
-                break;
-            }
-        }
-        shapes
-    }
-}
+use crate::simd::{lines, Lanes, Registers, MOST_LANES};
+use crate::vector::Vector3;
 
 /// One side of the pairs: centre, shape and motion.
 pub(super) struct Side<S: Registers, K: Kind> {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which instruction set the neighbour-list path runs on: chosen when a workspace is made, never in a step.
 
-use super::registers::{Registers, Twice};
+use super::registers::Registers;
+use super::twice::Twice;
 
 /// A piece of work that is compiled for each instruction set.
 pub trait Stage {
@@ -102,10 +103,10 @@ impl InstructionSet {
             stage.run(Twice(registers))
         }
         #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-        stage.run(Twice(super::registers::Portable))
+        stage.run(Twice(super::portable::Portable))
     }
 
-    /// Pairs that are computed at a time: two registers of them, one of which computes while the other waits.
+    /// Pairs that are computed at a time: two registers of them, interleaved to hide latency.
     pub fn lanes(self) -> usize {
         let mut lanes = 1;
         if self != InstructionSet::Scalar {
@@ -138,7 +139,7 @@ impl InstructionSet {
     /// The choice of the environment variable, or the widest where it is not set or empty.
     ///
     /// # Errors
-    /// A name that is none, or a set that this machine does not have.
+    /// An unknown name, or a set that this machine does not have.
     pub fn choose() -> Result<Self, String> {
         Self::named_by(std::env::var_os(ENVIRONMENT_VARIABLE).as_deref())
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A register of numbers: the contact law's [`Real`] in the lanes of whatever instruction set was chosen.
 
-use super::registers::Registers;
+use super::registers::{Line, Registers, MOST_LANES};
 use crate::real::Real;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -186,3 +186,45 @@ impl<S: Registers> Real for Lanes<S> {
         exponent.multiply_add(exponent.constant(core::f64::consts::LN_2), (tail + s) * 2.0)
     }
 }
+
+/// The registers of eight numbers.
+#[inline(always)]
+pub(crate) fn values<S: Registers>(v: [Lanes<S>; 8]) -> [S::Vector; 8] {
+    [
+        v[0].value, v[1].value, v[2].value, v[3].value, v[4].value, v[5].value, v[6].value,
+        v[7].value,
+    ]
+}
+
+/// Writes eight numbers a lane, a line per lane.
+#[inline(always)]
+pub(crate) fn put<S: Registers>(registers: S, v: [Lanes<S>; 8], lines: &mut [Line; MOST_LANES]) {
+    registers.lines(values(v), lines);
+}
+
+/// References, one by one: a closure is not always inlined.
+macro_rules! lines {
+    ($records:expr $(, $field:ident)?) => {{
+        let r = $records;
+        [
+            &r[0]$(.$field)?,
+            &r[1]$(.$field)?,
+            &r[2]$(.$field)?,
+            &r[3]$(.$field)?,
+            &r[4]$(.$field)?,
+            &r[5]$(.$field)?,
+            &r[6]$(.$field)?,
+            &r[7]$(.$field)?,
+            &r[8]$(.$field)?,
+            &r[9]$(.$field)?,
+            &r[10]$(.$field)?,
+            &r[11]$(.$field)?,
+            &r[12]$(.$field)?,
+            &r[13]$(.$field)?,
+            &r[14]$(.$field)?,
+            &r[15]$(.$field)?,
+        ]
+    }};
+}
+
+pub(crate) use lines;

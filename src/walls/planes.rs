@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Plane walls: all owned particles against a few half-spaces.
 
-use super::contact::{contact_forces, relative_curvature_matrix, Contact};
-use super::laws::Laws;
-use super::neighbour_list::{cached_normal, factors_for, forget, hale_holds, recall, remember};
-use super::particles::{effective_mass, Particle};
-use super::tallies::{Contribution, Tallies};
-use super::{ContactForces, Step};
-use crate::force::PairLaw;
+use crate::contact::history::{cached_normal, forget};
+use crate::contact::pair::{
+    checked_factors, contact_with_wall, factors_for, hale_holds, through_law, HaleRatio,
+};
+use crate::contact::{Contact, ContactForces, Laws, OneContact, Particle, Step};
 use crate::geometry::plane::PlaneContact;
-use crate::geometry::{touch_plane, Plane, Symmetric2, Vector2, Vector3};
+use crate::geometry::{relative_curvature, touch_plane, Plane};
+use crate::tallies::{Contribution, Tallies};
+use crate::vector::{Symmetric2, Vector3};
 
 /// A plane wall and its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -63,45 +63,69 @@ pub(super) fn contact_with_plane(
     i: &Particle,
     wall: &MovingPlane,
 ) -> Contact {
-    Contact {
-        normal: found.normal,
-        tangent: found.tangent,
+    contact_with_wall(
+        i,
+        &found.support,
+        (found.normal, found.tangent),
+        found.penetration,
+        Symmetric2::new(0.0, 0.0, 0.0),
+        wall.velocity,
+    )
+}
+
+/// Geometry of an ellipsoid and a plane.
+pub fn geometry_with_plane(i: &Particle, wall: &MovingPlane, share_i: f64) -> OneContact {
+    let found = touch_plane(&i.body, i.position, &wall.plane);
+    let x = contact_with_plane(&found, i, wall);
+    let curvature = relative_curvature(x.curvature(), &found.tangent);
+    let witness_i = i.position + found.support.point;
+    OneContact {
+        touching: found.penetration > 0.0,
         penetration: found.penetration,
-        h_i: found.support.h,
-        inverse_h_i: found.support.inverse_h,
-        witness_i: found.tangent.components(found.support.point),
-        weingarten_i: i.body.weingarten(&found.support, &found.tangent),
-        determinant_i: i.body.shape_determinant(),
-        h_j: 1.0,
-        inverse_h_j: 1.0,
-        witness_j: Vector2::new(0.0, 0.0),
-        weingarten_j: Symmetric2::new(0.0, 0.0, 0.0),
-        determinant_j: 1.0,
-        velocity_i: i.velocity,
-        velocity_j: wall.velocity,
-        omega_i: i.omega,
-        omega_j: Vector3::ZERO,
-        effective_mass: effective_mass(i.inverse_mass, 0.0),
-        inverse_hessian: None,
+        normal: found.normal,
+        contact_point: witness_i - found.normal * (found.penetration * share_i),
+        witness_i,
+        witness_j: witness_i - found.normal * found.penetration,
+        curvature_a: curvature.a,
+        curvature_b: curvature.b,
+        major_direction: curvature.major_direction,
     }
 }
 
-/// The law of one contact with a plane.
-pub(super) fn plane_forces(
-    law: &PairLaw,
-    x: &Contact,
-    remembered: &super::contact::Remembered,
-) -> ContactForces {
-    let curvature = relative_curvature_matrix(x.weingarten_i, x.weingarten_j);
-    let factors = factors_for(law, curvature.trace(), curvature.determinant());
-    contact_forces::<f64, true, true, true, true>(
-        &law.kinds,
-        &law.constants,
-        &factors,
-        curvature,
-        x,
-        remembered,
-    )
+/// One contact of an ellipsoid and a plane; otherwise like [`crate::contact::one_contact()`].
+///
+/// # Errors
+/// Only with `factors hale`, before anything is written.
+pub fn one_contact_with_plane(
+    laws: &Laws,
+    i: &Particle,
+    wall: &MovingPlane,
+    wall_type: usize,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<Option<(OneContact, ContactForces)>, HaleRatio> {
+    let layout = laws.layout();
+    let found = touch_plane(&i.body, i.position, &wall.plane);
+    if found.penetration <= 0.0 {
+        if *touching {
+            *touching = false;
+            forget(&layout, history);
+        }
+        return Ok(None);
+    }
+    let law = laws.get(i.kind as usize, wall_type);
+    let x = contact_with_plane(&found, i, wall);
+    let factors = checked_factors(law, x.curvature())?;
+    let before = cached_normal(&layout, history).unwrap_or(found.normal);
+    let f = through_law::<true, true, true, true>(
+        law, &factors, &x, &layout, history, *touching, before, step,
+    );
+    *touching = true;
+    Ok(Some((
+        geometry_with_plane(i, wall, law.constants.share_i),
+        f,
+    )))
 }
 
 /// All owned particles against all planes. Contacts with the wall follow the law of the particle's type and `wall_type`.
@@ -126,8 +150,8 @@ pub fn compute_planes(
                     let found = touch_plane(&i.body, i.position, &wall.plane);
                     if found.penetration > 0.0 && laws.get(i.kind as usize, wall_type).kinds.hale {
                         let x = contact_with_plane(&found, i, wall);
-                        hale_holds(relative_curvature_matrix(x.weingarten_i, x.weingarten_j))
-                            .map_err(|ratio| PlanesError::Hale { i: index, ratio })?;
+                        hale_holds(x.curvature())
+                            .map_err(|HaleRatio(ratio)| PlanesError::Hale { i: index, ratio })?;
                     }
                 }
             }
@@ -173,9 +197,11 @@ pub fn compute_planes(
             let law = laws.get(i.kind as usize, wall_type);
             let x = contact_with_plane(&found, i, wall);
             let before = cached_normal(&layout, history).unwrap_or(found.normal);
-            let remembered = recall(&layout, history, *touching != 0, step, found.normal, before);
-            let f = plane_forces(law, &x, &remembered);
-            remember(&layout, history, found.normal, &f);
+            let factors = factors_for(law, x.curvature());
+            let touched = *touching != 0;
+            let f = through_law::<true, true, true, true>(
+                law, &factors, &x, &layout, history, touched, before, step,
+            );
             *touching = 1;
             for (target, v) in [
                 (&mut arrays.forces[index], -f.force),
@@ -200,8 +226,8 @@ pub fn compute_planes(
                         normal_energy: f.elastic_energy,
                         tangential_energy: f.tangential_energy,
                         works: [
-                            remembered.time * f.viscous_power,
-                            remembered.time * f.tangential_power,
+                            step.elapsed() * f.viscous_power,
+                            step.elapsed() * f.tangential_power,
                         ],
                         d: f.contact_point,
                         force: f.force,

@@ -17,6 +17,7 @@ mod plugin;
 mod process;
 mod progress;
 mod report;
+mod rooms;
 mod setup;
 mod tarball;
 mod test;

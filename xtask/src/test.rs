@@ -9,7 +9,9 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, rooms, setup,
+};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -74,6 +76,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        steps.run("rooms", rooms::check)?;
     }
     let prefix = tempfile::tempdir()?;
     let mut core = cargo();
