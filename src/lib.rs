@@ -9,7 +9,7 @@
 //! - [`force`]: material constants to laws; laws to force. No search.
 //! - [`contact`]: one contact, with its history.
 //! - [`list`]: a whole neighbour list in one call, in vector registers ([`simd`]).
-//! - [`walls`]: particles against walls.
+//! - [`walls`]: rigid walls of any shape, in motion, against all particles.
 //! - [`tallies`]: energies, dissipation and virial of a call.
 //! - [`c_api`]: everything `extern "C"`.
 

@@ -90,7 +90,7 @@ impl InelasticLoad {
 
 /// One contact's contribution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contribution {
+pub(crate) struct Contribution {
     pub normal_energy: f64,
     pub tangential_energy: f64,
     /// Time of the step times the power of the viscous and of the other tangential forces, with the velocities given.

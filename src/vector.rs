@@ -2,8 +2,7 @@
 //! Vectors of three and two components, symmetric 2x2 matrices, and the tangent basis of a unit vector.
 //!
 //! Small own types rather than nalgebra: they are generic over lanes ([`Real`]), and the static library that a user
-//! may link with LAMMPS (GPL-2.0-only) then contains no Apache-2.0-only code. With the feature `nalgebra` they
-//! convert to and from its types.
+//! may link with LAMMPS (GPL-2.0-only) then contains no Apache-2.0-only code.
 
 use crate::real::Real;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -148,19 +147,6 @@ impl<T: Real> Mul<T> for Vector3<T> {
     #[inline(always)]
     fn mul(self, s: T) -> Self {
         Vector3::new(self.x * s, self.y * s, self.z * s)
-    }
-}
-
-#[cfg(feature = "nalgebra")]
-impl From<nalgebra::Vector3<f64>> for Vector3<f64> {
-    fn from(v: nalgebra::Vector3<f64>) -> Self {
-        Vector3::new(v.x, v.y, v.z)
-    }
-}
-#[cfg(feature = "nalgebra")]
-impl From<Vector3<f64>> for nalgebra::Vector3<f64> {
-    fn from(v: Vector3<f64>) -> Self {
-        nalgebra::Vector3::new(v.x, v.y, v.z)
     }
 }
 

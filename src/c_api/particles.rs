@@ -225,9 +225,11 @@ pub(super) fn identifier(p: &EllgranParticles, k: usize) -> i64 {
 
 /// What particles are prepared for.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(super) enum Purpose<'a> {
     /// One contact at a time.
     SingleContacts,
+    /// One contact at a time, of these particles alone.
+    Chosen(&'a [usize]),
     /// The pairs of a list, and whether list and particles are those of the last call.
     Pairs { unchanged: bool },
 }
@@ -242,7 +244,7 @@ pub(super) unsafe fn prepare(
     count: usize,
     laws: Option<&Laws>,
     workspace: &mut Workspace,
-    purpose: Purpose,
+    purpose: Purpose<'_>,
 ) -> Result<(), Failure> {
     if count == 0 {
         workspace.clear();
@@ -317,6 +319,9 @@ pub(super) unsafe fn prepare(
     match (purpose, laws) {
         (Purpose::Pairs { unchanged }, Some(laws)) => {
             workspace.prepare_for_pairs(&arrays, laws, unchanged)
+        }
+        (Purpose::Chosen(chosen), laws) => {
+            workspace.prepare_chosen(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
         }
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }
@@ -395,4 +400,21 @@ pub(super) fn result_failure(i: i64, j: Option<i64>, name: &str, value: f64) -> 
             Number(value)
         ),
     )
+}
+
+/// Borrows laws and workspace of a call.
+///
+/// # Safety
+/// The pointers are NULL or valid for the call.
+pub(super) unsafe fn handles<'a>(
+    laws: *const super::law::EllgranLaws,
+    workspace: *mut EllgranWorkspace,
+) -> Result<(&'a Laws, &'a mut Workspace), Failure> {
+    // SAFETY: promised by the caller.
+    unsafe {
+        Ok((
+            &required(laws, "laws")?.laws,
+            &mut required_mut(workspace, "workspace")?.workspace,
+        ))
+    }
 }

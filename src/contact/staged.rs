@@ -300,6 +300,8 @@ impl StagedContact {
         f.torque_i = f.torque_i * w;
         f.torque_j = f.torque_j * w;
         f.tangential_force = f.tangential_force * w;
+        f.viscous_force = f.viscous_force * w;
+        f.frictional_force = f.frictional_force * w;
         if conservative {
             f.force = f.force + share.by_position * f.elastic_energy;
             f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;

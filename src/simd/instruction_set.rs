@@ -72,6 +72,7 @@ impl InstructionSet {
     }
 
     /// Runs a stage on this instruction set; on `Baseline` where this is none for lanes, or where the machine does not have it.
+    #[doc(hidden)]
     #[inline]
     pub fn run<T: Stage>(self, stage: T) {
         #[cfg(target_arch = "x86_64")]

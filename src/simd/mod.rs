@@ -19,8 +19,13 @@ mod sse2;
 mod tests;
 mod twice;
 
-pub use instruction_set::Stage;
 pub use instruction_set::{InstructionSet, ENVIRONMENT_VARIABLE};
-pub use lanes::Lanes;
 pub(crate) use lanes::{lines, put, values};
+
+// Public for this repository's own measurements; no interface for others.
+#[doc(hidden)]
+pub use instruction_set::Stage;
+#[doc(hidden)]
+pub use lanes::Lanes;
+#[doc(hidden)]
 pub use registers::{Line, Registers, MOST_LANES};

@@ -7,11 +7,14 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
+#[path = "../support/readme.rs"]
+mod readme_deck;
 
 use engines::shapes;
 
 mod conservation;
 mod contact_or_not;
+mod curved_walls;
 mod decomposition;
 mod energy_balance;
 mod engine_commands;
@@ -21,6 +24,7 @@ mod linear_spring;
 mod misuse;
 mod normal_motion;
 mod outputs;
+mod pages;
 mod plane_motion;
 mod plugin_file;
 mod readme;

@@ -115,7 +115,10 @@ fn faults(allowed: &Arrows, files: &Files) -> Vec<String> {
     }
     let mut done = BTreeSet::new();
     for module in arrows.keys() {
-        if let Some(circle) = circle(module, &arrows, &mut Vec::new(), &mut done) {
+        let mut way = Vec::new();
+        if let Some(circle) = circle(module, &arrows, &mut way, &mut done) {
+            // Named once, not again from each of its files.
+            done.extend(way);
             let names: Vec<String> = circle.iter().map(|m| m.join("::")).collect();
             found.push(format!("a circle: {}", names.join(" -> ")));
         }
@@ -173,6 +176,12 @@ fn file_of(path: &[String], module: &Module, files: &Files) -> Option<Module> {
         return Some(at);
     };
     // Through the names that `mod.rs` hands on.
+    if !files
+        .keys()
+        .any(|m| m.len() > at.len() && m.starts_with(&at))
+    {
+        return Some(at);
+    }
     let tokens = files.get(&at)?.parse::<TokenStream>().ok()?;
     let handed_on = use_items(tokens)
         .into_iter()
