@@ -30,8 +30,8 @@ use super::hertz_factors::Factors;
 use super::law::{LawConstants, LawKinds};
 use super::normal::NormalForce;
 use super::parameters::{Displacement, Tangential};
-use crate::geometry::{Symmetric2, Vector2};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Vector2};
 
 /// The tangential force of one contact.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use crate::support::motion::{Motion, Partner, Rigid};
 use crate::support::random::Stream;
 use crate::support::scene::{laws, Vector};
 use crate::support::strategies::TouchingPair;
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 
 const OVERLAP: f64 = 0.02;
 

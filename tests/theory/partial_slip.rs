@@ -6,7 +6,7 @@ use crate::support::elliptic::{complete, curvature_ratio};
 use crate::support::scene::pair_law;
 use ellgran::force::hertz_factors::exact;
 use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw, TangentialForce};
-use ellgran::geometry::{Symmetric2, Vector2};
+use ellgran::vector::{Symmetric2, Vector2};
 
 const PENETRATION: f64 = 2e-3;
 const FRICTION: f64 = 0.4;

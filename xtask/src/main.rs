@@ -24,6 +24,7 @@ mod python_environment;
 mod python_interface;
 mod release;
 mod report;
+mod rooms;
 mod setup;
 mod site;
 mod tarball;

@@ -10,8 +10,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
-    vtk, wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
+    site, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -77,6 +77,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        steps.run("rooms", rooms::check)?;
         documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
