@@ -92,6 +92,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         ],
         side: p.side,
     }));
+    let first = parts.len() - 1;
     for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
         let centre = cone.point + cone.axis * bound;
         let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
@@ -120,7 +121,49 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
             }
         }
     }
+    if p.side == Side::Outside && p.ends.contains(&End::Closed) {
+        let surfaces = parts.split_off(first);
+        parts.push(Box::new(ConvexSolid { surfaces }));
+    }
     Ok(())
+}
+
+/// A convex solid from without: of its surfaces the one behind which a body is least deep acts.
+#[derive(Debug)]
+struct ConvexSolid {
+    surfaces: Vec<Box<dyn Shape>>,
+}
+
+impl Shape for ConvexSolid {
+    fn remembered(&self) -> usize {
+        1
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        let mut surfaces = self.surfaces.iter();
+        surfaces.any(|s| s.may_touch(centre, radius))
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        search: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        let mut least: Option<(f64, WallSurface)> = None;
+        for shape in &self.surfaces {
+            shape.touch(body, centre, search, &mut |s| {
+                let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+                if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
+                    least = Some((depth, s));
+                }
+            });
+        }
+        if let Some((_, surface)) = least {
+            found(surface);
+        }
+    }
 }
 
 impl Shape for ConeWall {

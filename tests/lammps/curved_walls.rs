@@ -264,7 +264,7 @@ fn walls() -> Vec<Wall> {
 /// Grains of growing aspect ratio that overlap with the wall by a little, approached from a side of their own.
 fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
     let from_within = wall.name.starts_with("in ");
-    [1.0, 2.0, 5.0, 30.0]
+    [1.0f64, 2.0, 5.0, 30.0]
         .iter()
         .flat_map(|aspect| [*aspect; 2])
         .map(|aspect| {
@@ -307,7 +307,7 @@ fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
 
 /// Needles that lean on opposite sides.
 fn touching_twice(random: &mut Random) -> Vec<Grain> {
-    [3.0, 10.0, 30.0]
+    [3.0f64, 10.0, 30.0]
         .iter()
         .map(|aspect| {
             let axes = [1.001, 1.0 / aspect, 0.8 / aspect];
