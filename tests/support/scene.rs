@@ -7,7 +7,7 @@ use ellgran::contact::{Body, ContactForces, Laws, OneContact, Step};
 use ellgran::force::syntax::parse;
 use ellgran::force::{LawParameters, PairLaw};
 use ellgran::geometry::Plane;
-use ellgran::walls::MovingPlane;
+use ellgran::walls::{one_contact_with_plane, MovingPlane};
 
 pub type Vector = nalgebra::Vector3<f64>;
 pub type Rotation = nalgebra::UnitQuaternion<f64>;
@@ -174,7 +174,7 @@ pub fn advance_plane(
     memory: &mut Memory,
 ) -> Option<Felt> {
     let i = prepare_body(i, Some(laws.types())).unwrap();
-    one_contact::one_contact_with_plane(
+    one_contact_with_plane(
         laws,
         &i,
         plane,
