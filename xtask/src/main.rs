@@ -12,6 +12,7 @@ mod install;
 mod lammps;
 mod library;
 mod liggghts;
+mod liggghts_make_auto;
 mod packed_grains;
 mod plugin;
 mod process;
@@ -67,6 +68,8 @@ enum Task {
     Report(report::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 20 minutes)
+    LiggghtsMakeAuto,
     /// Run every check and test
     Test(test::Options),
 }
@@ -81,6 +84,10 @@ enum Artefact {
     LammpsSource,
     /// The LIGGGHTS binary with our contact models
     Liggghts,
+    /// The top directory of its untouched source tree
+    LiggghtsSource,
+    /// The VTK headers that it is built with
+    LiggghtsVtk,
     /// libellgran.a
     Library,
     /// The launcher of parallel runs
@@ -107,6 +114,7 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())
@@ -119,6 +127,8 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
         Artefact::Liggghts => liggghts::binary(),
+        Artefact::LiggghtsSource => liggghts::source_tree(),
+        Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),
         Artefact::Library => library::library(),
         Artefact::Mpirun => setup::mpirun(),
     }
