@@ -83,7 +83,7 @@ enum Task {
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
-    /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 20 minutes)
+    /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 5 minutes)
     LiggghtsMakeAuto,
     /// Test the Python module
     Python(python::Options),
