@@ -9,7 +9,10 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
+    vtk, wheel,
+};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -74,6 +77,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
     let mut core = cargo();
@@ -96,6 +100,9 @@ pub fn test(options: &Options) -> Result<()> {
             report::quick(output.path(), false)
         })?;
     }
+    if options.quick && options.filter.is_none() {
+        steps.run("Python", || python::test(None))?;
+    }
     if !options.quick {
         if options.filter.is_none() {
             on_aarch64(steps)?;
@@ -105,6 +112,30 @@ pub fn test(options: &Options) -> Result<()> {
     steps.summary();
     say("all steps passed");
     Ok(())
+}
+
+/// Made in any case; the look through a browser is left out, and said, where none is to be had.
+fn documentation_site(steps: &mut Steps) -> Result<()> {
+    let output = tempfile::tempdir()?;
+    let pages = output.path().join("site");
+    steps.run("documentation site", || site::build(&pages))?;
+    let mut browser = None;
+    steps.run("browser", || {
+        browser = Some(site::browser());
+        Ok(())
+    })?;
+    match browser {
+        Some(Ok(browser)) => steps.run("documentation site in the browser", || {
+            site::check(&pages, &browser, None)
+        }),
+        Some(Err(why)) => {
+            say(format!(
+                "NOT TESTED: the documentation site in a browser: {why:#}"
+            ));
+            Ok(())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Left out, and said, where its compilers are not to be had: they are no part of what a user needs. A test does not change
@@ -163,18 +194,39 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
         })?;
     }
+    if cfg!(target_os = "linux") {
+        let directory = tempfile::tempdir()?;
+        let wheel = steps.run("wheel", || wheel::build(directory.path()))?;
+        steps.run("through the wheel", || {
+            run_open(
+                with_engine(engine_tests("wheel"), &oldest)?
+                    .env("ELLGRAN_TEST_WHEEL", &wheel)
+                    .arg("--")
+                    .args(filter),
+            )
+        })?;
+    }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
+        let has_vtk = vtk::vtk().is_ok();
+        if !has_vtk {
+            say("NOT TESTED: LIGGGHTS' VTK dumps: no VTK is to be had here");
+        }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
+                    .env(
+                        "ELLGRAN_TEST_LIGGGHTS_VTK",
+                        if has_vtk { "yes" } else { "no" },
+                    )
                     .arg("--")
                     .args(filter),
             )
         })?;
     }
     if filter.is_empty() {
+        steps.run("Python", || python::test(Some((&newest.0, &newest.1))))?;
         steps.run("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())
