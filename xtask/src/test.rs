@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Everything that must hold before a change lands, in order, the first failure being the last word.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -166,11 +167,23 @@ fn on_aarch64(steps: &mut Steps) -> Result<()> {
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     let newest = steps.run("LAMMPS", || {
         let source = lammps::source()?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     let oldest = steps.run("the oldest supported LAMMPS", || {
         let source = lammps::source_of(lammps::OLDEST)?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     // Where only the oldest release can be had, what needs a newer one is left out, and said.
     let only_oldest = oldest.2 == newest.2;
@@ -254,12 +267,14 @@ fn engine_tests(name: &str) -> Command {
     command
 }
 
-type Engine = (std::path::PathBuf, std::path::PathBuf, String);
+/// Binary, plugin, name, headers.
+type Engine = (PathBuf, PathBuf, String, PathBuf);
 
-fn with_engine(mut command: Command, (binary, plugin, _): &Engine) -> Result<Command> {
+fn with_engine(mut command: Command, (binary, plugin, _, headers): &Engine) -> Result<Command> {
     command
         .env("ELLGRAN_TEST_LAMMPS", binary)
         .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
+        .env("ELLGRAN_TEST_LAMMPS_HEADERS", headers)
         .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
         .envs(setup::mpirun_environment());
     Ok(command)
