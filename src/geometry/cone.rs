@@ -275,7 +275,9 @@ mod tests {
         for (within, depth, side) in [(true, 0.09, -1.0), (false, 0.08, 1.0)] {
             let normal = Vector3::new(c, 0.0, s) * side;
             let mut all = vec![];
-            touch_cone(&sphere, place + normal * depth, &cone, within, |x| all.push(x));
+            touch_cone(&sphere, place + normal * depth, &cone, within, |x| {
+                all.push(x)
+            });
             assert_eq!(all.len(), 1);
             assert!((all[0].normal - normal).norm() < 1e-12);
             assert!((all[0].point - place).norm() < 1e-12);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
-pub mod contact_search;
 pub mod cone;
+pub mod contact_search;
 pub mod convex_body;
 pub mod curvature;
 pub mod ellipsoid;

@@ -293,7 +293,7 @@ impl Workspace {
         chosen: &[usize],
     ) -> Result<(), ParticleError> {
         self.particles.clear();
-        self.particles.reserve(chosen.len());
+        self.particles.reserve(arrays.positions.len());
         for &k in chosen {
             let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
                 identifier: (arrays.identifier)(k),

@@ -165,8 +165,7 @@ pub fn compute_wall(
             }
             load.contacts += 1;
             load.force = load.force + f.force;
-            load.torque =
-                load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
+            load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
             part_forces[*part] = part_forces[*part] + f.force;
             if let Some(t) = tallies.as_deref_mut() {
                 t.pairs += 1;
@@ -204,8 +203,7 @@ pub fn compute_wall(
             }
         }
     }
-    load.power =
-        load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
+    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
 }
 
@@ -251,13 +249,18 @@ fn check(
         let law = input.laws.get(i.kind as usize, input.wall_type);
         let seen = input.motion.seen_from_wall(i, input.step);
         for shape in &wall.parts {
-            shape.touch(&seen.body, seen.position, &mut wall.search, &mut |surface| {
-                let contact = StagedContact::of_wall(&seen, &surface);
-                let tried = contact.map(|c| c.normal_force(law, effective_mass(&seen)));
-                if let (Some(Err(ratio)), None) = (tried, broken) {
-                    broken = Some((*k, ratio.0));
-                }
-            });
+            shape.touch(
+                &seen.body,
+                seen.position,
+                &mut wall.search,
+                &mut |surface| {
+                    let contact = StagedContact::of_wall(&seen, &surface);
+                    let tried = contact.map(|c| c.normal_force(law, effective_mass(&seen)));
+                    if let (Some(Err(ratio)), None) = (tried, broken) {
+                        broken = Some((*k, ratio.0));
+                    }
+                },
+            );
         }
     }
     match broken {

@@ -36,10 +36,7 @@ pub(super) fn add_cylinder(
     add(Cone::cylinder(p.point, p.axis, radius), p, parts)
 }
 
-pub(super) fn add_cone(
-    p: &ShapeParameters,
-    parts: &mut Vec<Box<dyn Shape>>,
-) -> Result<(), String> {
+pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     if !(low.is_finite() && high.is_finite()) {
         return Err("cone: both bounds must be finite".into());
@@ -57,11 +54,7 @@ pub(super) fn add_cone(
     let at = if slope < 0.0 { low } else { high };
     let cone = Cone {
         slope,
-        ..Cone::cylinder(
-            p.point + p.axis * at,
-            p.axis,
-            p.radii[0].max(p.radii[1]),
-        )
+        ..Cone::cylinder(p.point + p.axis * at, p.axis, p.radii[0].max(p.radii[1]))
     };
     let from_there = ShapeParameters {
         point: cone.point,
@@ -71,11 +64,7 @@ pub(super) fn add_cone(
     add(cone, &from_there, parts)
 }
 
-fn add(
-    cone: Cone,
-    p: &ShapeParameters,
-    parts: &mut Vec<Box<dyn Shape>>,
-) -> Result<(), String> {
+fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     if !(low < high) {
         return Err(format!(
@@ -102,6 +91,7 @@ fn add(
         ],
         side: p.side,
     }));
+    let first = parts.len() - 1;
     for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
         let centre = cone.point + cone.axis * bound;
         let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
@@ -130,7 +120,49 @@ fn add(
             }
         }
     }
+    if p.side == Side::Outside && p.ends.contains(&End::Closed) {
+        let surfaces = parts.split_off(first);
+        parts.push(Box::new(ConvexSolid { surfaces }));
+    }
     Ok(())
+}
+
+/// A convex solid from without: of its surfaces the one behind which a body is least deep acts.
+#[derive(Debug)]
+struct ConvexSolid {
+    surfaces: Vec<Box<dyn Shape>>,
+}
+
+impl Shape for ConvexSolid {
+    fn remembered(&self) -> usize {
+        1
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        let mut surfaces = self.surfaces.iter();
+        surfaces.any(|s| s.may_touch(centre, radius))
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        search: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        let mut least: Option<(f64, WallSurface)> = None;
+        for shape in &self.surfaces {
+            shape.touch(body, centre, search, &mut |s| {
+                let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+                if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
+                    least = Some((depth, s));
+                }
+            });
+        }
+        if let Some((_, surface)) = least {
+            found(surface);
+        }
+    }
 }
 
 impl Shape for ConeWall {

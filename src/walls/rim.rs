@@ -48,13 +48,18 @@ struct Place {
     point: Vector3,
     /// Along the radius, outwards.
     radial: Vector3,
-    depth: f64,
     /// How far ahead along the edge's tangent the body is deepest.
     ahead: f64,
 }
 
 impl Rim {
-    fn place(&self, body: &Ellipsoid, offset: Vector3, basis: &[Vector3; 2], angle: f64) -> Option<Place> {
+    fn place(
+        &self,
+        body: &Ellipsoid,
+        offset: Vector3,
+        basis: &[Vector3; 2],
+        angle: f64,
+    ) -> Option<Place> {
         let (sin, cos) = angle.sin_cos();
         let radial = basis[0] * cos + basis[1] * sin;
         let tangent = self.axis.cross(radial);
@@ -67,7 +72,6 @@ impl Rim {
             normal: -n,
             point,
             radial,
-            depth,
             ahead: tangent.dot(support.point - point),
         })
     }
@@ -113,31 +117,33 @@ impl Shape for Rim {
         let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
         let step = 2.0 * half / count as f64;
         let at = |k: usize| -half + (k as f64 - 0.5) * step;
-        let depth = |k: usize| {
-            self.place(body, offset, &basis, at(k))
-                .map_or(0.0, |p| p.depth)
-        };
-        let (mut before, mut here) = (depth(0), depth(1));
-        for k in 1..=count {
-            let after = depth(k + 1);
-            if here > 0.0 && here >= before && here > after {
-                // Ahead of the deepest place `ahead` is negative, behind it positive.
-                let (mut low, mut high) = (at(k) - step, at(k) + step);
+        // Behind a contact the body is deepest ahead, and beyond it behind.
+        let ahead = |angle: f64| self.place(body, offset, &basis, angle).map(|p| p.ahead);
+        let mut before = ahead(at(0));
+        for k in 1..=count + 1 {
+            let here = ahead(at(k));
+            let between = match (before, here) {
+                (Some(a), Some(b)) => a > 0.0 && b <= 0.0,
+                // the body does not reach one of the two
+                (Some(a), None) => a > 0.0,
+                (None, Some(b)) => b <= 0.0,
+                (None, None) => false,
+            };
+            if between {
+                let (mut low, mut high) = (at(k - 1), at(k));
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    let behind = match self.place(body, offset, &basis, middle) {
-                        Some(p) => p.ahead > 0.0,
-                        None => middle < at(k),
-                    };
-                    if behind {
+                    if ahead(middle).map_or(before.is_none(), |a| a > 0.0) {
                         low = middle;
                     } else {
                         high = middle;
                     }
                 }
-                if let Some(p) = self.place(body, offset, &basis, 0.5 * (low + high)) {
+                let deepest = self.place(body, offset, &basis, 0.5 * (low + high));
+                if let Some(p) = deepest.filter(|p| p.ahead.abs() <= 1e-9 * reach) {
                     let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
-                    if self.surfaces.iter().all(|[r, a]| out * r + along * a <= TOLERANCE) {
+                    let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
+                    if self.surfaces.iter().all(outermost) {
                         found(WallSurface {
                             direction: self.axis.cross(p.radial),
                             curvatures: [out / self.radius, 0.0],
@@ -147,7 +153,7 @@ impl Shape for Rim {
                     }
                 }
             }
-            (before, here) = (here, after);
+            before = here;
         }
     }
 }

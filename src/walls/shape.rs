@@ -77,8 +77,7 @@ pub struct ShapeParameters {
 }
 
 /// Adds the parts of a shape, or says what is wrong.
-pub(super) type Constructor =
-    fn(&ShapeParameters, &mut Vec<Box<dyn Shape>>) -> Result<(), String>;
+pub(super) type Constructor = fn(&ShapeParameters, &mut Vec<Box<dyn Shape>>) -> Result<(), String>;
 
 /// A new shape is a row here and its file.
 pub(super) const SHAPES: [(&str, Constructor); 4] = [

@@ -211,7 +211,11 @@ mod tests {
         let distance = |i: i64, j: i64| {
             let t = std::f64::consts::PI * (i as f64 + 0.5) / rows as f64;
             let p = std::f64::consts::TAU * j as f64 / columns as f64;
-            let local = [a[0] * t.sin() * p.cos(), a[1] * t.sin() * p.sin(), a[2] * t.cos()];
+            let local = [
+                a[0] * t.sin() * p.cos(),
+                a[1] * t.sin() * p.sin(),
+                a[2] * t.cos(),
+            ];
             (x + body.to_world(Vector3::from_array(local))).norm()
         };
         let mut all = vec![];
@@ -251,9 +255,16 @@ mod tests {
                 .map(|p| p.norm())
                 .collect();
             let grid = maxima(&body, x);
-            assert_eq!(found.len(), grid.len(), "{axes:?} {place:?}: {found:?} {grid:?}");
+            assert_eq!(
+                found.len(),
+                grid.len(),
+                "{axes:?} {place:?}: {found:?} {grid:?}"
+            );
             for (a, b) in found.iter().zip(&grid) {
-                assert!((a - b).abs() < 1e-3 && a > &(b - 1e-9), "{found:?} {grid:?}");
+                assert!(
+                    (a - b).abs() < 1e-3 && a > &(b - 1e-9),
+                    "{found:?} {grid:?}"
+                );
             }
         }
     }

@@ -102,6 +102,7 @@ impl Wall {
         of: impl Fn(usize) -> Option<(Vector3, f64)>,
     ) -> &[usize] {
         self.near.clear();
+        self.near.reserve(particles);
         for k in 0..particles {
             if let Some((centre, radius)) = of(k) {
                 let centre = motion.point_to_wall(centre);

@@ -4,8 +4,8 @@
 
 use crate::harness::{kinetic_energy, run, Deck, Engine, Grain, Scene};
 use crate::shapes::{
-    about, add, compose, cross, curvature, dot, length, normalise, rotate, scale, stiffness_of, sub,
-    unit, Random, Vector,
+    about, add, compose, cross, curvature, dot, length, normalise, rotate, scale, stiffness_of,
+    sub, unit, Random, Vector,
 };
 
 const MODULUS: f64 = 1e7;
@@ -30,7 +30,10 @@ struct Surface {
     bend: Bend,
 }
 
-fn surface(depth: impl Fn(Vector) -> f64 + 'static, bend: impl Fn(Vector, Vector) -> f64 + 'static) -> Surface {
+fn surface(
+    depth: impl Fn(Vector) -> f64 + 'static,
+    bend: impl Fn(Vector, Vector) -> f64 + 'static,
+) -> Surface {
     Surface {
         depth: Box::new(depth),
         bend: Box::new(bend),
@@ -63,14 +66,20 @@ fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
             let mut best = here;
             let mut step = 0.05;
             while step > 1e-10 {
-                let helper = if w[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+                let helper = if w[0].abs() < 0.6 {
+                    [1.0, 0.0, 0.0]
+                } else {
+                    [0.0, 1.0, 0.0]
+                };
                 let u = unit(cross(w, helper));
                 let v = cross(w, u);
                 let tried = (0..8).map(|k| {
                     let (sin, cos) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
                     unit(add(w, add(scale(step * cos, u), scale(step * sin, v))))
                 });
-                let next = tried.max_by(|a, b| depth(*a).total_cmp(&depth(*b))).unwrap();
+                let next = tried
+                    .max_by(|a, b| depth(*a).total_cmp(&depth(*b)))
+                    .unwrap();
                 if depth(next) > best {
                     best = depth(next);
                     w = next;
@@ -82,7 +91,9 @@ fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
                 let local = std::array::from_fn(|k| w[k] / g.semi_axes[k]);
                 let normal = unit(rotate(g.quaternion, local));
                 let point = grain_point(g, w);
-                let known = |c: &(f64, Vector, Vector)| length(sub(c.2, point)) < 1e-4 * length(g.semi_axes);
+                let known = |c: &(f64, Vector, Vector)| {
+                    length(sub(c.2, point)) < 1e-4 * length(g.semi_axes)
+                };
                 if !found.iter().any(known) {
                     found.push((best, normal, point));
                 }
@@ -98,7 +109,11 @@ fn energy(g: &Grain, wall: &Wall) -> (f64, usize) {
     let (mut sum, mut count) = (0.0, 0);
     for surface in &wall.surfaces {
         for (depth, n, point) in contacts(g, surface) {
-            let helper = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+            let helper = if n[0].abs() < 0.6 {
+                [1.0, 0.0, 0.0]
+            } else {
+                [0.0, 1.0, 0.0]
+            };
             let u = unit(cross(n, helper));
             let v = cross(n, u);
             let body = curvature(g.semi_axes, g.quaternion, n, u, v);
@@ -131,7 +146,10 @@ fn reference(g: &Grain, wall: &Wall, depth: f64) -> (Vector, Vector) {
         slope(&moved, h)
     });
     let torque = std::array::from_fn(|k| {
-        let turned = |s: f64| g.clone().turned(normalise(compose(about(axis(k), s), g.quaternion)));
+        let turned = |s: f64| {
+            g.clone()
+                .turned(normalise(compose(about(axis(k), s), g.quaternion)))
+        };
         slope(&turned, h / largest)
     });
     (force, torque)
@@ -178,7 +196,12 @@ fn walls() -> Vec<Wall> {
     };
     vec![
         wall("in a cylinder", vec![], "zcylinder 1", vec![cone(0.0, 1.0)]),
-        wall("on a cylinder", vec![], "zcylinder 1", vec![cone(0.0, -1.0)]),
+        wall(
+            "on a cylinder",
+            vec![],
+            "zcylinder 1",
+            vec![cone(0.0, -1.0)],
+        ),
         wall(
             "in a cylinder's region",
             region("cylinder z 0 0 1 -8 8"),
@@ -203,7 +226,12 @@ fn walls() -> Vec<Wall> {
             "region place",
             vec![cone(0.3, -1.0)],
         ),
-        wall("in a sphere", region("sphere 0 0 0 1"), "region place", vec![ball(1.0)]),
+        wall(
+            "in a sphere",
+            region("sphere 0 0 0 1"),
+            "region place",
+            vec![ball(1.0)],
+        ),
         wall(
             "on a sphere",
             region("sphere 0 0 0 1 side out"),
@@ -236,13 +264,17 @@ fn walls() -> Vec<Wall> {
 /// Grains of growing aspect ratio that overlap with the wall by a little, approached from a side of their own.
 fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
     let from_within = wall.name.starts_with("in ");
-    [1.0, 2.0, 5.0, 30.0]
+    [1.0f64, 2.0, 5.0, 30.0]
         .iter()
         .flat_map(|aspect| [*aspect; 2])
         .map(|aspect| {
             let largest = 0.25;
             let axes = [largest, largest / aspect, largest / (0.5 * aspect).max(1.0)];
-            let direction = unit([random.between(-1.0, 1.0), random.between(0.3, 1.0), random.between(-0.2, 0.2)]);
+            let direction = unit([
+                random.between(-1.0, 1.0),
+                random.between(0.3, 1.0),
+                random.between(-0.2, 0.2),
+            ]);
             let grain = Grain::new(axes, [0.0; 3]).turned(random.quaternion());
             let overlap = 0.02 * axes[1] * axes[1] / largest;
             let at = |s: f64| Grain {
@@ -275,11 +307,14 @@ fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
 
 /// Needles that lean on opposite sides.
 fn touching_twice(random: &mut Random) -> Vec<Grain> {
-    [3.0, 10.0, 30.0]
+    [3.0f64, 10.0, 30.0]
         .iter()
         .map(|aspect| {
             let axes = [1.001, 1.0 / aspect, 0.8 / aspect];
-            let tilt = about([random.between(-1.0, 1.0), random.between(-1.0, 1.0), 0.3], 1e-3);
+            let tilt = about(
+                [random.between(-1.0, 1.0), random.between(-1.0, 1.0), 0.3],
+                1e-3,
+            );
             Grain::new(axes, [2e-4, 1e-4, 0.0]).turned(tilt)
         })
         .collect()
@@ -341,7 +376,11 @@ fn both_versions_force_and_torque_are_those_of_the_deepest_places() {
             );
             worst = [worst[0].max(errors[0]), worst[1].max(errors[1])];
         }
-        assert!(worst[0] < 2e-5 && worst[1] < 2e-5, "{}: {worst:?}", wall.name);
+        assert!(
+            worst[0] < 2e-5 && worst[1] < 2e-5,
+            "{}: {worst:?}",
+            wall.name
+        );
         if wall.name.starts_with("in a") {
             assert!(most >= 2, "{}: no grain touches twice", wall.name);
         }
@@ -354,7 +393,11 @@ fn both_versions_elastic_bounces_keep_their_energy() {
     let engine = Engine::from_environment();
     for wall in walls() {
         let grain = touching_once(&wall, &mut Random(5))[3].clone();
-        let pull = if wall.name.starts_with("in ") { 1.0 } else { -1.0 };
+        let pull = if wall.name.starts_with("in ") {
+            1.0
+        } else {
+            -1.0
+        };
         let out = if wall.name.contains("plane") {
             [-1.0 / 3.0, -2.0 / 3.0, -2.0 / 3.0]
         } else {
@@ -369,7 +412,9 @@ fn both_versions_elastic_bounces_keep_their_energy() {
             ..grain
         };
         let speed = (8.0 * depth.0 / mass).sqrt();
-        let grain = grain.moving(scale(speed, out)).spinning([3.0 * speed, -2.0 * speed, speed]);
+        let grain = grain
+            .moving(scale(speed, out))
+            .spinning([3.0 * speed, -2.0 * speed, speed]);
         let time = 0.02 / speed;
         let error = |steps: f64| {
             let mut fixes = wall.commands.clone();
@@ -401,4 +446,3 @@ fn both_versions_elastic_bounces_keep_their_energy() {
         assert!(coarse.abs() < 1e-4 && fine.abs() < 1e-5, "{}", wall.name);
     }
 }
-
