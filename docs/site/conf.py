@@ -25,6 +25,7 @@ release = re.search(r'^version = "([^"]+)"', (REPOSITORY / "Cargo.toml").read_te
 root_doc = "docs/index"
 include_patterns = [
     "docs/*.md",
+    "docs/python_api/**",
     "docs/tutorials/*.md",
     "docs/report/README.md",
     "docs/bench/table.md",
@@ -44,7 +45,8 @@ nitpicky = True
 # docs/bench/table.md begins with a heading of the second level, as a part of what `cargo xtask bench` prints.
 # Pages that stand in no table of contents are found by links and by the search.
 suppress_warnings = ["myst.header", "toc.not_included"]
-nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t")]
+# Types in docstrings of Python are prose: "array_like, shape (n, 3)".
+nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t"), ("py:class", r".*")]
 
 # Markdown as the repository's pages have it.
 myst_enable_extensions = ["dollarmath"]
@@ -84,6 +86,8 @@ if PYTHON.is_dir():
     autoapi_add_toctree_entry = False
     autoapi_keep_files = False
     autoapi_python_class_content = "both"
+    # What a class says of its attributes stands with it; each has an entry of its own besides.
+    napoleon_use_ivar = True
 
 
 class DeckLexer(RegexLexer):
