@@ -7,6 +7,8 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
+#[path = "../support/readme.rs"]
+mod readme_deck;
 
 use engines::shapes;
 

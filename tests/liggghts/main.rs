@@ -37,5 +37,6 @@ mod rolling;
 mod same_motion;
 mod spheres;
 mod stored_forces;
+mod vtk;
 mod wall_memory;
 mod wall_outputs;

@@ -92,6 +92,15 @@ pub fn source_of(version: &str) -> Result<Source> {
     }
 }
 
+/// The oldest supported release and the newest that can be had, each fetched when it is asked for.
+pub fn oldest_and_newest() -> impl Iterator<Item = (&'static str, Result<Source>)> {
+    let sources: [(_, fn() -> Result<Source>); 2] = [
+        ("the oldest supported release", || source_of(OLDEST)),
+        ("the newest release that can be had", newest_source),
+    ];
+    sources.into_iter().map(|(name, source)| (name, source()))
+}
+
 fn newest_source() -> Result<Source> {
     let mut reasons = Vec::new();
     for release in RELEASES {

