@@ -607,6 +607,132 @@ typedef struct EllgranParticles {
 } EllgranParticles;
 
 /*
+ Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
+ the same name and meaning, NULL where it is not wanted. [count] is the number of pairs.
+ */
+typedef struct EllgranContactArrays {
+  /*
+   `sizeof(EllgranContactArrays)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   [count]; minus the gap where the bodies are apart. Gaps are computed if this or one of the next six is wanted.
+   */
+  double *penetration;
+  /*
+   [count][3]
+   */
+  double *normal;
+  /*
+   [count][3]
+   */
+  double *contact_point;
+  /*
+   [count][3]
+   */
+  double *witness_i;
+  /*
+   [count][3]
+   */
+  double *witness_j;
+  /*
+   [count][2]: `curvature_a` and `curvature_b`.
+   */
+  double *curvatures;
+  /*
+   [count][3]
+   */
+  double *major_direction;
+  /*
+   [count][2]
+   */
+  double *contact_semi_axes;
+  /*
+   [count][3]
+   */
+  double *force;
+  /*
+   [count][3]
+   */
+  double *torque_i;
+  /*
+   [count][3]
+   */
+  double *torque_j;
+  /*
+   [count]
+   */
+  double *normal_force;
+  /*
+   [count][3]
+   */
+  double *tangential_force;
+  /*
+   [count][3]
+   */
+  double *displacement;
+  /*
+   [count]
+   */
+  double *penetration_rate;
+  /*
+   [count]
+   */
+  double *elastic_energy;
+  /*
+   [count]
+   */
+  double *tangential_energy;
+  /*
+   [count][3]
+   */
+  double *viscous_force;
+  /*
+   [count][3]
+   */
+  double *frictional_force;
+  /*
+   [count]
+   */
+  double *viscous_power;
+  /*
+   [count]
+   */
+  double *tangential_power;
+} EllgranContactArrays;
+
+/*
+ Where the stiffnesses of many contacts go: an array for each field of `EllgranContactStiffness`, of the same name and
+ meaning, NULL where it is not wanted. [count] is the number of pairs.
+ */
+typedef struct EllgranStiffnessArrays {
+  /*
+   `sizeof(EllgranStiffnessArrays)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   [count]
+   */
+  double *normal_stiffness;
+  /*
+   [count][2]
+   */
+  double *tangential_stiffness;
+  /*
+   [count]
+   */
+  double *normal_damping;
+  /*
+   [count][2]
+   */
+  double *tangential_damping;
+  /*
+   [count]
+   */
+  double *critical_step;
+} EllgranStiffnessArrays;
+
+/*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
  A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
@@ -1144,6 +1270,81 @@ int32_t ellgran_laws_describe(const struct EllgranLaws *laws,
                               int32_t type_j,
                               char *buffer,
                               size_t capacity);
+
+/*
+ Many contacts of ellipsoids in one call: what `ellgran_contact` gives for each pair, to the last bit, but that each particle
+ is prepared once. `pairs` is [pair_count][2], indices from 0, the first the i of geometry and force. Forces and torques of
+ `particles` are not read or written. One pair after the other, not in lanes.
+
+ `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], belong to the pairs and are kept between
+ steps; start from zeros. Both may be NULL if that length is 0; `touching` is written where it is given. The other
+ arrays do not overlap.
+
+ A wrong particle, pair or argument is refused before anything is written. Of a contact that fails later the message names
+ the number in `pairs` and both particles; the contacts before it are then written.
+
+ # Safety
+ The pointers are as stated here, in `EllgranParticles` and in `EllgranContactArrays`.
+ */
+int32_t ellgran_pair_contacts(const struct EllgranLaws *laws,
+                              struct EllgranWorkspace *workspace,
+                              const struct EllgranParticles *particles,
+                              const struct EllgranStep *step,
+                              size_t pair_count,
+                              const int32_t *pairs,
+                              int32_t *touching,
+                              double *history,
+                              const struct EllgranContactArrays *arrays);
+
+/*
+ Stiffnesses and largest stable time steps of many contacts in one call: what `ellgran_contact_stiffness` gives for each
+ pair. `pairs` is [pair_count][2], indices from 0. Masses are read from `contact_masses` or, where that is NULL, `masses`;
+ forces and torques are not read.
+
+ On failure the contacts before the one that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here, in `EllgranParticles` and in `EllgranStiffnessArrays`.
+ */
+int32_t ellgran_pair_stiffnesses(const struct EllgranLaws *laws,
+                                 struct EllgranWorkspace *workspace,
+                                 const struct EllgranParticles *particles,
+                                 size_t pair_count,
+                                 const int32_t *pairs,
+                                 const struct EllgranStiffnessArrays *arrays);
+
+/*
+ Durations and depths of many elastic collisions in one call: what `ellgran_collision` gives for each pair. `pairs` is
+ [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL. Masses are
+ read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
+
+ On failure the collisions before the one that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_collisions(const struct EllgranLaws *laws,
+                                struct EllgranWorkspace *workspace,
+                                const struct EllgranParticles *particles,
+                                size_t pair_count,
+                                const int32_t *pairs,
+                                const double *speeds,
+                                double *times,
+                                double *penetrations);
+
+/*
+ Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count], those
+ of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
+
+ On failure the times before that of the particle that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_rayleigh_times(size_t type_count,
+                               const struct EllgranLawParameters *parameters,
+                               const struct EllgranParticles *particles,
+                               double *times);
 
 /*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.

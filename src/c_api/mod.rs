@@ -19,6 +19,7 @@ pub mod contact;
 pub mod growing;
 mod huge_pages;
 pub mod law;
+pub mod many_contacts;
 pub mod neighbour_list;
 pub mod particles;
 pub mod planes;

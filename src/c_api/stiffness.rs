@@ -59,13 +59,7 @@ pub unsafe extern "C" fn ellgran_contact_stiffness(
         let mut out = unsafe { Output::new(stiffness, "stiffness") }?;
         let found = contact_stiffness(laws, &i, &j)
             .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?
-            .unwrap_or(ContactStiffness {
-                normal_stiffness: 0.0,
-                tangential_stiffness: [0.0; 2],
-                normal_damping: 0.0,
-                tangential_damping: [0.0; 2],
-                critical_step: f64::INFINITY,
-            });
+            .unwrap_or(ContactStiffness::NONE);
         out.write(&EllgranContactStiffness {
             size: size_of::<EllgranContactStiffness>(),
             normal_stiffness: found.normal_stiffness,

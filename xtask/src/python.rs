@@ -1,109 +1,102 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Virtual environments of Python, and what is installed in them from the package index.
+//! Tests of the Python module, in virtual environments of the cache, against the shared library of this checkout.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use crate::process::{output_of, run_logged};
-use crate::progress::{say, Progress};
-use crate::{cache, setup};
+use crate::progress::say;
+use crate::python_environment::Environment;
+use crate::workspace::root;
+use crate::{install, process, setup};
 
-/// A virtual environment in the cache.
-pub struct Environment {
-    directory: PathBuf,
-    _lock: cache::Lock,
+#[derive(clap::Args)]
+pub struct Options {
+    /// Run only the tests whose name contains this
+    #[arg(long)]
+    filter: Option<String>,
+    /// Print what the vectorised law costs beside the C call, in place of the tests
+    #[arg(long)]
+    cost: bool,
 }
 
-impl Environment {
-    /// The one of this name, with the newest of each of `requirements` that the index has. Where the index cannot be reached,
-    /// what was installed before serves.
-    pub fn with(name: &str, requirements: &[&str]) -> Result<Self> {
-        setup::python()?;
-        let lock = cache::lock(&format!("python-{name}"))?;
-        let directory = cache::directory()?.join(format!("python-{name}"));
-        let environment = Environment {
-            directory,
-            _lock: lock,
-        };
-        // One of a Python that is gone does not run.
-        if output_of(environment.python().arg("-c").arg("import pip")).is_err() {
-            output_of(
-                Command::new("python3")
-                    .args(["-m", "venv", "--clear"])
-                    .arg(&environment.directory),
-            )?;
-        }
-        environment.install(requirements)?;
-        Ok(environment)
-    }
+/// A LAMMPS binary and the plugin built for it.
+pub type Engine<'a> = (&'a Path, &'a Path);
 
-    fn install(&self, requirements: &[&str]) -> Result<()> {
-        let stamp = self.directory.join("installed");
-        let wanted = requirements.join("\n");
-        let before = std::fs::read_to_string(&stamp).is_ok_and(|text| text == wanted);
-        let mut progress = Progress::start(format!("Installing {}", requirements.join(", ")));
-        let mut pip = self.python();
-        pip.args(["-m", "pip", "install", "--upgrade", "--no-input"])
-            .arg("--disable-pip-version-check")
-            .args(requirements);
-        let result = run_logged(&mut pip, &self.directory.join("pip.log"), |line| {
-            progress.update(None, line)
-        });
-        match result {
-            Ok(()) => {
-                progress.finish();
-                std::fs::write(&stamp, wanted)?;
-                Ok(())
-            }
-            Err(error) if before => {
-                progress.clear();
-                say(format!("using what was installed before: {error:#}"));
-                Ok(())
-            }
-            Err(error) => {
-                progress.clear();
-                Err(error).context("pip cannot install")
-            }
-        }
+/// `cargo xtask python`
+pub fn python(options: &Options) -> Result<()> {
+    if options.cost {
+        let prefix = library()?;
+        let interpreter = environment("requirements.txt")?;
+        let script = directory().join("benchmarks").join("cost_of_arrays.py");
+        return process::run_open(in_environment(&interpreter, prefix.path()).arg(script));
     }
+    run(options.filter.as_deref(), None)
+}
 
-    pub fn python(&self) -> Command {
-        self.command("python")
-    }
+/// All tests; those that run a deck need an engine, and say so where there is none.
+pub fn test(engine: Option<Engine>) -> Result<()> {
+    run(None, engine)
+}
 
-    /// A program of the environment, which finds the others there.
-    pub fn command(&self, name: &str) -> Command {
-        let mut command = Command::new(self.program(name));
-        let programs = std::iter::once(self.directory.join("bin"));
-        let path = std::env::var_os("PATH").unwrap_or_default();
-        let path = std::env::join_paths(programs.chain(std::env::split_paths(&path)));
-        if let Ok(path) = path {
-            command.env("PATH", path);
+fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
+    let prefix = library()?;
+    // The oldest numpy that is supported has no wheel for a Python that came after it.
+    let oldest = match environment("requirements-oldest.txt") {
+        Ok(interpreter) => Some(interpreter),
+        Err(error) => {
+            say(format!(
+                "NOT TESTED: Python with the oldest numpy: {error:#}"
+            ));
+            None
         }
+    };
+    let newest = environment("requirements.txt")?;
+    for interpreter in oldest.into_iter().chain([newest]) {
+        let mut command = in_environment(&interpreter, prefix.path());
         command
+            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+            .arg(directory().join("tests"));
+        if let Some(words) = filter {
+            command.args(["-k", words]);
+        }
+        if let Some((lammps, plugin)) = engine {
+            command
+                .env("ELLGRAN_TEST_LAMMPS", lammps)
+                .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
+                .envs(setup::mpirun_environment());
+        }
+        process::run_open(&mut command)?;
     }
+    Ok(())
+}
 
-    pub fn program(&self, name: &str) -> PathBuf {
-        self.directory.join("bin").join(name)
-    }
+fn directory() -> PathBuf {
+    root().join("python")
+}
 
-    pub fn directory(&self) -> &Path {
-        &self.directory
-    }
+/// A prefix with the shared library of this checkout.
+fn library() -> Result<tempfile::TempDir> {
+    let prefix = tempfile::tempdir()?;
+    install::with_shared(prefix.path())?;
+    Ok(prefix)
+}
 
-    /// Version of an installed package.
-    pub fn version(&self, package: &str) -> Result<String> {
-        let script = format!("import importlib.metadata as m; print(m.version('{package}'))");
-        Ok(output_of(self.python().args(["-c", &script]))?
-            .trim()
-            .to_string())
-    }
+fn in_environment(interpreter: &Path, prefix: &Path) -> Command {
+    let mut command = Command::new(interpreter);
+    command
+        .current_dir(directory())
+        .env("ELLGRAN_LIBRARY", prefix.join("lib").join("libellgran.so"))
+        .env("ELLGRAN_INCLUDE", root().join("include"))
+        .env("PYTHONPATH", directory())
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("PYTHONWARNINGS", "error::DeprecationWarning:ellgran");
+    command
+}
 
-    /// Where packages lie.
-    pub fn packages(&self) -> Result<PathBuf> {
-        let script = "import sysconfig; print(sysconfig.get_path('platlib'))";
-        Ok(output_of(self.python().args(["-c", script]))?.trim().into())
-    }
+/// The interpreter of a virtual environment with the packages that a file in python/tests names.
+fn environment(requirements: &str) -> Result<PathBuf> {
+    let file = directory().join("tests").join(requirements);
+    Ok(Environment::pinned(&file)?.program("python"))
 }

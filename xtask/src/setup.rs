@@ -72,11 +72,11 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
-/// To make virtual environments.
+/// To test the Python module.
 const PYTHON_NEEDS: &[Need] = &[Need {
     what: "python3 with venv and pip",
     package: "python3-venv",
-    present: || output_of(Command::new("python3").args(["-c", "import venv, ensurepip"])).is_ok(),
+    present: python_makes_environments,
 }];
 
 /// To draw shaded pictures.
@@ -105,14 +105,14 @@ pub fn setup() -> Result<()> {
     provide(NEEDS)
 }
 
-/// The same for Python.
-pub fn python() -> Result<()> {
-    provide(PYTHON_NEEDS)
-}
-
 /// The same for the cross compiler and the emulator.
 pub fn aarch64() -> Result<()> {
     provide(AARCH64_NEEDS)
+}
+
+/// The same for Python and its virtual environments.
+pub fn python() -> Result<()> {
+    provide(PYTHON_NEEDS)
 }
 
 /// The same for the renderer.
@@ -202,6 +202,11 @@ fn mpi_compiles() -> bool {
             .stderr(Stdio::null())
             .status()
             .is_ok_and(|status| status.success())
+}
+
+/// Debian ships python3 without what `python3 -m venv` copies.
+fn python_makes_environments() -> bool {
+    output_of(Command::new("python3").args(["-c", "import ensurepip, venv"])).is_ok()
 }
 
 fn is_open_mpi() -> bool {

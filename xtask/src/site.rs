@@ -9,7 +9,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, run_logged, run_open, run_visible};
 use crate::progress::{say, Progress};
-use crate::python::Environment;
+use crate::python_environment::Environment;
 use crate::{cache, setup, workspace};
 
 #[derive(clap::Args)]
@@ -130,9 +130,7 @@ impl Tools {
     fn prepare() -> Result<Self> {
         setup::setup()?;
         let sources = workspace::root().join("docs").join("site");
-        let requirements = sources.join("requirements.txt");
-        let requirements = requirements.to_str().context("a path that is not UTF-8")?;
-        let python = Environment::with("site", &["--requirement", requirements])?;
+        let python = Environment::pinned(&sources.join("requirements.txt"))?;
         let node_modules = node_modules(&python, &sources.join("package.json"))?;
         Ok(Tools {
             python,

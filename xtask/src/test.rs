@@ -10,8 +10,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup, site, vtk,
-    wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
+    vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -99,6 +99,9 @@ pub fn test(options: &Options) -> Result<()> {
             let output = tempfile::tempdir()?;
             report::quick(output.path(), false)
         })?;
+    }
+    if options.quick && options.filter.is_none() {
+        steps.run("Python", || python::test(None))?;
     }
     if !options.quick {
         if options.filter.is_none() {
@@ -223,6 +226,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         })?;
     }
     if filter.is_empty() {
+        steps.run("Python", || python::test(Some((&newest.0, &newest.1))))?;
         steps.run("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())

