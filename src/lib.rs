@@ -10,6 +10,7 @@
 //! - [`geometry`]: bodies by their support function, the contact search, curvature. No force.
 //! - [`force`]: material constants to laws; laws to force. No search.
 //! - [`pairs`]: one contact, a neighbour list, plane walls; history.
+//! - [`walls`]: rigid walls of any shape, in motion, against all particles.
 //! - [`c_api`]: everything `extern "C"`.
 
 #![deny(unsafe_code)]
@@ -21,6 +22,7 @@ pub mod geometry;
 mod message;
 pub mod pairs;
 pub mod real;
+pub mod walls;
 
 /// The Rust snippets of the README are run as tests.
 #[cfg(doctest)]

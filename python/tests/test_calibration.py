@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """Restitution against what is known in closed form, viscosities from it, and the time step."""
+import re
 from math import exp, gamma, pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,6 +53,19 @@ def test_restitution_falls_with_speed_and_converges_with_the_steps():
     coarse, fine = (ellgran.restitution(law, spheres, SPEEDS, steps=n) for n in (200, 1600))
     assert (np.diff(fine) < 0).all() and fine[0] < 1
     assert np.abs(coarse - fine).max() < 2e-5
+
+
+def test_bounces_of_the_engine():
+    """The tutorial's table is what LAMMPS printed for spheres on a plane."""
+    page = (Path(__file__).parents[2] / "docs" / "tutorials" / "calibrate.md").read_text()
+    rows = re.findall(r"^\| `((?:nfd|hertz) [^`]+)` \|([\d. |]+)\|$", page, re.M)
+    assert len(rows) >= 4
+    plate = 1e5 * 3e-3
+    impact = ellgran.Bodies([[0, 0, -plate], [0, 0, 3e-3]], [[plate] * 3, [3e-3] * 3], density=2500)
+    impact.masses = [np.inf, impact.masses[1]]
+    for words, numbers in rows:
+        printed = [float(number) for number in numbers.split("|")]
+        assert ellgran.restitution(words, impact, [0.1, 0.3, 1.0, 3.0]) == pytest.approx(printed, abs=1.5e-4), words
 
 
 def test_masses_pairs_and_walls():

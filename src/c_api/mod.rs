@@ -24,6 +24,7 @@ pub mod neighbour_list;
 pub mod particles;
 pub mod planes;
 pub mod recorded;
+pub mod rigid_wall;
 pub mod staged;
 pub mod status;
 pub mod stiffness;

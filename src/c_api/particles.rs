@@ -219,9 +219,11 @@ pub(super) fn identifier(p: &EllgranParticles, k: usize) -> i64 {
 
 /// What particles are prepared for.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(super) enum Purpose<'a> {
     /// One contact at a time.
     SingleContacts,
+    /// One contact at a time, of these particles alone.
+    Chosen(&'a [usize]),
     /// The pairs of a list, and whether list and particles are those of the last call.
     Pairs { unchanged: bool },
 }
@@ -236,7 +238,7 @@ pub(super) unsafe fn prepare(
     count: usize,
     laws: Option<&Laws>,
     workspace: &mut Workspace,
-    purpose: Purpose,
+    purpose: Purpose<'_>,
 ) -> Result<(), Failure> {
     if count == 0 {
         workspace.clear();
@@ -311,6 +313,9 @@ pub(super) unsafe fn prepare(
     match (purpose, laws) {
         (Purpose::Pairs { unchanged }, Some(laws)) => {
             workspace.prepare_for_pairs(&arrays, laws, unchanged)
+        }
+        (Purpose::Chosen(chosen), laws) => {
+            workspace.prepare_chosen(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
         }
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }

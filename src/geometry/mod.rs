@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
+pub mod cone;
 pub mod contact_search;
 pub mod convex_body;
 pub mod curvature;
-pub mod cylinder;
 pub mod ellipsoid;
 pub mod facet_shares;
 pub mod global_minimum;

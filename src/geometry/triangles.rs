@@ -449,7 +449,7 @@ fn nearest_to_origin(corners: [Vector2; 3]) -> [f64; 3] {
 
 /// The unit vector `n` across `along` that makes `h(n) - n.y` smallest: from within the body to the surface nearest to the
 /// line through `y`. `None` if the line does not pass through the body.
-fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
+pub(crate) fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
     let basis = Tangent::new(along);
     // The body's outline along the line is the ellipse of the shape matrix in the two directions across.
     let scaled = |e: Vector3| body.semi_axes.componentwise(body.to_body(e));

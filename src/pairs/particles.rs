@@ -282,6 +282,28 @@ impl Workspace {
         Ok(())
     }
 
+    /// Checks and prepares the particles `chosen` alone, in that order.
+    ///
+    /// # Errors
+    /// As [`Workspace::prepare`].
+    pub fn prepare_chosen<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        types: usize,
+        chosen: &[usize],
+    ) -> Result<(), ParticleError> {
+        self.particles.clear();
+        self.particles.reserve(arrays.positions.len());
+        for &k in chosen {
+            let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
+                identifier: (arrays.identifier)(k),
+                what,
+            })?;
+            self.particles.push(particle);
+        }
+        Ok(())
+    }
+
     /// Prepares the particles for the pairs of a neighbour list: all of them, or, where the list is `unchanged` since the
     /// last call and no particle has moved far since then, those that have a neighbour near enough to touch.
     ///

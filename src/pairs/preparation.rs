@@ -215,7 +215,9 @@ fn finish<S: Registers>(
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     let mass = Lanes::load(registers, masses);
     // Not a number is not less than anything, and an infinite square neither.
-    let [way, speed] = [x, v].map(|[x, y, z]| Vector3::new(x, y, z).norm_squared());
+    // (Calls one by one: a closure that the standard library calls does not get the kernel's instruction set.)
+    let way = Vector3::new(x[0], x[1], x[2]).norm_squared();
+    let speed = Vector3::new(v[0], v[1], v[2]).norm_squared();
     let near = registers.and(
         way.less(zero.constant(LARGEST_COORDINATE * LARGEST_COORDINATE)),
         speed.less(zero.constant(LARGEST_VELOCITY * LARGEST_VELOCITY)),

@@ -329,6 +329,8 @@ impl StagedContact {
         f.torque_i = f.torque_i * w;
         f.torque_j = f.torque_j * w;
         f.tangential_force = f.tangential_force * w;
+        f.viscous_force = f.viscous_force * w;
+        f.frictional_force = f.frictional_force * w;
         if conservative {
             f.force = f.force + share.by_position * f.elastic_energy;
             f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;
@@ -402,8 +404,7 @@ fn response(
     gamma: Vector2,
 ) -> Vector2 {
     let across = Vector2::new(-along.v, along.u);
-    let one = |direction: Vector2, radius: f64| {
-        let second = direction.dot(inverse_weingarten.apply(direction)) + radius - penetration;
+    let respond = |direction: Vector2, second: f64| {
         // Second derivative zero: the body fits the cavity, and the contact is anywhere.
         let floor = 0.05 * direction.dot(inverse_weingarten.apply(direction));
         let second = if second < 0.0 {
@@ -412,6 +413,10 @@ fn response(
             second.max(floor)
         };
         direction * (direction.dot(gamma) / second)
+    };
+    let one = |direction: Vector2, radius: f64| {
+        let own = direction.dot(inverse_weingarten.apply(direction));
+        respond(direction, own + radius - penetration)
     };
     match (radii[0].is_finite(), radii[1].is_finite()) {
         (true, true) => {
@@ -422,6 +427,13 @@ fn response(
                 (a - b) * u * v,
                 a * v * v + b * u * u,
             );
+            if a < 0.0 || b < 0.0 {
+                // A cavity turns the normal the other way.
+                let second = (inverse_weingarten + wall).shifted(-penetration);
+                let (first, other, direction) = second.eigen();
+                let beside = Vector2::new(-direction.v, direction.u);
+                return respond(direction, first) + respond(beside, other);
+            }
             normal_response(inverse_weingarten + wall, penetration, gamma).lambda
         }
         (true, false) => one(along, radii[0]),

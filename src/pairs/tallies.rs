@@ -90,7 +90,7 @@ impl InelasticLoad {
 
 /// One contact's contribution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contribution {
+pub(crate) struct Contribution {
     pub normal_energy: f64,
     pub tangential_energy: f64,
     /// Time of the step times the power of the viscous and of the other tangential forces, with the velocities given.
@@ -109,7 +109,7 @@ pub(super) struct Contribution {
 
 impl Tallies<'_> {
     /// Zeroes the sums of a step; what is carried between steps stays.
-    pub(super) fn start_step(&mut self) {
+    pub(crate) fn start_step(&mut self) {
         self.normal_elastic_energy = 0.0;
         self.tangential_elastic_energy = 0.0;
         self.virial = [0.0; 6];
@@ -154,7 +154,7 @@ impl Tallies<'_> {
 
     /// Adds a contact of `i` and `j`. `owned_j` is false where another rank adds the same contact too.
     #[inline(always)]
-    pub(super) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
+    pub(crate) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
         let weight = if owned_j { 1.0 } else { 0.5 };
         self.touching += weight;
         self.normal_elastic_energy += weight * c.normal_energy;

@@ -14,13 +14,17 @@ use engines::shapes;
 
 mod conservation;
 mod contact_or_not;
+mod curved_walls;
+mod decks;
 mod decomposition;
 mod energy_balance;
 mod engine_commands;
 mod golden_pairs;
 mod grown_and_moved;
 mod linear_spring;
+mod mesh_walls;
 mod misuse;
+mod moving_walls;
 mod normal_motion;
 mod outputs;
 mod pages;

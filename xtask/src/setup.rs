@@ -72,7 +72,7 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
-/// To test the Python module.
+/// To make virtual environments.
 const PYTHON_NEEDS: &[Need] = &[Need {
     what: "python3 with venv and pip",
     package: "python3-venv",

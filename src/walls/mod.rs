@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Walls: rigid surfaces made of parts of any shape, in motion or at rest, against all particles in one call.
+//!
+//! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in one table of `shape.rs`); all
+//! else is common: the wall's frame and its motion (`motion.rs`), what is remembered of a contact from step to step
+//! (`memory.rs`), force, torque and energies (`compute.rs`).
+
+mod bounding_boxes;
+mod compute;
+mod cone;
+mod memory;
+mod mesh;
+mod motion;
+mod plane;
+mod rim;
+mod shape;
+mod sphere;
+pub mod stl;
+mod wall;
+
+pub use compute::{compute_wall, WallError, WallInput, WallOutput};
+pub use memory::MemoryLayout;
+pub use mesh::Mesh;
+pub use motion::Motion;
+pub use shape::{End, Shape, ShapeParameters, Side};
+pub use wall::{RecordedWallContact, Wall, WallLoad};
