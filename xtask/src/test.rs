@@ -11,8 +11,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
-    vtk, wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
+    site, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -78,6 +78,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        steps.run("rooms", rooms::check)?;
         documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
@@ -221,18 +222,16 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
-        let has_vtk = vtk::vtk().is_ok();
-        if !has_vtk {
-            say("NOT TESTED: LIGGGHTS' VTK dumps: no VTK is to be had here");
+        let vtk = vtk::vtk().map(|vtk| vtk.include);
+        if let Err(error) = &vtk {
+            say(format!("NOT TESTED: LIGGGHTS' VTK dumps: {error:#}"));
         }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
-                    .env(
-                        "ELLGRAN_TEST_LIGGGHTS_VTK",
-                        if has_vtk { "yes" } else { "no" },
-                    )
+                    .env("ELLGRAN_TEST_LIGGGHTS_SOURCE", liggghts::source_tree()?)
+                    .env("ELLGRAN_TEST_LIGGGHTS_VTK", vtk.unwrap_or("no".into()))
                     .arg("--")
                     .args(filter),
             )
