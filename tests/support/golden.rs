@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The reference tables of `validation/reference`.
 
-use super::scene::{body, rotation, Vector};
+use super::scene::Vector;
+#[cfg(reference_pairs)]
+use super::scene::{body, rotation};
 use ellgran::contact::Body;
 
 #[cfg(reference_pairs)]
