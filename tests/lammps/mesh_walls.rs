@@ -253,7 +253,10 @@ fn both_versions_a_mesh_of_a_hundred_thousand_triangles() {
     let deck = deck("mesh wall.stl");
     let mut large = cube(3);
     let far = square(2, -1.0, 224);
-    large.extend(far.iter().map(|t| t.map(|[x, y, z]| [30.0 * x, 30.0 * y, z - 1.0])));
+    large.extend(
+        far.iter()
+            .map(|t| t.map(|[x, y, z]| [30.0 * x, 30.0 * y, z - 1.0])),
+    );
     assert!(large.len() > 100_000);
     let frames: Vec<Frame> = [cube(3), large]
         .iter()
