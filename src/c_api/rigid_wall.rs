@@ -12,9 +12,9 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
-use crate::geometry::Vector3;
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::message::{Number, Numbers};
-use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
     WallOutput,

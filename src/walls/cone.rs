@@ -4,12 +4,13 @@
 use super::plane::{flat, PlaneWall};
 use super::rim::Rim;
 use super::shape::{End, Search, Shape, ShapeParameters, Side};
+use crate::contact::ranges::LARGEST_COORDINATE;
+use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
-use crate::geometry::{Ellipsoid, Vector3};
+use crate::geometry::Ellipsoid;
 use crate::message::Number;
-use crate::pairs::ranges::LARGEST_COORDINATE;
-use crate::pairs::staged::WallSurface;
+use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {

@@ -2,9 +2,10 @@
 //! A plane, or a disc of it, as a wall.
 
 use super::shape::{Search, Shape, ShapeParameters, Side};
+use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
-use crate::geometry::{touch_plane, Ellipsoid, Plane, Tangent, Vector3};
-use crate::pairs::staged::WallSurface;
+use crate::geometry::{touch_plane, Ellipsoid, Plane};
+use crate::vector::{Tangent, Vector3};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneWall {

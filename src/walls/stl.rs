@@ -2,7 +2,7 @@
 //! Triangles from STL files, binary or ASCII.
 
 use crate::geometry::triangles::Triangle;
-use crate::geometry::Vector3;
+use crate::vector::Vector3;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
