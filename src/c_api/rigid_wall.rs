@@ -240,8 +240,8 @@ pub unsafe extern "C" fn ellgran_wall_free(wall: *mut EllgranWall) {
     }
 }
 
-/// Adds a shape to a wall. A cylinder or a cone is one part, and one more for each end that is open, one or two for each that
-/// is closed. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+/// Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
+/// ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `shape->name` ends with NUL.

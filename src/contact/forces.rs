@@ -115,7 +115,7 @@ pub struct ContactForces<T = f64> {
     pub tangential_force: Vector3<T>,
     /// Contact point from the centre of `i`.
     pub contact_point: Vector3<T>,
-    /// Tangential memory, world frame.
+    /// Tangential memory, world frame. Where no time passes it is the old one, turned with the contact.
     pub memory: Vector3<T>,
     /// Tangential displacement, world frame.
     pub displacement: Vector3<T>,
@@ -388,14 +388,18 @@ pub fn contact_forces<
         let turned = quarter_turn(turned).scale_add(spin, turned);
         // The rotation between the normals keeps the length; that about the normal, by the tangent of its angle, does not.
         let keep = spin.multiply_add(spin, one).reciprocal_sqrt();
+        let turned = turned * keep;
         let t: TangentialForce<T> = tangential_force(
             kinds,
             c,
             &normal,
             factors,
             curvature,
-            turned * keep,
+            turned,
             remembered.energy,
+            // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
+            // step before.
+            zero.less(remembered.time),
             velocity * time,
             velocity,
         );

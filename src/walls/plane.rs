@@ -27,6 +27,11 @@ impl PlaneWall {
             radius,
         }
     }
+
+    /// How deep a body lies behind the plane, on the side of its normal; 0 or less for one that does not reach it.
+    pub(super) fn depth(&self, body: &Ellipsoid, centre: Vector3) -> f64 {
+        touch_plane(body, centre, &self.plane).penetration
+    }
 }
 
 pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {

@@ -7,8 +7,15 @@ use std::path::Path;
 use crate::harness::{execute, fresh_directory, last_lines, Engine};
 
 /// Rows of thermo output of a deck of examples/lammps with these variables.
-fn rows(engine: &Engine, deck: &str, variables: &[(&str, &str)], ranks: usize) -> Vec<HashMap<String, f64>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/lammps").join(deck);
+fn rows(
+    engine: &Engine,
+    deck: &str,
+    variables: &[(&str, &str)],
+    ranks: usize,
+) -> Vec<HashMap<String, f64>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples/lammps")
+        .join(deck);
     let mut text = format!("variable plugin index {}\n", engine.plugin.display());
     for (name, value) in variables {
         text += &format!("variable {name} index {value}\n");
@@ -37,12 +44,20 @@ fn both_versions_the_drum_drives_its_load_and_energies_add_up() {
 #[test]
 fn both_versions_the_hopper_empties_when_its_gate_is_gone() {
     let engine = Engine::from_environment();
-    let rows = rows(&engine, "hopper.lmp", &[("fill", "4000"), ("flow", "4000")], 2);
+    let rows = rows(
+        &engine,
+        "hopper.lmp",
+        &[("fill", "4000"), ("flow", "4000")],
+        2,
+    );
     let above: Vec<f64> = rows.iter().map(|r| r["c_above"]).collect();
     println!("above the outlet: {above:?}");
     let (first, last) = (above[0], above[above.len() - 1]);
     let filled = rows.iter().filter(|r| r.contains_key("f_gate[16]")).count();
-    assert!(above[..filled].iter().all(|n| *n == first), "grains pass the gate");
+    assert!(
+        above[..filled].iter().all(|n| *n == first),
+        "grains pass the gate"
+    );
     assert!(last < first - 10.0, "nothing flows");
     assert!(rows.iter().all(|r| r["Atoms"] == first), "grains are lost");
 }

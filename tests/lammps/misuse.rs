@@ -222,6 +222,13 @@ fn both_versions_settings_around_the_pair_style() {
         ..Deck::new(LAW)
     };
     refused("rRESPA", &scene, &respa, &["rRESPA"]);
+    for units in ["real", "metal", "electron"] {
+        let deck = Deck {
+            before_data: vec![format!("units {units}")],
+            ..Deck::new(LAW)
+        };
+        refused("units", &scene, &deck, &[units, "units si"]);
+    }
 }
 
 #[test]
@@ -335,12 +342,30 @@ fn both_versions_walls() {
         ("hertz 1e7 0.3 mesh none.stl", &["none.stl"]),
         ("hertz 1e7 0.3 mesh scene.data", &["scene.data"]),
         ("hertz 1e7 0.3 mesh none.stl scale 0", &["scale"]),
-        ("hertz 1e7 0.3 mesh none.stl turn 90 0 0 0", &["turn", "axis"]),
-        ("hertz 1e7 0.3 mesh none.stl move 1 2", &["move", "3 values"]),
-        ("hertz 1e7 0.3 zplane -5 NULL velocity 0 0", &["velocity", "3 values"]),
-        ("hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1", &["rotate", "7 values"]),
-        ("hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 0 1", &["axis"]),
-        ("hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1 0", &["period"]),
+        (
+            "hertz 1e7 0.3 mesh none.stl turn 90 0 0 0",
+            &["turn", "axis"],
+        ),
+        (
+            "hertz 1e7 0.3 mesh none.stl move 1 2",
+            &["move", "3 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL velocity 0 0",
+            &["velocity", "3 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1",
+            &["rotate", "7 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 0 1",
+            &["axis"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1 0",
+            &["period"],
+        ),
         (
             "hertz 1e7 0.3 zplane -5 NULL shear x 1 velocity 0 0 1",
             &["once"],
@@ -392,12 +417,21 @@ fn both_versions_walls() {
             &["region r cylinder z 0 0 5 -5 5 open 3"],
             &["region r", "open 3"],
         ),
-        (&["region r block INF INF INF INF INF INF"], &["region r", "no surface"]),
+        (
+            &["region r block INF INF INF INF INF INF"],
+            &["region r", "no surface"],
+        ),
     ];
     for (commands, expected) in regions {
         let mut deck = wall("hertz 1e7 0.3 region r");
-        deck.fixes.splice(0..0, commands.iter().map(|c| c.to_string()));
-        refused(&format!("wall of {}", commands.last().unwrap()), &scene, &deck, expected);
+        deck.fixes
+            .splice(0..0, commands.iter().map(|c| c.to_string()));
+        refused(
+            &format!("wall of {}", commands.last().unwrap()),
+            &scene,
+            &deck,
+            expected,
+        );
     }
     let mut periodic = pair_of_grains();
     periodic.boundary = "p p p".into();

@@ -91,9 +91,15 @@ fn both_versions_a_turning_drum_is_the_same_in_all_words_and_on_all_ranks() {
         println!("{name}: mean y {side:.6}");
         for s in &last.states {
             let [x, y, z] = s.position;
-            assert!(x.abs() < 0.02 && y.hypot(z) < 0.03, "{name}: a grain has left");
+            assert!(
+                x.abs() < 0.02 && y.hypot(z) < 0.03,
+                "{name}: a grain has left"
+            );
         }
-        assert!(side.abs() > 1e-3, "{name}: the load does not lean to the side: {side}");
+        assert!(
+            side.abs() > 1e-3,
+            "{name}: the load does not lean to the side: {side}"
+        );
         let spread = run(&engine, "drum_ranks", &scene, &deck(&walls, 800), 4);
         let alone = run(&engine, "drum_alone", &scene, &deck(&walls, 800), 1);
         let (position, velocity) = largest_difference(spread.last(), alone.last());
@@ -155,7 +161,9 @@ fn both_versions_a_turntable_carries_a_grain() {
     let time_step = 2.0 * PERIOD / steps as f64;
     let deck = Deck {
         fixes: vec![
-            format!("fix table all wall/gran/ellipsoid {law} zplane 0 NULL rotate 0 0 0 0 0 1 {PERIOD}"),
+            format!(
+                "fix table all wall/gran/ellipsoid {law} zplane 0 NULL rotate 0 0 0 0 0 1 {PERIOD}"
+            ),
             "fix fall all gravity 19.62 vector 0 0 -1".into(),
         ],
         time_step,
@@ -164,7 +172,13 @@ fn both_versions_a_turntable_carries_a_grain() {
         skin: 1e-3,
         ..Deck::new(law)
     };
-    let outcome = run(&engine, "turntable", &Scene::open(0.05, vec![grain]), &deck, 1);
+    let outcome = run(
+        &engine,
+        "turntable",
+        &Scene::open(0.05, vec![grain]),
+        &deck,
+        1,
+    );
     let settled = &outcome.frames[4];
     let last = outcome.last();
     let on_table = |f: &Frame| {

@@ -69,6 +69,7 @@ impl Elliptical {
                 self.curvature,
                 zero,
                 0.0,
+                true,
                 xi,
                 zero,
             );

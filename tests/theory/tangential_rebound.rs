@@ -38,6 +38,7 @@ fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
                 curvature,
                 Vector2::new(memory, 0.0),
                 0.0,
+                true,
                 Vector2::new(increment, 0.0),
                 zero,
             );

@@ -130,9 +130,7 @@ impl Tools {
     fn prepare() -> Result<Self> {
         setup::setup()?;
         let sources = workspace::root().join("docs").join("site");
-        let requirements = sources.join("requirements.txt");
-        let requirements = requirements.to_str().context("a path that is not UTF-8")?;
-        let python = Environment::with("site", &["--requirement", requirements])?;
+        let python = Environment::pinned(&sources.join("requirements.txt"))?;
         let node_modules = node_modules(&python, &sources.join("package.json"))?;
         Ok(Tools {
             python,
