@@ -12,6 +12,7 @@
 //! the global one does not depend on the way to it: it is proved, or the global one is searched for
 //! (`global_minimum.rs`).
 
+use super::curvature::radii_of_curvature;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal, Circumscribed};
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
@@ -147,13 +148,9 @@ impl Pair<'_> {
     /// `W_i` and `W_j` in the tangent basis.
     #[inline(always)]
     fn radii(&self, at: &Point, tangent: &Tangent) -> [Symmetric2; 2] {
-        let inverse = |body: &Ellipsoid, support: &Support, determinant: f64| {
-            let h2 = support.h * support.h;
-            body.weingarten(support, tangent).adjugate() * (determinant / (h2 * h2))
-        };
         [
-            inverse(self.i, &at.support_i, self.determinant_i),
-            inverse(self.j, &at.support_j, self.determinant_j),
+            radii_of_curvature(self.i, &at.support_i, tangent),
+            radii_of_curvature(self.j, &at.support_j, tangent),
         ]
     }
 

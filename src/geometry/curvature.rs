@@ -38,7 +38,9 @@ pub fn inverse_weingarten<T: Real>(
     weingarten.adjugate() * (squared_product * (square * square))
 }
 
-/// The radii of curvature of an ellipsoid at a support, in the tangent basis.
+/// The inverse Weingarten map of an ellipsoid at a support, in the tangent basis. By a quotient, where [`inverse_weingarten`] has
+/// the inverse of `h` at hand.
+#[inline(always)]
 pub fn radii_of_curvature(body: &Ellipsoid, support: &Support, tangent: &Tangent) -> Symmetric2 {
     let h2 = support.h * support.h;
     body.weingarten(support, tangent).adjugate() * (body.shape_determinant() / (h2 * h2))

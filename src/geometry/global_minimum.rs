@@ -244,6 +244,7 @@ impl<'a> Circumscribed<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::radii_of_curvature;
     use crate::vector::Tangent;
 
     fn direction(k: u32) -> Vector3 {
@@ -312,8 +313,7 @@ mod tests {
                 h: s.h,
                 inverse_h: s.inverse_h,
                 squared_product: body.shape_determinant(),
-                radii: body.weingarten(s, &tangent).adjugate()
-                    * (body.shape_determinant() * s.inverse_h.powi(4)),
+                radii: radii_of_curvature(body, s, &tangent),
             };
             let (b_i, b_j) = (at(&i, &s_i), at(&j, &s_j));
             let m = inscribed_ellipsoid_margin(&b_i, &b_j, penetration, tangent.components(d));
