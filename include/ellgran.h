@@ -147,6 +147,36 @@ template <typename Type> inline Type init()
 #define ELLGRAN_OPTION_NO_WARM_START 1
 
 /*
+ The particles are on the side of a surface on which their centres are.
+ */
+#define ELLGRAN_SIDE_OF_CENTRE 0
+
+/*
+ The particles are within the shape; for a plane, on the side of its normal.
+ */
+#define ELLGRAN_SIDE_INSIDE 1
+
+/*
+ The particles are outside the shape; for a plane, on the side opposite to its normal.
+ */
+#define ELLGRAN_SIDE_OUTSIDE 2
+
+/*
+ The surface has no edge where it ends, or does not end.
+ */
+#define ELLGRAN_END_NONE 0
+
+/*
+ Ends in an edge: particles pass through, and over the edge.
+ */
+#define ELLGRAN_END_OPEN 1
+
+/*
+ Ends in a flat disc.
+ */
+#define ELLGRAN_END_CLOSED 2
+
+/*
  The call did what it was asked to.
  */
 #define ELLGRAN_SUCCESS 0
@@ -201,36 +231,6 @@ template <typename Type> inline Type init()
  are added at the end of a struct do not change it.
  */
 #define ELLGRAN_ABI_VERSION 1
-
-/*
- The particles are on the side of a surface on which their centres are.
- */
-#define ELLGRAN_SIDE_OF_CENTRE 0
-
-/*
- The particles are within the shape; for a plane, on the side of its normal.
- */
-#define ELLGRAN_SIDE_INSIDE 1
-
-/*
- The particles are outside the shape; for a plane, on the side opposite to its normal.
- */
-#define ELLGRAN_SIDE_OUTSIDE 2
-
-/*
- The surface has no edge where it ends, or does not end.
- */
-#define ELLGRAN_END_NONE 0
-
-/*
- Ends in an edge: particles pass through, and over the edge.
- */
-#define ELLGRAN_END_OPEN 1
-
-/*
- Ends in a flat disc.
- */
-#define ELLGRAN_END_CLOSED 2
 
 /*
  The laws between all types of a scene. Opaque, immutable.
@@ -956,135 +956,6 @@ typedef struct EllgranContactPlace {
 } EllgranContactPlace;
 
 /*
- Geometry of a contact in stages.
- */
-typedef struct EllgranStagedGeometry {
-  /*
-   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   1 if the bodies touch; otherwise the rest is zero.
-   */
-  int32_t touching;
-  /*
-   Penetration: the smallest translation that separates the bodies.
-   */
-  double penetration;
-  /*
-   Unit normal from i to j, or into the wall.
-   */
-  double normal[3];
-  /*
-   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
-   */
-  double contact_point[3];
-} EllgranStagedGeometry;
-
-/*
- The surface of a wall where a body touches it.
- */
-typedef struct EllgranWallSurface {
-  /*
-   `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   The point of the surface that lies deepest in the body, world frame; components up to 1e20.
-   */
-  double point[3];
-  /*
-   Normal out of the wall, towards the body; any length but zero.
-   */
-  double normal[3];
-  /*
-   First principal direction; only its part in the tangent plane counts. Not read where both entries of
-   `curvatures` and of `turning_radii` are alike.
-   */
-  double direction[3];
-  /*
-   Curvatures along `direction` and across it, 1/length, up to 1e26: 0 for a plane, negative in a cavity.
-   */
-  double curvatures[2];
-  /*
-   How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
-   plane, -Rc in a cavity of radius Rc, 0 across an edge.
-   */
-  double turning_radii[2];
-  /*
-   Velocity of the surface there; components up to 1e25.
-   */
-  double velocity[3];
-  /*
-   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
-   alone.
-   */
-  double others_share;
-  /*
-   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
-   */
-  double others_share_by_position[3];
-  /*
-   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
-   */
-  double others_share_by_rotation[3];
-} EllgranWallSurface;
-
-/*
- What is remembered of a contact, and what the tangential law needs beside its law.
- */
-typedef struct EllgranStagedPast {
-  /*
-   `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   Coefficient of friction of the pair of types.
-   */
-  double friction;
-  /*
-   1 if the bodies touched at the last step.
-   */
-  int32_t touched;
-  /*
-   Their normal then; changes sign when the pair is swapped.
-   */
-  double normal[3];
-} EllgranStagedPast;
-
-/*
- The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
- INFINITY, where the bodies do not touch.
- */
-typedef struct EllgranContactStiffness {
-  /*
-   `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   Derivative of the normal force by the penetration, force/length.
-   */
-  double normal_stiffness;
-  /*
-   Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
-   */
-  double tangential_stiffness[2];
-  /*
-   Of the normal dashpot while the bodies approach, force x time/length.
-   */
-  double normal_damping;
-  /*
-   Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
-   */
-  double tangential_damping[2];
-  /*
-   The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
-   INFINITY for two fixed bodies.
-   */
-  double critical_step;
-} EllgranContactStiffness;
-
-/*
  A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
  */
 typedef struct EllgranWallShape {
@@ -1231,6 +1102,135 @@ typedef struct EllgranRecordedWallContact {
    */
   double elastic_energy[2];
 } EllgranRecordedWallContact;
+
+/*
+ Geometry of a contact in stages.
+ */
+typedef struct EllgranStagedGeometry {
+  /*
+   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   1 if the bodies touch; otherwise the rest is zero.
+   */
+  int32_t touching;
+  /*
+   Penetration: the smallest translation that separates the bodies.
+   */
+  double penetration;
+  /*
+   Unit normal from i to j, or into the wall.
+   */
+  double normal[3];
+  /*
+   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   */
+  double contact_point[3];
+} EllgranStagedGeometry;
+
+/*
+ The surface of a wall where a body touches it.
+ */
+typedef struct EllgranWallSurface {
+  /*
+   `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   The point of the surface that lies deepest in the body, world frame; components up to 1e20.
+   */
+  double point[3];
+  /*
+   Normal out of the wall, towards the body; any length but zero.
+   */
+  double normal[3];
+  /*
+   First principal direction; only its part in the tangent plane counts. Not read where both entries of
+   `curvatures` and of `turning_radii` are alike.
+   */
+  double direction[3];
+  /*
+   Curvatures along `direction` and across it, 1/length, up to 1e26: 0 for a plane, negative in a cavity.
+   */
+  double curvatures[2];
+  /*
+   How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
+   plane, -Rc in a cavity of radius Rc, 0 across an edge.
+   */
+  double turning_radii[2];
+  /*
+   Velocity of the surface there; components up to 1e25.
+   */
+  double velocity[3];
+  /*
+   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
+   alone.
+   */
+  double others_share;
+  /*
+   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+   */
+  double others_share_by_position[3];
+  /*
+   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+   */
+  double others_share_by_rotation[3];
+} EllgranWallSurface;
+
+/*
+ What is remembered of a contact, and what the tangential law needs beside its law.
+ */
+typedef struct EllgranStagedPast {
+  /*
+   `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Coefficient of friction of the pair of types.
+   */
+  double friction;
+  /*
+   1 if the bodies touched at the last step.
+   */
+  int32_t touched;
+  /*
+   Their normal then; changes sign when the pair is swapped.
+   */
+  double normal[3];
+} EllgranStagedPast;
+
+/*
+ The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
+ INFINITY, where the bodies do not touch.
+ */
+typedef struct EllgranContactStiffness {
+  /*
+   `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Derivative of the normal force by the penetration, force/length.
+   */
+  double normal_stiffness;
+  /*
+   Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+   */
+  double tangential_stiffness[2];
+  /*
+   Of the normal dashpot while the bodies approach, force x time/length.
+   */
+  double normal_damping;
+  /*
+   Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+   */
+  double tangential_damping[2];
+  /*
+   The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
+   INFINITY for two fixed bodies.
+   */
+  double critical_step;
+} EllgranContactStiffness;
 
 /*
  Which triangle stands for a contact of an ellipsoid with a wall.
@@ -1684,6 +1684,153 @@ int32_t ellgran_recorded_find(const struct EllgranWorkspace *workspace,
                               int64_t *number);
 
 /*
+ A wall without parts.
+
+ # Safety
+ `wall` is NULL or valid for writes.
+ */
+int32_t ellgran_wall_new(struct EllgranWall **wall);
+
+/*
+ Frees a wall; NULL is allowed.
+
+ # Safety
+ `wall` is NULL or came from `ellgran_wall_new` and is not used again.
+ */
+void ellgran_wall_free(struct EllgranWall *wall);
+
+/*
+ Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
+ ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+
+ # Safety
+ The pointers are NULL or valid; `shape->name` ends with NUL.
+ */
+int32_t ellgran_wall_add_shape(struct EllgranWall *wall,
+                               const struct EllgranWallShape *shape);
+
+/*
+ Adds a surface of triangles, one part, that acts to both sides: the side is that of a particle's centre. Triangles that
+ meet, wherever their corners are, are one surface; at a concave fold faces act by their shares, and convex edges and corners act by
+ themselves. `corners` is [count][3][3].
+
+ # Safety
+ The pointers are NULL or valid; `corners` has `count * 9` doubles.
+ */
+int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
+                                   size_t count,
+                                   const double *corners);
+
+/*
+ Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
+ `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
+ `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+
+ # Safety
+ The pointers are NULL or valid; `path` ends with NUL.
+ */
+int32_t ellgran_wall_add_stl(struct EllgranWall *wall,
+                             const char *path,
+                             double scale,
+                             const double *quaternion,
+                             const double *translation,
+                             size_t *triangle_count);
+
+/*
+ Number of parts of a wall; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_part_count(const struct EllgranWall *wall);
+
+/*
+ Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall; 0 for NULL, and where the
+ laws remember nothing.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+size_t ellgran_wall_memory_length(const struct EllgranWall *wall,
+                                  const struct EllgranLaws *laws);
+
+/*
+ How many of the doubles of one particle, from the first on, are in use: what a caller needs to carry along with the particle, the
+ rest is zero. 0 for NULL.
+
+ # Safety
+ The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
+ */
+size_t ellgran_wall_memory_used(const struct EllgranWall *wall,
+                                const struct EllgranLaws *laws,
+                                const double *memory);
+
+/*
+ Forces and torques between all owned particles and a wall, added to the particles' arrays.
+
+ Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
+ The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
+ type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
+ group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
+ before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
+ a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
+
+ All particles that the wall may reach are checked first; on failure nothing is written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`.
+ */
+int32_t ellgran_compute_wall(const struct EllgranLaws *laws,
+                             struct EllgranWorkspace *workspace,
+                             struct EllgranWall *wall,
+                             const struct EllgranParticles *particles,
+                             const int32_t *masks,
+                             int32_t group_mask,
+                             int32_t wall_type,
+                             const struct EllgranWallMotion *motion,
+                             double *memory,
+                             const struct EllgranStep *step,
+                             struct EllgranWallLoad *load,
+                             struct EllgranTallies *tallies);
+
+/*
+ Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.
+
+ # Safety
+ The pointers are NULL or valid; `force` has 3 doubles.
+ */
+int32_t ellgran_wall_part_force(const struct EllgranWall *wall,
+                                size_t part,
+                                double *force);
+
+/*
+ Whether `ellgran_compute_wall` records its contacts, which `ellgran_wall_recorded` then gives.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_record_contacts(struct EllgranWall *wall,
+                                     int32_t record);
+
+/*
+ Number of recorded contacts of the last call; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_recorded_count(const struct EllgranWall *wall);
+
+/*
+ A contact of the last call that recorded contacts, in the order of the particles.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
+                              size_t index,
+                              struct EllgranRecordedWallContact *contact);
+
+/*
  Memory for the stages of a contact.
 
  # Safety
@@ -1903,153 +2050,6 @@ uint32_t ellgran_abi_version(void);
  The library's version as text, such as `0.1.0`; static.
  */
 const char *ellgran_version(void);
-
-/*
- A wall without parts.
-
- # Safety
- `wall` is NULL or valid for writes.
- */
-int32_t ellgran_wall_new(struct EllgranWall **wall);
-
-/*
- Frees a wall; NULL is allowed.
-
- # Safety
- `wall` is NULL or came from `ellgran_wall_new` and is not used again.
- */
-void ellgran_wall_free(struct EllgranWall *wall);
-
-/*
- Adds a shape to a wall. A cylinder or a cone is one part, and one more for each end that is open, one or two for each that
- is closed. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
-
- # Safety
- The pointers are NULL or valid; `shape->name` ends with NUL.
- */
-int32_t ellgran_wall_add_shape(struct EllgranWall *wall,
-                               const struct EllgranWallShape *shape);
-
-/*
- Adds a surface of triangles, one part, that acts to both sides: the side is that of a particle's centre. Triangles that
- meet, wherever their corners are, are one surface; at a concave fold faces act by their shares, and convex edges and corners act by
- themselves. `corners` is [count][3][3].
-
- # Safety
- The pointers are NULL or valid; `corners` has `count * 9` doubles.
- */
-int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
-                                   size_t count,
-                                   const double *corners);
-
-/*
- Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
- `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
- `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
-
- # Safety
- The pointers are NULL or valid; `path` ends with NUL.
- */
-int32_t ellgran_wall_add_stl(struct EllgranWall *wall,
-                             const char *path,
-                             double scale,
-                             const double *quaternion,
-                             const double *translation,
-                             size_t *triangle_count);
-
-/*
- Number of parts of a wall; 0 for NULL.
-
- # Safety
- `wall` is NULL or valid.
- */
-size_t ellgran_wall_part_count(const struct EllgranWall *wall);
-
-/*
- Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall; 0 for NULL, and where the
- laws remember nothing.
-
- # Safety
- The pointers are NULL or valid.
- */
-size_t ellgran_wall_memory_length(const struct EllgranWall *wall,
-                                  const struct EllgranLaws *laws);
-
-/*
- How many of the doubles of one particle, from the first on, are in use: what a caller needs to carry along with the particle, the
- rest is zero. 0 for NULL.
-
- # Safety
- The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
- */
-size_t ellgran_wall_memory_used(const struct EllgranWall *wall,
-                                const struct EllgranLaws *laws,
-                                const double *memory);
-
-/*
- Forces and torques between all owned particles and a wall, added to the particles' arrays.
-
- Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
- The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
- type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
- group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
- before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
- a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
-
- All particles that the wall may reach are checked first; on failure nothing is written.
-
- # Safety
- The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`.
- */
-int32_t ellgran_compute_wall(const struct EllgranLaws *laws,
-                             struct EllgranWorkspace *workspace,
-                             struct EllgranWall *wall,
-                             const struct EllgranParticles *particles,
-                             const int32_t *masks,
-                             int32_t group_mask,
-                             int32_t wall_type,
-                             const struct EllgranWallMotion *motion,
-                             double *memory,
-                             const struct EllgranStep *step,
-                             struct EllgranWallLoad *load,
-                             struct EllgranTallies *tallies);
-
-/*
- Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.
-
- # Safety
- The pointers are NULL or valid; `force` has 3 doubles.
- */
-int32_t ellgran_wall_part_force(const struct EllgranWall *wall,
-                                size_t part,
-                                double *force);
-
-/*
- Whether `ellgran_compute_wall` records its contacts, which `ellgran_wall_recorded` then gives.
-
- # Safety
- `wall` is NULL or valid.
- */
-int32_t ellgran_wall_record_contacts(struct EllgranWall *wall,
-                                     int32_t record);
-
-/*
- Number of recorded contacts of the last call; 0 for NULL.
-
- # Safety
- `wall` is NULL or valid.
- */
-size_t ellgran_wall_recorded_count(const struct EllgranWall *wall);
-
-/*
- A contact of the last call that recorded contacts, in the order of the particles.
-
- # Safety
- The pointers are NULL or valid.
- */
-int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
-                              size_t index,
-                              struct EllgranRecordedWallContact *contact);
 
 /*
  Memory for the contacts of a particle.

@@ -151,6 +151,13 @@ void FixWallGranEllipsoid::check(int32_t status) const
   if (status != ELLGRAN_SUCCESS) error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 }
 
+/* What all ranks find alike. */
+
+void FixWallGranEllipsoid::check_words(int32_t status) const
+{
+  if (status != ELLGRAN_SUCCESS) error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+}
+
 double FixWallGranEllipsoid::number(const char *keyword, const char *word) const
 {
   const double value = utils::numeric(FLERR, word, false, lmp);
@@ -197,7 +204,7 @@ int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
     shape.point[dimension] = positions[k];
     shape.axis[dimension] = (k == 0) ? 1.0 : -1.0;
     shape.side = ELLGRAN_SIDE_INSIDE;
-    check(ellgran_wall_add_shape(wall, &shape));
+    check_words(ellgran_wall_add_shape(wall, &shape));
     plane_slots[k] = count++;
   }
   if (count == 0)
@@ -221,7 +228,7 @@ int FixWallGranEllipsoid::parse_cylinder(int iarg, int narg, char **arg)
   shape.axis[dimension] = 1.0;
   shape.radii[0] = number(word, arg[iarg + 1]);
   shape.side = ELLGRAN_SIDE_OF_CENTRE;
-  check(ellgran_wall_add_shape(wall, &shape));
+  check_words(ellgran_wall_add_shape(wall, &shape));
   return iarg + 2;
 }
 
@@ -266,7 +273,7 @@ int FixWallGranEllipsoid::parse_mesh(int iarg, int narg, char **arg)
       break;
   }
   std::size_t count = 0;
-  check(ellgran_wall_add_stl(wall, file, scale, quaternion, translation, &count));
+  check_words(ellgran_wall_add_stl(wall, file, scale, quaternion, translation, &count));
   if (comm->me == 0) utils::logmesg(lmp, "  {} {}: {} triangles from {}\n", CALLER, id, count, file);
   return iarg;
 }

@@ -135,6 +135,7 @@ class FixWallGranEllipsoid : public Fix {
   [[nodiscard]] double number(const char *keyword, const char *word) const;
   void require_values(const char *keyword, int count, int iarg, int narg) const;
   void check(int32_t status) const;
+  void check_words(int32_t status) const;
   void check_periodicity() const;
   int axis_word(const char *keyword, const char *word) const;
   void follow_time(bool passes);

@@ -15,16 +15,7 @@ from typing import TYPE_CHECKING, Any, List
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from ._library import (
-        ArgumentError,
-        BodyError,
-        ContactError,
-        EllgranError,
-        InternalError,
-        LawError,
-        library_path,
-        version,
-    )
+    from ._library import library_path, version
     from .bodies import Bodies
     from .calibration import StepAdvice, step_advice, with_restitution
     from .collision import Collision, collide, restitution
@@ -39,6 +30,7 @@ if TYPE_CHECKING:
         stiffnesses,
     )
     from .dump import Frame, RestartContacts, last_frame, read_dump, read_restart, restart_deck
+    from .errors import ArgumentError, BodyError, ContactError, EllgranError, InternalError, LawError
     from .law import Law, Laws, Mixture
     from .packings import Box, Packing, PackingContacts, packing, random_rotations, turned
     from .tensors import (
@@ -51,12 +43,13 @@ if TYPE_CHECKING:
     )
 
 _WHERE = {
-    "_library": "ArgumentError BodyError ContactError EllgranError InternalError LawError library_path version",
+    "_library": "library_path version",
     "bodies": "Bodies",
     "calibration": "StepAdvice step_advice with_restitution",
     "collision": "Collision collide restitution",
     "contact_arrays": "ContactMemory Contacts Stiffnesses contacts elastic_collisions rayleigh_times side_by_side stiffnesses",
     "dump": "Frame RestartContacts last_frame read_dump read_restart restart_deck",
+    "errors": "ArgumentError BodyError ContactError EllgranError InternalError LawError",
     "law": "Law Laws Mixture",
     "packings": "Box Packing PackingContacts packing random_rotations turned",
     "tensors": "body_axes coordination_numbers fabric_tensor nematic_order orientation_tensor stress_tensor",

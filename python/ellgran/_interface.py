@@ -27,6 +27,12 @@ ELLGRAN_DISPLACEMENT_TOTAL = 0
 ELLGRAN_DISPLACEMENT_INCREMENTAL = 1
 ELLGRAN_DISPLACEMENT_RESCALED = 2
 ELLGRAN_OPTION_NO_WARM_START = 1
+ELLGRAN_SIDE_OF_CENTRE = 0
+ELLGRAN_SIDE_INSIDE = 1
+ELLGRAN_SIDE_OUTSIDE = 2
+ELLGRAN_END_NONE = 0
+ELLGRAN_END_OPEN = 1
+ELLGRAN_END_CLOSED = 2
 ELLGRAN_SUCCESS = 0
 ELLGRAN_ERROR_NULL_POINTER = 1
 ELLGRAN_ERROR_ARGUMENT = 2
@@ -241,6 +247,57 @@ class EllgranContactPlace(ctypes.Structure):
     ]
 
 
+class EllgranWallShape(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("name", ctypes.c_void_p),
+        ("point", ctypes.c_double * 3),
+        ("axis", ctypes.c_double * 3),
+        ("radii", ctypes.c_double * 2),
+        ("bounds", ctypes.c_double * 2),
+        ("ends", ctypes.c_int32 * 2),
+        ("side", ctypes.c_int32),
+        ("unused", ctypes.c_int32),
+    ]
+
+
+class EllgranWallMotion(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("origin", ctypes.c_double * 3),
+        ("displacement", ctypes.c_double * 3),
+        ("quaternion", ctypes.c_double * 4),
+        ("velocity", ctypes.c_double * 3),
+        ("angular_velocity", ctypes.c_double * 3),
+    ]
+
+
+class EllgranWallLoad(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("force", ctypes.c_double * 3),
+        ("torque", ctypes.c_double * 3),
+        ("power", ctypes.c_double),
+        ("contact_count", ctypes.c_int64),
+    ]
+
+
+class EllgranRecordedWallContact(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("particle", ctypes.c_size_t),
+        ("part", ctypes.c_size_t),
+        ("point", ctypes.c_double * 3),
+        ("normal", ctypes.c_double * 3),
+        ("penetration", ctypes.c_double),
+        ("normal_force", ctypes.c_double),
+        ("tangential_force", ctypes.c_double * 3),
+        ("force", ctypes.c_double * 3),
+        ("torque", ctypes.c_double * 3),
+        ("elastic_energy", ctypes.c_double * 2),
+    ]
+
+
 class EllgranStagedGeometry(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -328,6 +385,19 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_recorded_contact": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_recorded_find": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p]),
+    "ellgran_wall_new": (ctypes.c_int32, [ctypes.c_void_p]),
+    "ellgran_wall_free": (None, [ctypes.c_void_p]),
+    "ellgran_wall_add_shape": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_add_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_wall_add_stl": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_part_count": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "ellgran_wall_memory_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_memory_used": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_compute_wall": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_part_force": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
+    "ellgran_wall_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "ellgran_wall_recorded": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_staged_free": (None, [ctypes.c_void_p]),
     "ellgran_staged_prepare": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),

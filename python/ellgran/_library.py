@@ -10,52 +10,7 @@ from pathlib import Path
 from typing import Any, Optional
 
 from . import _interface
-
-
-class EllgranError(Exception):
-    """A call of the library failed. The text is the library's own message.
-
-    Attributes
-    ----------
-    status : int
-        The status code, ``ELLGRAN_ERROR_*`` of ellgran.h.
-    """
-
-    status: int = 0
-
-
-class ArgumentError(EllgranError, ValueError):
-    """An argument is out of its range."""
-
-
-class LawError(EllgranError, ValueError):
-    """Words or constants of a law are wrong."""
-
-
-class BodyError(EllgranError, ValueError):
-    """A body has a value that cannot be."""
-
-
-class ContactError(EllgranError, ArithmeticError):
-    """A contact has no answer: ``factors hale`` beyond its range, a history that no call wrote, or an overflow."""
-
-
-class InternalError(EllgranError, RuntimeError):
-    """A defect of the library. Please report it."""
-
-
-def _error(status: int, message: str) -> EllgranError:
-    kinds = {
-        _interface.ELLGRAN_ERROR_LAW: LawError,
-        _interface.ELLGRAN_ERROR_PARTICLE: BodyError,
-        _interface.ELLGRAN_ERROR_HALE: ContactError,
-        _interface.ELLGRAN_ERROR_HISTORY: ContactError,
-        _interface.ELLGRAN_ERROR_RESULT: ContactError,
-        _interface.ELLGRAN_ERROR_PANIC: InternalError,
-    }
-    error = kinds.get(status, ArgumentError)(message)
-    error.status = status
-    return error
+from .errors import error_of
 
 
 def library_path() -> Path:
@@ -101,7 +56,7 @@ def call(name: str, *arguments: Any) -> None:
     """Calls a function that returns a status; its failure becomes an exception."""
     status = getattr(library, name)(*arguments)
     if status != _interface.ELLGRAN_SUCCESS:
-        raise _error(status, library.ellgran_last_error().decode())
+        raise error_of(status, library.ellgran_last_error().decode())
 
 
 def sized(struct: Any, /, **fields: Any) -> Any:

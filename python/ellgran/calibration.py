@@ -53,7 +53,7 @@ def with_restitution(
 
     See Also
     --------
-    restitution : the way back.
+    ellgran.collision.restitution : the way back.
     """
     law = as_law(law)
     if law._parameters.normal != _interface.ELLGRAN_NORMAL_NFD:

@@ -8,13 +8,13 @@ use super::planes::EllgranPlane;
 use super::status::{
     at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
-use crate::force::hertz_factors::contact_ellipse;
-use crate::geometry::Vector3;
-use crate::pairs::one_contact::{geometry, geometry_with_plane, one_contact_or_gap, prepare_body};
-use crate::pairs::particles::Particle;
-use crate::pairs::{
-    one_contact, one_contact_with_plane, Body, ContactForces, HistoryLayout, Laws, OneContact, Step,
+use crate::contact::one_contact::{geometry, one_contact_or_gap};
+use crate::contact::{
+    one_contact, prepare_body, Body, ContactForces, HistoryLayout, Laws, OneContact, Particle, Step,
 };
+use crate::force::hertz_factors::contact_ellipse;
+use crate::vector::Vector3;
+use crate::walls::{geometry_with_plane, one_contact_with_plane};
 use libc::size_t;
 
 /// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.

@@ -12,12 +12,12 @@ use super::status::{
     ELLGRAN_ERROR_PARTICLE,
 };
 use super::without_history::checked;
+use crate::contact::prepare_body;
+use crate::contact::ranges;
+use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
+use crate::contact::Body;
+use crate::contact::Particle;
 use crate::message::Number;
-use crate::pairs::one_contact::prepare_body;
-use crate::pairs::particles::Particle;
-use crate::pairs::ranges;
-use crate::pairs::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
-use crate::pairs::Body;
 use libc::size_t;
 
 /// Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of

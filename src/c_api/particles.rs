@@ -7,10 +7,13 @@ use super::status::{
     ELLGRAN_ERROR_HISTORY, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
     ELLGRAN_ERROR_RESULT,
 };
+use crate::contact::ranges::LONGEST_TIME_STEP;
+use crate::contact::{Laws, Step};
+use crate::list::Rotation;
+use crate::list::{ParticleArrays, Workspace};
 use crate::message::Number;
-use crate::pairs::particles::Rotation;
-use crate::pairs::ranges::LONGEST_TIME_STEP;
-use crate::pairs::{InstructionSet, Laws, ParticleArrays, Step, Workspace};
+use crate::simd::InstructionSet;
+use crate::walls::MovingPlane;
 use libc::{c_char, c_void, size_t};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
@@ -90,6 +93,8 @@ growing!(EllgranStep);
 /// After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
+    /// The planes of the last call.
+    pub(super) planes: Vec<MovingPlane>,
     /// What the last list that was computed looked like.
     pub(super) last_list: Option<ListLook>,
     /// Set while a list is computed: still set after a panic, which leaves nothing to rely on.
@@ -124,6 +129,7 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
         workspace.allocated = super::huge_pages::advise;
         *out = Box::into_raw(Box::new(EllgranWorkspace {
             workspace,
+            planes: Vec::new(),
             last_list: None,
             is_computing: false,
         }));

@@ -12,9 +12,9 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
-use crate::geometry::Vector3;
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::message::{Number, Numbers};
-use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
     WallOutput,
@@ -240,8 +240,8 @@ pub unsafe extern "C" fn ellgran_wall_free(wall: *mut EllgranWall) {
     }
 }
 
-/// Adds a shape to a wall. A cylinder or a cone is one part, and one more for each end that is open, one or two for each that
-/// is closed. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+/// Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
+/// ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `shape->name` ends with NUL.

@@ -6,7 +6,7 @@ use super::growing::{given, growing, Output};
 use super::law::{EllgranLawParameters, EllgranLaws};
 use super::particles::hale_failure;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use crate::pairs::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
+use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
 use libc::size_t;
 
 /// The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step

@@ -5,13 +5,14 @@ use super::contact::EllgranBody;
 use super::growing::{given, growing, Output};
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
+use crate::contact::ranges::{self, LARGEST_COORDINATE};
 use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
-use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
+use crate::geometry::{touch_plane, Plane};
 use crate::message::{Number, Numbers};
-use crate::pairs::ranges::{self, LARGEST_COORDINATE};
+use crate::vector::{Tangent, Vector3};
 use libc::size_t;
 
 /// Which triangle stands for a contact of an ellipsoid with a wall.

@@ -9,9 +9,10 @@ use super::particles::{
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
 };
-use crate::pairs::particles::Particle;
-use crate::pairs::without_history::{elastic_energy, gap};
-use crate::pairs::{Laws, Workspace};
+use crate::contact::without_history::{elastic_energy, gap};
+use crate::contact::Laws;
+use crate::contact::Particle;
+use crate::list::Workspace;
 use libc::size_t;
 
 /// Prepares all particles and reads the pairs, checked.

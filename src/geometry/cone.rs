@@ -7,7 +7,7 @@
 //! separation `n.x - h(n) - c R` has one maximum, as for any two convex bodies.
 
 use super::ellipsoid::Ellipsoid;
-use super::vector::{Tangent, Vector3};
+use crate::vector::{Tangent, Vector3};
 
 /// A cone, without ends.
 #[derive(Clone, Copy, Debug)]

@@ -18,7 +18,7 @@
 
 use super::convex_body::ConvexBody;
 use super::ellipsoid::Ellipsoid;
-use super::vector::{Tangent, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector3};
 use core::f64::consts::{PI, TAU};
 
 /// A plane that supports a body, with the body's centre as the origin.
@@ -214,7 +214,7 @@ impl Slopes {
         tangent: &Tangent,
         (h, s): (f64, Vector3),
         (depth, wall): (f64, Vector3),
-        (w, determinant): (super::Symmetric2, f64),
+        (w, determinant): (Symmetric2, f64),
     ) -> Self {
         let none = Vector3::ZERO;
         let h = Sloped::new(h, none, s.cross(normal));

@@ -13,12 +13,10 @@ pub mod plane;
 pub mod spheroid;
 pub mod tangent_model;
 pub mod triangles;
-pub mod vector;
 
 pub use contact_search::{search, ContactSearch, Outcome};
 pub use convex_body::{ConvexBody, SupportInFrame};
-pub use curvature::{inverse_weingarten, relative_curvature, Curvature};
+pub use curvature::{radii_of_curvature, relative_curvature, Curvature};
 pub use ellipsoid::{Ellipsoid, ShapeError, Support};
 pub use plane::{touch_plane, Plane};
 pub use spheroid::Spheroid;
-pub use vector::{Symmetric2, Tangent, Vector2, Vector3};

@@ -19,7 +19,7 @@
 use super::ellipsoid::Ellipsoid;
 use super::facet_shares::{share, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// Three corners.
 pub type Triangle = [Vector3; 3];
@@ -458,7 +458,7 @@ pub(crate) fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Op
     let (small, large, minor) = outline.eigen();
     let place = basis.components(y);
     let minor_axis = minor;
-    let major_axis = super::Vector2::new(-minor.v, minor.u);
+    let major_axis = Vector2::new(-minor.v, minor.u);
     let local = [place.dot(minor_axis), place.dot(major_axis)];
     let n = nearest_normal([small.sqrt(), large.sqrt()], local)?;
     let mut n = basis

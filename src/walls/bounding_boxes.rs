@@ -2,7 +2,7 @@
 //! A hierarchy of bounding boxes: which of many triangles may meet a box.
 
 use crate::geometry::triangles::Triangle;
-use crate::geometry::Vector3;
+use crate::vector::Vector3;
 
 /// Boxes along the axes, each around two others or around a few triangles.
 #[derive(Clone, Debug)]

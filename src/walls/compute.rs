@@ -4,10 +4,10 @@
 use super::memory::MemoryLayout;
 use super::motion::Motion;
 use super::wall::{RecordedWallContact, Wall, WallLoad};
-use crate::pairs::particles::Particle;
-use crate::pairs::staged::{Past, StagedContact};
-use crate::pairs::tallies::{Contribution, Tallies};
-use crate::pairs::{Laws, Step};
+use crate::contact::particle::{self, Particle};
+use crate::contact::staged::{Past, StagedContact};
+use crate::contact::{Laws, Step};
+use crate::tallies::{Contribution, Tallies};
 
 /// What a call is given.
 pub struct WallInput<'a> {
@@ -85,7 +85,7 @@ pub fn compute_wall(
         records_contacts,
     } = wall;
     part_forces.clear();
-    part_forces.resize(parts.len(), crate::geometry::Vector3::ZERO);
+    part_forces.resize(parts.len(), crate::vector::Vector3::ZERO);
     contacts.clear();
     before.clear();
     before.resize(layout.records * layout.record, 0.0);
@@ -209,14 +209,14 @@ pub fn compute_wall(
 
 /// The mass of a particle against a wall that nothing moves.
 fn effective_mass(i: &Particle) -> f64 {
-    crate::pairs::particles::effective_mass(i.inverse_mass, 0.0)
+    particle::effective_mass(i.inverse_mass, 0.0)
 }
 
 fn unremembered(contact: &StagedContact) -> Past {
     Past {
         touched: false,
         normal: contact.normal(),
-        memory: crate::geometry::Vector3::ZERO,
+        memory: crate::vector::Vector3::ZERO,
         energy: 0.0,
     }
 }

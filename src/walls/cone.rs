@@ -4,12 +4,13 @@
 use super::plane::{flat, PlaneWall};
 use super::rim::Rim;
 use super::shape::{End, Search, Shape, ShapeParameters, Side};
+use crate::contact::ranges::LARGEST_COORDINATE;
+use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
-use crate::geometry::{Ellipsoid, Vector3};
+use crate::geometry::Ellipsoid;
 use crate::message::Number;
-use crate::pairs::ranges::LARGEST_COORDINATE;
-use crate::pairs::staged::WallSurface;
+use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
@@ -83,15 +84,16 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
     }
     // From within, a closed end is a concave corner: what lies behind either surface counts, wherever the other one is.
     let goes_on = |k: usize| p.side == Side::Inside && p.ends[k] == End::Closed;
-    parts.push(Box::new(ConeWall {
+    let side = ConeWall {
         cone,
         bounds: [
             if goes_on(0) { f64::NEG_INFINITY } else { low },
             if goes_on(1) { f64::INFINITY } else { high },
         ],
         side: p.side,
-    }));
-    let first = parts.len() - 1;
+    };
+    let mut caps = vec![];
+    let mut rims = vec![];
     for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
         let centre = cone.point + cone.axis * bound;
         let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
@@ -100,37 +102,50 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         match end {
             End::None => {}
             End::Open if radius > 0.0 => {
-                parts.push(Box::new(Rim::new(centre, cone.axis, radius, &[inwards])));
+                rims.push(Rim::new(centre, cone.axis, radius, &[inwards]));
             }
             End::Open => {}
             End::Closed if p.side == Side::Inside => {
-                let normal = cone.axis * -out;
-                let plane = PlaneWall::disc(centre, normal, f64::INFINITY, false);
-                parts.push(Box::new(plane));
+                // The plane goes on beyond the edge, which is concave.
+                caps.push(PlaneWall::disc(
+                    centre,
+                    cone.axis * -out,
+                    f64::INFINITY,
+                    false,
+                ));
             }
             End::Closed => {
                 let both_sides = p.side == Side::OfCentre;
-                let disc = PlaneWall::disc(centre, cone.axis * out, radius, both_sides);
-                parts.push(Box::new(disc));
+                let normal = cone.axis * out;
+                caps.push(PlaneWall::disc(centre, normal, radius, both_sides));
                 if radius > 0.0 {
                     let disc = [-1.0, 0.0];
-                    let edge = Rim::new(centre, cone.axis, radius, &[inwards, disc]);
-                    parts.push(Box::new(edge));
+                    rims.push(Rim::new(centre, cone.axis, radius, &[inwards, disc]));
                 }
             }
         }
     }
-    if p.side == Side::Outside && p.ends.contains(&End::Closed) {
-        let surfaces = parts.split_off(first);
-        parts.push(Box::new(ConvexSolid { surfaces }));
+    if p.side == Side::Outside && !caps.is_empty() {
+        parts.push(Box::new(ConvexSolid { side, caps, rims }));
+        return Ok(());
+    }
+    parts.push(Box::new(side));
+    for cap in caps {
+        parts.push(Box::new(cap));
+    }
+    for rim in rims {
+        parts.push(Box::new(rim));
     }
     Ok(())
 }
 
-/// A convex solid from without: of its surfaces the one behind which a body is least deep acts.
+/// A solid from without: a body touches it if it reaches behind all of its surfaces, and the one behind which it is least
+/// deep acts.
 #[derive(Debug)]
 struct ConvexSolid {
-    surfaces: Vec<Box<dyn Shape>>,
+    side: ConeWall,
+    caps: Vec<PlaneWall>,
+    rims: Vec<Rim>,
 }
 
 impl Shape for ConvexSolid {
@@ -139,8 +154,8 @@ impl Shape for ConvexSolid {
     }
 
     fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
-        let mut surfaces = self.surfaces.iter();
-        surfaces.any(|s| s.may_touch(centre, radius))
+        self.side.may_touch(centre, radius)
+            && self.caps.iter().all(|cap| cap.may_touch(centre, radius))
     }
 
     fn touch(
@@ -150,14 +165,29 @@ impl Shape for ConvexSolid {
         search: &mut Search,
         found: &mut dyn FnMut(WallSurface),
     ) {
+        if self.caps.iter().any(|cap| !(cap.depth(body, centre) > 0.0)) {
+            return;
+        }
+        let mut is_behind_side = false;
+        touch_cone(body, centre, &self.side.cone, false, |_| {
+            is_behind_side = true;
+        });
+        if !is_behind_side {
+            return;
+        }
         let mut least: Option<(f64, WallSurface)> = None;
-        for shape in &self.surfaces {
-            shape.touch(body, centre, search, &mut |s| {
-                let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
-                if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
-                    least = Some((depth, s));
-                }
-            });
+        let mut offer = |s: WallSurface| {
+            let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+            if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
+                least = Some((depth, s));
+            }
+        };
+        self.side.touch(body, centre, search, &mut offer);
+        for cap in &self.caps {
+            cap.touch(body, centre, search, &mut offer);
+        }
+        for rim in &self.rims {
+            rim.touch(body, centre, search, &mut offer);
         }
         if let Some((_, surface)) = least {
             found(surface);

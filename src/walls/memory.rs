@@ -14,9 +14,9 @@
 //! contact may go on from the same: what is remembered belongs to the contact as a whole, of which each face takes its
 //! share, so that friction goes on from one face to the next.
 
-use crate::geometry::Vector3;
-use crate::pairs::staged::{Past, WallSurface};
-use crate::pairs::HistoryLayout;
+use crate::contact::staged::{Past, WallSurface};
+use crate::contact::HistoryLayout;
+use crate::vector::Vector3;
 
 /// Length of a record before the tangential memory.
 const HEAD: usize = 7;

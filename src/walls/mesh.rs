@@ -4,11 +4,12 @@
 use super::bounding_boxes::BoundingBoxes;
 use super::plane::flat;
 use super::shape::{Search, Shape};
+use crate::contact::ranges::LARGEST_COORDINATE;
+use crate::contact::staged::WallSurface;
 use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
-use crate::geometry::{Ellipsoid, Vector3};
+use crate::geometry::Ellipsoid;
 use crate::message::Numbers;
-use crate::pairs::ranges::LARGEST_COORDINATE;
-use crate::pairs::staged::WallSurface;
+use crate::vector::Vector3;
 
 /// Triangles and the boxes around them.
 #[derive(Clone, Debug)]

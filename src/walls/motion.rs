@@ -6,10 +6,11 @@
 //! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
 //! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity.
 
+use crate::contact::Particle;
+use crate::contact::Step;
 use crate::geometry::ellipsoid::rotation_columns;
-use crate::geometry::{Ellipsoid, Vector3};
-use crate::pairs::particles::Particle;
-use crate::pairs::Step;
+use crate::geometry::Ellipsoid;
+use crate::vector::Vector3;
 
 /// Pose and motion of a wall.
 #[derive(Clone, Copy, Debug)]
@@ -123,8 +124,8 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pairs::one_contact::prepare_body;
-    use crate::pairs::Body;
+    use crate::contact::prepare_body;
+    use crate::contact::Body;
 
     /// A body that is carried by a turning and moving wall over a step, with the velocities of the half step.
     #[test]

@@ -2,9 +2,10 @@
 //! A plane, or a disc of it, as a wall.
 
 use super::shape::{Search, Shape, ShapeParameters, Side};
+use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
-use crate::geometry::{touch_plane, Ellipsoid, Plane, Tangent, Vector3};
-use crate::pairs::staged::WallSurface;
+use crate::geometry::{touch_plane, Ellipsoid, Plane};
+use crate::vector::{Tangent, Vector3};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneWall {
@@ -25,6 +26,11 @@ impl PlaneWall {
             both_sides,
             radius,
         }
+    }
+
+    /// How deep a body lies behind the plane, on the side of its normal; 0 or less for one that does not reach it.
+    pub(super) fn depth(&self, body: &Ellipsoid, centre: Vector3) -> f64 {
+        touch_plane(body, centre, &self.plane).penetration
     }
 }
 

@@ -7,9 +7,10 @@
 
 use super::plane::flat;
 use super::shape::{Search, Shape};
+use crate::contact::staged::WallSurface;
 use crate::geometry::triangles::nearest_across;
-use crate::geometry::{Ellipsoid, Tangent, Vector3};
-use crate::pairs::staged::WallSurface;
+use crate::geometry::Ellipsoid;
+use crate::vector::{Tangent, Vector3};
 
 #[derive(Clone, Debug)]
 pub(super) struct Rim {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a shape of a wall is, and the table of their names.
+//! What a shape of a wall is, and what describes one.
 
-use super::{cone, plane, sphere};
+use crate::contact::staged::WallSurface;
 use crate::geometry::triangles::TriangleSearch;
-use crate::geometry::{Ellipsoid, Vector3};
-use crate::pairs::staged::WallSurface;
+use crate::geometry::Ellipsoid;
+use crate::vector::Vector3;
 use core::fmt::Debug;
 
 /// A surface that ellipsoids touch, in the frame of its wall.
@@ -74,27 +74,4 @@ pub struct ShapeParameters {
     pub ends: [End; 2],
     /// Where the particles are.
     pub side: Side,
-}
-
-/// Adds the parts of a shape, or says what is wrong.
-pub(super) type Constructor = fn(&ShapeParameters, &mut Vec<Box<dyn Shape>>) -> Result<(), String>;
-
-/// A new shape is a row here and its file.
-pub(super) const SHAPES: [(&str, Constructor); 4] = [
-    ("plane", plane::add),
-    ("cylinder", cone::add_cylinder),
-    ("cone", cone::add_cone),
-    ("sphere", sphere::add),
-];
-
-/// The constructor of a name, or what there is.
-pub(super) fn constructor(name: &str) -> Result<Constructor, String> {
-    SHAPES
-        .iter()
-        .find(|(known, _)| *known == name)
-        .map(|(_, make)| *make)
-        .ok_or_else(|| {
-            let names: Vec<&str> = SHAPES.iter().map(|(known, _)| *known).collect();
-            format!("wall shape '{name}' is not one of {}", names.join(", "))
-        })
 }

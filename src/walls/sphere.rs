@@ -8,10 +8,11 @@
 
 use super::plane::flat;
 use super::shape::{Search, Shape, ShapeParameters, Side};
+use crate::contact::staged::WallSurface;
 use crate::geometry::ellipsoid::{LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
-use crate::geometry::{search, Ellipsoid, Outcome, Vector3};
+use crate::geometry::{search, Ellipsoid, Outcome};
 use crate::message::Number;
-use crate::pairs::staged::WallSurface;
+use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct SphereWall {

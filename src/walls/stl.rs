@@ -2,7 +2,7 @@
 //! Triangles from STL files, binary or ASCII.
 
 use crate::geometry::triangles::Triangle;
-use crate::geometry::Vector3;
+use crate::vector::Vector3;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -15,10 +15,11 @@ pub fn read(path: &Path) -> Result<Vec<Triangle>, String> {
     let fail = |what: String| format!("STL file {}: {what}", path.display());
     let file = File::open(path).map_err(|e| fail(e.to_string()))?;
     let mut file = BufReader::new(file);
-    let triangles = stl_io::create_stl_reader(&mut file).map_err(|e| fail(e.to_string()))?;
+    let not_stl = |e: std::io::Error| fail(format!("not an STL file, or cut short: {e}"));
+    let triangles = stl_io::create_stl_reader(&mut file).map_err(not_stl)?;
     triangles
         .map(|triangle| {
-            let triangle = triangle.map_err(|e| fail(e.to_string()))?;
+            let triangle = triangle.map_err(not_stl)?;
             Ok(triangle.vertices.map(|v| {
                 let [x, y, z]: [f32; 3] = v.into();
                 Vector3::new(x.into(), y.into(), z.into())

@@ -4,10 +4,11 @@
 use super::memory::MemoryLayout;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::shape::{constructor, Search, Shape, ShapeParameters};
-use crate::geometry::Vector3;
-use crate::pairs::staged::WallSurface;
-use crate::pairs::{ContactForces, Laws};
+use super::shape::{Search, Shape, ShapeParameters};
+use super::table::constructor;
+use crate::contact::staged::WallSurface;
+use crate::contact::{ContactForces, Laws};
+use crate::vector::Vector3;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
 #[derive(Debug, Default)]

@@ -376,8 +376,14 @@ fn both_versions_force_and_torque_are_those_of_the_deepest_places() {
             );
             worst = [worst[0].max(errors[0]), worst[1].max(errors[1])];
         }
+        // Of a cone the law leaves out that the curvature changes along it.
+        let tolerance = if wall.name.contains("cone") {
+            5e-5
+        } else {
+            5e-6
+        };
         assert!(
-            worst[0] < 2e-5 && worst[1] < 2e-5,
+            worst.iter().all(|e| *e < tolerance),
             "{}: {worst:?}",
             wall.name
         );

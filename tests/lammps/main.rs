@@ -36,3 +36,4 @@ mod set_up;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
+mod too_new;

@@ -222,6 +222,13 @@ fn both_versions_settings_around_the_pair_style() {
         ..Deck::new(LAW)
     };
     refused("rRESPA", &scene, &respa, &["rRESPA"]);
+    for units in ["real", "metal", "electron"] {
+        let deck = Deck {
+            before_data: vec![format!("units {units}")],
+            ..Deck::new(LAW)
+        };
+        refused("units", &scene, &deck, &[units, "units si"]);
+    }
 }
 
 #[test]

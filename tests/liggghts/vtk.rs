@@ -3,8 +3,9 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use crate::engines::process::from_environment;
 use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
 use crate::meshes::{sheet, HALF};
 use crate::shapes::{about, length, rotate, sub, surface_point, Vector};
@@ -12,13 +13,17 @@ use crate::shapes::{about, length, rotate, sub, surface_point, Vector};
 /// Triangles of the sheet along an edge.
 const CELLS: usize = 4;
 
-/// `cargo xtask test` says `no` where no VTK was to be had for the LIGGGHTS that it built.
-fn has_vtk() -> bool {
-    let has = std::env::var("ELLGRAN_TEST_LIGGGHTS_VTK").map_or(true, |word| word != "no");
-    if !has {
+/// VTK's headers, if there are any. `cargo xtask test` says `no` where no VTK was to be had for the LIGGGHTS that it built.
+pub fn headers() -> Option<PathBuf> {
+    let found = from_environment(
+        "ELLGRAN_TEST_LIGGGHTS_VTK",
+        "the headers of the VTK that LIGGGHTS was built with, or `no`; `cargo xtask path liggghts-vtk` prints them",
+    );
+    if found == Path::new("no") {
         println!("NOT TESTED: this LIGGGHTS has no VTK");
+        return None;
     }
-    has
+    Some(found)
 }
 
 /// Three ellipsoids, two of which slide on triangles of their own; the third floats.
@@ -32,34 +37,39 @@ fn scene() -> Scene {
         }
     };
     let cell = 2.0 * HALF / CELLS as f64;
-    Scene::open(
-        0.2,
-        vec![
-            grain(
-                [4e-3, 3e-3, 2e-3],
-                [0.7 * cell, 0.3 * cell],
-                [1.0, 0.3, 0.2],
-                0.9,
-                -1e-5,
-            )
-            .moving([0.2, 0.1, 0.0]),
-            grain(
-                [6e-3, 1e-3, 2.5e-3],
-                [-0.3 * cell, 0.6 * cell],
-                [0.2, 1.0, -0.4],
-                2.1,
-                5e-3,
-            ),
-            grain(
-                [2e-3, 5e-3, 3e-3],
-                [-1.3 * cell, -0.7 * cell],
-                [0.1, 0.2, 1.0],
-                0.5,
-                -2e-5,
-            )
-            .moving([0.0, -0.3, 0.0]),
-        ],
-    )
+    // longest along x, so that two ranks part the grains
+    Scene {
+        low: [-0.4, -0.2, -0.2],
+        high: [0.4, 0.2, 0.2],
+        ..Scene::open(
+            0.2,
+            vec![
+                grain(
+                    [4e-3, 3e-3, 2e-3],
+                    [0.7 * cell, 0.3 * cell],
+                    [1.0, 0.3, 0.2],
+                    0.9,
+                    -1e-5,
+                )
+                .moving([0.2, 0.1, 0.0]),
+                grain(
+                    [6e-3, 1e-3, 2.5e-3],
+                    [-0.3 * cell, 0.6 * cell],
+                    [0.2, 1.0, -0.4],
+                    2.1,
+                    5e-3,
+                ),
+                grain(
+                    [2e-3, 5e-3, 3e-3],
+                    [-1.3 * cell, -0.7 * cell],
+                    [0.1, 0.2, 1.0],
+                    0.5,
+                    -2e-5,
+                )
+                .moving([0.0, -0.3, 0.0]),
+            ],
+        )
+    }
 }
 
 fn outcome(name: &str, dumps: &[&str], ranks: usize) -> Outcome {
@@ -112,7 +122,7 @@ fn legacy(file: &Path) -> HashMap<String, Vec<Vec<f64>>> {
 
 #[test]
 fn axes_and_orientations_of_ellipsoids() {
-    if !has_vtk() {
+    if headers().is_none() {
         return;
     }
     let columns = "id type x y z shapex shapey shapez quat1 quat2 quat3 quat4 fx fy fz";
@@ -133,13 +143,13 @@ fn axes_and_orientations_of_ellipsoids() {
                 let n = id[0] as usize - 1;
                 assert!(count == 3 || n == 1, "{file} has grain {}", n + 1);
                 let grain = &scene.grains[n];
-                // the files have six digits
+                // points are in single precision
                 let at: Vec<f64> = arrays["POINTS"][k].clone();
                 assert!((0..3).all(|m| (at[m] - grain.position[m]).abs() < 1e-7));
                 for (m, name) in ["shapex", "shapey", "shapez"].iter().enumerate() {
                     let axis = arrays[*name][k][0];
                     assert!(
-                        (axis - grain.semi_axes[m]).abs() < 1e-8,
+                        (axis - grain.semi_axes[m]).abs() < 1e-12,
                         "{file}: {name} = {axis}"
                     );
                 }
@@ -155,7 +165,7 @@ fn axes_and_orientations_of_ellipsoids() {
                         "{file}, {ranks} ranks, grain {}, axis {m}: off by {apart:.1e}",
                         n + 1
                     );
-                    assert!(apart < 1e-5);
+                    assert!(apart < 1e-10);
                 }
             }
         }
@@ -181,7 +191,7 @@ fn axes_and_orientations_of_ellipsoids() {
 
 #[test]
 fn stress_on_the_triangles_of_a_mesh() {
-    if !has_vtk() {
+    if headers().is_none() {
         return;
     }
     let area = 0.5 * (2.0 * HALF / CELLS as f64).powi(2);
@@ -199,7 +209,6 @@ fn stress_on_the_triangles_of_a_mesh() {
             .collect();
         assert_eq!(loaded.len(), 2, "{ranks} ranks");
         let states = &outcome.last().states;
-        assert!(states[0].force[2] > 2.0 * states[2].force[2] || states[0].force[2] > 1e-3);
         for n in [0, 2] {
             let expected: Vector = std::array::from_fn(|m| -states[n].force[m] / area);
             let (normal, shear) = (-expected[2], expected[0].hypot(expected[1]));
@@ -221,8 +230,7 @@ fn stress_on_the_triangles_of_a_mesh() {
                 "{ranks} ranks, grain {}: stress {expected:.4?}, off by {best:.1e}",
                 n + 1
             );
-            // the files have six digits
-            assert!(best < 1e-5);
+            assert!(best < 1e-10);
         }
     }
 }

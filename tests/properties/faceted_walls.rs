@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, plain, quaternion, rotation, vector, Rotation, Vector};
+use ellgran::contact::prepare_body;
+use ellgran::contact::staged::{StagedContact, WallSurface};
+use ellgran::contact::{Body, Laws};
 use ellgran::geometry::cone::{touch_cone, Cone};
 use ellgran::geometry::facet_shares::Share;
 use ellgran::geometry::triangles::{Feature, Triangle, TriangleSearch};
-use ellgran::geometry::{Tangent, Vector3};
-use ellgran::pairs::one_contact::prepare_body;
-use ellgran::pairs::staged::{StagedContact, WallSurface};
-use ellgran::pairs::{Body, Laws};
+use ellgran::vector::{Tangent, Vector3};
 
 /// What a wall does to a body.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 //! The reference tables of `validation/reference`.
 
 use super::scene::{body, rotation, Vector};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 
 #[cfg(reference_pairs)]
 const ASPECT_10: &str = include_str!("../../validation/reference/pairs_aspect_10.csv");

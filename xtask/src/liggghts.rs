@@ -143,6 +143,11 @@ pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
     Ok(binary)
 }
 
+/// The untouched source tree.
+pub fn source_tree() -> Result<PathBuf> {
+    Ok(source()?.0)
+}
+
 /// The untouched source tree and the name of what is built from it.
 fn source() -> Result<(PathBuf, String)> {
     if let Some(own) = std::env::var_os(SOURCE_VARIABLE).filter(|value| !value.is_empty()) {

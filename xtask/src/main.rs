@@ -12,6 +12,7 @@ mod install;
 mod lammps;
 mod library;
 mod liggghts;
+mod liggghts_make_auto;
 mod packed_grains;
 mod plugin;
 #[cfg(test)]
@@ -24,6 +25,7 @@ mod python_environment;
 mod python_interface;
 mod release;
 mod report;
+mod rooms;
 mod setup;
 mod site;
 mod tarball;
@@ -82,6 +84,8 @@ enum Task {
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 5 minutes)
+    LiggghtsMakeAuto,
     /// Test the Python module
     Python(python::Options),
     /// Run every check and test
@@ -98,6 +102,10 @@ enum Artefact {
     LammpsSource,
     /// The LIGGGHTS binary with our contact models
     Liggghts,
+    /// The top directory of its untouched source tree
+    LiggghtsSource,
+    /// The VTK headers that it is built with
+    LiggghtsVtk,
     /// libellgran.a
     Library,
     /// The launcher of parallel runs
@@ -127,6 +135,7 @@ fn run(task: Task) -> Result<()> {
         Task::Report(options) => report::report(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
         Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
@@ -140,6 +149,8 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
         Artefact::Liggghts => liggghts::binary(),
+        Artefact::LiggghtsSource => liggghts::source_tree(),
+        Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),
         Artefact::Library => library::library(),
         Artefact::Mpirun => setup::mpirun(),
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Everything that must hold before a change lands, in order, the first failure being the last word.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -10,8 +11,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, setup, site,
-    vtk, wheel,
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
+    site, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -77,6 +78,7 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        steps.run("rooms", rooms::check)?;
         documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
@@ -165,11 +167,23 @@ fn on_aarch64(steps: &mut Steps) -> Result<()> {
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     let newest = steps.run("LAMMPS", || {
         let source = lammps::source()?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     let oldest = steps.run("the oldest supported LAMMPS", || {
         let source = lammps::source_of(lammps::OLDEST)?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     // Where only the oldest release can be had, what needs a newer one is left out, and said.
     let only_oldest = oldest.2 == newest.2;
@@ -208,18 +222,16 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
-        let has_vtk = vtk::vtk().is_ok();
-        if !has_vtk {
-            say("NOT TESTED: LIGGGHTS' VTK dumps: no VTK is to be had here");
+        let vtk = vtk::vtk().map(|vtk| vtk.include);
+        if let Err(error) = &vtk {
+            say(format!("NOT TESTED: LIGGGHTS' VTK dumps: {error:#}"));
         }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
-                    .env(
-                        "ELLGRAN_TEST_LIGGGHTS_VTK",
-                        if has_vtk { "yes" } else { "no" },
-                    )
+                    .env("ELLGRAN_TEST_LIGGGHTS_SOURCE", liggghts::source_tree()?)
+                    .env("ELLGRAN_TEST_LIGGGHTS_VTK", vtk.unwrap_or("no".into()))
                     .arg("--")
                     .args(filter),
             )
@@ -255,12 +267,14 @@ fn engine_tests(name: &str) -> Command {
     command
 }
 
-type Engine = (std::path::PathBuf, std::path::PathBuf, String);
+/// Binary, plugin, name, headers.
+type Engine = (PathBuf, PathBuf, String, PathBuf);
 
-fn with_engine(mut command: Command, (binary, plugin, _): &Engine) -> Result<Command> {
+fn with_engine(mut command: Command, (binary, plugin, _, headers): &Engine) -> Result<Command> {
     command
         .env("ELLGRAN_TEST_LAMMPS", binary)
         .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
+        .env("ELLGRAN_TEST_LAMMPS_HEADERS", headers)
         .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
         .envs(setup::mpirun_environment());
     Ok(command)

@@ -83,6 +83,10 @@ fn fetch(directory: &Path) -> Result<()> {
                     .env("LD_LIBRARY_PATH", std::env::join_paths(&directories)?)
                     .env("LC_ALL", "C"),
             )?;
+            // libvtkX-9.1.so leads to libvtkX-9.1.so.1, the name that programs ask for
+            if let (Ok(next), Some(directory)) = (fs::read_link(&file), file.parent()) {
+                needed.insert(directory.join(next));
+            }
             needed.insert(file);
             for (soname, path) in dependencies(&shown) {
                 match path {
