@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::real::Real;
+use crate::simd::portable::Portable;
 use crate::simd::{InstructionSet, Lanes, Stage};
 
 fn sixteen(numbers: [f64; 8]) -> [f64; MOST_LANES] {
