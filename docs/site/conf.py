@@ -28,7 +28,6 @@ release = re.search(r'^version = "([^"]+)"', (REPOSITORY / "Cargo.toml").read_te
 root_doc = "docs/index"
 include_patterns = [
     "docs/*.md",
-    "docs/python_api/**",
     "docs/tutorials/*.md",
     "docs/report/README.md",
     "docs/bench/table.md",
@@ -159,6 +158,9 @@ def setup(app):
     for part in ["katex.min.css", "fonts"]:
         (static / part).symlink_to(NODE_MODULES / "katex" / "dist" / part)
     app.add_css_file("katex/katex.min.css")
+    # Equations as large as the text around them, so that tables of them fit the page.
+    (static.parent / "site.css").write_text("article .katex { font-size: 1.05em; }\n.table-wrapper { width: 100%; }\n")
+    app.add_css_file("site.css")
     app.add_html_math_renderer("katex", (inline_equation, None), (displayed_equation, None))
     app.connect("hawkmoth-process-docstring", restructured)
     app.connect("include-read", links_of_part)

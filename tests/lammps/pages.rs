@@ -23,54 +23,68 @@ fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
         .collect()
 }
 
-/// Grains of two types, some of which touch.
+/// Three grains of two types one above the other, in contact, within the walls that the page builds.
 const GRAINS: &str = "
 units si
 atom_style ellipsoid
 boundary f f f
 comm_modify vel yes
 neighbor 0.001 bin
-region box block 0 0.1 0 0.1 0 0.1
+region box block -0.2 0.2 -0.2 0.2 -0.2 0.2
 create_box 2 box
-lattice sc 0.02 origin 0.5 0.5 0.5
-create_atoms 1 box
-set group all type/fraction 2 0.5 4711
-set group all shape 0.0205 0.019 0.018
+create_atoms 1 single 0 0 0.05
+create_atoms 2 single 0 0 0.0695
+create_atoms 1 single 0 0 0.089
+set group all shape 0.019 0.019 0.0198
 set group all density 2500
-set group all quat/random 4711
 fix integrate all nve/asphere
 timestep 1e-6
+";
+/// For the wall that reads a file: one triangle, far from the grains.
+const TRIANGLE: &str = "solid paddle
+facet normal 0 0 1
+outer loop
+vertex 100 0 0
+vertex 120 0 0
+vertex 100 20 0
+endloop
+endfacet
+endsolid paddle
 ";
 const LAW: &str = "
 pair_style gran/ellipsoid
 pair_coeff * * nfd 1e7 0.3 400 400 tangential tfd 0.5
 ";
 
-/// Each block alone, before some steps; the law of the pairs stands before it if it has none.
+/// The blocks of a section one after the other, then some steps; a law of the pairs stands before them if they have none.
 #[test]
 fn both_versions_the_blocks_of_the_reference_page_run() {
     let engine = Engine::from_environment();
     let page = page("lammps-plugin/README.md");
     let plugin = engine.plugin.to_str().expect("a path in UTF-8");
     let mut ran = 0;
-    for (number, block) in blocks(&page, "lammps").into_iter().enumerate() {
-        let block = block.replace("build-plugin/ellgranplugin.so", plugin);
-        let load = if block.contains("plugin load") {
-            String::new()
+    for (number, section) in page.split("\n## ").enumerate() {
+        let blocks = blocks(section, "lammps");
+        if blocks.is_empty() {
+            continue;
+        }
+        let commands = blocks
+            .join("\n")
+            .replace("build-plugin/ellgranplugin.so", plugin);
+        let deck = if commands.contains("plugin load") {
+            format!("{commands}\n{GRAINS}{LAW}")
+        } else if commands.contains("pair_style") {
+            format!("plugin load {plugin}\n{GRAINS}\n{commands}\n")
         } else {
-            format!("plugin load {plugin}")
+            format!("plugin load {plugin}\n{GRAINS}{LAW}\n{commands}\n")
         };
-        let deck = match (block.contains("plugin load"), block.contains("pair_style")) {
-            (true, _) => format!("{block}\n{GRAINS}{LAW}"),
-            (_, true) => format!("{load}\n{GRAINS}\n{block}\n"),
-            _ => format!("{load}\n{GRAINS}{LAW}\n{block}\n"),
-        };
-        let directory = fresh_directory(&format!("block_{number}"));
+        let directory = fresh_directory(&format!("section_{number}"));
+        fs::write(directory.join("paddle.stl"), TRIANGLE).unwrap();
         let (success, output) = execute(&engine, &directory, &(deck + "run 5\n"), 1);
-        assert!(success, "{block}\n{}", last_lines(&output));
-        ran += 1;
+        assert!(success, "{commands}\n{}", last_lines(&output));
+        ran += blocks.len();
     }
-    assert!(ran >= 4, "{ran} blocks");
+    assert!(ran >= 6, "{ran} blocks");
 }
 
 /// The rows of the table, by the deck that the page shows.

@@ -25,6 +25,16 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
         "tests/lammps/pages.rs",
         "examples/lammps/README.md",
     ),
+    (
+        "$(cargo xtask path lammps) -in examples/lammps/drum.lmp -var plugin $(cargo xtask path lammps-plugin)",
+        "tests/lammps/decks.rs",
+        "drum.lmp",
+    ),
+    (
+        "$(cargo xtask path lammps) -in examples/lammps/hopper.lmp -var plugin $(cargo xtask path lammps-plugin)",
+        "tests/lammps/decks.rs",
+        "hopper.lmp",
+    ),
     ("liggghts=$(cargo xtask path liggghts)", "xtask/src/test.rs", "liggghts::binary"),
     ("cd examples/liggghts", "tests/liggghts/examples.rs", "examples/liggghts"),
     ("$liggghts -in drum.lig", "tests/liggghts/examples.rs", "drum.lig"),

@@ -174,3 +174,15 @@ fn node_modules(python: &Environment, package: &Path) -> Result<PathBuf> {
     fs::write(cache::stamp(&directory), "")?;
     Ok(modules)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_citation_names_this_version() {
+        let citation = fs::read_to_string(workspace::root().join("CITATION.cff")).unwrap();
+        let version = concat!("version: ", env!("CARGO_PKG_VERSION"));
+        assert!(citation.lines().any(|line| line == version), "{version}");
+    }
+}
