@@ -87,11 +87,16 @@ fn is_supported(version: &str) -> bool {
 
 /// The oldest supported release and the newest that can be had, each fetched when it is asked for.
 pub fn oldest_and_newest() -> impl Iterator<Item = (&'static str, Result<Source>)> {
-    let sources: [(_, fn() -> Result<Source>); 2] = [
-        ("the oldest supported release", || source_of(OLDEST)),
-        ("the newest release that can be had", newest_source),
-    ];
-    sources.into_iter().map(|(name, source)| (name, source()))
+    [
+        "the oldest supported release",
+        "the newest release that can be had",
+    ]
+    .into_iter()
+    .enumerate()
+    .map(|(place, name)| match place {
+        0 => (name, source_of(OLDEST)),
+        _ => (name, newest_source()),
+    })
 }
 
 /// The newest release that a suite has. Where none can be asked, the newest that was fetched before.
