@@ -244,7 +244,7 @@ fn walls() -> Vec<Wall> {
             "region place",
             (0..4)
                 .map(|k: usize| {
-                    let sign = if k % 2 == 0 { -1.0 } else { 1.0 };
+                    let sign = if k.is_multiple_of(2) { -1.0 } else { 1.0 };
                     surface(move |p| sign * p[k / 2] - 1.0, flat)
                 })
                 .collect(),

@@ -228,12 +228,8 @@ fn triple([x, y, z]: [f64; 3]) -> String {
 /// The colour of a part from 0 to 1; beyond them that of the end, and of what is no number the first.
 fn colour(part: f64) -> [f64; 3] {
     let last = COLOURS.len() - 1;
-    let part = if part.is_nan() {
-        0.0
-    } else {
-        part.clamp(0.0, 1.0)
-    };
-    let place = part * last as f64;
+    // not clamp, which would keep what is no number
+    let place = if part > 0.0 { part.min(1.0) } else { 0.0 } * last as f64;
     let below = (place as usize).min(last - 1);
     let rest = place - below as f64;
     [0, 1, 2].map(|k| COLOURS[below][k] * (1.0 - rest) + COLOURS[below + 1][k] * rest)
