@@ -47,6 +47,7 @@ pub fn release(options: &Options) -> Result<()> {
         ("source archive", archive),
         ("crate", krate(&tree, scratch.path(), &output)?),
         ("wheel", wheel(&tree, scratch.path(), &output)?),
+        ("site", site(&tree, scratch.path(), &output)?),
     ];
     for (what, path) in made {
         let kilobytes = fs::metadata(&path)?.len() / 1000;
@@ -140,6 +141,26 @@ fn wheel(tree: &Path, scratch: &Path, output: &Path) -> Result<PathBuf> {
     )?;
     output_of(Command::new(program("python")).args(["-c", "import ellgran"]))?;
     Ok(wheel)
+}
+
+/// The documentation site as one archive, every page of which a browser has looked at.
+fn site(tree: &Path, scratch: &Path, output: &Path) -> Result<PathBuf> {
+    let name = format!("{NAME}-documentation");
+    run_visible(
+        cargo(tree)?
+            .args(["xtask", "site", "--check", "--output"])
+            .arg(scratch.join(&name)),
+    )?;
+    let archive = output.join(format!("{name}.tar.gz"));
+    output_of(
+        Command::new("tar")
+            .args(["--create", "--gzip", "--file"])
+            .arg(&archive)
+            .arg("--directory")
+            .arg(scratch)
+            .arg(&name),
+    )?;
+    Ok(archive)
 }
 
 /// Kept between two runs, apart from the checkout's own.
