@@ -78,7 +78,10 @@ fn grains() -> Vec<Grain> {
             let low = crate::shapes::surface_point(axes, grain.quaternion, normal);
             let mut position: Vector = std::array::from_fn(|_| random.between(-0.5, 0.5));
             position[side] = out * (1.0 + 1e-4 / aspect) - low[side];
-            Grain { position, ..grain }.moving(unit([0.3, 0.7, -0.5]))
+            // along the wall: away from it, the slender ones would leave within the run
+            let mut velocity = [0.3, 0.7, -0.5];
+            velocity[side] = 0.0;
+            Grain { position, ..grain }.moving(unit(velocity))
         })
         .collect()
 }

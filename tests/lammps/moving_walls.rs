@@ -4,7 +4,7 @@
 use crate::harness::{
     attempt_in, largest_difference, last_lines, run, Deck, Engine, Frame, Grain, Scene,
 };
-use crate::shapes::{dot, rotate, Random};
+use crate::shapes::{about, dot, rotate, Random};
 
 const LAW: &str = "nfd 1e6 0.3 20 20 tangential tfd 0.5";
 const PERIOD: f64 = 0.4;
@@ -64,7 +64,7 @@ fn drums() -> [(&'static str, Vec<String>); 3] {
 
 fn deck(walls: &[String], steps: u64) -> Deck {
     let mut fixes = walls.to_vec();
-    fixes.push("fix fall all gravity 9.81 vector 0 0 -1".into());
+    fixes.push("fix fall all gravity 98.1 vector 0 0 -1".into());
     Deck {
         fixes,
         time_step: 2e-5,
@@ -144,16 +144,43 @@ fn both_versions_a_turning_drum_goes_on_after_a_restart() {
     }
 }
 
-/// A grain that is carried around by a plate keeps its place on it: nothing creeps, and friction turns with the plate.
+/// How a grain with these semi-axes leans outwards on a turntable, its centre at a radius of `place`: the angle about the
+/// tangent at which the moments of the weight, of friction and of the turning inertia balance, and the height of its centre.
+fn leaning([a, _, c]: [f64; 3], rate: f64, place: f64, gravity: f64) -> (f64, f64) {
+    let height = |angle: f64| (a * angle.sin()).hypot(c * angle.cos());
+    let moment = |angle: f64| {
+        let product = (a * a - c * c) * angle.sin() * angle.cos();
+        height(angle) * rate * rate * place
+            - product / height(angle) * gravity
+            - rate * rate * product / 5.0
+    };
+    let (mut low, mut high) = (0.0, 0.5);
+    assert!(moment(low) > 0.0 && moment(high) < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if moment(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low, height(low))
+}
+
+/// A grain that is carried around by a plate keeps its place on it: nothing creeps, and friction turns with the plate. It starts
+/// as it leans in the end, but for the displacement of the contact: what that sets swinging is less than 1e-5 m.
 #[test]
 fn both_versions_a_turntable_carries_a_grain() {
     let engine = Engine::from_environment();
-    let (rate, place, half_axis) = (2.0 * std::f64::consts::PI / PERIOD, 0.02, 4e-3);
+    let (rate, place, gravity) = (2.0 * std::f64::consts::PI / PERIOD, 0.01, 19.62);
     let law = "nfd 1e6 0.3 200 200 tangential tfd 0.9";
+    let semi_axes = [6e-3, 5e-3, 3e-3];
+    let (angle, height) = leaning(semi_axes, rate, place, gravity);
     let grain = Grain {
         density: 2500.0,
-        ..Grain::new([6e-3, 5e-3, half_axis], [place, 0.0, half_axis - 2e-5])
+        ..Grain::new(semi_axes, [place, 0.0, height - 4e-5])
     }
+    .turned(about([0.0, 1.0, 0.0], angle))
     .moving([0.0, rate * place, 0.0])
     .spinning([0.0, 0.0, rate]);
     // two turns
@@ -164,7 +191,7 @@ fn both_versions_a_turntable_carries_a_grain() {
             format!(
                 "fix table all wall/gran/ellipsoid {law} zplane 0 NULL rotate 0 0 0 0 0 1 {PERIOD}"
             ),
-            "fix fall all gravity 19.62 vector 0 0 -1".into(),
+            format!("fix fall all gravity {gravity} vector 0 0 -1"),
         ],
         time_step,
         steps,
@@ -185,12 +212,12 @@ fn both_versions_a_turntable_carries_a_grain() {
         let (sin, cos) = (rate * f.step as f64 * time_step).sin_cos();
         let [x, y, _] = f.states[0].position;
         let axis = rotate(f.states[0].quaternion, [1.0, 0.0, 0.0]);
-        let turned = dot(axis, [cos, sin, 0.0]);
+        let turned = dot(axis, [cos, sin, 0.0]) / angle.cos();
         ([cos * x + sin * y, cos * y - sin * x], turned)
     };
     let ((a, _), (b, turned)) = (on_table(settled), on_table(last));
     let moved = (b[0] - a[0]).hypot(b[1] - a[1]);
     let out = (b[0] - place).hypot(b[1]);
     println!("in the second turn it moved by {moved:.1e} m, from its place {out:.1e} m; axis along the table {turned:.9}");
-    assert!(moved < 1e-7 && out < 1e-4 && turned > 1.0 - 1e-6);
+    assert!(moved < 2e-5 && out < 5e-5 && turned > 1.0 - 1e-4);
 }
