@@ -147,6 +147,36 @@ template <typename Type> inline Type init()
 #define ELLGRAN_OPTION_NO_WARM_START 1
 
 /*
+ The particles are on the side of a surface on which their centres are.
+ */
+#define ELLGRAN_SIDE_OF_CENTRE 0
+
+/*
+ The particles are within the shape; for a plane, on the side of its normal.
+ */
+#define ELLGRAN_SIDE_INSIDE 1
+
+/*
+ The particles are outside the shape; for a plane, on the side opposite to its normal.
+ */
+#define ELLGRAN_SIDE_OUTSIDE 2
+
+/*
+ The surface has no edge where it ends, or does not end.
+ */
+#define ELLGRAN_END_NONE 0
+
+/*
+ Ends in an edge: particles pass through, and over the edge.
+ */
+#define ELLGRAN_END_OPEN 1
+
+/*
+ Ends in a flat disc.
+ */
+#define ELLGRAN_END_CLOSED 2
+
+/*
  The call did what it was asked to.
  */
 #define ELLGRAN_SUCCESS 0
@@ -213,6 +243,11 @@ typedef struct EllgranLaws EllgranLaws;
 typedef struct EllgranStagedContact EllgranStagedContact;
 
 /*
+ A rigid wall: parts of any shape that move as one. Opaque; belongs to one thread at a time.
+ */
+typedef struct EllgranWall EllgranWall;
+
+/*
  Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
  or triangles than any before it.
  */
@@ -226,6 +261,11 @@ typedef struct EllgranWallContacts EllgranWallContacts;
  After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
  */
 typedef struct EllgranWorkspace EllgranWorkspace;
+
+/*
+ Pose and motion of a wall.
+ */
+typedef struct Motion Motion;
 
 /*
  A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
@@ -607,6 +647,132 @@ typedef struct EllgranParticles {
 } EllgranParticles;
 
 /*
+ Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
+ the same name and meaning, NULL where it is not wanted. [count] is the number of pairs.
+ */
+typedef struct EllgranContactArrays {
+  /*
+   `sizeof(EllgranContactArrays)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   [count]; minus the gap where the bodies are apart. Gaps are computed if this or one of the next six is wanted.
+   */
+  double *penetration;
+  /*
+   [count][3]
+   */
+  double *normal;
+  /*
+   [count][3]
+   */
+  double *contact_point;
+  /*
+   [count][3]
+   */
+  double *witness_i;
+  /*
+   [count][3]
+   */
+  double *witness_j;
+  /*
+   [count][2]: `curvature_a` and `curvature_b`.
+   */
+  double *curvatures;
+  /*
+   [count][3]
+   */
+  double *major_direction;
+  /*
+   [count][2]
+   */
+  double *contact_semi_axes;
+  /*
+   [count][3]
+   */
+  double *force;
+  /*
+   [count][3]
+   */
+  double *torque_i;
+  /*
+   [count][3]
+   */
+  double *torque_j;
+  /*
+   [count]
+   */
+  double *normal_force;
+  /*
+   [count][3]
+   */
+  double *tangential_force;
+  /*
+   [count][3]
+   */
+  double *displacement;
+  /*
+   [count]
+   */
+  double *penetration_rate;
+  /*
+   [count]
+   */
+  double *elastic_energy;
+  /*
+   [count]
+   */
+  double *tangential_energy;
+  /*
+   [count][3]
+   */
+  double *viscous_force;
+  /*
+   [count][3]
+   */
+  double *frictional_force;
+  /*
+   [count]
+   */
+  double *viscous_power;
+  /*
+   [count]
+   */
+  double *tangential_power;
+} EllgranContactArrays;
+
+/*
+ Where the stiffnesses of many contacts go: an array for each field of `EllgranContactStiffness`, of the same name and
+ meaning, NULL where it is not wanted. [count] is the number of pairs.
+ */
+typedef struct EllgranStiffnessArrays {
+  /*
+   `sizeof(EllgranStiffnessArrays)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   [count]
+   */
+  double *normal_stiffness;
+  /*
+   [count][2]
+   */
+  double *tangential_stiffness;
+  /*
+   [count]
+   */
+  double *normal_damping;
+  /*
+   [count][2]
+   */
+  double *tangential_damping;
+  /*
+   [count]
+   */
+  double *critical_step;
+} EllgranStiffnessArrays;
+
+/*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
  A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
@@ -790,6 +956,154 @@ typedef struct EllgranContactPlace {
 } EllgranContactPlace;
 
 /*
+ A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
+ */
+typedef struct EllgranWallShape {
+  /*
+   `sizeof(EllgranWallShape)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   "plane", "cylinder", "cone" or "sphere".
+   */
+  const char *name;
+  /*
+   A point of a plane, the centre of a sphere, a point of the axis of a cylinder or a cone; components up to 1e20.
+   */
+  double point[3];
+  /*
+   Normal of a plane, axis of a cylinder or a cone; any length but zero.
+   */
+  double axis[3];
+  /*
+   Radius of a sphere or a cylinder, the first; those of a cone at its two bounds.
+   */
+  double radii[2];
+  /*
+   Where a cylinder or a cone begins and ends, along the axis from `point`. Both 0: a cylinder without ends.
+   */
+  double bounds[2];
+  /*
+   How it ends there, `ELLGRAN_END_...`.
+   */
+  int32_t ends[2];
+  /*
+   Where the particles are, `ELLGRAN_SIDE_...`.
+   */
+  int32_t side;
+  /*
+   Must be 0.
+   */
+  int32_t unused;
+} EllgranWallShape;
+
+/*
+ Pose and motion of a wall. Zeros: at rest, where its shapes were described.
+ */
+typedef struct EllgranWallMotion {
+  /*
+   `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   The point about which the wall has turned, where it was when the shapes were described.
+   */
+  double origin[3];
+  /*
+   How far that point has moved since.
+   */
+  double displacement[3];
+  /*
+   Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
+   */
+  double quaternion[4];
+  /*
+   Velocity of the point: over a step, its displacement in the step by the time step.
+   */
+  double velocity[3];
+  /*
+   Angular velocity, world frame, likewise.
+   */
+  double angular_velocity[3];
+} EllgranWallMotion;
+
+/*
+ What the particles of a call do to a wall.
+ */
+typedef struct EllgranWallLoad {
+  /*
+   `sizeof(EllgranWallLoad)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Force on the wall, world frame.
+   */
+  double force[3];
+  /*
+   Torque on the wall about `origin + displacement` of its motion, world frame.
+   */
+  double torque[3];
+  /*
+   Power that the particles give to the wall by its motion; minus it is the power of the wall on the particles.
+   */
+  double power;
+  /*
+   Number of contacts.
+   */
+  int64_t contact_count;
+} EllgranWallLoad;
+
+/*
+ One contact of a wall as it acted in the last call that recorded contacts.
+ */
+typedef struct EllgranRecordedWallContact {
+  /*
+   `sizeof(EllgranRecordedWallContact)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Index of the particle.
+   */
+  size_t particle;
+  /*
+   Index of the wall's part.
+   */
+  size_t part;
+  /*
+   Contact point, world frame.
+   */
+  double point[3];
+  /*
+   Unit normal out of the wall, towards the particle, world frame.
+   */
+  double normal[3];
+  /*
+   Penetration > 0.
+   */
+  double penetration;
+  /*
+   Normal force, elastic and viscous; positive where it pushes the particle away.
+   */
+  double normal_force;
+  /*
+   Tangential force on the particle, world frame.
+   */
+  double tangential_force[3];
+  /*
+   Force on the particle, world frame.
+   */
+  double force[3];
+  /*
+   Torque on the particle about its centre, world frame.
+   */
+  double torque[3];
+  /*
+   Elastic energy of the normal and of the tangential deformation.
+   */
+  double elastic_energy[2];
+} EllgranRecordedWallContact;
+
+/*
  Geometry of a contact in stages.
  */
 typedef struct EllgranStagedGeometry {
@@ -935,6 +1249,8 @@ typedef struct EllgranWallContact {
    */
   double weights[3];
 } EllgranWallContact;
+
+
 
 
 
@@ -1146,6 +1462,81 @@ int32_t ellgran_laws_describe(const struct EllgranLaws *laws,
                               size_t capacity);
 
 /*
+ Many contacts of ellipsoids in one call: what `ellgran_contact` gives for each pair, to the last bit, but that each particle
+ is prepared once. `pairs` is [pair_count][2], indices from 0, the first the i of geometry and force. Forces and torques of
+ `particles` are not read or written. One pair after the other, not in lanes.
+
+ `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], belong to the pairs and are kept between
+ steps; start from zeros. Both may be NULL if that length is 0; `touching` is written where it is given. The other
+ arrays do not overlap.
+
+ A wrong particle, pair or argument is refused before anything is written. Of a contact that fails later the message names
+ the number in `pairs` and both particles; the contacts before it are then written.
+
+ # Safety
+ The pointers are as stated here, in `EllgranParticles` and in `EllgranContactArrays`.
+ */
+int32_t ellgran_pair_contacts(const struct EllgranLaws *laws,
+                              struct EllgranWorkspace *workspace,
+                              const struct EllgranParticles *particles,
+                              const struct EllgranStep *step,
+                              size_t pair_count,
+                              const int32_t *pairs,
+                              int32_t *touching,
+                              double *history,
+                              const struct EllgranContactArrays *arrays);
+
+/*
+ Stiffnesses and largest stable time steps of many contacts in one call: what `ellgran_contact_stiffness` gives for each
+ pair. `pairs` is [pair_count][2], indices from 0. Masses are read from `contact_masses` or, where that is NULL, `masses`;
+ forces and torques are not read.
+
+ On failure the contacts before the one that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here, in `EllgranParticles` and in `EllgranStiffnessArrays`.
+ */
+int32_t ellgran_pair_stiffnesses(const struct EllgranLaws *laws,
+                                 struct EllgranWorkspace *workspace,
+                                 const struct EllgranParticles *particles,
+                                 size_t pair_count,
+                                 const int32_t *pairs,
+                                 const struct EllgranStiffnessArrays *arrays);
+
+/*
+ Durations and depths of many elastic collisions in one call: what `ellgran_collision` gives for each pair. `pairs` is
+ [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL. Masses are
+ read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
+
+ On failure the collisions before the one that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_pair_collisions(const struct EllgranLaws *laws,
+                                struct EllgranWorkspace *workspace,
+                                const struct EllgranParticles *particles,
+                                size_t pair_count,
+                                const int32_t *pairs,
+                                const double *speeds,
+                                double *times,
+                                double *penetrations);
+
+/*
+ Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count], those
+ of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
+
+ On failure the times before that of the particle that the message names may have been written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_rayleigh_times(size_t type_count,
+                               const struct EllgranLawParameters *parameters,
+                               const struct EllgranParticles *particles,
+                               double *times);
+
+/*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
  Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
@@ -1291,6 +1682,153 @@ int32_t ellgran_recorded_find(const struct EllgranWorkspace *workspace,
                               int32_t i,
                               int32_t j,
                               int64_t *number);
+
+/*
+ A wall without parts.
+
+ # Safety
+ `wall` is NULL or valid for writes.
+ */
+int32_t ellgran_wall_new(struct EllgranWall **wall);
+
+/*
+ Frees a wall; NULL is allowed.
+
+ # Safety
+ `wall` is NULL or came from `ellgran_wall_new` and is not used again.
+ */
+void ellgran_wall_free(struct EllgranWall *wall);
+
+/*
+ Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
+ ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+
+ # Safety
+ The pointers are NULL or valid; `shape->name` ends with NUL.
+ */
+int32_t ellgran_wall_add_shape(struct EllgranWall *wall,
+                               const struct EllgranWallShape *shape);
+
+/*
+ Adds a surface of triangles, one part, that acts to both sides: the side is that of a particle's centre. Triangles that
+ meet, wherever their corners are, are one surface; at a concave fold faces act by their shares, and convex edges and corners act by
+ themselves. `corners` is [count][3][3].
+
+ # Safety
+ The pointers are NULL or valid; `corners` has `count * 9` doubles.
+ */
+int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
+                                   size_t count,
+                                   const double *corners);
+
+/*
+ Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
+ `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
+ `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+
+ # Safety
+ The pointers are NULL or valid; `path` ends with NUL.
+ */
+int32_t ellgran_wall_add_stl(struct EllgranWall *wall,
+                             const char *path,
+                             double scale,
+                             const double *quaternion,
+                             const double *translation,
+                             size_t *triangle_count);
+
+/*
+ Number of parts of a wall; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_part_count(const struct EllgranWall *wall);
+
+/*
+ Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall; 0 for NULL, and where the
+ laws remember nothing.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+size_t ellgran_wall_memory_length(const struct EllgranWall *wall,
+                                  const struct EllgranLaws *laws);
+
+/*
+ How many of the doubles of one particle, from the first on, are in use: what a caller needs to carry along with the particle, the
+ rest is zero. 0 for NULL.
+
+ # Safety
+ The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
+ */
+size_t ellgran_wall_memory_used(const struct EllgranWall *wall,
+                                const struct EllgranLaws *laws,
+                                const double *memory);
+
+/*
+ Forces and torques between all owned particles and a wall, added to the particles' arrays.
+
+ Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
+ The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
+ type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
+ group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
+ before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
+ a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
+
+ All particles that the wall may reach are checked first; on failure nothing is written.
+
+ # Safety
+ The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`.
+ */
+int32_t ellgran_compute_wall(const struct EllgranLaws *laws,
+                             struct EllgranWorkspace *workspace,
+                             struct EllgranWall *wall,
+                             const struct EllgranParticles *particles,
+                             const int32_t *masks,
+                             int32_t group_mask,
+                             int32_t wall_type,
+                             const struct EllgranWallMotion *motion,
+                             double *memory,
+                             const struct EllgranStep *step,
+                             struct EllgranWallLoad *load,
+                             struct EllgranTallies *tallies);
+
+/*
+ Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.
+
+ # Safety
+ The pointers are NULL or valid; `force` has 3 doubles.
+ */
+int32_t ellgran_wall_part_force(const struct EllgranWall *wall,
+                                size_t part,
+                                double *force);
+
+/*
+ Whether `ellgran_compute_wall` records its contacts, which `ellgran_wall_recorded` then gives.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_record_contacts(struct EllgranWall *wall,
+                                     int32_t record);
+
+/*
+ Number of recorded contacts of the last call; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_recorded_count(const struct EllgranWall *wall);
+
+/*
+ A contact of the last call that recorded contacts, in the order of the particles.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
+                              size_t index,
+                              struct EllgranRecordedWallContact *contact);
 
 /*
  Memory for the stages of a contact.

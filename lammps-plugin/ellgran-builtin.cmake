@@ -27,6 +27,7 @@ function(ellgran_add_to_lammps)
     "${ELLGRAN_STYLES_DIR}/ellgran_history.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_step_velocity.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_refusals.cpp"
+    "${ELLGRAN_STYLES_DIR}/ellgran_region.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_half_step.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_step_limits.cpp"
     "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.cpp"

@@ -6,6 +6,7 @@
 #include "atom_vec_ellipsoid.h"
 #include "atom_vec_hybrid.h"
 #include "error.h"
+#include "force.h"
 #include "math_const.h"
 #include "math_extra.h"
 #include "update.h"
@@ -139,6 +140,11 @@ void EllgranAtoms::require_atom_style() const
                caller, in_use);
   if (!atom->tag_enable)
     error->all(FLERR, "{} requires atom IDs: remove 'atom_modify id no'", caller);
+  if (force->ftm2v != 1.0)
+    error->all(FLERR,
+               "{}: in units {} mass times acceleration is not a force, as contact laws need: use units si, cgs, "
+               "micro, nano or lj",
+               caller, update->unit_style);
 }
 
 void EllgranAtoms::require_shapes(int group_bit) const

@@ -4,18 +4,35 @@
 
 #include "lammpsplugin.h"
 
+#include "ellgran_class_layout.h"
 #include "fix_wall_gran_ellipsoid.h"
 #include "pair_gran_ellipsoid.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "error.h"
+#include "fix_neigh_history.h"
+#include "force.h"
 #include "lammps.h"
 #include "library.h"
+#include "utils.h"
 #include "version.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <string>
+
+#if defined(__linux__) || defined(__APPLE__)
+#include <dlfcn.h>
+#endif
+
+#ifdef LAMMPS_UPDATE
+#define ELLGRAN_BUILT_FOR LAMMPS_VERSION " - " LAMMPS_UPDATE
+#else
+#define ELLGRAN_BUILT_FOR LAMMPS_VERSION
+#endif
 
 using namespace LAMMPS_NS;
 
@@ -31,12 +48,80 @@ Fix *create_fix(LAMMPS *lmp, int narg, char **arg)
   return new FixWallGranEllipsoid(lmp, narg, arg);
 }
 
+// LAMMPS' classes as the headers describe them.
+struct FixByHeaders : public Fix {
+  virtual void after_last() {}
+};
+struct HistoryByHeaders : public FixNeighHistory {
+  virtual void after_last() {}
+};
+struct PairByHeaders : public Pair {
+  using Pair::Pair;
+  void compute(int, int) override {}
+  void settings(int, char **) override {}
+  void coeff(int, char **) override {}
+  virtual void after_last() {}
+
+  // What LAMMPS' own constructor has written, read where the headers say it is.
+  [[nodiscard]] bool is_new() const
+  {
+    return single_enable == 1 && restartinfo == 1 && reinitflag == 1 && trim_flag == 1 && compute_flag == 1 &&
+        mixed_flag == 1 && ncoultablebits == 12 && ndisptablebits == 12 && tabinner == std::sqrt(2.0) &&
+        offset_flag == 0 && mix_flag == GEOMETRIC && nparams == 0 && maxcvatom == 0;
+  }
+};
+
+// The name of a class that is not in memory as the headers say; empty if none is found. Updates of a release carry its
+// version, and those of 22 Jul 2025 have moved members of Pair.
+std::string changed_class(LAMMPS *lmp)
+{
+  const auto differs = [](std::size_t by_headers, const char *mangled) {
+    const std::size_t here = ellgran_virtual_functions_of(mangled);
+    return here && by_headers && here != by_headers;
+  };
+  if (differs(ellgran_virtual_functions(&PairByHeaders::after_last), "N9LAMMPS_NS4PairE")) return "Pair";
+  if (differs(ellgran_virtual_functions(&FixByHeaders::after_last), "N9LAMMPS_NS3FixE")) return "Fix";
+  if (differs(ellgran_virtual_functions(&HistoryByHeaders::after_last), "N9LAMMPS_NS15FixNeighHistoryE"))
+    return "FixNeighHistory";
+
+  // LAMMPS' constructor may write more than the headers know of. It allocates nothing, and its counterpart is not called,
+  // which would take what it wrote for something else.
+  constexpr std::size_t SPARE = 4096;
+  alignas(PairByHeaders) static unsigned char room[sizeof(PairByHeaders) + SPARE];
+  std::memset(room, 0, sizeof room);
+  const auto *pair = new (room) PairByHeaders(lmp);
+  Pair::instance_total--;
+  return pair->is_new() ? "" : "Pair";
+}
+
+// A second file with these styles changes nothing: LAMMPS keeps the first, and does not always say so.
+void tell_of_first_plugin(LAMMPS *lmp)
+{
+#if defined(__linux__) || defined(__APPLE__)
+  bool from_plugin = false;
+  for (int k = 0; k < lammps_plugin_count(); k++) {
+    char style[64] = "", name[64] = "";
+    lammps_plugin_name(k, style, name, sizeof style);
+    from_plugin |= std::strcmp(style, "pair") == 0 && std::strcmp(name, "gran/ellipsoid") == 0;
+  }
+  const auto found = lmp->force->pair_map->find("gran/ellipsoid");
+  if (!from_plugin || found == lmp->force->pair_map->end() ||
+      reinterpret_cast<void *>(found->second) == reinterpret_cast<void *>(&create_pair))
+    return;
+  Dl_info first{}, here{};
+  if (dladdr(reinterpret_cast<void *>(found->second), &first) && dladdr(reinterpret_cast<void *>(&create_pair), &here) &&
+      lmp->comm->me == 0)
+    utils::logmesg(lmp, "Plugin ellgran: the styles of {} are in use already and stay, those of {} are not used\n",
+                   first.dli_fname, here.dli_fname);
+#endif
+}
+
 // The layout of LAMMPS' classes changes between releases: a plugin for another one reads garbage.
 void require_same_lammps(LAMMPS *lmp)
 {
   if (std::strcmp(lmp->version, LAMMPS_VERSION) != 0)
     lmp->error->all(FLERR,
-                    "Plugin ellgran was built for LAMMPS version " LAMMPS_VERSION
+                    "Plugin ellgran was built for LAMMPS version " ELLGRAN_BUILT_FOR
                     ", but this is LAMMPS version " + std::string(lmp->version) +
                     ": build the plugin with LAMMPS_SOURCE_DIR set to the sources of this LAMMPS");
 
@@ -48,6 +133,13 @@ void require_same_lammps(LAMMPS *lmp)
                                (sizeof(tagint) == 8 ? "bigbig" : "smallbig") +
                                ", but this LAMMPS uses " + (wide ? "bigbig" : "smallbig") +
                                ": build the plugin with the LAMMPS_SIZES of this LAMMPS");
+
+  const std::string changed = changed_class(lmp);
+  if (!changed.empty())
+    lmp->error->all(FLERR,
+                    "Plugin ellgran was built for LAMMPS version " ELLGRAN_BUILT_FOR
+                    ", but this is another update of it, in which class " +
+                        changed + " differs: build the plugin with LAMMPS_SOURCE_DIR set to the sources of this LAMMPS");
 
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     lmp->error->all(FLERR, "Plugin ellgran was compiled for ABI version " +
@@ -63,6 +155,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 {
   auto *lammps = static_cast<LAMMPS *>(lmp);
   require_same_lammps(lammps);
+  tell_of_first_plugin(lammps);
 
   // LAMMPS keeps these pointers for as long as the plugin is loaded.
   static char pair_about[96], fix_about[96];

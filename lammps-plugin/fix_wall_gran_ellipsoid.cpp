@@ -13,6 +13,7 @@
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "region.h"
 #include "update.h"
 #include "utils.h"
 
@@ -27,33 +28,59 @@ namespace {
 
 const char CALLER[] = "Fix wall/gran/ellipsoid";
 const char SYNTAX[] =
-    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] "
-    "xplane|yplane|zplane lo hi [wiggle dim amplitude period] [shear dim velocity]";
+    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] <wall> [motion ...] [contacts], "
+    "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or mesh FILE [scale s] [turn "
+    "angle ax ay az] [move x y z]";
+const char MOTIONS[] =
+    "wiggle dim amplitude period, shear dim velocity, velocity vx vy vz, rotate px py pz ax ay az period";
 
 constexpr double TWO_PI = 6.283185307179586476925286766559;
+
+// A row of the local array
+constexpr int CONTACT_COLUMNS = 21;
+
+// Values of the restart file beside the atoms: this mark first. Where the first value is not negative they are those of before
+// there was a mark: four, the energy dissipated by viscosity first.
+constexpr double STATES_WITH_REGION = -2.0;
+constexpr int NUMBER_OF_STATES = 9;
+
+double dot(const double *a, const double *b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// The quaternion of a rotation about a unit vector
+void quaternion_of(const double *axis, double angle, double *q)
+{
+  const double sine = std::sin(0.5 * angle);
+  q[0] = std::cos(0.5 * angle);
+  for (int k = 0; k < 3; k++) q[k + 1] = sine * axis[k];
+}
 
 }    // namespace
 
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), dimension(0),
-    motion(Motion::NONE), motion_axis(0), amplitude(0.0), period(1.0), shear_velocity(0.0),
-    time_then(0.0), time_step(update->dt), step_then(update->ntimestep),
-    last_step(update->ntimestep), fix_step_velocity(nullptr), history_length(0), touching(nullptr), history(nullptr),
-    fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0), work_of_walls(0.0),
-    power_of_walls(0.0), output_here{}, output_all{}, summed(true)
+    Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), wall(nullptr), dimension(-1),
+    plane_slots{-1, -1}, is_cylinder(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
+    amplitude(0.0), period(1.0), shear_velocity(0.0), velocity{}, rotation_point{}, rotation_axis{}, rotation_period(1.0),
+    pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
+    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), memory_length(0),
+    contact_memory(nullptr), tells_contacts(false), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
                CALLER, static_cast<int>(ELLGRAN_ABI_VERSION),
                static_cast<int>(ellgran_abi_version()));
   atoms.require_atom_style();
+  check(ellgran_wall_new(&wall));
+  check(ellgran_workspace_new(&workspace));
 
   int iarg = parse_law(narg, arg);
   iarg = parse_wall(iarg, narg, arg);
-  parse_motion(iarg, narg, arg);
-
-  if (ellgran_workspace_new(&workspace) != ELLGRAN_SUCCESS)
-    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  parse_keywords(iarg, narg, arg);
+  check_periodicity();
+  memory_length = static_cast<int>(ellgran_wall_memory_length(wall, laws));
 
   scalar_flag = vector_flag = 1;
   extscalar = extvector = 1;
@@ -62,9 +89,16 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   energy_global_flag = 1;
   create_attribute = 1;
   restart_global = 1;
-  time_depend = (motion == Motion::WIGGLE) ? 1 : 0;
-  restart_peratom = (history_length > 0) ? 1 : 0;
-  maxexchange = static_cast<int>(walls.size()) * (history_length + 1);
+  time_depend = wiggles ? 1 : 0;
+  restart_peratom = (memory_length > 0) ? 1 : 0;
+  maxexchange = 1 + memory_length;
+  if (tells_contacts) {
+    local_flag = 1;
+    size_local_rows = 0;
+    size_local_cols = CONTACT_COLUMNS;
+    local_freq = 1;
+    check(ellgran_wall_record_contacts(wall, 1));
+  }
 
   FixWallGranEllipsoid::grow_arrays(atom->nmax);
   atom->add_callback(Atom::GROW);
@@ -76,8 +110,8 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
 {
   atom->delete_callback(id, Atom::GROW);
   if (restart_peratom) atom->delete_callback(id, Atom::RESTART);
-  memory->destroy(touching);
-  memory->destroy(history);
+  memory->destroy(contact_memory);
+  ellgran_wall_free(wall);
   ellgran_laws_free(laws);
   ellgran_workspace_free(workspace);
   // Its place in LAMMPS' list is behind this fix, so that to delete it here shifts nothing before.
@@ -109,48 +143,139 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
                    "{} {}: displacement total and displacement incremental can create energy, and nothing in this law "
                    "dissipates any: use displacement rescaled, or a law with damping",
                    CALLER, id);
-  history_length = ellgran_laws_history_length(laws);
   return 3 + static_cast<int>(consumed);
+}
+
+void FixWallGranEllipsoid::check(int32_t status) const
+{
+  if (status != ELLGRAN_SUCCESS) error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+}
+
+/* What all ranks find alike. */
+
+void FixWallGranEllipsoid::check_words(int32_t status) const
+{
+  if (status != ELLGRAN_SUCCESS) error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+}
+
+double FixWallGranEllipsoid::number(const char *keyword, const char *word) const
+{
+  const double value = utils::numeric(FLERR, word, false, lmp);
+  if (!std::isfinite(value)) error->all(FLERR, "{} {}: {} value {} must be finite", CALLER, id, keyword, word);
+  return value;
+}
+
+void FixWallGranEllipsoid::require_values(const char *keyword, int count, int iarg, int narg) const
+{
+  if (iarg + 1 + count > narg)
+    error->all(FLERR, "{} {}: '{}' needs {} value{}: {}; motion = {}", CALLER, id, keyword, count, (count == 1) ? "" : "s",
+               SYNTAX, MOTIONS);
 }
 
 int FixWallGranEllipsoid::parse_wall(int iarg, int narg, char **arg)
 {
   if (iarg >= narg) error->all(FLERR, "{} {}: no wall given: {}", CALLER, id, SYNTAX);
-  const char *word = arg[iarg];
-  if (std::strcmp(word, "zcylinder") == 0 || std::strcmp(word, "region") == 0)
-    error->all(FLERR, "{} {}: wall '{}' is not available: use xplane, yplane or zplane", CALLER, id,
-               word);
-  if (std::strcmp(word, "xplane") == 0)
-    dimension = 0;
-  else if (std::strcmp(word, "yplane") == 0)
-    dimension = 1;
-  else if (std::strcmp(word, "zplane") == 0)
-    dimension = 2;
-  else
-    error->all(FLERR, "{} {}: unknown word '{}': {}", CALLER, id, word, SYNTAX);
+  const std::string word = arg[iarg];
+  if (word == "region") return parse_region(iarg, narg, arg);
+  if (word == "mesh") return parse_mesh(iarg, narg, arg);
+  if (!word.empty() && word[0] >= 'x' && word[0] <= 'z') {
+    dimension = word[0] - 'x';
+    if (word.substr(1) == "plane") return parse_planes(iarg, narg, arg);
+    if (word.substr(1) == "cylinder") return parse_cylinder(iarg, narg, arg);
+  }
+  error->all(FLERR, "{} {}: unknown word '{}': {}", CALLER, id, word, SYNTAX);
+  return narg;
+}
+
+int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
+{
+  const char *const word = arg[iarg];
   if (iarg + 3 > narg)
     error->all(FLERR, "{} {}: '{}' needs two positions: {} lo hi, NULL for none", CALLER, id, word,
                word);
-
+  double positions[2];
+  int count = 0;
   for (int k = 0; k < 2; k++) {
     const char *given = arg[iarg + 1 + k];
     if (std::strcmp(given, "NULL") == 0) continue;
-    const double position = utils::numeric(FLERR, given, false, lmp);
-    if (!std::isfinite(position))
-      error->all(FLERR, "{} {}: {} position {} must be finite", CALLER, id, word, given);
-    walls.push_back({position, (k == 0) ? 1.0 : -1.0, k});
+    positions[k] = number(word, given);
+    EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+    shape.name = "plane";
+    shape.point[dimension] = positions[k];
+    shape.axis[dimension] = (k == 0) ? 1.0 : -1.0;
+    shape.side = ELLGRAN_SIDE_INSIDE;
+    check_words(ellgran_wall_add_shape(wall, &shape));
+    plane_slots[k] = count++;
   }
-  if (walls.empty())
+  if (count == 0)
     error->all(FLERR, "{} {}: '{} NULL NULL' is no wall: give at least one position", CALLER, id,
                word);
-  if (walls.size() == 2 && walls[0].position >= walls[1].position)
-    error->all(FLERR, "{} {}: {} lo {} must be below hi {}", CALLER, id, word, walls[0].position,
-               walls[1].position);
-  if (domain->periodicity[dimension])
-    error->all(FLERR,
-               "{} {}: '{}' in a periodic dimension: use 'boundary' with f, s or m in that dimension",
-               CALLER, id, word);
+  if (count == 2 && positions[0] >= positions[1])
+    error->all(FLERR, "{} {}: {} lo {} must be below hi {}", CALLER, id, word, positions[0],
+               positions[1]);
   return iarg + 3;
+}
+
+/* As in fix wall/gran the axis goes through the origin, and grains may be inside or outside. */
+
+int FixWallGranEllipsoid::parse_cylinder(int iarg, int narg, char **arg)
+{
+  const char *const word = arg[iarg];
+  require_values(word, 1, iarg, narg);
+  is_cylinder = true;
+  EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+  shape.name = "cylinder";
+  shape.axis[dimension] = 1.0;
+  shape.radii[0] = number(word, arg[iarg + 1]);
+  shape.side = ELLGRAN_SIDE_OF_CENTRE;
+  check_words(ellgran_wall_add_shape(wall, &shape));
+  return iarg + 2;
+}
+
+int FixWallGranEllipsoid::parse_region(int iarg, int narg, char **arg)
+{
+  require_values("region", 1, iarg, narg);
+  region_id = arg[iarg + 1];
+  Region *const region = domain->get_region_by_id(region_id);
+  if (!region) error->all(FLERR, "{} {}: region {} does not exist", CALLER, id, region_id);
+  add_region(lmp, std::string(CALLER) + " " + id, region, wall);
+  if (ellgran_wall_part_count(wall) == 0)
+    error->all(FLERR, "{} {}: region {} has no surface", CALLER, id, region_id);
+  return iarg + 2;
+}
+
+int FixWallGranEllipsoid::parse_mesh(int iarg, int narg, char **arg)
+{
+  require_values("mesh", 1, iarg, narg);
+  const char *const file = arg[iarg + 1];
+  double scale = 1.0, quaternion[4] = {1.0, 0.0, 0.0, 0.0}, translation[3] = {};
+  iarg += 2;
+  while (iarg < narg) {
+    const std::string word = arg[iarg];
+    if (word == "scale") {
+      require_values("scale", 1, iarg, narg);
+      scale = number("scale", arg[iarg + 1]);
+      iarg += 2;
+    } else if (word == "turn") {
+      require_values("turn", 4, iarg, narg);
+      double axis[3];
+      for (int k = 0; k < 3; k++) axis[k] = number("turn", arg[iarg + 2 + k]);
+      const double length = std::sqrt(dot(axis, axis));
+      if (length == 0.0) error->all(FLERR, "{} {}: turn needs an axis other than 0 0 0", CALLER, id);
+      for (double &component : axis) component /= length;
+      quaternion_of(axis, number("turn", arg[iarg + 1]) * TWO_PI / 360.0, quaternion);
+      iarg += 5;
+    } else if (word == "move") {
+      require_values("move", 3, iarg, narg);
+      for (int k = 0; k < 3; k++) translation[k] = number("move", arg[iarg + 1 + k]);
+      iarg += 4;
+    } else
+      break;
+  }
+  std::size_t count = 0;
+  check_words(ellgran_wall_add_stl(wall, file, scale, quaternion, translation, &count));
+  if (comm->me == 0) utils::logmesg(lmp, "  {} {}: {} triangles from {}\n", CALLER, id, count, file);
+  return iarg;
 }
 
 int FixWallGranEllipsoid::axis_word(const char *keyword, const char *word) const
@@ -162,36 +287,93 @@ int FixWallGranEllipsoid::axis_word(const char *keyword, const char *word) const
   return -1;
 }
 
-int FixWallGranEllipsoid::parse_motion(int iarg, int narg, char **arg)
+int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
 {
+  const bool region_moves = !region_id.empty() && domain->get_region_by_id(region_id)->dynamic;
   while (iarg < narg) {
     const std::string word = arg[iarg];
-    if (word != "wiggle" && word != "shear")
-      error->all(FLERR, "{} {}: unknown word '{}' after the wall: {}", CALLER, id, word, SYNTAX);
-    if (motion != Motion::NONE)
-      error->all(FLERR, "{} {}: a wall can either wiggle or shear, once", CALLER, id);
-    const int words = (word == "wiggle") ? 4 : 3;
-    if (iarg + words > narg)
-      error->all(FLERR, "{} {}: '{}' needs {} values: {}", CALLER, id, word, words - 1, SYNTAX);
-    motion_axis = axis_word(word.c_str(), arg[iarg + 1]);
-    if (word == "wiggle") {
-      motion = Motion::WIGGLE;
-      amplitude = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
-      period = utils::numeric(FLERR, arg[iarg + 3], false, lmp);
-      if (!std::isfinite(amplitude) || !std::isfinite(period) || period <= 0.0)
-        error->all(FLERR, "{} {}: wiggle amplitude {} must be finite and period {} positive", CALLER,
-                   id, arg[iarg + 2], arg[iarg + 3]);
-    } else {
-      motion = Motion::SHEAR;
-      shear_velocity = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
-      if (!std::isfinite(shear_velocity))
-        error->all(FLERR, "{} {}: shear velocity {} must be finite", CALLER, id, arg[iarg + 2]);
-      if (motion_axis == dimension)
-        error->all(FLERR, "{} {}: a plane cannot shear along its own normal", CALLER, id);
+    if (word == "contacts") {
+      tells_contacts = true;
+      iarg++;
+      continue;
     }
-    iarg += words;
+    const int values = (word == "wiggle" || word == "velocity") ? 3 : (word == "shear") ? 2 : (word == "rotate") ? 7 : 0;
+    if (values == 0)
+      error->all(FLERR, "{} {}: unknown word '{}' after the wall: {}; motion = {}", CALLER, id, word, SYNTAX, MOTIONS);
+    require_values(word.c_str(), values, iarg, narg);
+    if (wiggles || shears || (moves && word != "rotate") || (rotates && word != "velocity"))
+      error->all(FLERR, "{} {}: a wall can wiggle or shear or move, once; velocity and rotate may go together", CALLER, id);
+    if (region_moves)
+      error->all(FLERR, "{} {}: region {} moves by itself: take '{}' away", CALLER, id, region_id, word);
+    if (word == "wiggle")
+      parse_wiggle(arg + iarg);
+    else if (word == "shear")
+      parse_shear(arg + iarg);
+    else if (word == "rotate")
+      parse_rotate(arg + iarg);
+    else {
+      moves = true;
+      for (int k = 0; k < 3; k++) velocity[k] = number("velocity", arg[iarg + 1 + k]);
+    }
+    iarg += 1 + values;
   }
   return iarg;
+}
+
+void FixWallGranEllipsoid::parse_wiggle(char **arg)
+{
+  wiggles = true;
+  motion_axis = axis_word("wiggle", arg[1]);
+  amplitude = utils::numeric(FLERR, arg[2], false, lmp);
+  period = utils::numeric(FLERR, arg[3], false, lmp);
+  if (!std::isfinite(amplitude) || !std::isfinite(period) || period <= 0.0)
+    error->all(FLERR, "{} {}: wiggle amplitude {} must be finite and period {} positive", CALLER,
+               id, arg[2], arg[3]);
+}
+
+/* A surface that slides in itself: it stays in its place. */
+
+void FixWallGranEllipsoid::parse_shear(char **arg)
+{
+  shears = true;
+  motion_axis = axis_word("shear", arg[1]);
+  shear_velocity = utils::numeric(FLERR, arg[2], false, lmp);
+  if (!std::isfinite(shear_velocity))
+    error->all(FLERR, "{} {}: shear velocity {} must be finite", CALLER, id, arg[2]);
+  if (dimension < 0)
+    error->all(FLERR, "{} {}: only a plane or a cylinder can shear: use velocity", CALLER, id);
+  if (!is_cylinder && motion_axis == dimension)
+    error->all(FLERR, "{} {}: a plane cannot shear along its own normal", CALLER, id);
+  if (is_cylinder && motion_axis != dimension)
+    error->all(FLERR, "{} {}: a cylinder can shear along its axis only: use velocity or rotate", CALLER, id);
+}
+
+void FixWallGranEllipsoid::parse_rotate(char **arg)
+{
+  rotates = true;
+  for (int k = 0; k < 3; k++) {
+    rotation_point[k] = number("rotate", arg[1 + k]);
+    rotation_axis[k] = number("rotate", arg[4 + k]);
+  }
+  rotation_period = number("rotate", arg[7]);
+  const double length = std::sqrt(dot(rotation_axis, rotation_axis));
+  if (!(length > 0.0)) error->all(FLERR, "{} {}: rotate needs an axis other than 0 0 0", CALLER, id);
+  for (double &component : rotation_axis) component /= length;
+  if (rotation_period == 0.0)
+    error->all(FLERR, "{} {}: rotate period {} must not be 0", CALLER, id, arg[7]);
+}
+
+/* A wall has no images: it must not depend on a coordinate that repeats. */
+
+void FixWallGranEllipsoid::check_periodicity() const
+{
+  for (int k = 0; k < 3; k++) {
+    const bool across = is_cylinder ? k != dimension : k == dimension;
+    if (dimension >= 0 && across && domain->periodicity[k])
+      error->all(FLERR,
+                 "{} {}: the wall is in a periodic dimension, {}: use 'boundary' with f, s or m in that dimension",
+                 CALLER, id, "xyz"[k]);
+  }
 }
 
 int FixWallGranEllipsoid::setmask()
@@ -204,12 +386,13 @@ void FixWallGranEllipsoid::init()
   atoms.require_atom_style();
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
-  if (domain->periodicity[dimension])
-    error->all(FLERR, "{} {}: the dimension of the wall became periodic", CALLER, id);
+  check_periodicity();
+  if (!region_id.empty() && !domain->get_region_by_id(region_id))
+    error->all(FLERR, "{} {}: region {} does not exist any more", CALLER, id, region_id);
   atoms.require_shapes(groupbit);
-  refuse_styles(lmp, CALLER, history_length > 0);
-  if (motion == Motion::WIGGLE && input->command && std::strcmp(input->command, "rerun") == 0)
-    error->all(FLERR, "{} {}: 'rerun' does not say where in its motion a wiggling wall is", CALLER, id);
+  refuse_styles(lmp, CALLER, memory_length > 0);
+  if ((wiggles || moves || rotates) && input->command && std::strcmp(input->command, "rerun") == 0)
+    error->all(FLERR, "{} {}: 'rerun' does not say where in its motion a wall is", CALLER, id);
   place_step_velocity_fix();
 
   fix_rigid = nullptr;
@@ -261,28 +444,59 @@ double FixWallGranEllipsoid::time_passed() const
   return time_then + static_cast<double>(last_step - step_then) * time_step;
 }
 
-std::vector<EllgranPlane> FixWallGranEllipsoid::planes_now(bool time_passes) const
+EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
 {
-  double shift = 0.0, velocity = 0.0;
-  if (motion == Motion::WIGGLE) {
+  EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
+  const double time = time_passed();
+  if (wiggles) {
     const double rate = TWO_PI / period;
-    const double phase = rate * time_passed();
-    if (motion_axis == dimension) shift = amplitude * (1.0 - std::cos(phase));
+    const double phase = rate * time;
+    motion.displacement[motion_axis] = amplitude * (1.0 - std::cos(phase));
     // As the grains' velocities, that of the wall is the one that brought it here in this step.
-    velocity = time_passes
+    motion.velocity[motion_axis] = time_passes
         ? 2.0 * amplitude * std::sin(phase - 0.5 * rate * time_step) *
             std::sin(0.5 * rate * time_step) / time_step
         : amplitude * rate * std::sin(phase);
-  } else if (motion == Motion::SHEAR) {
-    velocity = shear_velocity;
   }
-  std::vector<EllgranPlane> planes(walls.size(), ELLGRAN_INIT(EllgranPlane));
-  for (std::size_t k = 0; k < walls.size(); k++) {
-    planes[k].point[dimension] = walls[k].position + shift;
-    planes[k].normal[dimension] = walls[k].out;
-    planes[k].velocity[motion_axis] = velocity;
+  if (shears) motion.velocity[motion_axis] = shear_velocity;
+  if (moves)
+    for (int k = 0; k < 3; k++) {
+      motion.displacement[k] = velocity[k] * time;
+      motion.velocity[k] = velocity[k];
+    }
+  if (rotates) {
+    const double rate = TWO_PI / rotation_period;
+    // whole turns are none
+    quaternion_of(rotation_axis, std::remainder(rate * time, TWO_PI), motion.quaternion);
+    for (int k = 0; k < 3; k++) {
+      motion.origin[k] = rotation_point[k];
+      motion.angular_velocity[k] = rate * rotation_axis[k];
+    }
   }
-  return planes;
+  if (!region_id.empty()) add_region_motion(motion, time_passes);
+  return motion;
+}
+
+/* The velocities are those over the step; where no step was made since the fix is there, none. */
+
+void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool time_passes)
+{
+  Region *const region = domain->get_region_by_id(region_id);
+  if (!region->dynamic) return;
+  const RegionPose now = region_pose(lmp, region);
+  if (time_passes && pose_is_known && update->dt > 0.0) {
+    for (int k = 0; k < 3; k++) region_velocity[k] = (now.displacement[k] - pose.displacement[k]) / update->dt;
+    region_rate = (now.angle - pose.angle) / update->dt;
+  }
+  pose = now;
+  pose_is_known = true;
+  quaternion_of(now.axis, std::remainder(now.angle, TWO_PI), motion.quaternion);
+  for (int k = 0; k < 3; k++) {
+    motion.origin[k] = now.point[k];
+    motion.displacement[k] = now.displacement[k];
+    motion.velocity[k] = region_velocity[k];
+    motion.angular_velocity[k] = region_rate * now.axis[k];
+  }
 }
 
 /* Half of the work of a force is done with the velocity to which it has led. */
@@ -308,8 +522,8 @@ void FixWallGranEllipsoid::post_force(int)
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
   const bool time_passes = update->setupflag == 0 && update->whichflag != 2;
   follow_time(time_passes);
-  const std::vector<EllgranPlane> planes = planes_now(time_passes);
-  double wall_forces[6] = {};
+  const EllgranWallMotion motion = motion_now(time_passes);
+  EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
   inelastic_loads.resize(12 * static_cast<std::size_t>(atom->nlocal));
   tallies.inelastic_loads = (atom->nlocal > 0) ? inelastic_loads.data() : nullptr;
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
@@ -323,12 +537,10 @@ void FixWallGranEllipsoid::post_force(int)
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     const int wall_type = 1;    // every pair of types has the law of this fix
-    if (ellgran_compute_planes(laws, workspace, &particles, atom->mask, groupbit, wall_type,
-                               planes.size(), planes.data(), touching ? touching[0] : nullptr,
-                               history ? history[0] : nullptr, &step, wall_forces,
-                               &tallies) != ELLGRAN_SUCCESS)
-      error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+    check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
+                               contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));
   }
+  if (tells_contacts) tell_contacts();
 
   // Friction has dissipated the work of the tangential forces less what the contacts hold of it.
   if (step.advance_history)
@@ -336,14 +548,15 @@ void FixWallGranEllipsoid::post_force(int)
   else
     tallies.tangential_work = friction + tallies.tangential_elastic_energy;
 
-  power_of_walls = 0.0;
-  for (std::size_t k = 0; k < walls.size(); k++)
-    for (int c = 0; c < 3; c++) power_of_walls -= wall_forces[3 * k + c] * planes[k].velocity[c];
+  power_of_walls = -load.power;
   if (step.advance_history) work_of_walls += 0.5 * step.time_step * power_of_walls;
 
-  for (std::size_t k = 0; k < walls.size(); k++)
-    for (int c = 0; c < 3; c++)
-      output_here[(walls[k].slot == 0 ? FORCE_LO : FORCE_HI) + c] = wall_forces[3 * k + c];
+  for (int k = 0; k < 2; k++)
+    if (plane_slots[k] >= 0 && atom->nlocal > 0)
+      check(ellgran_wall_part_force(wall, plane_slots[k], output_here + (k == 0 ? FORCE_LO : FORCE_HI)));
+  std::copy_n(load.force, 3, output_here + FORCE);
+  std::copy_n(load.torque, 3, output_here + TORQUE);
+  output_here[POWER] = power_of_walls;
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
   output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
@@ -351,6 +564,32 @@ void FixWallGranEllipsoid::post_force(int)
   output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
   output_here[TOUCHING] = tallies.touching_count;
   output_here[WORK_OF_WALLS] = work_of_walls;
+}
+
+/* One row for each contact of this rank. */
+
+void FixWallGranEllipsoid::tell_contacts()
+{
+  const std::size_t rows = (atom->nlocal > 0) ? ellgran_wall_recorded_count(wall) : 0;
+  contact_values.resize(rows * CONTACT_COLUMNS);
+  contact_rows.resize(rows);
+  for (std::size_t row = 0; row < rows; row++) {
+    EllgranRecordedWallContact contact = ELLGRAN_INIT(EllgranRecordedWallContact);
+    check(ellgran_wall_recorded(wall, row, &contact));
+    double *next = contact_rows[row] = &contact_values[row * CONTACT_COLUMNS];
+    *next++ = static_cast<double>(atom->tag[contact.particle]);
+    *next++ = static_cast<double>(contact.part + 1);
+    next = std::copy_n(contact.point, 3, next);
+    next = std::copy_n(contact.normal, 3, next);
+    *next++ = contact.penetration;
+    *next++ = contact.normal_force;
+    next = std::copy_n(contact.tangential_force, 3, next);
+    next = std::copy_n(contact.force, 3, next);
+    next = std::copy_n(contact.torque, 3, next);
+    std::copy_n(contact.elastic_energy, 2, next);
+  }
+  size_local_rows = static_cast<int>(rows);
+  array_local = contact_rows.data();
 }
 
 void FixWallGranEllipsoid::find_contact_masses()
@@ -393,80 +632,73 @@ double FixWallGranEllipsoid::memory_usage()
 {
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
   bytes += static_cast<double>(contact_masses.capacity() + inelastic_loads.capacity()) * sizeof(double);
-  if (history_length > 0)
-    bytes += static_cast<double>(atom->nmax) * static_cast<double>(walls.size()) *
-        (sizeof(int) + history_length * sizeof(double));
-  return bytes;
+  bytes += static_cast<double>(contact_values.capacity()) * sizeof(double);
+  return bytes + static_cast<double>(atom->nmax) * memory_length * sizeof(double);
 }
 
 void FixWallGranEllipsoid::grow_arrays(int nmax)
 {
-  if (history_length == 0) return;
-  const int columns = static_cast<int>(walls.size());
-  memory->grow(touching, nmax, columns, "wall/gran/ellipsoid:touching");
-  memory->grow(history, nmax, columns * history_length, "wall/gran/ellipsoid:history");
+  if (memory_length > 0) memory->grow(contact_memory, nmax, memory_length, "wall/gran/ellipsoid:contact_memory");
 }
 
 void FixWallGranEllipsoid::copy_arrays(int i, int j, int)
 {
-  if (history_length == 0) return;
-  const int columns = static_cast<int>(walls.size());
-  std::copy_n(touching[i], columns, touching[j]);
-  std::copy_n(history[i], columns * history_length, history[j]);
+  if (memory_length > 0) std::copy_n(contact_memory[i], memory_length, contact_memory[j]);
 }
 
 void FixWallGranEllipsoid::set_arrays(int i)
 {
-  if (history_length == 0) return;
-  const int columns = static_cast<int>(walls.size());
-  std::fill_n(touching[i], columns, 0);
-  std::fill_n(history[i], columns * history_length, 0.0);
+  if (memory_length > 0) std::fill_n(contact_memory[i], memory_length, 0.0);
 }
+
+/* What of an atom's memory is in use, and its length before it. */
 
 int FixWallGranEllipsoid::pack_exchange(int i, double *buffer)
 {
-  if (history_length == 0) return 0;
-  const int columns = static_cast<int>(walls.size());
-  double *next = std::copy_n(touching[i], columns, buffer);
-  next = std::copy_n(history[i], columns * history_length, next);
-  return static_cast<int>(next - buffer);
+  if (memory_length == 0) return 0;
+  const int used = static_cast<int>(ellgran_wall_memory_used(wall, laws, contact_memory[i]));
+  buffer[0] = used;
+  std::copy_n(contact_memory[i], used, buffer + 1);
+  return 1 + used;
 }
 
 int FixWallGranEllipsoid::unpack_exchange(int nlocal, double *buffer)
 {
-  if (history_length == 0) return 0;
-  const int columns = static_cast<int>(walls.size());
-  for (int k = 0; k < columns; k++) touching[nlocal][k] = static_cast<int>(buffer[k]);
-  std::copy_n(buffer + columns, columns * history_length, history[nlocal]);
-  return columns * (1 + history_length);
+  if (memory_length == 0) return 0;
+  const int used = static_cast<int>(buffer[0]);
+  double *const end = std::copy_n(buffer + 1, used, contact_memory[nlocal]);
+  std::fill(end, contact_memory[nlocal] + memory_length, 0.0);
+  return 1 + used;
 }
 
-int FixWallGranEllipsoid::size_restart(int)
+int FixWallGranEllipsoid::size_restart(int i)
 {
-  return (history_length == 0) ? 0 : 1 + static_cast<int>(walls.size()) * (1 + history_length);
+  if (memory_length == 0) return 0;
+  return 2 + static_cast<int>(ellgran_wall_memory_used(wall, laws, contact_memory[i]));
 }
 
 int FixWallGranEllipsoid::maxsize_restart()
 {
-  return size_restart(0);
+  return (memory_length == 0) ? 0 : 2 + memory_length;
 }
 
 int FixWallGranEllipsoid::pack_restart(int i, double *buffer)
 {
-  if (history_length == 0) return 0;
+  if (memory_length == 0) return 0;
   buffer[0] = 1 + pack_exchange(i, buffer + 1);
   return static_cast<int>(buffer[0]);
 }
 
 void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 {
-  if (history_length == 0) return;
+  if (memory_length == 0) return;
   double *extra = atom->extra[nlocal];
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
-  if (static_cast<int>(*extra) != size_restart(nlocal))
+  const int used = static_cast<int>(extra[0]) - 2;
+  if (used < 0 || used > memory_length || extra[1] != used)
     error->one(FLERR,
-               "{} {}: the restart file keeps another number of values per contact: give the fix the "
-               "law and the walls that it had, or another ID",
+               "{} {}: the restart file keeps other values per contact: give the fix the law and the wall that it had, or "
+               "another ID",
                CALLER, id);
   unpack_exchange(nlocal, extra + 1);
 }
@@ -477,19 +709,29 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
   double sums[3] = {0.0, 0.0, 0.0};
   MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[4] = {sums[0], time_passed(), sums[1], sums[2]};
+    const double values[NUMBER_OF_STATES] = {STATES_WITH_REGION, sums[0], time_passed(), sums[1], sums[2],
+                                             region_velocity[0], region_velocity[1], region_velocity[2], region_rate};
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
-    fwrite(values, sizeof(double), 4, fp);
+    fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
   }
 }
 
 void FixWallGranEllipsoid::restart(char *buffer)
 {
-  double values[4];
-  std::memcpy(values, buffer, sizeof(values));
+  double mark, values[NUMBER_OF_STATES - 1];
+  std::memcpy(&mark, buffer, sizeof(mark));
+  const bool has_region = mark == STATES_WITH_REGION;
+  if (has_region)
+    std::memcpy(values, buffer + sizeof(mark), sizeof(values));
+  else
+    std::memcpy(values, buffer, 4 * sizeof(double));
   time_then = values[1];
   step_then = last_step = update->ntimestep;
+  if (has_region) {
+    std::copy_n(values + 4, 3, region_velocity);
+    region_rate = values[7];
+  }
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];
   friction = values[2];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// `fix wall/gran/ellipsoid`: plane walls for ellipsoids, with the contact laws of ellgran.
+/// `fix wall/gran/ellipsoid`: walls of any shape for ellipsoids, with the contact laws of ellgran.
 
 #ifdef FIX_CLASS
 // clang-format off
@@ -14,6 +14,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 #include "fix.h"
 
 #include "ellgran_atoms.h"
+#include "ellgran_region.h"
 
 #include <string>
 #include <vector>
@@ -54,23 +55,28 @@ class FixWallGranEllipsoid : public Fix {
   void set_molecule(int, tagint, int, double *, double *, double *) override;
 
  private:
-  enum class Motion { NONE, WIGGLE, SHEAR };
 
   EllgranAtoms atoms;
   EllgranLaws *laws;
   EllgranWorkspace *workspace;
+  EllgranWall *wall;
 
-  // The planes: dimension 0, 1, 2 of the normal; one or two of them.
-  struct Wall {
-    double position;
-    double out;    // +1: the grains are above, -1: below
-    int slot;      // 0: lo, 1: hi, in the output
-  };
-  int dimension;
-  std::vector<Wall> walls;
-  Motion motion;
+  int dimension;               // of the normal of planes, or of the axis of a cylinder; -1 for other walls
+  int plane_slots[2];          // part of the lower and of the upper plane; -1: there is none
+  bool is_cylinder;
+  std::string region_id;       // empty: no region
+
+  // The motion: at most one of wiggle and shear, velocity, and rotation, which may go together
+  bool wiggles, shears, rotates, moves;
   int motion_axis;
   double amplitude, period, shear_velocity;
+  double velocity[3];
+  double rotation_point[3], rotation_axis[3], rotation_period;
+
+  // Motion of a region: pose of the last step, and the velocities over the step
+  bool pose_is_known;
+  RegionPose pose;
+  double region_velocity[3], region_rate;
 
   // Time of a motion: `time_then` had passed at the step `step_then`, and steps are as long as `time_step` since. It goes on
   // whatever becomes of the number or the length of the steps.
@@ -80,10 +86,14 @@ class FixWallGranEllipsoid : public Fix {
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;    // nullptr: `atom->v` is right
 
-  // History of the contact of each atom with each wall, one row per atom
-  int history_length;
-  int **touching;
-  double **history;
+  // What is remembered of the contacts of each atom, one row per atom
+  int memory_length;
+  double **contact_memory;
+
+  // The contacts, one row each, if asked for
+  bool tells_contacts;
+  std::vector<double> contact_values;
+  std::vector<double *> contact_rows;
 
   // Masses of the rigid bodies that atoms are in
   class Fix *fix_rigid;
@@ -100,6 +110,9 @@ class FixWallGranEllipsoid : public Fix {
     VISCOUS_DISSIPATION,
     FRICTIONAL_DISSIPATION,
     WORK_OF_WALLS,
+    FORCE,
+    TORQUE = FORCE + 3,
+    POWER = TORQUE + 3,
     NUMBER_OF_OUTPUTS
   };
   // Energies dissipated and work of the walls since the fix was made, this rank's share, and the loads that dissipate
@@ -111,11 +124,25 @@ class FixWallGranEllipsoid : public Fix {
 
   int parse_law(int narg, char **arg);
   int parse_wall(int iarg, int narg, char **arg);
-  int parse_motion(int iarg, int narg, char **arg);
+  int parse_planes(int iarg, int narg, char **arg);
+  int parse_cylinder(int iarg, int narg, char **arg);
+  int parse_region(int iarg, int narg, char **arg);
+  int parse_mesh(int iarg, int narg, char **arg);
+  int parse_keywords(int iarg, int narg, char **arg);
+  void parse_wiggle(char **arg);
+  void parse_shear(char **arg);
+  void parse_rotate(char **arg);
+  [[nodiscard]] double number(const char *keyword, const char *word) const;
+  void require_values(const char *keyword, int count, int iarg, int narg) const;
+  void check(int32_t status) const;
+  void check_words(int32_t status) const;
+  void check_periodicity() const;
   int axis_word(const char *keyword, const char *word) const;
   void follow_time(bool passes);
   [[nodiscard]] double time_passed() const;
-  [[nodiscard]] std::vector<EllgranPlane> planes_now(bool time_passes) const;
+  [[nodiscard]] EllgranWallMotion motion_now(bool time_passes);
+  void add_region_motion(EllgranWallMotion &motion, bool time_passes);
+  void tell_contacts();
   void place_step_velocity_fix();
   void find_contact_masses();
   void sum_output();

@@ -74,7 +74,7 @@ enum {
 constexpr int LINES_OF_LAWS = 20;
 
 // Opens the restart data; a number so unlikely that other data is not taken for it.
-constexpr int RESTART_MARK = 0x4c4c4547;
+constexpr int RESTART_MARK = 0x324c4547;
 
 std::string history_fix_id(int instance)
 {
@@ -93,6 +93,11 @@ bool history_fix_exists(Modify *modify, const std::string &id)
     if (id == fix->id || utils::strmatch(fix->id, "^" + id + "_")) return true;
   return false;
 }
+
+// The group of `comm_modify group`, 0 for all: LAMMPS shows it to kinds of communication alone.
+struct BorderGroup : Comm {
+  static int of(const Comm *comm) { return comm->*(&BorderGroup::bordergroup); }
+};
 
 double length(const double *v)
 {
@@ -384,7 +389,8 @@ void PairGranEllipsoid::settings(int narg, char **arg)
 
 void PairGranEllipsoid::coeff(int narg, char **arg)
 {
-  if (narg < 3)
+  const bool from_file = narg == 2 && !restored_flags.empty();
+  if (narg < 3 && !from_file)
     error->all(FLERR,
                "{}: pair_coeff needs two types and a normal law: pair_coeff I J hertz E nu | "
                "nfd E nu eta1 eta2 | lsd kn cn, then [damping ...] [tangential ...] [keywords]",
@@ -396,17 +402,24 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
   utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
 
   EllgranLawParameters given = ELLGRAN_INIT(EllgranLawParameters);
-  if (ellgran_law_parameters_parse(narg - 2, arg + 2, nullptr, &given) != ELLGRAN_SUCCESS)
+  if (!from_file && ellgran_law_parameters_parse(narg - 2, arg + 2, nullptr, &given) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: pair_coeff {} {}: {}", CALLER, arg[0], arg[1], ellgran_last_error());
 
   int count = 0;
   const int ntypes = atom->ntypes;
   for (int i = ilo; i <= ihi; i++)
     for (int j = std::max(jlo, i); j <= jhi; j++) {
+      if (from_file) {
+        if (take_restored(i, j)) count++;
+        continue;
+      }
       parameters[(i - 1) * ntypes + (j - 1)] = given;
       setflag[i][j] = 1;
       count++;
     }
+  if (count == 0 && from_file)
+    error->all(FLERR, "{}: pair_coeff {} {} names no law, and the restart file has none for these types", CALLER,
+               arg[0], arg[1]);
   if (count == 0)
     error->all(FLERR, "{}: pair_coeff {} {} sets no pair of types with I <= J", CALLER, arg[0],
                arg[1]);
@@ -418,6 +431,11 @@ void PairGranEllipsoid::init_style()
   if (comm->ghost_velocity == 0)
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
+               CALLER);
+  if (BorderGroup::of(comm))
+    error->all(FLERR,
+               "{}: 'comm_modify group' hides ghost atoms of other groups, and contacts with them would be missed: "
+               "remove it",
                CALLER);
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
@@ -661,6 +679,11 @@ void PairGranEllipsoid::refuse_what_cannot_work()
                "momenta and histories of contacts, which would be those of the last run: write "
                "restart files ('restart N frame.*'), and 'read_restart' and 'run 0' each",
                CALLER);
+  if (input->command && std::strcmp(input->command, "pair_write") == 0)
+    error->all(FLERR,
+               "{}: 'pair_write' tabulates a force over the distance of centres, on which contact forces do not "
+               "depend alone",
+               CALLER);
 }
 
 void PairGranEllipsoid::place_step_velocity_fix()
@@ -771,64 +794,86 @@ void PairGranEllipsoid::finish()
                    CALLER, sum);
 }
 
+/* `pair_style hybrid` writes and reads the settings of its styles and nothing else: so the coefficients are among
+   them. LAMMPS still wants to hear which pairs of types belong to which style; 'pair_coeff I J gran/ellipsoid'
+   without a law then takes the law of the file. */
+
 void PairGranEllipsoid::write_restart(FILE *fp)
 {
   write_restart_settings(fp);
-  const int ntypes = atom->ntypes;
-  for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++) {
-      fwrite(&setflag[i][j], sizeof(int), 1, fp);
-      if (setflag[i][j])
-        fwrite(&parameters[(i - 1) * ntypes + (j - 1)], sizeof(EllgranLawParameters), 1, fp);
-    }
 }
 
 void PairGranEllipsoid::read_restart(FILE *fp)
 {
   read_restart_settings(fp);
-  allocate();
+  if (!allocated) allocate();
   const int ntypes = atom->ntypes;
   for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++) {
-      if (comm->me == 0)
-        utils::sfread(FLERR, &setflag[i][j], sizeof(int), 1, fp, nullptr, error);
-      MPI_Bcast(&setflag[i][j], 1, MPI_INT, 0, world);
-      if (!setflag[i][j]) continue;
-      EllgranLawParameters &stored = parameters[(i - 1) * ntypes + (j - 1)];
-      if (comm->me == 0)
-        utils::sfread(FLERR, &stored, sizeof(EllgranLawParameters), 1, fp, nullptr, error);
-      MPI_Bcast(&stored, sizeof(EllgranLawParameters), MPI_BYTE, 0, world);
-    }
+    for (int j = i; j <= ntypes; j++) take_restored(i, j);
+}
+
+/* Whether the restart file had a law of these types, which then is theirs. */
+
+bool PairGranEllipsoid::take_restored(int i, int j)
+{
+  const std::size_t place = static_cast<std::size_t>(i - 1) * atom->ntypes + (j - 1);
+  if (place >= restored_flags.size() || !restored_flags[place]) return false;
+  parameters[place] = restored[place];
+  setflag[i][j] = 1;
+  return true;
 }
 
 void PairGranEllipsoid::write_restart_settings(FILE *fp)
 {
-  const int head[3] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
-                       static_cast<int>(sizeof(EllgranLawParameters))};
-  fwrite(head, sizeof(int), 3, fp);
+  const int ntypes = atom->ntypes;
+  const int head[4] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
+                       static_cast<int>(sizeof(EllgranLawParameters)), ntypes};
+  fwrite(head, sizeof(int), 4, fp);
   const double values[3] = {cutoff_global, tallies.viscous_dissipation, friction};
   fwrite(values, sizeof(double), 3, fp);
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      const int flag = (allocated && setflag[i][j]) ? 1 : 0;
+      fwrite(&flag, sizeof(int), 1, fp);
+      if (flag) fwrite(&parameters[(i - 1) * ntypes + (j - 1)], sizeof(EllgranLawParameters), 1, fp);
+    }
 }
 
 void PairGranEllipsoid::read_restart_settings(FILE *fp)
 {
-  int head[3] = {0, 0, 0};
+  int head[4] = {0, 0, 0, 0};
   double values[3] = {-1.0, 0.0, 0.0};
   if (comm->me == 0) {
-    utils::sfread(FLERR, head, sizeof(int), 3, fp, nullptr, error);
+    utils::sfread(FLERR, head, sizeof(int), 4, fp, nullptr, error);
     utils::sfread(FLERR, values, sizeof(double), 3, fp, nullptr, error);
   }
-  MPI_Bcast(head, 3, MPI_INT, 0, world);
+  MPI_Bcast(head, 4, MPI_INT, 0, world);
   MPI_Bcast(values, 3, MPI_DOUBLE, 0, world);
   if (head[0] != RESTART_MARK || head[1] != static_cast<int>(ELLGRAN_ABI_VERSION) ||
-      head[2] != static_cast<int>(sizeof(EllgranLawParameters)))
+      head[2] != static_cast<int>(sizeof(EllgranLawParameters)) || head[3] != atom->ntypes)
     error->all(FLERR,
-               "{}: the restart file was written with ABI version {} of ellgran, this is version {}: "
+               "{}: the restart file was written with another version of ellgran (ABI version {}, this is version {}): "
                "read it with the version that wrote it and use write_data",
                CALLER, head[1], static_cast<int>(ELLGRAN_ABI_VERSION));
   cutoff_global = values[0];
   tallies.viscous_dissipation = (comm->me == 0) ? values[1] : 0.0;
   friction = (comm->me == 0) ? values[2] : 0.0;
+
+  const int ntypes = atom->ntypes;
+  EllgranLawParameters unset = ELLGRAN_INIT(EllgranLawParameters);
+  restored_flags.assign(static_cast<std::size_t>(ntypes) * ntypes, 0);
+  restored.assign(restored_flags.size(), unset);
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      const std::size_t place = static_cast<std::size_t>(i - 1) * ntypes + (j - 1);
+      int &flag = restored_flags[place];
+      if (comm->me == 0) utils::sfread(FLERR, &flag, sizeof(int), 1, fp, nullptr, error);
+      MPI_Bcast(&flag, 1, MPI_INT, 0, world);
+      if (!flag) continue;
+      if (comm->me == 0)
+        utils::sfread(FLERR, &restored[place], sizeof(EllgranLawParameters), 1, fp, nullptr, error);
+      MPI_Bcast(&restored[place], sizeof(EllgranLawParameters), MPI_BYTE, 0, world);
+    }
 }
 
 /* Copies into `scratch` the history of the pair before the last evaluation, or as it is now if that was not

@@ -54,6 +54,8 @@ class PairGranEllipsoid : public Pair {
 
   // Laws: the words of pair_coeff, row-major over types 0 ... ntypes-1, and what ellgran made of them.
   std::vector<EllgranLawParameters> parameters;
+  std::vector<EllgranLawParameters> restored;    // those of the restart file, and which of them it had
+  std::vector<int> restored_flags;
   EllgranLaws *laws;
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
@@ -109,6 +111,7 @@ class PairGranEllipsoid : public Pair {
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
   void allocate();
+  bool take_restored(int i, int j);
   EllgranNeighbourList view_list() const;
   void write_history();
   void add_forces();

@@ -5,22 +5,28 @@
 //! Any consistent system of units. World frame throughout; quaternions are `(w, x, y, z)` and turn body axes into
 //! world axes; the contact normal points from body `i` to body `j`; the force on `j` is `+F n`.
 //!
-//! Data flows one way: [`c_api`] -> [`pairs`] -> [`geometry`] -> [`force`] and back.
-//!
 //! - [`geometry`]: bodies by their support function, the contact search, curvature. No force.
 //! - [`force`]: material constants to laws; laws to force. No search.
-//! - [`pairs`]: one contact, a neighbour list, plane walls; history.
+//! - [`contact`]: one contact, with its history.
+//! - [`list`]: a whole neighbour list in one call, in vector registers ([`simd`]).
+//! - [`walls`]: rigid walls of any shape, in motion, against all particles.
+//! - [`tallies`]: energies, dissipation and virial of a call.
 //! - [`c_api`]: everything `extern "C"`.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod c_api;
+pub mod contact;
 pub mod force;
 pub mod geometry;
+pub mod list;
 mod message;
-pub mod pairs;
 pub mod real;
+pub mod simd;
+pub mod tallies;
+pub mod vector;
+pub mod walls;
 
 /// The Rust snippets of the README are run as tests.
 #[cfg(doctest)]

@@ -15,6 +15,7 @@ use ellgran::c_api::contact::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::planes::*;
+use ellgran::c_api::rigid_wall::*;
 
 use scene::*;
 
@@ -152,6 +153,75 @@ fn plane_walls_allocate_in_the_first_step_alone() {
             );
         }
         assert!(tallies.touching_count > 10.0);
+    }
+}
+
+#[test]
+fn rigid_walls_allocate_while_they_meet_more_alone() {
+    let shape = EllgranWallShape {
+        size: size_of::<EllgranWallShape>(),
+        name: c"cylinder".as_ptr(),
+        point: [0.0; 3],
+        axis: [0.1, 0.2, 1.0],
+        radii: [1.2, 0.0],
+        bounds: [-1.0, 1.0],
+        ends: [ELLGRAN_END_OPEN, ELLGRAN_END_CLOSED],
+        side: ELLGRAN_SIDE_INSIDE,
+        unused: 0,
+    };
+    let floor: [[[f64; 3]; 3]; 2] = [
+        [[-9.0, -9.0, -0.6], [9.0, -9.0, -0.6], [9.0, 9.0, -0.6]],
+        [[-9.0, -9.0, -0.6], [9.0, 9.0, -0.6], [-9.0, 9.0, -0.6]],
+    ];
+    for decks in DECKS {
+        let laws = Laws::new(&decks);
+        let workspace = WorkspaceHandle::new();
+        let mut wall = null_mut();
+        // SAFETY: all pointers are valid.
+        let length = unsafe {
+            ok(ellgran_wall_new(&mut wall));
+            ok(ellgran_wall_add_shape(wall, &shape));
+            ok(ellgran_wall_add_triangles(wall, 2, floor.as_ptr().cast()));
+            ok(ellgran_wall_record_contacts(wall, 1));
+            ellgran_wall_memory_length(wall, laws.0)
+        };
+        let mut memory = vec![0.0; OWNED * length];
+        let mut tallies = no_tallies();
+        // The same motion twice: the second time nothing is met for the first time.
+        for round in 0..2 {
+            let mut bodies = random_bodies(9);
+            for n in 0..20 {
+                advance(&mut bodies, STEP.time_step);
+                let mut arrays = Arrays::new(&bodies, OWNED);
+                let particles = arrays.particles();
+                let bytes = allocated(|| {
+                    // SAFETY: all arrays are valid.
+                    ok(unsafe {
+                        ellgran_compute_wall(
+                            laws.0,
+                            workspace.0,
+                            wall,
+                            &particles,
+                            null(),
+                            0,
+                            1,
+                            null(),
+                            memory.as_mut_ptr(),
+                            &STEP,
+                            null_mut(),
+                            &mut tallies,
+                        )
+                    });
+                });
+                assert!(
+                    round == 0 || bytes == 0,
+                    "{bytes} bytes in step {n} of {decks:?}"
+                );
+            }
+        }
+        assert!(tallies.touching_count > 10.0, "{}", tallies.touching_count);
+        // SAFETY: not used again.
+        unsafe { ellgran_wall_free(wall) };
     }
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The laws that are timed, each with what it leaves out of the full one.
 
+use ellgran::contact::Laws;
 use ellgran::force::syntax::parse;
 use ellgran::force::LawParameters;
-use ellgran::pairs::Laws;
 
 pub struct Case {
     pub name: &'static str,

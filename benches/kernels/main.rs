@@ -14,9 +14,12 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion};
+use ellgran::contact::{one_contact, Laws, Step};
 use ellgran::force::hertz_factors;
-use ellgran::pairs::neighbour_list::Accumulators;
-use ellgran::pairs::{compute_pairs, one_contact, InstructionSet, Laws, Step, Tallies, Workspace};
+use ellgran::list::Accumulators;
+use ellgran::list::{compute_pairs, Workspace};
+use ellgran::simd::InstructionSet;
+use ellgran::tallies::Tallies;
 
 use cases::{Case, CASES};
 use clock::{since, Clock};

@@ -2,9 +2,10 @@
 //! A dense packing made without an engine, in gentle motion: a face-centred cubic packing of spheres, shaken a little,
 //! stretched into ellipsoids and slightly turned.
 
-use ellgran::pairs::neighbour_list::Entries;
-use ellgran::pairs::particles::Rotation;
-use ellgran::pairs::{Laws, NeighbourRow, NeighbourRows, ParticleArrays, Workspace};
+use ellgran::contact::Laws;
+use ellgran::list::Entries;
+use ellgran::list::Rotation;
+use ellgran::list::{NeighbourRow, NeighbourRows, ParticleArrays, Workspace};
 
 /// Cells of four grains along each direction.
 const CELLS: usize = 10;

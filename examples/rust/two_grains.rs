@@ -11,10 +11,11 @@
 
 use std::fmt::Write as _;
 
+use ellgran::contact::prepare_body;
+use ellgran::contact::{one_contact, Body, Laws, Step};
 use ellgran::force::syntax;
-use ellgran::geometry::{Ellipsoid, Vector3};
-use ellgran::pairs::one_contact::prepare_body;
-use ellgran::pairs::{one_contact, Body, Laws, Step};
+use ellgran::geometry::Ellipsoid;
+use ellgran::vector::Vector3;
 
 const DENSITY: f64 = 2500.0;
 const TIME_STEP: f64 = 1e-6;

@@ -55,8 +55,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     found_(NULL),
     crowded_(0),
     crowd_said_(false),
-    row_(0),
-    own_wall_(0)
+    row_(0)
 {
   check(ellgran_wall_contacts_new(&found_));
   if (!impl->contact_match("surface", "ellipsoid"))
@@ -181,19 +180,6 @@ void FixWallGranEllipsoid::init()
 {
   FixWallGran::init();
   find_storage();
-  find_walls();
-}
-
-void FixWallGranEllipsoid::find_walls()
-{
-  walls_.clear();
-  for (int f = 0; f < modify->nfix; f++) {
-    if (!is(modify->fix[f]->style, style)) continue;
-    FixWallGranEllipsoid *const wall = static_cast<FixWallGranEllipsoid *>(modify->fix[f]);
-    if (wall->kind_ != MESH) continue;
-    if (wall == this) own_wall_ = walls_.size();
-    walls_.push_back(wall);
-  }
 }
 
 bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
@@ -424,26 +410,22 @@ bool FixWallGranEllipsoid::counts_contacts() const
   return computeflag_ && cwl_;
 }
 
-// Triangles near each particle, of all meshes of all walls together: meshes that meet are one surface, whose contacts each wall
-// finds alike and of which it acts by those on its own triangles.
+// Triangles near each particle, of all meshes together: meshes that meet are one surface.
 void FixWallGranEllipsoid::gather_near()
 {
   const int nlocal = atom->nlocal;
   if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
   for (int i = 0; i < nlocal; i++) near_[i].clear();
-  for (size_t w = 0; w < walls_.size(); w++) {
-    FixWallGranEllipsoid *const wall = walls_[w];
-    for (int m = 0; m < wall->n_FixMesh_; m++) {
-      TriMesh *const mesh = wall->FixMesh_list_[m]->triMesh();
-      FixNeighlistMesh *const list = wall->FixMesh_list_[m]->meshNeighlist();
-      const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
-      for (int t = 0; t < triangles; t++) {
-        const std::vector<int> &particles = list->get_contact_list(t);
-        if (particles.empty()) continue;
-        const Near triangle = {int(w), m, mesh->id(t), t};
-        for (size_t k = 0; k < particles.size(); k++)
-          if (particles[k] < nlocal && wall->in_group(particles[k])) near_[particles[k]].push_back(triangle);
-      }
+  for (int m = 0; m < n_FixMesh_; m++) {
+    TriMesh *const mesh = FixMesh_list_[m]->triMesh();
+    FixNeighlistMesh *const list = FixMesh_list_[m]->meshNeighlist();
+    const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
+    for (int t = 0; t < triangles; t++) {
+      const std::vector<int> &particles = list->get_contact_list(t);
+      if (particles.empty()) continue;
+      const Near triangle = {m, mesh->id(t), t};
+      for (size_t k = 0; k < particles.size(); k++)
+        if (particles[k] < nlocal && in_group(particles[k])) near_[particles[k]].push_back(triangle);
     }
   }
 }
@@ -466,7 +448,7 @@ void FixWallGranEllipsoid::post_force_mesh(int)
       std::sort(near.begin(), near.end());
       corners.resize(9 * near.size());
       for (size_t k = 0; k < near.size(); k++) {
-        TriMesh *const mesh = walls_[near[k].wall]->FixMesh_list_[near[k].mesh]->triMesh();
+        TriMesh *const mesh = FixMesh_list_[near[k].mesh]->triMesh();
         for (int node = 0; node < 3; node++) mesh->node(near[k].place, node, &corners[9 * k + 3 * node]);
       }
       const EllgranBody particle = body(i);
@@ -476,7 +458,6 @@ void FixWallGranEllipsoid::post_force_mesh(int)
         Contact contact;
         contact.surface = ELLGRAN_INIT(EllgranWallSurface);
         check(ellgran_wall_contacts_get(found_, c, &found, &contact.surface));
-        if (near[found.triangle].wall != own_wall_) continue;
         contact.mesh = near[found.triangle].mesh;
         contact.triangle = near[found.triangle].place;
         MultiVectorContainer<double, 3, 3> *const velocities =

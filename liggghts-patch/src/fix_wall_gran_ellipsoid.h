@@ -43,12 +43,11 @@ class FixWallGranEllipsoid : public FixWallGran {
   };
   static bool deeper(const Contact &one, const Contact &other) { return one.depth > other.depth; }
 
-  // a triangle near a particle: its wall, its mesh, its number in the file of the mesh, its place on this rank
+  // a triangle near a particle: its mesh, its number in the file of the mesh, its place on this rank
   struct Near {
-    int wall, mesh, number, place;
+    int mesh, number, place;
     bool operator<(const Near &other) const
     {
-      if (wall != other.wall) return wall < other.wall;
       if (mesh != other.mesh) return mesh < other.mesh;
       if (number != other.number) return number < other.number;
       return place < other.place;
@@ -68,9 +67,6 @@ class FixWallGranEllipsoid : public FixWallGran {
   // of the particle at hand, before and after the step
   std::vector<double> before_, now_;
   EllgranWallContacts *found_;
-  // all walls of this style that are meshes, and which of them this one is
-  std::vector<FixWallGranEllipsoid *> walls_;
-  int own_wall_;
   // for each particle; kept between steps for its memory alone
   std::vector<std::vector<Near> > near_;
 
@@ -98,7 +94,6 @@ class FixWallGranEllipsoid : public FixWallGran {
   void store_again(int particle, int place, const double *force_before, const double *torque_before);
   void forget(int particle);
   bool in_group(int particle) const;
-  void find_walls();
   void gather_near();
   static bool acts_alone(const Contact &contact);
   bool counts_contacts() const;

@@ -8,15 +8,13 @@ use super::planes::EllgranPlane;
 use super::status::{
     at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
+use crate::contact::one_contact::{geometry, one_contact_or_gap};
+use crate::contact::{
+    one_contact, prepare_body, Body, ContactForces, HistoryLayout, Laws, OneContact, Particle, Step,
+};
 use crate::force::hertz_factors::contact_ellipse;
-use crate::geometry::Vector3;
-use crate::pairs::one_contact::{
-    geometry, geometry_with_plane, one_contact_or_gap, prepare_body, HaleRatio,
-};
-use crate::pairs::particles::Particle;
-use crate::pairs::{
-    one_contact, one_contact_with_plane, Body, ContactForces, HistoryLayout, Laws, OneContact,
-};
+use crate::vector::Vector3;
+use crate::walls::{geometry_with_plane, one_contact_with_plane};
 use libc::size_t;
 
 /// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
@@ -290,9 +288,53 @@ fn no_force() -> EllgranContactForce {
     }
 }
 
-fn law_failure(i: &EllgranBody, j: Option<&EllgranBody>) -> impl Fn(HaleRatio) -> Failure {
-    let (i, j) = (i.identifier, j.map(|j| j.identifier));
-    move |ratio| hale_failure(i, j, ratio.0)
+/// What of a contact is to be computed beside its force.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    /// The geometry, of bodies that are apart too.
+    pub geometry: bool,
+    /// The semi-axes of the contact ellipse.
+    pub ellipse: bool,
+}
+
+/// One contact of two ellipsoids with these names, computed and checked; `touching` and `history` are written on success alone.
+#[inline]
+pub(super) fn contact_of_two(
+    laws: &Laws,
+    [i, j]: [&Particle; 2],
+    names: [i64; 2],
+    step: &Step,
+    wanted: Wanted,
+    touching: &mut i32,
+    history: &mut [f64],
+) -> Result<(Option<EllgranContactGeometry>, EllgranContactForce), Failure> {
+    let names = (names[0], Some(names[1]));
+    let mut touches = *touching != 0;
+    let mut kept = History::read(laws, touches, history, names.0, names.1)?;
+    let numbers = kept.numbers();
+    // The gap is not computed for nobody.
+    let (found, forces) = if wanted.geometry {
+        one_contact_or_gap(laws, i, j, step, &mut touches, numbers).map(|(g, f)| (Some(g), f))
+    } else {
+        one_contact(laws, i, j, step, &mut touches, numbers).map(Option::unzip)
+    }
+    .map_err(|ratio| hale_failure(names.0, names.1, ratio.0))?;
+    let law = laws.get(i.kind as usize, j.kind as usize);
+    let of_ellipse = found
+        .as_ref()
+        .filter(|_| wanted.ellipse && !law.kinds.linear);
+    let result = forces.map_or_else(no_force, |f| force_of(of_ellipse, &f));
+    let found = found.as_ref().map(EllgranContactGeometry::from);
+    if let Some(found) = &found {
+        found.check(names.0, names.1)?;
+    }
+    result.check(names.0, names.1)?;
+    if touches {
+        kept.check(laws, names.0, names.1)?;
+    }
+    history.copy_from_slice(kept.numbers());
+    *touching = touches as i32;
+    Ok((found, result))
 }
 
 /// Geometry of two ellipsoids, touching or apart: penetration or gap, normal, witness points, contact point, relative
@@ -387,32 +429,13 @@ pub unsafe extern "C" fn ellgran_contact(
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
         let mut force = unsafe { Output::new(force, "force") }?;
         let out = unsafe { Output::optional(geometry, "geometry") }?;
-        let mut touches = *touching != 0;
-        let names = (bi.identifier, Some(bj.identifier));
-        let mut kept = History::read(laws, touches, history, names.0, names.1)?;
-        let numbers = kept.numbers();
-        // The gap is not computed for nobody.
-        let (found, forces) = if geometry.is_null() {
-            one_contact(laws, &i, &j, &step, &mut touches, numbers).map(Option::unzip)
-        } else {
-            one_contact_or_gap(laws, &i, &j, &step, &mut touches, numbers)
-                .map(|(g, f)| (Some(g), f))
-        }
-        .map_err(law_failure(&bi, Some(&bj)))?;
-        let law = laws.get(i.kind as usize, j.kind as usize);
-        let result = forces.map_or_else(no_force, |f| {
-            force_of(found.as_ref().filter(|_| !law.kinds.linear), &f)
-        });
-        let found = found.as_ref().map(EllgranContactGeometry::from);
-        if let Some(found) = &found {
-            found.check(names.0, names.1)?;
-        }
-        result.check(names.0, names.1)?;
-        if touches {
-            kept.check(laws, names.0, names.1)?;
-        }
-        history.copy_from_slice(kept.numbers());
-        *touching = touches as i32;
+        let names = [bi.identifier, bj.identifier];
+        let wanted = Wanted {
+            geometry: out.is_some(),
+            ellipse: true,
+        };
+        let (found, result) =
+            contact_of_two(laws, [&i, &j], names, &step, wanted, touching, history)?;
         force.write(&result);
         if let (Some(mut out), Some(found)) = (out, found) {
             out.write(&found);
@@ -457,7 +480,7 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         let numbers = kept.numbers();
         let contact =
             one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, numbers)
-                .map_err(law_failure(&bi, None))?;
+                .map_err(|ratio| hale_failure(bi.identifier, None, ratio.0))?;
         let law = laws.get(i.kind as usize, wall_type);
         let (found, result) = match &contact {
             Some((g, f)) => (*g, force_of((!law.kinds.linear).then_some(g), f)),

@@ -6,12 +6,12 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
 };
+use crate::contact::Laws;
 use crate::force::syntax;
 use crate::force::{
     Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
     Tangential, Unloading,
 };
-use crate::pairs::Laws;
 use libc::{c_char, size_t};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -12,8 +12,8 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER,
 };
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
-use crate::pairs::neighbour_list::{Accumulators, Entries};
-use crate::pairs::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
+use crate::list::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
+use crate::list::{Accumulators, Entries};
 use libc::size_t;
 
 /// An engine's neighbour list: every pair once, in the row of one of its two particles.
@@ -283,6 +283,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             workspace,
             last_list,
             is_computing,
+            ..
         } = kept;
         if list.unchanged == 0 && workspace.has_unwritten_history() {
             return Err(Failure::new(

@@ -7,10 +7,13 @@ use super::status::{
     ELLGRAN_ERROR_HISTORY, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
     ELLGRAN_ERROR_RESULT,
 };
+use crate::contact::ranges::LONGEST_TIME_STEP;
+use crate::contact::{Laws, Step};
+use crate::list::Rotation;
+use crate::list::{ParticleArrays, Workspace};
 use crate::message::Number;
-use crate::pairs::particles::Rotation;
-use crate::pairs::ranges::LONGEST_TIME_STEP;
-use crate::pairs::{InstructionSet, Laws, ParticleArrays, Step, Workspace};
+use crate::simd::InstructionSet;
+use crate::walls::MovingPlane;
 use libc::{c_char, c_void, size_t};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
@@ -90,6 +93,8 @@ growing!(EllgranStep);
 /// After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
+    /// The planes of the last call.
+    pub(super) planes: Vec<MovingPlane>,
     /// What the last list that was computed looked like.
     pub(super) last_list: Option<ListLook>,
     /// Set while a list is computed: still set after a panic, which leaves nothing to rely on.
@@ -124,6 +129,7 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
         workspace.allocated = super::huge_pages::advise;
         *out = Box::into_raw(Box::new(EllgranWorkspace {
             workspace,
+            planes: Vec::new(),
             last_list: None,
             is_computing: false,
         }));
@@ -219,9 +225,11 @@ pub(super) fn identifier(p: &EllgranParticles, k: usize) -> i64 {
 
 /// What particles are prepared for.
 #[derive(Clone, Copy)]
-pub(super) enum Purpose {
+pub(super) enum Purpose<'a> {
     /// One contact at a time.
     SingleContacts,
+    /// One contact at a time, of these particles alone.
+    Chosen(&'a [usize]),
     /// The pairs of a list, and whether list and particles are those of the last call.
     Pairs { unchanged: bool },
 }
@@ -236,7 +244,7 @@ pub(super) unsafe fn prepare(
     count: usize,
     laws: Option<&Laws>,
     workspace: &mut Workspace,
-    purpose: Purpose,
+    purpose: Purpose<'_>,
 ) -> Result<(), Failure> {
     if count == 0 {
         workspace.clear();
@@ -311,6 +319,9 @@ pub(super) unsafe fn prepare(
     match (purpose, laws) {
         (Purpose::Pairs { unchanged }, Some(laws)) => {
             workspace.prepare_for_pairs(&arrays, laws, unchanged)
+        }
+        (Purpose::Chosen(chosen), laws) => {
+            workspace.prepare_chosen(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
         }
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }

@@ -4,16 +4,19 @@
 use super::growing::{given, growing, GivenArray};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{
-    hale_failure, handles, history_failure, identifier, prepare, EllgranParticles, EllgranStep,
+    hale_failure, history_failure, identifier, prepare, EllgranParticles, EllgranStep,
     EllgranWorkspace, Purpose,
 };
-use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+use super::status::{
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+};
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
-use crate::geometry::{Plane, Vector3};
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::geometry::Plane;
 use crate::message::Numbers;
-use crate::pairs::planes::{PlanesError, WallArrays};
-use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
-use crate::pairs::{compute_planes, MovingPlane};
+use crate::vector::Vector3;
+use crate::walls::{compute_planes, MovingPlane};
+use crate::walls::{PlanesError, WallArrays};
 use libc::size_t;
 
 /// A plane wall: a half-space.
@@ -86,14 +89,19 @@ pub unsafe extern "C" fn ellgran_compute_planes(
 ) -> i32 {
     at_border("ellgran_compute_planes", || {
         // SAFETY: promised by the caller, for all of this function.
-        let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let EllgranWorkspace {
+            workspace,
+            planes: walls,
+            ..
+        } = unsafe { required_mut(workspace, "workspace") }?;
         let p = &*unsafe { given(particles, "particles") }?;
         let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        workspace.walls.clear();
+        walls.clear();
         let planes = unsafe { GivenArray::new(planes, wall_count, "planes") }?;
         for k in 0..wall_count {
-            workspace.walls.push(planes.get(k)?.to_core()?);
+            walls.push(planes.get(k)?.to_core()?);
         }
         let owned = p.owned_count;
         let length = laws.layout().length;
@@ -126,7 +134,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
             laws,
             workspace.particles(),
             wall_type,
-            &workspace.walls,
+            walls,
             &mut arrays,
             &step,
             sums.as_mut(),

@@ -11,15 +11,17 @@ use super::particles::{
 use super::status::{
     at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
 };
+use crate::contact::pair::HaleRatio;
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
+use crate::contact::staged::{Past, StagedContact, WallSurface};
+use crate::contact::{ContactForces, HistoryLayout, Step};
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
 use crate::geometry::facet_shares::Share;
-use crate::geometry::Vector3;
+use crate::list::Workspace;
 use crate::message::{Number, Numbers};
-use crate::pairs::one_contact::HaleRatio;
-use crate::pairs::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
-use crate::pairs::staged::{Past, StagedContact, WallSurface};
-use crate::pairs::{ContactForces, HistoryLayout, InstructionSet, Step, Workspace};
+use crate::simd::InstructionSet;
+use crate::vector::Vector3;
 use libc::size_t;
 
 /// Of a wall, 1/length: that of the smallest body, as flat as it may be.
@@ -115,7 +117,7 @@ impl EllgranWallSurface {
         } else if self.curvatures[0] == self.curvatures[1]
             && self.turning_radii[0] == self.turning_radii[1]
         {
-            crate::geometry::Tangent::new(normal).u
+            crate::vector::Tangent::new(normal).u
         } else {
             return Err(fail(format!(
                 "wall: direction = {} has none in the tangent plane",

@@ -6,7 +6,7 @@ use super::growing::{given, growing, Output};
 use super::law::{EllgranLawParameters, EllgranLaws};
 use super::particles::hale_failure;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use crate::pairs::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
+use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
 use libc::size_t;
 
 /// The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
@@ -59,13 +59,7 @@ pub unsafe extern "C" fn ellgran_contact_stiffness(
         let mut out = unsafe { Output::new(stiffness, "stiffness") }?;
         let found = contact_stiffness(laws, &i, &j)
             .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?
-            .unwrap_or(ContactStiffness {
-                normal_stiffness: 0.0,
-                tangential_stiffness: [0.0; 2],
-                normal_damping: 0.0,
-                tangential_damping: [0.0; 2],
-                critical_step: f64::INFINITY,
-            });
+            .unwrap_or(ContactStiffness::NONE);
         out.write(&EllgranContactStiffness {
             size: size_of::<EllgranContactStiffness>(),
             normal_stiffness: found.normal_stiffness,

@@ -6,10 +6,11 @@ use super::particles::{shape_of, EllgranParticles, EllgranStep};
 use super::status::{
     at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
 };
+use crate::contact::particle::angular_velocity;
+use crate::contact::Step;
 use crate::geometry::Ellipsoid;
-use crate::pairs::particles::angular_velocity;
-use crate::pairs::tallies::InelasticLoad;
-use crate::pairs::{Step, Tallies};
+use crate::tallies::InelasticLoad;
+use crate::tallies::Tallies;
 use libc::size_t;
 
 /// What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.

@@ -5,13 +5,14 @@ use super::contact::EllgranBody;
 use super::growing::{given, growing, Output};
 use super::staged::EllgranWallSurface;
 use super::status::{at_border, required, required_mut, slice, Failure, ELLGRAN_ERROR_ARGUMENT};
-use crate::geometry::cylinder::{touch_cylinder, Cylinder};
+use crate::contact::ranges::{self, LARGEST_COORDINATE};
+use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::triangles::{Feature, Triangle, TriangleSearch};
-use crate::geometry::{touch_plane, Plane, Tangent, Vector3};
+use crate::geometry::{touch_plane, Plane};
 use crate::message::{Number, Numbers};
-use crate::pairs::ranges::{self, LARGEST_COORDINATE};
+use crate::vector::{Tangent, Vector3};
 use libc::size_t;
 
 /// Which triangle stands for a contact of an ellipsoid with a wall.
@@ -177,11 +178,11 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
         // SAFETY: promised by the caller, for all of this function.
         let contacts = unsafe { required_mut(contacts, "contacts") }?;
         let body = unsafe { given(body, "body") }?.to_core(None)?;
-        let cylinder = Cylinder {
-            point: unsafe { vector(point, "point") }?,
-            axis: unsafe { direction(axis, "axis") }?,
+        let cylinder = Cone::cylinder(
+            unsafe { vector(point, "point") }?,
+            unsafe { direction(axis, "axis") }?,
             radius,
-        };
+        );
         if !(LEAST_SEMI_AXIS..=LARGEST_COORDINATE).contains(&radius) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
@@ -193,8 +194,9 @@ pub unsafe extern "C" fn ellgran_cylinder_contacts(
         }
         contacts.all.clear();
         let all = &mut contacts.all;
-        touch_cylinder(&body.body, body.position, &cylinder, |c| {
-            let signed = if c.within { -radius } else { radius };
+        let within = cylinder.has_within(body.position);
+        let signed = if within { -radius } else { radius };
+        touch_cone(&body.body, body.position, &cylinder, within, |c| {
             let surface = EllgranWallSurface {
                 direction: cylinder.axis.cross(c.normal).to_array(),
                 curvatures: [1.0 / signed, 0.0],

@@ -9,9 +9,10 @@ use super::particles::{
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
 };
-use crate::pairs::particles::Particle;
-use crate::pairs::without_history::{elastic_energy, gap};
-use crate::pairs::{Laws, Workspace};
+use crate::contact::without_history::{elastic_energy, gap};
+use crate::contact::Laws;
+use crate::contact::Particle;
+use crate::list::Workspace;
 use libc::size_t;
 
 /// Prepares all particles and reads the pairs, checked.
@@ -19,7 +20,7 @@ use libc::size_t;
 /// # Safety
 /// The arrays of `particles` are as [`EllgranParticles`] states; `pairs` is NULL or has `count` entries, for the lifetime
 /// that the caller gives it.
-unsafe fn checked<'a>(
+pub(super) unsafe fn checked<'a>(
     laws: Option<&Laws>,
     workspace: &'a mut Workspace,
     particles: &EllgranParticles,

@@ -11,8 +11,8 @@
 //! ```
 
 use super::hertz_factors::Factors;
-use crate::geometry::{Symmetric2, Vector2};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Vector2};
 
 /// What the gradient needs of one body at the contact, in the tangent basis of the normal.
 #[derive(Clone, Copy, Debug)]

@@ -13,7 +13,8 @@
 //!
 //! which is the paper's law with `xi_max = (3/2) mu F_n C_t` along each principal direction, and Coulomb's limit in
 //! every direction. The viscous part is `sqrt(1-s) C^-1 A_t v_t`. The sum is capped by `mu F_n`. What is remembered is
-//! clipped where the elastic part alone reaches the cone (`s = 1`), not where the sum does.
+//! clipped where the elastic part alone reaches the cone (`s = 1`), not where the sum does, and once a step: after the
+//! displacement of the step is added.
 //!
 //! At a steady normal force this is the published curve whatever is remembered. `displacement rescaled` remembers `zeta` and
 //! the energy `E` that it holds (`E = zeta.C zeta` times a function of `s`), and never lets `E` grow by more than the work
@@ -24,14 +25,14 @@
 //!   stiffnesses (R.D. Elata, J.G. Berryman, Mech. Mater. 24 (1996) 229).
 //! - Under partial slip on an ellipse `F` along `zeta` is no gradient: turning `zeta` towards the more compliant direction
 //!   takes `(2 w - f) |zeta|^2/2 dc` less work than `E` grows, with `f = |F|/|zeta|`, `E = w zeta.C zeta` and `c` the
-//!   compliance along `zeta`. So much is given up. A displacement along one line loses nothing.
+//!   compliance along `zeta`. The energy that is remembered falls by so much. A displacement along one line loses nothing.
 
 use super::hertz_factors::Factors;
 use super::law::{LawConstants, LawKinds};
 use super::normal::NormalForce;
 use super::parameters::{Displacement, Tangential};
-use crate::geometry::{Symmetric2, Vector2};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Vector2};
 
 /// The tangential force of one contact.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,8 @@ pub struct TangentialForce<T = f64> {
 ///
 /// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_energy`: its elastic energy at the
 ///   last step (only `displacement rescaled`; 0 for a new contact).
+/// - `passes`: whether time passes. Where none does, as when a run starts, nothing slips and nothing is given up: memory and
+///   energy stay.
 /// - `increment`: the tangential displacement of `j` relative to `i` in this step.
 /// - `velocity`: the tangential velocity of `j` relative to `i`.
 /// - `curvature`: the relative curvature matrix `M` in the same basis.
@@ -65,6 +68,7 @@ pub fn tangential_force<T: Real>(
     curvature: Symmetric2<T>,
     memory: Vector2<T>,
     remembered_energy: T,
+    passes: T::Mask,
     increment: Vector2<T>,
     velocity: Vector2<T>,
 ) -> TangentialForce<T> {
@@ -100,12 +104,14 @@ pub fn tangential_force<T: Real>(
     let gives_up = !linear && matches!(kinds.displacement, Displacement::Rescaled);
     // What is kept of the memory, and the compliance along it.
     let (kept, compliance_before) = if gives_up {
-        let (old, slip) = on_the_cone(memory, most, tfd);
-        let energy = old.dot(compliance.apply(old));
+        // A cone that shrank clips only once the displacement of this step is added: coming back, it may have left the cone.
+        let (_, slip) = on_the_cone(memory, most, tfd);
+        let energy = memory.dot(compliance.apply(memory));
         let ratio = remembered_energy * (energy * slip.work).max(tiny).reciprocal();
-        let along = energy * old.dot(old).max(least).reciprocal();
+        let along = energy * memory.dot(memory).max(least).reciprocal();
         // No energy is less than none: nothing is kept then.
-        (old * ratio.min(one).max(zero), along)
+        let ratio = T::select(passes, ratio.min(one).max(zero), one);
+        (memory * ratio, along)
     } else {
         (memory, zero)
     };
@@ -137,24 +143,30 @@ pub fn tangential_force<T: Real>(
         _ => compliance.apply(zeta),
     };
     let energy = displacement.dot(zeta);
-    let left = if gives_up && tfd {
+    let mut held = energy * slip.work;
+    if gives_up && tfd {
         let (old, new) = (kept.dot(kept), zeta.dot(zeta));
         let turned = (energy * new.max(least).reciprocal() - compliance_before).max(zero);
         let excess = slip.work * 2.0 - slip.factor;
-        one - excess * 0.5 * old.min(new) * turned * (energy * slip.work).max(tiny).reciprocal()
-    } else {
-        one
+        // Given up by the ratio of the next step: the force of this one is that of `zeta`.
+        held = held - excess * 0.5 * old.min(new) * turned;
+    }
+    if gives_up {
+        held = T::select(passes, held, remembered_energy);
+    }
+    let now = match kinds.displacement {
+        Displacement::Total => displacement,
+        _ => zeta,
     };
-    let (zeta, displacement) = (zeta * left, displacement * left);
     TangentialForce {
         force: force * -one,
         elastic_force: elastic * -one,
-        memory: match kinds.displacement {
-            Displacement::Total => displacement,
-            _ => zeta,
-        },
+        memory: Vector2::new(
+            T::select(passes, now.u, memory.u),
+            T::select(passes, now.v, memory.v),
+        ),
         displacement,
-        elastic_energy: energy * slip.work * left,
+        elastic_energy: held,
     }
 }
 

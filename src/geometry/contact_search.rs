@@ -14,7 +14,7 @@
 
 use super::ellipsoid::{Ellipsoid, Support};
 use super::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal, Circumscribed};
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// A pair that touches.
 #[derive(Clone, Copy, Debug)]

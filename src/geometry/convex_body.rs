@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the contact search and the law ask of a body, in the frame of a direction: whatever closed form it has.
 
-use super::tangent_model::SquaredSupport;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// A convex body by its support function.
 pub trait ConvexBody<T: Real>: Copy {
@@ -38,4 +37,16 @@ pub struct SupportInFrame<T = f64> {
     pub inverse_h: T,
     /// Its other part, in the tangent basis: the gradient of `h` on the sphere of directions.
     pub witness: Vector2<T>,
+}
+
+/// The square of the support function of one body over the tangent plane of one normal, `q(y) = c + 2 b.y + y.A y`
+/// (`tangent_model.rs`).
+#[derive(Clone, Copy, Debug)]
+pub struct SquaredSupport<T> {
+    /// `h^2` at the base, length^2.
+    pub constant: T,
+    /// `b`.
+    pub linear: Vector2<T>,
+    /// `A`.
+    pub quadratic: Symmetric2<T>,
 }

@@ -2,7 +2,8 @@
 //! Relative curvature of two surfaces at their contact (docs/theory.md, section 1; the paper's Eq. (5) in one tangent basis).
 
 use super::ellipsoid::{Ellipsoid, Support};
-use super::vector::{Symmetric2, Tangent, Vector3};
+use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector3};
 
 /// `M = (W_i^-1 + W_j^-1) / 2` in principal axes.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +26,20 @@ pub fn relative_curvature(m: Symmetric2, tangent: &Tangent) -> Curvature {
     }
 }
 
-/// The inverse Weingarten map `W` (radii of curvature, length) of a body at a support: `adj V (a1 a2 a3)^2 / h^4`.
-pub fn inverse_weingarten(body: &Ellipsoid, support: &Support, tangent: &Tangent) -> Symmetric2 {
+/// The inverse `W` (radii of curvature, length) of a Weingarten map `V`: `adj V (a1 a2 a3)^2 / h^4`, without cancellation.
+/// `inverse_h` is `1/h`, `squared_product` is `(a1 a2 a3)^2`.
+#[inline(always)]
+pub fn inverse_weingarten<T: Real>(
+    weingarten: Symmetric2<T>,
+    inverse_h: T,
+    squared_product: T,
+) -> Symmetric2<T> {
+    let square = inverse_h * inverse_h;
+    weingarten.adjugate() * (squared_product * (square * square))
+}
+
+/// The radii of curvature of an ellipsoid at a support, in the tangent basis.
+pub fn radii_of_curvature(body: &Ellipsoid, support: &Support, tangent: &Tangent) -> Symmetric2 {
     let h2 = support.h * support.h;
     body.weingarten(support, tangent).adjugate() * (body.shape_determinant() / (h2 * h2))
 }

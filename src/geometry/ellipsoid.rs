@@ -5,10 +5,9 @@
 //! `S = R D^2 R^T`. It is never formed: `h = |D R^T n|` and `S n / h = R D (D R^T n) / h` have an error of the order
 //! of rounding times the largest semi-axis, while the formed matrix loses a factor of the aspect ratio more.
 
-use super::convex_body::{ConvexBody, SupportInFrame};
-use super::tangent_model::SquaredSupport;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use super::convex_body::{ConvexBody, SquaredSupport, SupportInFrame};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// Shape and pose of an ellipsoid; the centre is kept apart, since only differences of centres matter.
 #[derive(Clone, Copy, Debug)]

@@ -19,7 +19,7 @@
 //!   a flat surface is the plane in whatever pieces it comes.
 
 use super::ellipsoid::Ellipsoid;
-use super::vector::{Tangent, Vector3};
+use crate::vector::{Tangent, Vector3};
 use core::f64::consts::{PI, TAU};
 
 /// A plane that supports a body, with the body's centre as the origin.
@@ -58,7 +58,6 @@ impl Share {
 /// Memory for [`share`].
 #[derive(Clone, Debug, Default)]
 pub struct ShareMemory {
-    sections: Vec<Section>,
     lines: Vec<Line>,
     arcs: Vec<[f64; 2]>,
 }
@@ -142,25 +141,9 @@ struct Line {
     to: f64,
 }
 
-/// The share of plane `own` of `planes` in the contact of `body`; its own penetration must be greater than 0. A plane of
-/// which another is in front over the whole contact has the share 0. Two planes of `planes` may not be the same.
-pub fn share(
-    body: &Ellipsoid,
-    planes: &[SupportingPlane],
-    own: usize,
-    memory: &mut ShareMemory,
-) -> Share {
-    let mut sections = core::mem::take(&mut memory.sections);
-    sections.clear();
-    sections.extend(planes.iter().map(|plane| Section::new(body, plane)));
-    let others = sections.iter().enumerate().filter(|(k, _)| *k != own);
-    let share = share_of_section(body, &sections[own], others.map(|(_, s)| s), memory);
-    memory.sections = sections;
-    share
-}
-
-/// [`share`] of a section that these others cut.
-pub fn share_of_section<'a>(
+/// The share of a plane in the contact of `body`, of which these others cut its section; its own penetration must be greater
+/// than 0. A plane of which another is in front over the whole section has the share 0. No other may be the same plane.
+pub fn share<'a>(
     body: &Ellipsoid,
     own: &Section,
     others: impl Iterator<Item = &'a Section>,
@@ -316,7 +299,7 @@ impl Anisotropy {
 /// To first order in its curvature a fine tiling of a curved surface has the energy of Hertz on that surface if the second
 /// moments of the weight along and across are `(3 -+ 2 x' sigma)/14`, `x' = (B - A)/(A + B)`, with `sigma` the function that
 /// is twice the logarithmic derivative of Hertz' factor (docs/theory.md, section 2): `beta = -(4/3) sigma x'`. What stands here for
-/// `sigma` is within 0.5 % up to B/A = 1e4, where `sigma` itself adds 30 % of the effect at most, and within 7 % up to 1e6.
+/// `sigma` is within 1 % up to B/A = 1e4 and within 7 % up to 1e6.
 fn anisotropy(x: f64) -> (f64, f64) {
     let x = x.min(1.0);
     let q = (1.0 - x) / (1.0 + x);

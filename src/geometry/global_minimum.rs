@@ -33,8 +33,8 @@
 //! branch and bound over `t` ends with the global minimum.
 
 use super::ellipsoid::Ellipsoid;
-use super::vector::{Symmetric2, Vector2, Vector3};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Vector2, Vector3};
 
 /// `X`: the square root of `h W`, whose determinant has the square root `root_determinant = a1 a2 a3/h`.
 #[inline(always)]
@@ -244,7 +244,7 @@ impl<'a> Circumscribed<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Tangent;
+    use crate::vector::Tangent;
 
     fn direction(k: u32) -> Vector3 {
         let (a, b) = (f64::from(k) * 0.7, f64::from(k) * 1.3 + 0.2);

@@ -2,7 +2,7 @@
 //! An ellipsoid and a half-space: the common normal is known, so there is nothing to search.
 
 use super::ellipsoid::{Ellipsoid, Support};
-use super::vector::{Tangent, Vector3};
+use crate::vector::{Tangent, Vector3};
 
 /// A half-space.
 #[derive(Clone, Copy, Debug)]

@@ -12,10 +12,9 @@
 //! written with `1 - tu^2 = s^2 + tv^2`, so that every diagonal entry is a sum of squares and nothing cancels, however
 //! slender or flat the body is.
 
-use super::convex_body::{ConvexBody, SupportInFrame};
-use super::tangent_model::SquaredSupport;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use super::convex_body::{ConvexBody, SquaredSupport, SupportInFrame};
 use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// Shape and axis of a spheroid; the centre is kept apart.
 #[derive(Clone, Copy, Debug)]

@@ -11,20 +11,9 @@
 //!
 //! A body enters through six numbers. Newton's method for `f` then costs a third of what it costs on the sphere.
 
-use super::convex_body::ConvexBody;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use super::convex_body::{ConvexBody, SquaredSupport};
 use crate::real::Real;
-
-/// `q(y) = c + 2 b.y + y.A y` of one body.
-#[derive(Clone, Copy, Debug)]
-pub struct SquaredSupport<T> {
-    /// `h^2` at the base, length^2.
-    pub constant: T,
-    /// `b`.
-    pub linear: Vector2<T>,
-    /// `A`.
-    pub quadratic: Symmetric2<T>,
-}
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// `F`, its gradient and the Hessian of `f` at one `y`.
 #[derive(Clone, Copy, Debug)]

@@ -20,9 +20,9 @@
 
 use super::box_tree::{BoxTree, Extent};
 use super::ellipsoid::{Ellipsoid, Support};
-use super::facet_shares::{share_of_section, Section, Share, ShareMemory, SupportingPlane};
+use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
-use super::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// Three corners.
 pub type Triangle = [Vector3; 3];
@@ -144,7 +144,7 @@ impl TriangleSearch {
             let (own, rest) = cuts.split_at(cuts.partition_point(|cut| cut[0] == k));
             cuts = rest;
             let others = own.iter().map(|cut| &self.sections[cut[1]]);
-            let share = share_of_section(body, &self.sections[k], others, &mut self.memory);
+            let share = share(body, &self.sections[k], others, &mut self.memory);
             if share.value > 0.0 {
                 self.contacts.push(TriangleContact {
                     point: centre + c.foot,
@@ -643,7 +643,7 @@ fn nearest_to_origin(corners: [Vector2; 3]) -> [f64; 3] {
 
 /// The unit vector `n` across `along` that makes `h(n) - n.y` smallest: from within the body to the surface nearest to the
 /// line through `y`. `None` if the line does not pass through the body.
-fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
+pub(crate) fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
     let basis = Tangent::new(along);
     // The body's outline along the line is the ellipse of the shape matrix in the two directions across.
     let scaled = |e: Vector3| body.semi_axes.componentwise(body.to_body(e));
@@ -652,7 +652,7 @@ fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector
     let (small, large, minor) = outline.eigen();
     let place = basis.components(y);
     let minor_axis = minor;
-    let major_axis = super::Vector2::new(-minor.v, minor.u);
+    let major_axis = Vector2::new(-minor.v, minor.u);
     let local = [place.dot(minor_axis), place.dot(major_axis)];
     let n = nearest_normal([small.sqrt(), large.sqrt()], local)?;
     let mut n = basis

@@ -7,7 +7,7 @@ use std::ptr::null;
 
 use ellgran::c_api::particles::*;
 use ellgran::c_api::status::*;
-use ellgran::pairs::InstructionSet;
+use ellgran::simd::InstructionSet;
 
 use crate::emulator;
 use crate::scene::*;

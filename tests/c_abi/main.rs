@@ -14,6 +14,7 @@ mod instruction_sets;
 mod kept_history;
 mod list_changes;
 mod lists;
+mod many_contacts;
 mod measures;
 mod null_pointers;
 mod paths;

@@ -89,29 +89,10 @@ fn neighbour_list_in_cxx() {
     assert_same(&cxx, &promised("neighbour_list.cpp"), "neighbour_list.cpp");
 }
 
-/// The first fenced block of the README in this language.
-fn readme_block(language: &str) -> String {
-    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
-    let (_, rest) = readme
-        .split_once(&format!("\n```{language}\n"))
-        .expect("a block");
-    rest.split_once("```")
-        .expect("an end of the block")
-        .0
-        .to_owned()
-}
-
 #[test]
-fn the_c_program_of_the_readme() {
-    let directory = scratch("readme");
-    let source = directory.join("readme.c");
-    fs::write(&source, readme_block("c")).expect("a source");
-    let program = directory.join("program");
-    succeed(&mut build(Language::C99, &source, &program, &[]));
-    let text = succeed(&mut emulator::program(&program));
-    let force = text
-        .strip_prefix("normal force ")
-        .and_then(|rest| rest.split(' ').next())
-        .and_then(|number| number.parse::<f64>().ok());
-    assert!(force.is_some_and(|f| f > 0.0 && f.is_finite()), "{text}");
+fn one_contact_in_c() {
+    let text = printed("one_contact.c", Language::C99);
+    let source = fs::read_to_string(source("one_contact.c")).expect("an example");
+    let (_, said) = source.split_once("Prints: ").expect("what it prints");
+    assert_same(text.trim(), said.lines().next().unwrap(), "one_contact.c");
 }

@@ -10,10 +10,12 @@ use std::process::Command;
 
 use ellgran::c_api::contact::{EllgranBody, EllgranContactForce, EllgranContactGeometry};
 use ellgran::c_api::law::*;
+use ellgran::c_api::many_contacts::{EllgranContactArrays, EllgranStiffnessArrays};
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::planes::EllgranPlane;
 use ellgran::c_api::recorded::EllgranContactPlace;
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::EllgranContactStiffness;
@@ -101,9 +103,23 @@ fn claims() -> Claims {
         EllgranContactStiffness {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
         }
+        EllgranContactArrays {
+            size, penetration, normal, contact_point, witness_i, witness_j, curvatures, major_direction, contact_semi_axes,
+            force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
+            tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power,
+        }
+        EllgranStiffnessArrays {
+            size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
+        }
         EllgranContactPlace { size, i, j, entry }
         EllgranStep { size, advance_history, time_step }
         EllgranPlane { size, point, normal, velocity }
+        EllgranWallShape { size, name, point, axis, radii, bounds, ends, side, unused }
+        EllgranWallMotion { size, origin, displacement, quaternion, velocity, angular_velocity }
+        EllgranWallLoad { size, force, torque, power, contact_count }
+        EllgranRecordedWallContact {
+            size, particle, part, point, normal, penetration, normal_force, tangential_force, force, torque, elastic_energy,
+        }
         EllgranTallies {
             size, particle_energies, particle_virials, inelastic_loads, wall_powers, viscous_dissipation, tangential_work,
             frictional_dissipation, dissipated_energy, normal_elastic_energy, tangential_elastic_energy, virial,
@@ -120,6 +136,8 @@ fn claims() -> Claims {
         ELLGRAN_FACTORS_EXACT ELLGRAN_FACTORS_HALE
         ELLGRAN_DISPLACEMENT_TOTAL ELLGRAN_DISPLACEMENT_INCREMENTAL ELLGRAN_DISPLACEMENT_RESCALED
         ELLGRAN_OPTION_NO_WARM_START
+        ELLGRAN_SIDE_OF_CENTRE ELLGRAN_SIDE_INSIDE ELLGRAN_SIDE_OUTSIDE
+        ELLGRAN_END_NONE ELLGRAN_END_OPEN ELLGRAN_END_CLOSED
         ELLGRAN_SUCCESS ELLGRAN_ERROR_NULL_POINTER ELLGRAN_ERROR_ARGUMENT ELLGRAN_ERROR_TEXT ELLGRAN_ERROR_LAW
         ELLGRAN_ERROR_HALE ELLGRAN_ERROR_PARTICLE ELLGRAN_ERROR_HISTORY ELLGRAN_ERROR_RESULT ELLGRAN_ERROR_PANIC
     }

@@ -62,19 +62,19 @@ fn the_system_libraries_are_those_that_rustc_names() {
 /// The fenced block that follows "System libraries:".
 #[test]
 #[cfg(target_os = "linux")]
-fn the_readme_names_the_same_system_libraries() {
-    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
-    let block = readme
+fn the_page_names_the_same_system_libraries() {
+    let page = fs::read_to_string(root().join("docs/library.md")).expect("docs/library.md");
+    let block = page
         .split_once("System libraries:")
         .and_then(|(_, rest)| rest.split_once("```"))
         .and_then(|(_, rest)| rest.split_once('\n'))
         .and_then(|(_, rest)| rest.split_once("```"))
         .map(|(block, _)| block)
-        .expect("README.md: a fenced block after 'System libraries:'");
+        .expect("docs/library.md: a fenced block after 'System libraries:'");
     assert_eq!(
         libraries(block),
         libraries(&installed().system_libraries),
-        "README.md against rustc"
+        "docs/library.md against rustc"
     );
 }
 

@@ -7,20 +7,27 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
+#[path = "../support/readme.rs"]
+mod readme_deck;
 
 use engines::shapes;
 
 mod conservation;
 mod contact_or_not;
+mod curved_walls;
+mod decks;
 mod decomposition;
 mod energy_balance;
 mod engine_commands;
 mod golden_pairs;
 mod grown_and_moved;
 mod linear_spring;
+mod mesh_walls;
 mod misuse;
+mod moving_walls;
 mod normal_motion;
 mod outputs;
+mod pages;
 mod plane_motion;
 mod plugin_file;
 mod readme;
@@ -29,3 +36,4 @@ mod set_up;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
+mod too_new;

@@ -222,6 +222,13 @@ fn both_versions_settings_around_the_pair_style() {
         ..Deck::new(LAW)
     };
     refused("rRESPA", &scene, &respa, &["rRESPA"]);
+    for units in ["real", "metal", "electron"] {
+        let deck = Deck {
+            before_data: vec![format!("units {units}")],
+            ..Deck::new(LAW)
+        };
+        refused("units", &scene, &deck, &[units, "units si"]);
+    }
 }
 
 #[test]
@@ -323,9 +330,108 @@ fn both_versions_walls() {
             "hertz 1e7 0.3 tfd 0.5 zplane -5 NULL",
             &["did you mean 'tangential tfd'"],
         ),
+        ("hertz 1e7 0.3 zcylinder", &["zcylinder", "1 value"]),
+        ("hertz 1e7 0.3 zcylinder wide", &["wide"]),
+        ("hertz 1e7 0.3 zcylinder 0", &["radius"]),
+        ("hertz 1e7 0.3 zcylinder -1", &["radius", "-1"]),
+        ("hertz 1e7 0.3 zcylinder 4 shear x 1", &["shear", "axis"]),
+        ("hertz 1e7 0.3 zsphere 4", &["zsphere"]),
+        ("hertz 1e7 0.3 region", &["region", "1 value"]),
+        ("hertz 1e7 0.3 region nowhere", &["nowhere", "exist"]),
+        ("hertz 1e7 0.3 mesh", &["mesh", "1 value"]),
+        ("hertz 1e7 0.3 mesh none.stl", &["none.stl"]),
+        ("hertz 1e7 0.3 mesh scene.data", &["scene.data"]),
+        ("hertz 1e7 0.3 mesh none.stl scale 0", &["scale"]),
+        (
+            "hertz 1e7 0.3 mesh none.stl turn 90 0 0 0",
+            &["turn", "axis"],
+        ),
+        (
+            "hertz 1e7 0.3 mesh none.stl move 1 2",
+            &["move", "3 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL velocity 0 0",
+            &["velocity", "3 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1",
+            &["rotate", "7 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 0 1",
+            &["axis"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1 0",
+            &["period"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL shear x 1 velocity 0 0 1",
+            &["once"],
+        ),
+        ("hertz 1e7 0.3 zplane -5 NULL contact", &["contact"]),
     ];
     for (words, expected) in cases {
         refused(&format!("wall {words}"), &scene, &wall(words), expected);
+    }
+    let regions: &[(&[&str], &[&str])] = &[
+        (
+            &["region r prism -5 5 -5 5 -5 5 0 0 0"],
+            &["region r", "prism"],
+        ),
+        (
+            &["variable s equal 5", "region r sphere 0 0 0 v_s"],
+            &["region r", "varies"],
+        ),
+        (
+            &[
+                "region a sphere 0 0 0 5",
+                "region b block -5 5 -5 5 -5 5",
+                "region r union 2 a b",
+            ],
+            &["region r", "union", "stick out"],
+        ),
+        (
+            &[
+                "region a sphere 0 0 0 5",
+                "region b block -5 5 -5 5 -5 5",
+                "region r intersect 2 a b side out",
+            ],
+            &["region r", "intersect", "stick out"],
+        ),
+        (
+            &[
+                "variable s equal step",
+                "region a sphere 0 0 0 5 move v_s NULL NULL",
+                "region b block -5 5 -5 5 -5 5",
+                "region r intersect 2 a b",
+            ],
+            &["region a", "moves"],
+        ),
+        (
+            &["region r block INF 5 -5 5 -5 5 side out"],
+            &["region r", "INF"],
+        ),
+        (
+            &["region r cylinder z 0 0 5 -5 5 open 3"],
+            &["region r", "open 3"],
+        ),
+        (
+            &["region r block INF INF INF INF INF INF"],
+            &["region r", "no surface"],
+        ),
+    ];
+    for (commands, expected) in regions {
+        let mut deck = wall("hertz 1e7 0.3 region r");
+        deck.fixes
+            .splice(0..0, commands.iter().map(|c| c.to_string()));
+        refused(
+            &format!("wall of {}", commands.last().unwrap()),
+            &scene,
+            &deck,
+            expected,
+        );
     }
     let mut periodic = pair_of_grains();
     periodic.boundary = "p p p".into();

@@ -418,14 +418,19 @@ fn both_versions_damping_restitution_without_attraction() {
                 ])
             };
             let scene = Scene::open(0.1, vec![grain(-1.0), grain(1.0)]);
+            // As many steps as in a collision of the spheres. Its time goes with the power 2/5 of mass over stiffness, and the
+            // stiffness with the root of the effective radius b c/(2 a).
+            let [a, b, c] = semi_axes;
+            let mass = a * b * c / RADIUS.powi(3);
+            let time = hertz_time(speed) * (mass / (b * c / (a * RADIUS)).sqrt()).powf(0.4);
             approach(
                 4000.0,
                 &format!("damping restitution {e} of {semi_axes:?}"),
                 e,
-                3e-5,
+                2e-5,
                 |s| {
                     let deck = Deck {
-                        time_step: hertz_time(speed) / s,
+                        time_step: time / s,
                         steps: (6.0 * s) as u64,
                         skin: 1e-3,
                         ..Deck::new(&law)

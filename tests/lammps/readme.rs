@@ -2,9 +2,9 @@
 //! Does the deck of the README run as it is printed, and show what the text around it says?
 
 use std::fs;
-use std::path::Path;
 
 use crate::harness::{execute, fresh_directory, last_lines, Engine};
+use crate::readme_deck;
 
 /// The rows of numbers of LAMMPS' thermo output, under the first line that opens with `Step`.
 fn thermo_rows(output: &str) -> Vec<Vec<f64>> {
@@ -23,12 +23,12 @@ fn thermo_rows(output: &str) -> Vec<Vec<f64>> {
 #[test]
 fn both_versions_the_deck_of_the_readme() {
     let engine = Engine::from_environment();
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let page = fs::read_to_string(page).expect("README.md");
-    let (_, rest) = page.split_once("\n```lammps\n").expect("a deck");
-    let (deck, _) = rest.split_once("```").expect("the end of the deck");
     // The command line of the README gives the plugin; a line before the first does the same here.
-    let deck = format!("variable plugin index {}\n{deck}", engine.plugin.display());
+    let deck = format!(
+        "variable plugin index {}\n{}",
+        engine.plugin.display(),
+        readme_deck::deck()
+    );
     let directory = fresh_directory("readme");
     let (success, output) = execute(&engine, &directory, &deck, 1);
     assert!(success, "{}", last_lines(&output));

@@ -31,6 +31,14 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ("version_liggghts_branch.txt", "LIGGGHTS-PUBLIC\n"),
         ("CMakeLists.txt", "PROJECT(X)\n"),
         ("finish.cpp", "if (list->numneigh > 0) {}\n"),
+        (
+            "utils.h",
+            "return static_cast< std::ostringstream & >(a).str();\n",
+        ),
+        (
+            "dump_particle.cpp",
+            "    MathExtra::quat_to_mat(quaternion[i], mat);\n",
+        ),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -43,16 +51,16 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
     tree
 }
 
-/// Names and bytes of all files.
+/// Names and bytes of all files, names alone of directories.
 fn content(tree: &Path) -> BTreeMap<String, Vec<u8>> {
-    ["src", "src/MAKE"]
+    ["src", "src/MAKE", "src/ellgran_vtk"]
         .into_iter()
-        .flat_map(|directory| fs::read_dir(tree.join(directory)).unwrap())
+        .filter_map(|directory| fs::read_dir(tree.join(directory)).ok())
+        .flatten()
         .map(|entry| entry.unwrap().path())
-        .filter(|path| path.is_file())
         .map(|path| {
             let name = path.to_string_lossy().into_owned();
-            (name, fs::read(path).unwrap())
+            (name, fs::read(&path).unwrap_or_default())
         })
         .collect()
 }
@@ -138,6 +146,8 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
     let files = [
         "CMakeLists.txt",
         "finish.cpp",
+        "utils.h",
+        "dump_particle.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];

@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 use std::fs;
 
+use ellgran::contact::{one_contact, Body, Laws, Step};
+use ellgran::contact::{prepare_body, OneContact};
 use ellgran::force::syntax;
-use ellgran::pairs::one_contact::{prepare_body, OneContact};
-use ellgran::pairs::{one_contact, Body, Laws, Step};
 
 use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
 use crate::meshes::sheet;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What must hold through a real LIGGGHTS. One question per file.
 //!
-//! ELLGRAN_TEST_LIGGGHTS names the patched binary (`cargo xtask path liggghts`), ELLGRAN_TEST_MPIRUN the launcher. One test also
-//! runs LAMMPS, see `tests/lammps`.
+//! ELLGRAN_TEST_LIGGGHTS names the patched binary (`cargo xtask path liggghts`), ELLGRAN_TEST_MPIRUN the launcher,
+//! ELLGRAN_TEST_LIGGGHTS_SOURCE an untouched source tree and ELLGRAN_TEST_LIGGGHTS_VTK the headers of VTK. One test also runs LAMMPS, see
+//! `tests/lammps`.
 
 #[path = "../support/engines/mod.rs"]
 mod engines;
@@ -24,6 +25,7 @@ mod examples;
 mod golden_pairs;
 mod installer;
 mod local_output;
+mod make_auto;
 mod many_triangles;
 mod mesh_edges;
 mod mesh_folds;
@@ -37,5 +39,6 @@ mod rolling;
 mod same_motion;
 mod spheres;
 mod stored_forces;
+mod vtk;
 mod wall_memory;
 mod wall_outputs;

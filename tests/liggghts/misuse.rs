@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Does everything that cannot be right stop with a message that names it?
 
-use crate::harness::{attempt, last_lines, Deck, Engine, Grain, Scene, ELASTIC};
+use std::fs;
+
+use crate::harness::{
+    attempt, attempt_in, fresh_directory, last_lines, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+};
+use crate::meshes::sheet;
 
 fn pair() -> Scene {
     let grain = |z: f64| Grain {
@@ -17,7 +22,10 @@ fn refuse(name: &str, deck: Deck, words: &[&str]) {
 
 fn refuse_scene(name: &str, scene: &Scene, deck: Deck, words: &[&str]) {
     let engine = Engine::from_environment();
-    let outcome = attempt(&engine, name, scene, &deck, 1);
+    refused(name, &attempt(&engine, name, scene, &deck, 1), words);
+}
+
+fn refused(name: &str, outcome: &Outcome, words: &[&str]) {
     let output = outcome.output.to_lowercase();
     assert!(!outcome.success, "{name} was accepted");
     for word in words {
@@ -138,4 +146,61 @@ fn tfd_without_nfd() {
         },
         &["tangential tfd needs model nfd"],
     );
+}
+
+/// A needle touches a primitive cylinder at both ends, and LIGGGHTS' store for stresses has room for one contact.
+#[test]
+fn stored_stresses_of_a_primitive_cylinder() {
+    let cylinder = "primitive type 1 zcylinder 0.01 0. 0.";
+    refuse(
+        "words",
+        Deck {
+            walls: vec![format!("{cylinder} store_force_contact_stress yes")],
+            ..plain()
+        },
+        &["store_force_contact_stress", "use a mesh"],
+    );
+    // fix continuum/weighted turns them on by itself
+    let deck = plain();
+    refuse(
+        "continuum",
+        Deck {
+            fixes: vec![
+                "fix continuum all continuum/weighted kernel_radius 0.012 kernel_type Wendland compute stress".into(),
+                format!("fix wall all {} model {} {cylinder}", deck.wall_fix, deck.model),
+            ],
+            ..deck
+        },
+        &["fix continuum/weighted", "use a mesh"],
+    );
+    // and a plane takes both
+    let engine = Engine::from_environment();
+    let allowed = Deck {
+        walls: vec!["primitive type 1 zplane -0.05 store_force_contact_stress yes".into()],
+        ..plain()
+    };
+    attempt(&engine, "plane", &pair(), &allowed, 1).succeeded();
+}
+
+/// LIGGGHTS' own rule, on which the search for the contacts with meshes rests.
+#[test]
+fn a_second_wall_of_meshes() {
+    let engine = Engine::from_environment();
+    let directory = fresh_directory("second");
+    for name in ["left", "right"] {
+        fs::write(directory.join(format!("{name}.stl")), sheet(2)).unwrap();
+    }
+    let deck = Deck {
+        before: ["left", "right"]
+            .map(|name| {
+                format!("fix {name} all mesh/surface file {name}.stl type 1 move 0. 0. -0.05")
+            })
+            .to_vec(),
+        walls: ["left", "right"]
+            .map(|name| format!("mesh n_meshes 1 meshes {name}"))
+            .to_vec(),
+        ..plain()
+    };
+    let outcome = attempt_in(&engine, &directory, &pair(), &deck, 1);
+    refused("second", &outcome, &["More than one wall of type 'mesh'"]);
 }

@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Scene, ELASTIC};
+use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Scene, State, ELASTIC};
 use crate::meshes::sheet;
 use crate::shapes::{length, sub, Vector};
 
@@ -25,8 +25,8 @@ fn properties() -> Vec<String> {
     .collect()
 }
 
-/// The angular velocities in the end, about y, of a run under a contact model with and without `surface ellipsoid`.
-fn spins(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64) -> Vec<Vector> {
+/// The last states of a run under a contact model with and without `surface ellipsoid`.
+fn states(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64) -> Vec<State> {
     let engine = Engine::from_environment();
     let directory = fresh_directory(&name.replace(' ', "_"));
     fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
@@ -63,8 +63,20 @@ fn spins(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64)
         ..Deck::new(ELASTIC, 0.5)
     };
     let outcome = run_in(&engine, &directory, scene, &deck, 1);
-    let states = &outcome.last().states;
+    outcome.last().states.clone()
+}
+
+/// The angular velocities in the end.
+fn spins(name: &str, model: &str, wall: Option<&str>, scene: &Scene, steps: u64) -> Vec<Vector> {
+    let states = states(name, model, wall, scene, steps);
     states.iter().map(|s| s.angular_velocity).collect()
+}
+
+/// The spin with which the sphere rolls in the end: that of its moment of momentum about the point of contact. Its spin itself
+/// swings about this one, since LIGGGHTS' tangential spring has no damping here, and that of `tfd` little; the amplitude is 3 %.
+fn rolling_spin(name: &str, model: &str, wall: &str) -> f64 {
+    let state = &states(name, model, Some(wall), &rolling_sphere(), 20_000)[0];
+    (0.4 * state.angular_velocity[1] + state.velocity[0] / RADIUS) / 1.4
 }
 
 /// A sphere that rests on the wall, as deep as its weight presses it, and rolls along x.
@@ -91,41 +103,29 @@ fn a_sphere_on_a_plane_and_on_a_mesh() {
         "mesh n_meshes 1 meshes sheet",
     ] {
         let kind = &wall[..4];
-        let free = spins(
+        let free = rolling_spin(
             &format!("free {kind}"),
             "nfd tangential tfd surface ellipsoid",
-            Some(wall),
-            &rolling_sphere(),
-            20_000,
-        )[0][1];
+            wall,
+        );
         for rolling in ROLLING {
-            let theirs = spins(
+            let theirs = rolling_spin(
                 &format!("theirs {rolling} {kind}"),
                 &format!("hertz tangential history rolling_friction {rolling}"),
-                Some(wall),
-                &rolling_sphere(),
-                20_000,
-            )[0][1];
+                wall,
+            );
             for tangential in ["tfd", "history"] {
-                let ours = spins(
+                let ours = rolling_spin(
                     &format!("{tangential} {rolling} {kind}"),
                     &format!(
                         "nfd tangential {tangential} rolling_friction {rolling} surface ellipsoid"
                     ),
-                    Some(wall),
-                    &rolling_sphere(),
-                    20_000,
-                )[0][1];
-                println!("{kind}, {rolling}, {tangential}: {ours:.3}, hertz of spheres {theirs:.3}, without {free:.3}");
+                    wall,
+                );
+                println!("{kind}, {rolling}, {tangential}: {ours:.4}, hertz of spheres {theirs:.4}, without {free:.3}");
                 assert!((free - SPIN).abs() < 0.02 * SPIN, "rolls without friction");
                 assert!(theirs < 0.8 * free, "the rolling friction does something");
-                // partial slip damps what the springs of the other models let swing
-                let tolerance = match (rolling, tangential) {
-                    (_, "history") => 1e-3,
-                    ("cdt", _) => 1e-3,
-                    _ => 4e-2,
-                };
-                assert!((ours - theirs).abs() < tolerance * theirs);
+                assert!((ours - theirs).abs() < 2e-4 * theirs);
             }
         }
     }

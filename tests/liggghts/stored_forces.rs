@@ -7,6 +7,7 @@ use std::fs;
 use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
 use crate::mesh_ranks::{on_a_sheet, sheet_deck};
 use crate::meshes::sheet;
+use crate::shapes::{about, add, length, sub, Vector};
 
 fn on_a_mesh(name: &str, scene: &Scene, deck: &Deck, ranks: usize) -> Outcome {
     let engine = Engine::from_environment();
@@ -128,6 +129,118 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
             }
             println!("{wall}, {ranks} ranks: stresses apart by {worst:.1e} of {largest:.3e}");
             assert!(worst < 1e-6);
+        }
+    }
+}
+
+/// Forces and torques by the number of the triangle (0 for a primitive wall), out of a restart file: the one place where LIGGGHTS
+/// shows what `store_force_contact` keeps. A record is its length, the number of entries, and for each the triangle and six numbers.
+fn stored(file: &std::path::Path) -> Vec<(i64, [f64; 6])> {
+    let bytes = fs::read(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let word = |at: usize| -> Option<[u8; 8]> { bytes.get(at..at + 8)?.try_into().ok() };
+    let number = |at: usize| word(at).map(f64::from_le_bytes);
+    let whole = |at: usize| word(at).map(i64::from_le_bytes);
+    let record = |at: usize| -> Option<Vec<(i64, [f64; 6])>> {
+        let count = whole(at + 8).filter(|count| (1..10).contains(count))?;
+        if number(at)? != (7 * count + 2) as f64 {
+            return None;
+        }
+        (0..count as usize)
+            .map(|k| {
+                let from = at + 16 + 56 * k;
+                let triangle = whole(from).filter(|n| (0..100).contains(n))?;
+                let values: Vec<f64> = (1..7)
+                    .map(|m| number(from + 8 * m).filter(|v| v.abs() < 1e3))
+                    .collect::<Option<_>>()?;
+                Some((triangle, values.try_into().ok()?))
+            })
+            .collect()
+    };
+    (0..bytes.len())
+        .filter_map(record)
+        .find(|entries| entries.iter().any(|(_, v)| v.iter().any(|v| *v != 0.0)))
+        .expect("no stored forces in the restart file")
+}
+
+/// A needle across a cylinder touches it with both tips, one grain in a corner of a mesh two triangles: what is stored adds up to
+/// what moved the grain.
+#[test]
+fn stored_forces_of_two_contacts_add_up() {
+    let needle = Grain {
+        density: 2500.0,
+        ..Grain::new([0.01002, 1e-3, 1e-3], [4e-6, 1e-6, 2e-3]).turned(about([0.0, 0.2, 1.0], 0.3))
+    };
+    let in_a_corner = Grain {
+        density: 2500.0,
+        ..Grain::new([4e-3, 3e-3, 2e-3], [0.0; 3]).turned(about([0.0, 0.0, 1.0], 0.5))
+    };
+    // half widths of an ellipsoid along x and along z, after its turn about z
+    let [along_x, along_z] = [(4e-3f64 * 0.5f64.cos()).hypot(3e-3 * 0.5f64.sin()), 2e-3];
+    let in_a_corner = Grain {
+        position: [along_x - 2e-5, 1e-3, along_z - 1e-5],
+        ..in_a_corner
+    };
+    let corner = "solid corner
+ facet normal 0 0 1
+  outer loop
+   vertex 0 -0.05 0
+   vertex 0.05 0 0
+   vertex 0 0.05 0
+  endloop
+ endfacet
+ facet normal 1 0 0
+  outer loop
+   vertex 0 -0.05 0
+   vertex 0 0.05 0
+   vertex 0 0 0.05
+  endloop
+ endfacet
+endsolid corner
+";
+    for (name, grain, wall, entries) in [
+        (
+            "cylinder",
+            needle,
+            "primitive type 1 zcylinder 0.01 0.0 0.0",
+            1,
+        ),
+        ("corner", in_a_corner, "mesh n_meshes 1 meshes corner", 2),
+    ] {
+        for ranks in [1, 2] {
+            let mut deck = Deck {
+                time_step: 1e-9,
+                walls: vec![format!("{wall} store_force_contact yes")],
+                fixes: vec!["restart 1 stored.*".into()],
+                steps: 1,
+                ..Deck::new(ELASTIC, 0.5)
+            };
+            if wall.contains("mesh") {
+                deck.before = vec!["fix corner all mesh/surface file corner.stl type 1".into()];
+            }
+            let engine = Engine::from_environment();
+            let directory = fresh_directory(&format!("{name}_{ranks}"));
+            fs::write(directory.join("corner.stl"), corner).unwrap();
+            let scene = Scene::open(0.1, vec![grain.clone()]);
+            let outcome = run_in(&engine, &directory, &scene, &deck, ranks);
+            let stored = stored(&directory.join("stored.1"));
+            assert_eq!(stored.len(), entries, "{name}: {stored:?}");
+            let sum = |from: usize| {
+                stored.iter().fold([0.0; 3], |sum, (_, v)| {
+                    add(sum, std::array::from_fn::<f64, 3, _>(|k| v[from + k]))
+                })
+            };
+            let state = &outcome.last().states[0];
+            let (force, torque): (Vector, Vector) = (sum(0), sum(3));
+            let one = length(std::array::from_fn(|k| stored[0].1[k]));
+            println!(
+                "{name}, {ranks} ranks: {} entries, first {one:.3e} N, sum {:.3e} N; off by {:.1e}, torque by {:.1e}",
+                stored.len(),
+                length(force),
+                length(sub(force, state.force)) / length(state.force),
+                length(sub(torque, state.torque)) / length(state.torque)
+            );
+            assert!(length(sub(force, state.force)) < 1e-12 * length(state.force));
+            assert!(length(sub(torque, state.torque)) < 1e-12 * length(state.torque));
         }
     }
 }

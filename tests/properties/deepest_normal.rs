@@ -4,7 +4,7 @@
 use crate::support::brute_force::deepest;
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, size, touch, Vector};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 
 /// Moves `j` along the line of centres until the bodies overlap by `depth` (bisection on the brute-force answer, coarse).
 fn at_depth(i: &Body, mut j: Body, direction: Vector, depth: f64) -> Body {

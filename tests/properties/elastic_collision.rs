@@ -4,7 +4,7 @@
 use crate::support::motion::{Motion, Partner, Rigid};
 use crate::support::scene::{body, laws, position, rotation, wall, Vector};
 use crate::support::strategies::TouchingPair;
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 struct Setting {
     i: Body,

@@ -6,7 +6,7 @@ use crate::support::scene::{
     advance_plane, laws, position, quaternion, rotation, touch, wall, Memory, Rotation, Vector,
 };
 use crate::support::strategies::TouchingPair;
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 /// Sixth-order central difference with steps of `h`.
 fn slope(energy: impl Fn(f64) -> f64, h: f64) -> f64 {

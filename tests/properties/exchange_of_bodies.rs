@@ -5,7 +5,7 @@ use crate::support::scene::{
     advance, difference, laws, rounding, rounding_of, size, vector, Memory, Vector,
 };
 use crate::support::strategies::{deck, touching_pair};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use proptest::prelude::*;
 
 fn moved(b: &Body, time: f64) -> Body {

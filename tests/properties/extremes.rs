@@ -5,7 +5,7 @@ use crate::support::scene::{
     advance, body, force_scale, laws, position, rotation, size, Felt, Memory, Vector,
 };
 use crate::support::strategies::{deck, direction, turn};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 

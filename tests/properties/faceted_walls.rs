@@ -7,13 +7,13 @@ use std::f64::consts::PI;
 use crate::support::motion::Rigid;
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, plain, quaternion, rotation, vector, Rotation, Vector};
-use ellgran::geometry::cylinder::{touch_cylinder, Cylinder};
+use ellgran::contact::prepare_body;
+use ellgran::contact::staged::{StagedContact, WallSurface};
+use ellgran::contact::{Body, Laws};
+use ellgran::geometry::cone::{touch_cone, Cone};
 use ellgran::geometry::facet_shares::Share;
 use ellgran::geometry::triangles::{Feature, Triangle, TriangleSearch};
-use ellgran::geometry::{Tangent, Vector3};
-use ellgran::pairs::one_contact::prepare_body;
-use ellgran::pairs::staged::{StagedContact, WallSurface};
-use ellgran::pairs::{Body, Laws};
+use ellgran::vector::{Tangent, Vector3};
 
 /// What a wall does to a body.
 #[derive(Clone, Copy, Debug)]
@@ -453,13 +453,9 @@ fn many_facets_are_the_cylinder() {
             Rotation::identity(),
         );
         let i = prepare_body(&b, None).unwrap();
-        let cylinder = Cylinder {
-            point: Vector3::ZERO,
-            axis: Vector3::new(0.0, 1.0, 0.0),
-            radius,
-        };
+        let cylinder = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 1.0, 0.0), radius);
         let mut surfaces = vec![];
-        touch_cylinder(&i.body, i.position, &cylinder, |c| {
+        touch_cone(&i.body, i.position, &cylinder, true, |c| {
             surfaces.push(WallSurface {
                 direction: cylinder.axis.cross(c.normal),
                 curvatures: [-1.0 / radius, 0.0],

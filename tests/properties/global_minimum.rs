@@ -10,7 +10,7 @@ use crate::support::random::Stream;
 use crate::support::scene::{
     advance, body, laws, quaternion, rotation, size, touch, vector, Memory, Rotation, Vector,
 };
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 /// What rounding may do to a penetration: a part in 1e9, and a few units in the last place of the bodies' size.
 fn slack(i: &Body, j: &Body, penetration: f64) -> f64 {

@@ -23,7 +23,7 @@ proptest! {
             let Some(f) = advance(&laws, &pair.i, &pair.j, time_step, &mut memory) else {
                 return Err(TestCaseError::fail("not touching"));
             };
-            let about = |x: &ellgran::pairs::Body| position(x) - point;
+            let about = |x: &ellgran::contact::Body| position(x) - point;
             let sum = about(&pair.i).cross(&-f.force)
                 + f.torque_i
                 + about(&pair.j).cross(&f.force)

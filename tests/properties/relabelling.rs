@@ -6,7 +6,7 @@ use crate::support::scene::{
     Rotation, Vector,
 };
 use crate::support::strategies::{deck, touching_pair, TouchingPair};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use nalgebra::Matrix3;
 use proptest::prelude::*;
 

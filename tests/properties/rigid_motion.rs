@@ -6,7 +6,7 @@ use crate::support::scene::{
     vector as from, Memory, Rotation, Vector,
 };
 use crate::support::strategies::{deck, touching_pair, turn, vector};
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 use proptest::prelude::*;
 
 fn carried(b: &Body, turn: &Rotation, shift: &Vector, drift: &Vector) -> Body {

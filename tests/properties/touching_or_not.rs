@@ -4,11 +4,12 @@
 use crate::support::perram_wertheim::contact_function;
 use crate::support::random::Stream;
 use crate::support::scene::{advance, body, laws, Memory, Rotation, Vector};
+use ellgran::contact::one_contact::{self, one_contact_or_gap};
+use ellgran::contact::prepare_body;
+use ellgran::contact::Particle;
+use ellgran::contact::{Body, Laws, Step};
 use ellgran::geometry::contact_search::gap;
 use ellgran::geometry::{search, Outcome};
-use ellgran::pairs::one_contact::{self, one_contact_or_gap, prepare_body};
-use ellgran::pairs::particles::Particle;
-use ellgran::pairs::{Body, Laws, Step};
 
 /// Outside this band around 1 the contact function in double precision is sure.
 fn band(i: &Body, j: &Body) -> f64 {

@@ -6,7 +6,7 @@ use crate::support::scene::{
     advance, laws, plain, position, quaternion, rotation, Memory, Rotation, Vector,
 };
 use crate::support::strategies::TouchingPair;
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 /// Loads a pair tangentially; the pair, its memory and its tangential force.
 fn loaded(laws: &Laws, stream: &mut Stream) -> (Body, Body, Memory, Vector) {

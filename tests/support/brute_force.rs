@@ -3,7 +3,7 @@
 //! with the library but the definition.
 
 use super::scene::{position, rotation, Vector};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2};
 
 struct Shape {

@@ -2,10 +2,13 @@
 //! The reference tables of `validation/reference`.
 
 use super::scene::{body, rotation, Vector};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 
+#[cfg(reference_pairs)]
 const ASPECT_10: &str = include_str!("../../validation/reference/pairs_aspect_10.csv");
+#[cfg(reference_pairs)]
 const ASPECT_100: &str = include_str!("../../validation/reference/pairs_aspect_100.csv");
+#[cfg(reference_pairs)]
 const ASPECT_1000: &str = include_str!("../../validation/reference/pairs_aspect_1000.csv");
 const FACTORS: &str = include_str!("../../validation/reference/hertz_factors.csv");
 
@@ -101,6 +104,7 @@ pub struct GoldenPair {
 }
 
 /// Pairs of aspect ratio up to 10, 100 or 1000.
+#[cfg(reference_pairs)]
 pub fn pairs(aspect: usize) -> Vec<GoldenPair> {
     let table = read(match aspect {
         10 => ASPECT_10,

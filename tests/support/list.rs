@@ -3,12 +3,11 @@
 
 use super::brute_force::support;
 use super::scene::{position, Vector};
-use ellgran::pairs::neighbour_list::{Accumulators, Entries};
-use ellgran::pairs::particles::Rotation;
-use ellgran::pairs::{
-    compute_pairs, Body, InstructionSet, Laws, NeighbourRow, NeighbourRows, ParticleArrays, Step,
-    Workspace,
-};
+use ellgran::contact::{Body, Laws, Step};
+use ellgran::list::Rotation;
+use ellgran::list::{compute_pairs, NeighbourRow, NeighbourRows, ParticleArrays, Workspace};
+use ellgran::list::{Accumulators, Entries};
+use ellgran::simd::InstructionSet;
 
 /// The instruction sets of this machine.
 pub fn instruction_sets() -> impl Iterator<Item = InstructionSet> {

@@ -6,7 +6,8 @@
 use super::scene::{
     advance, advance_plane, array, position, quaternion, rotation, Felt, Memory, Rotation, Vector,
 };
-use ellgran::pairs::{Body, Laws, MovingPlane};
+use ellgran::contact::{Body, Laws};
+use ellgran::walls::MovingPlane;
 use nalgebra::Unit;
 
 /// A body and its angular momentum (world frame). `body.angular_velocity` follows from it.

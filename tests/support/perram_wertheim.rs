@@ -2,7 +2,7 @@
 //! Do two ellipsoids touch? The contact function of J.W. Perram and M.S. Wertheim, J. Comput. Phys. 58 (1985) 409.
 
 use super::scene::{position, rotation};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use nalgebra::Matrix3;
 
 fn shape_matrix(b: &Body) -> Matrix3<f64> {

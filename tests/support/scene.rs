@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies, laws and contacts in the words of a deck, results in nalgebra's types.
 
+use ellgran::contact::one_contact;
+use ellgran::contact::prepare_body;
+use ellgran::contact::{Body, ContactForces, Laws, OneContact, Step};
 use ellgran::force::syntax::parse;
 use ellgran::force::{LawParameters, PairLaw};
 use ellgran::geometry::Plane;
-use ellgran::pairs::one_contact::{self, prepare_body};
-use ellgran::pairs::{Body, ContactForces, Laws, MovingPlane, OneContact, Step};
+use ellgran::walls::{one_contact_with_plane, MovingPlane};
 
 pub type Vector = nalgebra::Vector3<f64>;
 pub type Rotation = nalgebra::UnitQuaternion<f64>;
 
-pub fn vector(v: ellgran::geometry::Vector3) -> Vector {
+pub fn vector(v: ellgran::vector::Vector3) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-pub fn plain(v: Vector) -> ellgran::geometry::Vector3 {
-    ellgran::geometry::Vector3::new(v.x, v.y, v.z)
+pub fn plain(v: Vector) -> ellgran::vector::Vector3 {
+    ellgran::vector::Vector3::new(v.x, v.y, v.z)
 }
 
 pub fn array(v: Vector) -> [f64; 3] {
@@ -172,7 +174,7 @@ pub fn advance_plane(
     memory: &mut Memory,
 ) -> Option<Felt> {
     let i = prepare_body(i, Some(laws.types())).unwrap();
-    one_contact::one_contact_with_plane(
+    one_contact_with_plane(
         laws,
         &i,
         plane,

@@ -2,7 +2,7 @@
 //! Random rotations, shapes and touching pairs for property tests.
 
 use super::scene::{body, Rotation, Vector};
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 use nalgebra::{Matrix3, Matrix3x2};
 use proptest::prelude::*;
 

@@ -6,7 +6,7 @@ use crate::support::elliptic::{complete, curvature_ratio};
 use crate::support::scene::pair_law;
 use ellgran::force::hertz_factors::{contact_ellipse, exact};
 use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw};
-use ellgran::geometry::{Symmetric2, Vector2};
+use ellgran::vector::{Symmetric2, Vector2};
 
 const PENETRATION: f64 = 1e-3;
 
@@ -69,6 +69,7 @@ impl Elliptical {
                 self.curvature,
                 zero,
                 0.0,
+                true,
                 xi,
                 zero,
             );

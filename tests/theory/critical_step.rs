@@ -5,9 +5,9 @@
 use crate::support::motion::{Motion, Partner, Rigid};
 use crate::support::random::Stream;
 use crate::support::scene::{advance, geometry, laws, position, Memory, Vector};
-use ellgran::pairs::one_contact::prepare_body;
-use ellgran::pairs::stability::{collision, contact_stiffness};
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::prepare_body;
+use ellgran::contact::stability::{collision, contact_stiffness};
+use ellgran::contact::{Body, Laws};
 
 fn grain(semi_axes: [f64; 3], quaternion: [f64; 4], position: [f64; 3], mass: f64) -> Body {
     Body {

@@ -11,6 +11,7 @@ mod closures;
 mod compliance;
 mod critical_step;
 mod factor_fit;
+#[cfg(reference_pairs)]
 mod golden_pairs;
 mod hale;
 mod hertz_collision;

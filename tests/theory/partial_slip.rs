@@ -6,7 +6,7 @@ use crate::support::elliptic::{complete, curvature_ratio};
 use crate::support::scene::pair_law;
 use ellgran::force::hertz_factors::exact;
 use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw, TangentialForce};
-use ellgran::geometry::{Symmetric2, Vector2};
+use ellgran::vector::{Symmetric2, Vector2};
 
 const PENETRATION: f64 = 2e-3;
 const FRICTION: f64 = 0.4;
@@ -33,6 +33,7 @@ fn slide(law: &PairLaw, curvature: Symmetric2, xi: Vector2, velocity: Vector2) -
         curvature,
         xi,
         0.0,
+        true,
         Vector2::new(0.0, 0.0),
         velocity,
     )
@@ -224,6 +225,7 @@ fn the_default_is_the_published_form_at_a_steady_normal_force() {
                         m,
                         memory,
                         remembered,
+                        true,
                         step,
                         step * 10.0,
                     )
@@ -242,6 +244,65 @@ fn the_default_is_the_published_form_at_a_steady_normal_force() {
                 (kept, energy, xi) = (a.memory, a.elastic_energy, b.memory);
             }
             assert!(slid, "the path never slid");
+        }
+    }
+}
+
+/// Where no time passes nothing slips and nothing is given up, on whatever cone: what a run remembers when it ends is there
+/// when the next one starts, whose first forces have other velocities.
+#[test]
+fn nothing_is_forgotten_where_no_time_passes() {
+    let m = Symmetric2::new(80.0, 10.0, 300.0);
+    let factors = exact(m.trace(), m.determinant(), true);
+    for words in ["tfd", "mindlin"] {
+        for displacement in ["rescaled", "total", "incremental"] {
+            let law = pair_law(&format!(
+                "hertz 1e6 {NU} tangential {words} {FRICTION} displacement {displacement}"
+            ));
+            let n = normal(&law, m);
+            let call = |n: &NormalForce, memory, energy, passes, step| {
+                tangential_force(
+                    &law.kinds,
+                    &law.constants,
+                    n,
+                    &factors,
+                    m,
+                    memory,
+                    energy,
+                    passes,
+                    step,
+                    Vector2::new(0.0, 0.0),
+                )
+            };
+            let none = Vector2::new(0.0, 0.0);
+            let mut t = call(&n, none, 0.0, true, none);
+            for k in 0..20 {
+                // in a curve, so that the compliance along it changes
+                let angle = 0.1 * k as f64;
+                let step = Vector2::new(angle.cos(), angle.sin()) * (0.05 * FRICTION * PENETRATION);
+                t = call(&n, t.memory, t.elastic_energy, true, step);
+            }
+            let again = call(&n, t.memory, t.elastic_energy, false, none);
+            let less = NormalForce {
+                force: 0.2 * n.force,
+                ..n
+            };
+            let slid = call(&less, t.memory, t.elastic_energy, false, none);
+            let apart = again.force - t.force;
+            assert!(
+                apart.dot(apart).sqrt() < 1e-13 * FRICTION * n.force,
+                "{words} {displacement}"
+            );
+            for held in [again, slid] {
+                let moved = held.memory - t.memory;
+                assert_eq!(moved.dot(moved), 0.0, "{words} {displacement}");
+                if displacement == "rescaled" {
+                    assert_eq!(held.elastic_energy, t.elastic_energy, "{words}");
+                }
+            }
+            // A smaller cone holds the force all the same.
+            let limit = FRICTION * less.force;
+            assert!(slid.force.dot(slid.force).sqrt() < limit * (1.0 + 1e-14));
         }
     }
 }

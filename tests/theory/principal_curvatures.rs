@@ -3,7 +3,8 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{plain, quaternion, vector};
-use ellgran::geometry::{inverse_weingarten, Ellipsoid, Tangent};
+use ellgran::geometry::{radii_of_curvature, Ellipsoid};
+use ellgran::vector::Tangent;
 
 /// Both curvatures at a surface point given in body axes.
 fn closed_form(a: [f64; 3], p: [f64; 3]) -> (f64, f64) {
@@ -37,7 +38,7 @@ fn weingarten_map_has_the_closed_forms_curvatures() {
                 *w = w.max(e.abs());
                 assert!(e.abs() < 4.0 * tolerance, "{a:?}: {errors:?}");
             }
-            let w = inverse_weingarten(&body, &support, &tangent);
+            let w = radii_of_curvature(&body, &support, &tangent);
             let product = [
                 v.uu * w.uu + v.uv * w.uv - 1.0,
                 v.uu * w.uv + v.uv * w.vv,
@@ -62,8 +63,8 @@ fn at_the_tips_the_radii_are_squares_of_semi_axes_over_the_third() {
     for tip in 0..3 {
         let mut n = [0.0; 3];
         n[tip] = 1.0;
-        let n = ellgran::geometry::Vector3::from_array(n);
-        let w = inverse_weingarten(&body, &body.support(n), &Tangent::new(n));
+        let n = ellgran::vector::Vector3::from_array(n);
+        let w = radii_of_curvature(&body, &body.support(n), &Tangent::new(n));
         let (small, large, _) = w.eigen();
         let mut wanted = [
             a[(tip + 1) % 3].powi(2) / a[tip],

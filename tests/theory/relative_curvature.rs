@@ -3,7 +3,8 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{plain, quaternion, vector};
-use ellgran::geometry::{inverse_weingarten, relative_curvature, Ellipsoid, Tangent};
+use ellgran::geometry::{radii_of_curvature, relative_curvature, Ellipsoid};
+use ellgran::vector::Tangent;
 
 #[test]
 fn equation_5_with_four_radii_and_the_angle_between_the_principal_planes() {
@@ -17,7 +18,7 @@ fn equation_5_with_four_radii_and_the_angle_between_the_principal_planes() {
         let supports = bodies.map(|b| b.support(n));
         // Principal radii R' > R'' of each body and the direction of R', from the inverse Weingarten map.
         let radii = [0, 1].map(|k| {
-            let w = inverse_weingarten(&bodies[k], &supports[k], &tangent);
+            let w = radii_of_curvature(&bodies[k], &supports[k], &tangent);
             let (small, large, direction) = w.eigen();
             (large, small, direction)
         });
@@ -55,7 +56,7 @@ fn equation_5_with_four_radii_and_the_angle_between_the_principal_planes() {
 #[test]
 fn crossed_cylinder_like_contacts_are_circular() {
     // Two equal needles crossed at a right angle touch in a circle: A = B, whatever their radii of curvature.
-    let n = ellgran::geometry::Vector3::new(0.0, 0.0, 1.0);
+    let n = ellgran::vector::Vector3::new(0.0, 0.0, 1.0);
     let quarter = std::f64::consts::FRAC_1_SQRT_2;
     let i = Ellipsoid::new([10.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0]).unwrap();
     let j = Ellipsoid::new([10.0, 1.0, 1.0], [quarter, 0.0, 0.0, quarter]).unwrap();

@@ -3,7 +3,7 @@
 
 use crate::support::motion::{Motion, Partner};
 use crate::support::scene::{body, laws, wall, Rotation, Vector};
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 const MASS: f64 = 2.0;
 const RADIUS: f64 = 0.5;

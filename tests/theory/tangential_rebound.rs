@@ -6,7 +6,7 @@ use crate::integrate::until;
 use crate::support::scene::pair_law;
 use ellgran::force::hertz_factors::exact;
 use ellgran::force::{normal_force, tangential_force};
-use ellgran::geometry::{Symmetric2, Vector2};
+use ellgran::vector::{Symmetric2, Vector2};
 
 /// `v_t'/v_t` of a contact whose tangential velocity obeys `m_t v_t' = -F_t`, and the `kappa` of the contact.
 fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
@@ -38,6 +38,7 @@ fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
                 curvature,
                 Vector2::new(memory, 0.0),
                 0.0,
+                true,
                 Vector2::new(increment, 0.0),
                 zero,
             );

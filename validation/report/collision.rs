@@ -7,7 +7,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use ellgran::pairs::{Body, Laws};
+use ellgran::contact::{Body, Laws};
 
 use crate::clock::{since, Clock};
 use crate::numbers::{Errors, Random};

@@ -8,8 +8,8 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
 
-use ellgran::geometry::vector::Vector3;
 use ellgran::geometry::{search, Ellipsoid, Outcome as Found};
+use ellgran::vector::Vector3;
 
 use crate::numbers::{Errors, Random};
 use crate::perram_wertheim::Symmetric3;

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use ellgran::force::elliptic_integrals::ellipse_integrals;
 use ellgran::force::hertz_factors;
-use ellgran::pairs::instruction_set::Stage;
-use ellgran::pairs::registers::{Registers, MOST_LANES};
-use ellgran::pairs::InstructionSet;
+use ellgran::simd::InstructionSet;
+use ellgran::simd::Stage;
+use ellgran::simd::{Registers, MOST_LANES};
 
 use crate::literature;
 use crate::numbers::Errors;
@@ -57,7 +57,7 @@ struct Lanes<'a> {
 impl Stage for Lanes<'_> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
-        use ellgran::pairs::lanes::Lanes as Register;
+        use ellgran::simd::Lanes as Register;
         let mut trace = [1.0; MOST_LANES];
         let mut determinant = [1.0; MOST_LANES];
         let mut value = [0.0; MOST_LANES];

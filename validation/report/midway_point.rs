@@ -9,7 +9,7 @@
 //! by Newton in four unknowns. The normal is that of the level surfaces at `x`; the overlap is the distance, on the line through
 //! `x` along it, between where the line leaves one body and the other.
 
-use ellgran::geometry::vector::Vector3;
+use ellgran::vector::Vector3;
 
 use crate::contact_search::Pair;
 use crate::perram_wertheim::{apply, Symmetric3};

@@ -8,7 +8,7 @@
 //! `sqrt(F)` is the factor by which both bodies must grow, or shrink, to touch; the normal is that of the touching scaled
 //! bodies. The overlap along it is `h_i + h_j - n.d = n.d (1/sqrt(F) - 1)`.
 
-use ellgran::geometry::vector::Vector3;
+use ellgran::vector::Vector3;
 
 use crate::contact_search::Pair;
 

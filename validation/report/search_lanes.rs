@@ -4,11 +4,12 @@
 
 use std::hint::black_box;
 
-use ellgran::geometry::{Ellipsoid, Vector3};
-use ellgran::pairs::instruction_set::Stage;
-use ellgran::pairs::lanes::Lanes;
-use ellgran::pairs::registers::{Registers, MOST_LANES};
-use ellgran::pairs::InstructionSet;
+use ellgran::geometry::Ellipsoid;
+use ellgran::simd::InstructionSet;
+use ellgran::simd::Lanes;
+use ellgran::simd::Stage;
+use ellgran::simd::{Registers, MOST_LANES};
+use ellgran::vector::Vector3;
 
 use crate::contact_search::{Finding, Pair};
 use crate::support_newton::{overlap, step};

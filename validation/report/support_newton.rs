@@ -2,9 +2,9 @@
 //! The library's contact search with the tolerance left open: Newton on the support functions, built of the library's own
 //! parts, without the safeguards that the library adds for deep overlaps and saddles.
 
-use ellgran::geometry::vector::{Symmetric2, Tangent, Vector3};
 use ellgran::geometry::Ellipsoid;
 use ellgran::real::Real;
+use ellgran::vector::{Symmetric2, Tangent, Vector3};
 
 use crate::contact_search::Pair;
 

@@ -13,7 +13,7 @@ use crate::literature;
 use crate::support::perram_wertheim::contact_function;
 use crate::support::scene::{body, position, rotation, Vector};
 use crate::Outcome;
-use ellgran::pairs::Body;
+use ellgran::contact::Body;
 
 pub fn run(directory: &Path, pairs: &Path, effective_modulus: f64) -> Outcome {
     let mut table = String::from("pair,fx,fy,fz,overlap_over_radius,curvature_ratio\n");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! An upstream source tarball out of Debian's archive, wherever this machine's own apt configuration finds that
-//! archive. apt runs on a private configuration, so the machine's own package lists stay as they are.
+//! An upstream source tarball, or what is in a binary package, out of Debian's archive, wherever this machine's own apt
+//! configuration finds that archive. apt runs on a private configuration, so the machine's own package lists stay as they are.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -68,27 +68,30 @@ pub fn find_in(name: &str, upstream: &str, suites: &[&str]) -> Result<Option<Pac
     failure.map_or(Ok(None), Err)
 }
 
+/// The versions of source package `name` in `suite`.
+pub fn versions(name: &str, suite: &str) -> Result<Vec<String>> {
+    let apt = indexed(suite, format!("Looking for {name} in {suite}"))?;
+    let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
+    Ok(shown_versions(&shown, name))
+}
+
+fn shown_versions(shown: &str, name: &str) -> Vec<String> {
+    let package = format!("Package: {name}");
+    shown
+        .split("\n\n")
+        .filter(|paragraph| paragraph.lines().any(|line| line == package))
+        .filter_map(|paragraph| {
+            let version = paragraph
+                .lines()
+                .find_map(|line| line.strip_prefix("Version: "));
+            version.map(str::to_string)
+        })
+        .collect()
+}
+
 /// The newest version of source package `name` in `suite` whose version starts with `upstream`.
 fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
-    for tool in ["apt-get", "apt-cache", "apt-config"] {
-        if find_program(tool).is_none() {
-            bail!("{tool} is not on this system");
-        }
-    }
-    let archive = machine_archive()?;
-    let apt = PrivateApt::new(&archive, suite)?;
-    let mut progress = Progress::start(format!("Looking for {name} {upstream} in {suite}"));
-    let log = apt.directory.path().join("update.log");
-    let result = run_logged(
-        apt.command("apt-get").args(["update", "-q"]),
-        &log,
-        |line| progress.update(None, line),
-    );
-    if let Err(error) = result {
-        progress.clear();
-        return Err(error);
-    }
-    progress.finish();
+    let apt = indexed(suite, format!("Looking for {name} {upstream} in {suite}"))?;
     let shown = output_of(apt.command("apt-cache").args(["showsrc", name])).unwrap_or_default();
     Ok(
         newest(&shown, name, upstream).map(|(version, size)| Package {
@@ -98,6 +101,14 @@ fn find(name: &str, upstream: &str, suite: &str) -> Result<Option<Package>> {
             apt,
         }),
     )
+}
+
+/// An apt that has read the index of sources of `suite`.
+fn indexed(suite: &str, title: String) -> Result<PrivateApt> {
+    need_tools(&["apt-get", "apt-cache", "apt-config"])?;
+    let apt = PrivateApt::new(&machine_archive()?, suite, "deb-src")?;
+    apt.update(title)?;
+    Ok(apt)
 }
 
 impl Package {
@@ -146,13 +157,67 @@ impl Package {
     }
 }
 
+fn need_tools(tools: &[&str]) -> Result<()> {
+    match tools.iter().find(|tool| find_program(tool).is_none()) {
+        Some(tool) => bail!("{tool} is not on this system"),
+        None => Ok(()),
+    }
+}
+
+/// The binary packages of this machine's own release.
+pub struct Packages {
+    apt: PrivateApt,
+}
+
+impl Packages {
+    pub fn of_this_system() -> Result<Self> {
+        need_tools(&["apt-get", "apt-cache", "apt-config", "dpkg-deb"])?;
+        let archive = machine_archive()?;
+        let suite = archive
+            .suites
+            .first()
+            .context("an archive without a suite")?;
+        let apt = PrivateApt::new(&archive, suite, "deb")?;
+        apt.update(format!("Reading the packages of {suite}"))?;
+        Ok(Packages { apt })
+    }
+
+    /// Names of the packages that `name` depends on.
+    pub fn depends(&self, name: &str) -> Result<Vec<String>> {
+        let shown = output_of(self.apt.command("apt-cache").args(["depends", name]))?;
+        Ok(shown
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("Depends: "))
+            .map(str::to_string)
+            .collect())
+    }
+
+    /// Its files, as they would be installed below `root`; apt has checked its hash against the signed index.
+    pub fn unpack(&self, name: &str, root: &Path) -> Result<()> {
+        let directory = tempfile::Builder::new().prefix("ellgran-deb-").tempdir()?;
+        output_of(
+            self.apt
+                .command("apt-get")
+                .args(["download", "-q", name])
+                .current_dir(directory.path()),
+        )?;
+        let package = fs::read_dir(directory.path())?
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .find(|path| path.extension().is_some_and(|extension| extension == "deb"))
+            .with_context(|| format!("apt-get download {name} left no package"))?;
+        output_of(Command::new("dpkg-deb").arg("-x").arg(package).arg(root))?;
+        Ok(())
+    }
+}
+
 /// apt with lists, cache and sources of its own, in a directory that goes when this does.
 struct PrivateApt {
     directory: tempfile::TempDir,
 }
 
 impl PrivateApt {
-    fn new(archive: &Entry, suite: &str) -> Result<Self> {
+    /// `kind` is `deb` or `deb-src`.
+    fn new(archive: &Entry, suite: &str, kind: &str) -> Result<Self> {
         let directory = tempfile::Builder::new().prefix("ellgran-apt-").tempdir()?;
         let base = directory.path();
         for name in ["sources", "lists/partial", "cache/archives/partial"] {
@@ -160,7 +225,7 @@ impl PrivateApt {
         }
         fs::write(
             base.join("sources").join("ellgran.sources"),
-            stanza(archive, suite),
+            stanza(archive, suite, kind),
         )?;
         let at = |name: &str| base.join(name).display().to_string();
         fs::write(
@@ -183,6 +248,21 @@ impl PrivateApt {
             ),
         )?;
         Ok(PrivateApt { directory })
+    }
+
+    fn update(&self, title: String) -> Result<()> {
+        let mut progress = Progress::start(title);
+        let log = self.directory.path().join("update.log");
+        let result = run_logged(
+            self.command("apt-get").args(["update", "-q"]),
+            &log,
+            |line| progress.update(None, line),
+        );
+        match result {
+            Ok(()) => progress.finish(),
+            Err(_) => progress.clear(),
+        }
+        result
     }
 
     fn command(&self, program: &str) -> Command {
@@ -258,8 +338,8 @@ fn main_archive(entries: &[Entry], code_name: &str) -> Option<Entry> {
         .cloned()
 }
 
-/// The same archive, sources of another suite.
-fn stanza(archive: &Entry, suite: &str) -> String {
+/// The same archive, packages of one kind of a suite.
+fn stanza(archive: &Entry, suite: &str, kind: &str) -> String {
     let uris: Vec<&str> = archive
         .uris
         .iter()
@@ -267,7 +347,7 @@ fn stanza(archive: &Entry, suite: &str) -> String {
         .filter(|uri| !uri.starts_with("cdrom:"))
         .collect();
     let mut text = format!(
-        "Types: deb-src\nURIs: {}\nSuites: {suite}\nComponents: main\n",
+        "Types: {kind}\nURIs: {}\nSuites: {suite}\nComponents: main\n",
         uris.join(" ")
     );
     for (name, value) in &archive.options {
@@ -490,7 +570,7 @@ deb http://flat.example ./
             "deb [signed-by=/usr/share/keyrings/a.gpg] http://mirror.example/linux stable main",
         );
         assert_eq!(
-            stanza(&entries[0], "sid"),
+            stanza(&entries[0], "sid", "deb-src"),
             "Types: deb-src\nURIs: http://mirror.example/linux\nSuites: sid\nComponents: main\nSigned-By: /usr/share/keyrings/a.gpg\n"
         );
     }
@@ -532,6 +612,10 @@ Files:
         assert_eq!(
             newest(shown, "engine", "20250204"),
             Some(("20250204+dfsg.1-2".into(), Some(132_367_436)))
+        );
+        assert_eq!(
+            shown_versions(shown, "engine"),
+            ["20260704+dfsg-2", "20250204+dfsg.1-2"]
         );
         assert_eq!(newest(shown, "engine", "2027"), None);
         assert_eq!(newest(shown, "other", "20250204"), None);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! include/ellgran.h: written from the Rust sources, and checked against them.
+//! include/ellgran.h, written from the Rust sources, and Python's declarations, written from it; and both checked.
 
 use std::fs;
 
 use anyhow::{anyhow, bail, Context, Result};
 
 use crate::progress::say;
+use crate::python_interface::python_interface;
 use crate::workspace;
 
 pub fn header(check: bool) -> Result<()> {
@@ -20,18 +21,29 @@ pub fn header(check: bool) -> Result<()> {
     let mut bytes = Vec::new();
     bindings.write(&mut bytes);
     let generated = String::from_utf8(bytes)?;
-    let path = root.join("include").join("ellgran.h");
-    if check {
-        let committed =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        if let Some(difference) = first_difference(&committed, &generated) {
-            bail!("include/ellgran.h has drifted from src/c_api: run `cargo xtask header`\n{difference}");
+    let files = [
+        (
+            "python/ellgran/_interface.py",
+            python_interface(&generated)?,
+        ),
+        ("include/ellgran.h", generated),
+    ];
+    for (name, text) in files {
+        let path = root.join(name);
+        if check {
+            let committed = fs::read_to_string(&path)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            if let Some(difference) = first_difference(&committed, &text) {
+                bail!("{name} has drifted from src/c_api: run `cargo xtask header`\n{difference}");
+            }
+            say(format!("{name} is what src/c_api says"));
+        } else {
+            if let Some(directory) = path.parent() {
+                fs::create_dir_all(directory)?;
+            }
+            fs::write(&path, text)?;
+            say(format!("wrote {}", path.display()));
         }
-        say("include/ellgran.h is what cbindgen writes");
-    } else {
-        fs::create_dir_all(root.join("include"))?;
-        fs::write(&path, generated)?;
-        say(format!("wrote {}", path.display()));
     }
     Ok(())
 }

@@ -37,6 +37,11 @@ pub fn into(prefix: &Path) -> Result<()> {
     fill(prefix, false)
 }
 
+/// With the shared library.
+pub fn with_shared(prefix: &Path) -> Result<()> {
+    fill(prefix, true)
+}
+
 fn fill(prefix: &Path, shared: bool) -> Result<()> {
     if shared && !cfg!(target_os = "linux") {
         bail!(

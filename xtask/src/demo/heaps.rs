@@ -10,7 +10,10 @@ use super::deck;
 use super::engine::Engine;
 use super::heap::{self, Grain, Picture};
 use super::material::Material;
+use super::scene::{self, Frame, Scene};
 use super::table::Table;
+use crate::progress::say;
+use crate::setup;
 
 /// Softer than the grains of the collision, so that some ten thousand steps settle them.
 const MATERIAL: Material = Material {
@@ -85,7 +88,33 @@ fn settle_in_box(engine: &Engine, output: &Path) -> Result<Table> {
         }],
         None,
     )?;
+    match setup::renderer() {
+        Ok(()) => rendered(&dump, output)?,
+        Err(why) => say(format!("no shaded pictures, only plain ones: {why:#}")),
+    }
     Ok(table)
+}
+
+/// The heap and its making, shaded, coloured by the pressure that the contacts put on each grain.
+fn rendered(dump: &Path, output: &Path) -> Result<()> {
+    let frames = heap::read_frames(dump, "v_pressure")?;
+    let (low, high) = scene::box_of(dump)?;
+    let mut scene = Scene {
+        low,
+        high,
+        quantity: "pressure",
+        most: 500.0,
+        most_written: "0.5 kPa",
+    };
+    let frames: Vec<Frame> = frames
+        .iter()
+        .map(|(grains, pressures)| (grains.as_slice(), pressures.as_slice()))
+        .collect();
+    scene.animation(&frames, &output.join("settling.webp"))?;
+    // The walls of the picture end where there is nothing more to see.
+    let last = frames[frames.len() - 1];
+    scene.high[2] = low[2] + (high[0] - low[0]);
+    scene.picture(last, &output.join("heap.webp"))
 }
 
 /// The same fall under each pair style, on a floor of frozen grains.

@@ -11,6 +11,7 @@ mod heaps;
 mod liggghts;
 mod linear_spring;
 pub mod material;
+mod scene;
 pub mod table;
 
 use std::fs;
@@ -43,6 +44,7 @@ pub enum Which {
 struct Outcome {
     heading: String,
     tables: Vec<Table>,
+    shaded: &'static [&'static str],
     pictures: &'static [&'static str],
 }
 
@@ -69,6 +71,12 @@ pub fn run(which: Which, output: &Path) -> Result<()> {
         text += &table.markdown();
     }
     text += "\nPictures:\n\n";
+    // Shaded ones are there where the renderer could be installed.
+    for picture in outcome.shaded {
+        if output.join(picture).is_file() {
+            text += &format!("![{picture}]({picture})\n");
+        }
+    }
     for picture in outcome.pictures {
         anyhow::ensure!(output.join(picture).is_file(), "no {picture} was drawn");
         text += &format!("![{picture}]({picture})\n");
@@ -102,6 +110,7 @@ fn lammps_scenes(output: &Path) -> Result<Outcome> {
     Ok(Outcome {
         heading: format!("ellgran in LAMMPS {}", engine.release),
         tables,
+        shaded: &["heap.webp", "settling.webp"],
         pictures: &[
             "first-deck.svg",
             "normal-force.svg",
@@ -122,6 +131,7 @@ fn liggghts_scenes(output: &Path) -> Result<Outcome> {
             liggghts::collision(&engine, output)?,
             liggghts::settling(&engine, output)?,
         ],
+        shaded: &[],
         pictures: &["liggghts-collision.svg", "liggghts-heap.svg"],
     })
 }

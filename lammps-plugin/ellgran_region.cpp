@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include "ellgran_region.h"
+
+#include "domain.h"
+#include "error.h"
+#include "modify.h"
+#include "region.h"
+#include "region_block.h"
+#include "region_cone.h"
+#include "region_cylinder.h"
+#include "region_plane.h"
+#include "region_sphere.h"
+#include "update.h"
+#include "utils.h"
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// LAMMPS keeps the measures of a region to itself. C++ lets an explicit instantiation name a private member; the friend
+// function that it defines hands out the pointer to it. A release without that member does not compile.
+template <typename Key, typename Key::Pointer member> struct Expose {
+  friend typename Key::Pointer member_of(Key) { return member; }
+};
+
+#define EXPOSE(Key, Class, Type, member)                                       \
+  struct Key {                                                                 \
+    using Pointer = Type Class::*;                                             \
+    friend Pointer member_of(Key);                                             \
+  };                                                                           \
+  template struct Expose<Key, &Class::member>
+
+using Triple = double[3];
+
+EXPOSE(RegionPoint, Region, Triple, point);
+EXPOSE(RegionAxis, Region, Triple, runit);
+EXPOSE(BlockXlo, RegBlock, double, xlo);
+EXPOSE(BlockXhi, RegBlock, double, xhi);
+EXPOSE(BlockYlo, RegBlock, double, ylo);
+EXPOSE(BlockYhi, RegBlock, double, yhi);
+EXPOSE(BlockZlo, RegBlock, double, zlo);
+EXPOSE(BlockZhi, RegBlock, double, zhi);
+EXPOSE(PlaneX, RegPlane, double, xp);
+EXPOSE(PlaneY, RegPlane, double, yp);
+EXPOSE(PlaneZ, RegPlane, double, zp);
+EXPOSE(PlaneNormal, RegPlane, Triple, normal);
+EXPOSE(SphereX, RegSphere, double, xc);
+EXPOSE(SphereY, RegSphere, double, yc);
+EXPOSE(SphereZ, RegSphere, double, zc);
+EXPOSE(SphereRadius, RegSphere, double, radius);
+EXPOSE(CylinderAxis, RegCylinder, char, axis);
+EXPOSE(CylinderFirst, RegCylinder, double, c1);
+EXPOSE(CylinderSecond, RegCylinder, double, c2);
+EXPOSE(CylinderRadius, RegCylinder, double, radius);
+EXPOSE(CylinderLow, RegCylinder, double, lo);
+EXPOSE(CylinderHigh, RegCylinder, double, hi);
+EXPOSE(ConeAxis, RegCone, char, axis);
+EXPOSE(ConeFirst, RegCone, double, c1);
+EXPOSE(ConeSecond, RegCone, double, c2);
+EXPOSE(ConeRadiusLow, RegCone, double, radiuslo);
+EXPOSE(ConeRadiusHigh, RegCone, double, radiushi);
+EXPOSE(ConeLow, RegCone, double, lo);
+EXPOSE(ConeHigh, RegCone, double, hi);
+
+// What a region gives for INF is beyond any coordinate.
+constexpr double INFINITE = 1e20;
+
+class Surfaces {
+ public:
+  Surfaces(LAMMPS *lmp, const std::string &caller, EllgranWall *wall) : lmp(lmp), caller(caller), wall(wall) {}
+
+  // `flipped`: the particles are where the region is not
+  void add(Region *region, bool flipped)
+  {
+    const std::string style = region->style;
+    const std::string name = "region " + std::string(region->id) + " of style " + style;
+    if (region->varshape) fail(name + " has a shape that varies; only its place may, by move and rotate");
+    if (style == "union" || style == "intersect") {
+      // Together the grains' space is that of an intersection: behind any of the surfaces is wall.
+      const bool inside = (region->interior != 0) != flipped;
+      if ((style == "intersect") != inside)
+        fail(name + (inside ? " with side in" : " with side out") +
+             " has edges that stick out where its parts meet; use fixes of their own for the parts, or a mesh");
+      for (int k = 0; k < region->nregion; k++) {
+        if (region->reglist[k]->dynamic)
+          fail("region " + std::string(region->reglist[k]->id) + " moves within " + name + "; only single regions may");
+        add(region->reglist[k], !inside);
+      }
+      return;
+    }
+    side = ((region->interior != 0) != flipped) ? ELLGRAN_SIDE_INSIDE : ELLGRAN_SIDE_OUTSIDE;
+    open = region->open_faces;
+    if (region->openflag) side = ELLGRAN_SIDE_OF_CENTRE;
+    if (style == "block")
+      block(*static_cast<RegBlock *>(region));
+    else if (style == "plane")
+      plane(*static_cast<RegPlane *>(region));
+    else if (style == "sphere")
+      sphere(*static_cast<RegSphere *>(region));
+    else if (style == "cylinder")
+      cylinder(name, *static_cast<RegCylinder *>(region));
+    else if (style == "cone")
+      cone(name, *static_cast<RegCone *>(region));
+    else
+      fail(name + " cannot be a wall; block, plane, sphere, cylinder, cone, and intersect and union of them can");
+  }
+
+ private:
+  LAMMPS *lmp;
+  std::string caller;
+  EllgranWall *wall;
+  int side = 0;
+  const int *open = nullptr;
+
+  [[noreturn]] void fail(const std::string &what) const
+  {
+    lmp->error->all(FLERR, "{}: {}", caller, what);
+  }
+
+  void check(int32_t status) const
+  {
+    if (status != ELLGRAN_SUCCESS) fail(ellgran_last_error());
+  }
+
+  void plane(RegPlane &r)
+  {
+    EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+    shape.name = "plane";
+    shape.point[0] = r.*member_of(PlaneX());
+    shape.point[1] = r.*member_of(PlaneY());
+    shape.point[2] = r.*member_of(PlaneZ());
+    std::memcpy(shape.axis, r.*member_of(PlaneNormal()), sizeof shape.axis);
+    shape.side = side;
+    check(ellgran_wall_add_shape(wall, &shape));
+  }
+
+  void sphere(RegSphere &r)
+  {
+    EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+    shape.name = "sphere";
+    shape.point[0] = r.*member_of(SphereX());
+    shape.point[1] = r.*member_of(SphereY());
+    shape.point[2] = r.*member_of(SphereZ());
+    shape.radii[0] = r.*member_of(SphereRadius());
+    shape.side = side;
+    check(ellgran_wall_add_shape(wall, &shape));
+  }
+
+  void block(RegBlock &r)
+  {
+    const double low[3] = {r.*member_of(BlockXlo()), r.*member_of(BlockYlo()), r.*member_of(BlockZlo())};
+    const double high[3] = {r.*member_of(BlockXhi()), r.*member_of(BlockYhi()), r.*member_of(BlockZhi())};
+    if (side != ELLGRAN_SIDE_INSIDE) {
+      box(r, low, high);
+      return;
+    }
+    for (int k = 0; k < 6; k++) {
+      const double position = (k % 2 == 0) ? low[k / 2] : high[k / 2];
+      if (std::fabs(position) >= INFINITE) continue;
+      EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+      shape.name = "plane";
+      shape.point[k / 2] = position;
+      shape.axis[k / 2] = (k % 2 == 0) ? 1.0 : -1.0;
+      shape.side = ELLGRAN_SIDE_INSIDE;
+      check(ellgran_wall_add_shape(wall, &shape));
+    }
+  }
+
+  // Edges and corners that stick out: two triangles for each face.
+  void box(RegBlock &r, const double *low, const double *high)
+  {
+    for (int k = 0; k < 3; k++)
+      if (std::fabs(low[k]) >= INFINITE || std::fabs(high[k]) >= INFINITE)
+        fail("region " + std::string(r.id) +
+             " of style block with side out or open faces must end in all dimensions: it has INF or EDGE beyond the largest "
+             "coordinate");
+    std::vector<double> corners;
+    for (int k = 0; k < 6; k++) {
+      if (open[k]) continue;
+      const int a = k / 2, b = (a + 1) % 3, c = (a + 2) % 3;
+      double square[4][3];
+      for (int m = 0; m < 4; m++) {
+        square[m][a] = (k % 2 == 0) ? low[a] : high[a];
+        square[m][b] = (m == 1 || m == 2) ? high[b] : low[b];
+        square[m][c] = (m >= 2) ? high[c] : low[c];
+      }
+      for (const int m : {0, 1, 2, 0, 2, 3}) corners.insert(corners.end(), square[m], square[m] + 3);
+    }
+    check(ellgran_wall_add_triangles(wall, corners.size() / 9, corners.data()));
+  }
+
+  static int axis_of(char axis) { return axis - 'x'; }
+
+  // The two coordinates across the axis are in the order of x, y, z.
+  void place(EllgranWallShape &shape, char axis, double first, double second) const
+  {
+    const int along = axis_of(axis);
+    shape.point[along == 0 ? 1 : 0] = first;
+    shape.point[along == 2 ? 1 : 2] = second;
+    shape.axis[along] = 1.0;
+    shape.side = side;
+  }
+
+  void ends(const std::string &name, EllgranWallShape &shape, double low, double high) const
+  {
+    if (open[2]) fail(name + " with open 3 has no side: only its ends, 1 and 2, may be open");
+    const double bounds[2] = {low, high};
+    for (int k = 0; k < 2; k++) {
+      const bool infinite = std::fabs(bounds[k]) >= INFINITE;
+      shape.bounds[k] = infinite ? std::copysign(HUGE_VAL, bounds[k]) : bounds[k];
+      shape.ends[k] = infinite ? ELLGRAN_END_NONE : open[k] ? ELLGRAN_END_OPEN : ELLGRAN_END_CLOSED;
+    }
+  }
+
+  void cylinder(const std::string &name, RegCylinder &r)
+  {
+    EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+    shape.name = "cylinder";
+    place(shape, r.*member_of(CylinderAxis()), r.*member_of(CylinderFirst()), r.*member_of(CylinderSecond()));
+    shape.radii[0] = r.*member_of(CylinderRadius());
+    ends(name, shape, r.*member_of(CylinderLow()), r.*member_of(CylinderHigh()));
+    check(ellgran_wall_add_shape(wall, &shape));
+  }
+
+  void cone(const std::string &name, RegCone &r)
+  {
+    EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+    shape.name = "cone";
+    place(shape, r.*member_of(ConeAxis()), r.*member_of(ConeFirst()), r.*member_of(ConeSecond()));
+    shape.radii[0] = r.*member_of(ConeRadiusLow());
+    shape.radii[1] = r.*member_of(ConeRadiusHigh());
+    ends(name, shape, r.*member_of(ConeLow()), r.*member_of(ConeHigh()));
+    check(ellgran_wall_add_shape(wall, &shape));
+  }
+};
+
+}    // namespace
+
+void LAMMPS_NS::add_region(LAMMPS *lmp, const std::string &caller, Region *region, EllgranWall *wall)
+{
+  Surfaces(lmp, caller, wall).add(region, false);
+}
+
+RegionPose LAMMPS_NS::region_pose(LAMMPS *lmp, Region *region)
+{
+  RegionPose pose{};
+  if (!region->dynamic) return pose;
+  lmp->modify->clearstep_compute();
+  region->prematch();
+  lmp->modify->addstep_compute(lmp->update->ntimestep + 1);
+  if (region->rotateflag) {
+    std::memcpy(pose.point, region->*member_of(RegionPoint()), sizeof pose.point);
+    std::memcpy(pose.axis, region->*member_of(RegionAxis()), sizeof pose.axis);
+    pose.angle = region->theta;
+  }
+  if (region->moveflag) {
+    pose.displacement[0] = region->dx;
+    pose.displacement[1] = region->dy;
+    pose.displacement[2] = region->dz;
+  }
+  return pose;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// Which surfaces is a region of LAMMPS made of, and where has it moved to?
+
+#ifndef ELLGRAN_REGION_H
+#define ELLGRAN_REGION_H
+
+#include "pointers.h"
+
+#include "ellgran.h"
+
+#include <string>
+
+namespace LAMMPS_NS {
+
+/// Adds the surfaces of a region, in the place where it has not moved, to a wall. Stops with a message that begins with `caller`
+/// and names the region where it has none.
+void add_region(LAMMPS *lmp, const std::string &caller, class Region *region, EllgranWall *wall);
+
+/// Where a region has moved to: rotation by `angle` about the axis through `point`, then displacement.
+struct RegionPose {
+  double point[3], axis[3], angle, displacement[3];
+};
+
+/// The pose for this time step. Evaluates the region's variables: all ranks call it.
+[[nodiscard]] RegionPose region_pose(LAMMPS *lmp, class Region *region);
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Which arrays the library can read in place, and how others become such."""
+from __future__ import annotations
+
+from typing import Any, Optional, Tuple
+
+import numpy as np
+
+
+def in_place(value: Any, shape: Tuple[Optional[int], ...], name: str, kind: Any = np.float64) -> Any:
+    """The array itself where it has this type, is C-contiguous, aligned and of this shape, else a copy that is.
+
+    A length of None is any. A value that lacks the first axis is repeated along it where that length is known.
+    """
+    array = np.asarray(value)
+    if array.ndim == len(shape) - 1 and shape[0] is not None:
+        array = np.broadcast_to(array, (shape[0],) + array.shape)
+    fits = array.ndim == len(shape) and all(
+        wanted is None or wanted == length for wanted, length in zip(shape, array.shape)
+    )
+    if not fits:
+        wanted_shape = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
+        raise ValueError(f"{name} has the shape {np.shape(value)}, it must be {wanted_shape}")
+    if kind is not np.float64 and array.dtype.kind not in "iu" and array.size:
+        raise TypeError(f"{name} must hold integers, not {array.dtype}")
+    return np.require(array, dtype=kind, requirements=["C", "A"])
+
+
+def pointer(array: Optional[Any]) -> Optional[int]:
+    """Address of an array's memory; None, the C interface's NULL, for none."""
+    return None if array is None else int(array.ctypes.data)

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Laws of materials, in the words of a deck, and the table of laws between all types of grains."""
+from __future__ import annotations
+
+import ctypes
+import weakref
+from dataclasses import dataclass
+from typing import List, Mapping, Optional, Tuple, Union
+
+from . import _interface
+from ._library import call, library, sized
+
+
+class Law:
+    """The law of one material, in the words that follow ``I J`` in LAMMPS' ``pair_coeff``.
+
+    Parameters
+    ----------
+    words : str
+        Such as ``"nfd 3e6 0.3 200 200 tangential tfd 0.5"``: Young's modulus (pressure), Poisson's ratio, shear and bulk
+        viscosity (pressure x time), coefficient of friction. Any consistent units.
+
+    Raises
+    ------
+    LawError
+        Words or constants are wrong; the text names the word.
+
+    Notes
+    -----
+    Constants are attributes: ``youngs_modulus``, ``poissons_ratio``, ``shear_viscosity``, ``bulk_viscosity``,
+    ``relaxation_time``, ``restitution``, ``normal_stiffness``, ``normal_damping``, ``friction``, ``tangential_stiffness``,
+    ``tangential_damping``, as in ``EllgranLawParameters`` of ellgran.h. A constant that the law does not have
+    is 0, ``restitution`` 1.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    shear_viscosity: float
+    bulk_viscosity: float
+    relaxation_time: float
+    restitution: float
+    normal_stiffness: float
+    normal_damping: float
+    friction: float
+    tangential_stiffness: float
+    tangential_damping: float
+
+    def __init__(self, words: str) -> None:
+        texts = words.split()
+        strings = (ctypes.c_char_p * max(len(texts), 1))(*[text.encode() for text in texts])
+        parameters = sized(_interface.EllgranLawParameters)
+        call(
+            "ellgran_law_parameters_parse",
+            len(texts),
+            ctypes.cast(strings, ctypes.c_void_p),
+            None,
+            ctypes.byref(parameters),
+        )
+        self._parameters = parameters
+        #: The words, one blank between them: what a deck's ``pair_coeff 1 1`` takes.
+        self.words: str = " ".join(texts)
+
+    def __getattr__(self, name: str) -> float:
+        if name in Law.__annotations__:
+            return float(getattr(self._parameters, name))
+        raise AttributeError(f"Law has no '{name}'")
+
+    def with_viscosities(self, shear: float, bulk: float) -> Law:
+        """The same law with other viscosities, pressure x time; only for ``nfd``."""
+        if self._parameters.normal != _interface.ELLGRAN_NORMAL_NFD:
+            raise ValueError(f"'{self.words}' has no viscosities: begin it with nfd E nu eta1 eta2")
+        texts = self.words.split()
+        texts[3:5] = [repr(float(shear)), repr(float(bulk))]
+        return Law(" ".join(texts))
+
+    def __repr__(self) -> str:
+        return f"Law({self.words!r})"
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """What the contact of two materials has, as the library mixes them.
+
+    Attributes
+    ----------
+    effective_modulus : float
+        E*, pressure: ``1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j``.
+    effective_shear_modulus : float
+        G*, pressure: ``1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j``; 0 without a tangential law.
+    normal_relaxation_time, tangential_relaxation_time : float
+        A_n and A_t (of a circular contact), time: the ratio of dashpot and spring. 0 for damping by a coefficient of
+        restitution, which has none.
+    """
+
+    effective_modulus: float
+    effective_shear_modulus: float
+    normal_relaxation_time: float
+    tangential_relaxation_time: float
+
+
+class Laws:
+    """The laws between all types of a scene. Immutable; threads may share it.
+
+    Parameters
+    ----------
+    *materials : Law or str
+        The laws of types 1, 2, ...
+    pairs : mapping of (int, int) to Law or str, optional
+        Laws of pairs of types that are given rather than mixed.
+
+    Raises
+    ------
+    LawError
+        Laws of different kinds cannot be mixed.
+
+    Notes
+    -----
+    Other pairs are mixed from their materials: moduli in series, relaxation times by compliance, friction and restitution by
+    geometric mean.
+    """
+
+    def __init__(
+        self, *materials: Union[Law, str], pairs: Optional[Mapping[Tuple[int, int], Union[Law, str]]] = None
+    ) -> None:
+        laws: List[Law] = [as_law(material) for material in materials]
+        count = len(laws)
+        parameters = (_interface.EllgranLawParameters * max(count * count, 1))()
+        is_set = (ctypes.c_uint8 * max(count * count, 1))()
+        for entry in parameters:
+            entry.size = ctypes.sizeof(entry)
+
+        def give(i: int, j: int, law: Law) -> None:
+            if not (1 <= i <= count and 1 <= j <= count):
+                raise ValueError(f"pairs has types {i} {j}, but there are {count}, counted from 1")
+            parameters[(i - 1) * count + j - 1] = law._parameters
+            is_set[(i - 1) * count + j - 1] = 1
+
+        for k, law in enumerate(laws):
+            give(k + 1, k + 1, law)
+        for (i, j), pair in (pairs or {}).items():
+            give(i, j, as_law(pair))
+        pointer = ctypes.c_void_p()
+        call(
+            "ellgran_laws_new",
+            count,
+            ctypes.addressof(parameters),
+            ctypes.addressof(is_set),
+            0,
+            ctypes.byref(pointer),
+        )
+        weakref.finalize(self, library.ellgran_laws_free, pointer)
+        self._pointer = pointer
+        #: The materials by type; the first is type 1.
+        self.materials: Tuple[Law, ...] = tuple(laws)
+
+    @property
+    def type_count(self) -> int:
+        """Number of types."""
+        return len(self.materials)
+
+    @property
+    def history_length(self) -> int:
+        """Numbers that a contact remembers from step to step."""
+        return int(library.ellgran_laws_history_length(self._pointer))
+
+    def describe(self, i: int = 1, j: int = 1) -> str:
+        """One line: terms and constants of the law between types `i` and `j`."""
+        text = ctypes.create_string_buffer(1024)
+        call("ellgran_laws_describe", self._pointer, i, j, text, len(text))
+        return text.value.decode()
+
+    def mixture(self, i: int = 1, j: int = 1) -> Mixture:
+        """E*, G* and relaxation times between types `i` and `j`; not for the linear law, which has no moduli.
+
+        They are read off the library's own springs and dashpots at the contact of two unit spheres: ``2 E* a`` and ``8 G* a``
+        with the radius ``a`` of the contact.
+        """
+        import numpy as np
+
+        from .bodies import Bodies
+        from .contact_arrays import contacts, stiffnesses
+
+        kinds = [self.materials[k - 1]._parameters.normal for k in (i, j)]
+        if _interface.ELLGRAN_NORMAL_LSD in kinds:
+            raise ValueError(f"types {i} and {j}: the linear law lsd has no moduli")
+        depth = 1e-4
+        spheres = Bodies([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0 - depth]], 1.0, types=[i, j], masses=1.0)
+        pair = np.array([[0, 1]], dtype=np.int32)
+        radius = contacts(self, spheres, pair, quantities=["contact_semi_axes"]).contact_semi_axes[0, 0]
+        springs = stiffnesses(self, spheres, pair)
+        normal, tangential = springs.normal_stiffness[0], springs.tangential_stiffness[0, 0]
+        restitution = self.materials[i - 1]._parameters.damping == _interface.ELLGRAN_DAMPING_RESTITUTION
+        return Mixture(
+            effective_modulus=float(normal / (2.0 * radius)),
+            effective_shear_modulus=float(tangential / (8.0 * radius)),
+            normal_relaxation_time=0.0 if restitution else float(springs.normal_damping[0] / normal),
+            tangential_relaxation_time=(
+                float(springs.tangential_damping[0, 0] / tangential) if tangential > 0.0 else 0.0
+            ),
+        )
+
+    def __repr__(self) -> str:
+        return f"Laws({', '.join(repr(law.words) for law in self.materials)})"
+
+
+def as_law(law: Union[Law, str]) -> Law:
+    """A law from its words, or the law itself."""
+    return law if isinstance(law, Law) else Law(law)
+
+
+def as_laws(laws: Union[Laws, Law, str]) -> Laws:
+    """The laws of a scene of one type from its law or its words, or the laws themselves."""
+    if isinstance(laws, Laws):
+        return laws
+    return Laws(laws)

@@ -1,0 +1,619 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Rigid walls of any shape against all owned particles in one call.
+
+use super::growing::{given, growing, Output};
+use super::law::{check_type, EllgranLaws};
+use super::particles::{
+    hale_failure, handles, history_failure, identifier, prepare, shape_of, EllgranParticles,
+    EllgranStep, EllgranWorkspace, Purpose,
+};
+use super::status::{
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
+};
+use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::message::{Number, Numbers};
+use crate::vector::Vector3;
+use crate::walls::{
+    compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
+    WallOutput,
+};
+use core::ffi::CStr;
+use libc::{c_char, size_t};
+
+/// The particles are on the side of a surface on which their centres are.
+pub const ELLGRAN_SIDE_OF_CENTRE: i32 = 0;
+/// The particles are within the shape; for a plane, on the side of its normal.
+pub const ELLGRAN_SIDE_INSIDE: i32 = 1;
+/// The particles are outside the shape; for a plane, on the side opposite to its normal.
+pub const ELLGRAN_SIDE_OUTSIDE: i32 = 2;
+
+/// The surface has no edge where it ends, or does not end.
+pub const ELLGRAN_END_NONE: i32 = 0;
+/// Ends in an edge: particles pass through, and over the edge.
+pub const ELLGRAN_END_OPEN: i32 = 1;
+/// Ends in a flat disc.
+pub const ELLGRAN_END_CLOSED: i32 = 2;
+
+/// A rigid wall: parts of any shape that move as one. Opaque; belongs to one thread at a time.
+pub struct EllgranWall {
+    wall: Wall,
+}
+
+/// A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranWallShape {
+    /// `sizeof(EllgranWallShape)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// "plane", "cylinder", "cone" or "sphere".
+    pub name: *const c_char,
+    /// A point of a plane, the centre of a sphere, a point of the axis of a cylinder or a cone; components up to 1e20.
+    pub point: [f64; 3],
+    /// Normal of a plane, axis of a cylinder or a cone; any length but zero.
+    pub axis: [f64; 3],
+    /// Radius of a sphere or a cylinder, the first; those of a cone at its two bounds.
+    pub radii: [f64; 2],
+    /// Where a cylinder or a cone begins and ends, along the axis from `point`. Both 0: a cylinder without ends.
+    pub bounds: [f64; 2],
+    /// How it ends there, `ELLGRAN_END_...`.
+    pub ends: [i32; 2],
+    /// Where the particles are, `ELLGRAN_SIDE_...`.
+    pub side: i32,
+    /// Must be 0.
+    pub unused: i32,
+}
+
+growing!(EllgranWallShape);
+
+/// Pose and motion of a wall. Zeros: at rest, where its shapes were described.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranWallMotion {
+    /// `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// The point about which the wall has turned, where it was when the shapes were described.
+    pub origin: [f64; 3],
+    /// How far that point has moved since.
+    pub displacement: [f64; 3],
+    /// Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
+    pub quaternion: [f64; 4],
+    /// Velocity of the point: over a step, its displacement in the step by the time step.
+    pub velocity: [f64; 3],
+    /// Angular velocity, world frame, likewise.
+    pub angular_velocity: [f64; 3],
+}
+
+growing!(EllgranWallMotion);
+
+/// What the particles of a call do to a wall.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranWallLoad {
+    /// `sizeof(EllgranWallLoad)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Force on the wall, world frame.
+    pub force: [f64; 3],
+    /// Torque on the wall about `origin + displacement` of its motion, world frame.
+    pub torque: [f64; 3],
+    /// Power that the particles give to the wall by its motion; minus it is the power of the wall on the particles.
+    pub power: f64,
+    /// Number of contacts.
+    pub contact_count: i64,
+}
+
+growing!(EllgranWallLoad);
+
+/// One contact of a wall as it acted in the last call that recorded contacts.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranRecordedWallContact {
+    /// `sizeof(EllgranRecordedWallContact)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Index of the particle.
+    pub particle: size_t,
+    /// Index of the wall's part.
+    pub part: size_t,
+    /// Contact point, world frame.
+    pub point: [f64; 3],
+    /// Unit normal out of the wall, towards the particle, world frame.
+    pub normal: [f64; 3],
+    /// Penetration > 0.
+    pub penetration: f64,
+    /// Normal force, elastic and viscous; positive where it pushes the particle away.
+    pub normal_force: f64,
+    /// Tangential force on the particle, world frame.
+    pub tangential_force: [f64; 3],
+    /// Force on the particle, world frame.
+    pub force: [f64; 3],
+    /// Torque on the particle about its centre, world frame.
+    pub torque: [f64; 3],
+    /// Elastic energy of the normal and of the tangential deformation.
+    pub elastic_energy: [f64; 2],
+}
+
+growing!(EllgranRecordedWallContact);
+
+fn wrong(what: impl Into<String>) -> Failure {
+    Failure::new(ELLGRAN_ERROR_ARGUMENT, what)
+}
+
+impl EllgranWallShape {
+    fn to_core(self) -> Result<ShapeParameters, Failure> {
+        if self.unused != 0 {
+            return Err(wrong("wall shape: unused must be 0"));
+        }
+        let end = |k: usize| match self.ends[k] {
+            ELLGRAN_END_NONE => Ok(End::None),
+            ELLGRAN_END_OPEN => Ok(End::Open),
+            ELLGRAN_END_CLOSED => Ok(End::Closed),
+            other => Err(wrong(format!(
+                "wall shape: ends[{k}] = {other} is not one of ELLGRAN_END_..."
+            ))),
+        };
+        let axis = Vector3::from_array(self.axis);
+        let bounds = if self.bounds == [0.0; 2] {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        } else {
+            self.bounds
+        };
+        Ok(ShapeParameters {
+            point: ranges::vector(self.point, LARGEST_COORDINATE, "wall shape: point")
+                .map_err(wrong)?,
+            axis: match axis.direction() {
+                Some(axis) => axis,
+                // not read by a sphere
+                None if self.axis == [0.0; 3] => Vector3::ZERO,
+                None => {
+                    return Err(wrong(format!(
+                        "wall shape: axis = {} has no direction",
+                        Numbers(&self.axis)
+                    )))
+                }
+            },
+            radii: self.radii,
+            bounds,
+            ends: [end(0)?, end(1)?],
+            side: match self.side {
+                ELLGRAN_SIDE_OF_CENTRE => Side::OfCentre,
+                ELLGRAN_SIDE_INSIDE => Side::Inside,
+                ELLGRAN_SIDE_OUTSIDE => Side::Outside,
+                other => {
+                    return Err(wrong(format!(
+                        "wall shape: side = {other} is not one of ELLGRAN_SIDE_..."
+                    )))
+                }
+            },
+        })
+    }
+}
+
+impl EllgranWallMotion {
+    fn to_core(self) -> Result<Motion, Failure> {
+        let place = |v, name| ranges::vector(v, LARGEST_COORDINATE, name).map_err(wrong);
+        let velocity = |v, name| ranges::vector(v, LARGEST_VELOCITY, name).map_err(wrong);
+        let square: f64 = self.quaternion.iter().map(|q| q * q).sum();
+        let axes = if self.quaternion == [0.0; 4] {
+            None
+        } else if (1e-200..=1e200).contains(&square) {
+            Motion::axes_of(self.quaternion)
+        } else {
+            return Err(wrong(format!(
+                "wall motion: quaternion = {} has no direction",
+                Numbers(&self.quaternion)
+            )));
+        };
+        Ok(Motion {
+            origin: place(self.origin, "wall motion: origin")?,
+            displacement: place(self.displacement, "wall motion: displacement")?,
+            axes,
+            velocity: velocity(self.velocity, "wall motion: velocity")?,
+            angular_velocity: velocity(self.angular_velocity, "wall motion: angular_velocity")?,
+        })
+    }
+}
+
+/// A wall without parts.
+///
+/// # Safety
+/// `wall` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_new(wall: *mut *mut EllgranWall) -> i32 {
+    at_border("ellgran_wall_new", || {
+        // SAFETY: promised by the caller.
+        let out = unsafe { required_mut(wall, "wall") }?;
+        *out = Box::into_raw(Box::new(EllgranWall { wall: Wall::new() }));
+        Ok(())
+    })
+}
+
+/// Frees a wall; NULL is allowed.
+///
+/// # Safety
+/// `wall` is NULL or came from `ellgran_wall_new` and is not used again.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_free(wall: *mut EllgranWall) {
+    if !wall.is_null() {
+        // SAFETY: promised by the caller.
+        drop(unsafe { Box::from_raw(wall) });
+    }
+}
+
+/// Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
+/// ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+///
+/// # Safety
+/// The pointers are NULL or valid; `shape->name` ends with NUL.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_add_shape(
+    wall: *mut EllgranWall,
+    shape: *const EllgranWallShape,
+) -> i32 {
+    at_border("ellgran_wall_add_shape", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        let shape = unsafe { given(shape, "shape") }?;
+        let name = unsafe { text(shape.name, "wall shape: name") }?;
+        let parameters = shape.to_core()?;
+        if parameters.axis == Vector3::ZERO && name != "sphere" {
+            return Err(wrong(format!(
+                "wall shape '{name}': axis = 0 0 0 has no direction"
+            )));
+        }
+        wall.add_shape(name, &parameters).map_err(wrong)
+    })
+}
+
+/// Adds a surface of triangles, one part, that acts to both sides: the side is that of a particle's centre. Triangles that
+/// meet, wherever their corners are, are one surface; at a concave fold faces act by their shares, and convex edges and corners act by
+/// themselves. `corners` is [count][3][3].
+///
+/// # Safety
+/// The pointers are NULL or valid; `corners` has `count * 9` doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_add_triangles(
+    wall: *mut EllgranWall,
+    count: size_t,
+    corners: *const f64,
+) -> i32 {
+    at_border("ellgran_wall_add_triangles", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        let corners = unsafe { slice(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
+        let triangles = corners.iter().map(|t| t.map(Vector3::from_array)).collect();
+        wall.add_mesh(Mesh::new(triangles).map_err(wrong)?);
+        Ok(())
+    })
+}
+
+/// Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
+/// `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
+/// `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+///
+/// # Safety
+/// The pointers are NULL or valid; `path` ends with NUL.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_add_stl(
+    wall: *mut EllgranWall,
+    path: *const c_char,
+    scale: f64,
+    quaternion: *const f64,
+    translation: *const f64,
+    triangle_count: *mut size_t,
+) -> i32 {
+    at_border("ellgran_wall_add_stl", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        let path = unsafe { text(path, "path") }?;
+        let quaternion = unsafe { quaternion.cast::<[f64; 4]>().as_ref() };
+        let translation = unsafe { translation.cast::<[f64; 3]>().as_ref() };
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(wrong(format!(
+                "scale = {} must be a finite number greater than 0",
+                Number(scale)
+            )));
+        }
+        let placed = EllgranWallMotion {
+            size: size_of::<EllgranWallMotion>(),
+            origin: [0.0; 3],
+            displacement: translation.copied().unwrap_or_default(),
+            quaternion: quaternion.copied().unwrap_or_default(),
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        }
+        .to_core()?;
+        let triangles = stl::read(path.as_ref()).map_err(wrong)?;
+        let triangles = triangles
+            .iter()
+            .map(|t| t.map(|p| placed.point_to_world(p * scale)))
+            .collect();
+        let mesh =
+            Mesh::new(triangles).map_err(|what| wrong(format!("STL file {path}: {what}")))?;
+        // SAFETY: promised by the caller.
+        if let Some(count) = unsafe { triangle_count.as_mut() } {
+            *count = mesh.triangle_count();
+        }
+        wall.add_mesh(mesh);
+        Ok(())
+    })
+}
+
+/// Number of parts of a wall; 0 for NULL.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.part_count())
+}
+
+/// Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall; 0 for NULL, and where the
+/// laws remember nothing.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_memory_length(
+    wall: *const EllgranWall,
+    laws: *const EllgranLaws,
+) -> size_t {
+    // SAFETY: promised by the caller.
+    match unsafe { (wall.as_ref(), laws.as_ref()) } {
+        (Some(wall), Some(laws)) => wall.wall.memory(&laws.laws).length(),
+        _ => 0,
+    }
+}
+
+/// How many of the doubles of one particle, from the first on, are in use: what a caller needs to carry along with the particle, the
+/// rest is zero. 0 for NULL.
+///
+/// # Safety
+/// The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_memory_used(
+    wall: *const EllgranWall,
+    laws: *const EllgranLaws,
+    memory: *const f64,
+) -> size_t {
+    // SAFETY: promised by the caller.
+    match unsafe { (wall.as_ref(), laws.as_ref(), memory.is_null()) } {
+        (Some(wall), Some(laws), false) => {
+            let layout = wall.wall.memory(&laws.laws);
+            // SAFETY: promised by the caller.
+            let memory = unsafe { core::slice::from_raw_parts(memory, layout.length()) };
+            layout.used(memory)
+        }
+        _ => 0,
+    }
+}
+
+/// Forces and torques between all owned particles and a wall, added to the particles' arrays.
+///
+/// Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
+/// The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
+/// type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
+/// group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
+/// before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
+/// a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
+///
+/// All particles that the wall may reach are checked first; on failure nothing is written.
+///
+/// # Safety
+/// The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_compute_wall(
+    laws: *const EllgranLaws,
+    workspace: *mut EllgranWorkspace,
+    wall: *mut EllgranWall,
+    particles: *const EllgranParticles,
+    masks: *const i32,
+    group_mask: i32,
+    wall_type: i32,
+    motion: *const EllgranWallMotion,
+    memory: *mut f64,
+    step: *const EllgranStep,
+    load: *mut EllgranWallLoad,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_compute_wall", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        let p = &*unsafe { given(particles, "particles") }?;
+        let step = unsafe { given(step, "step") }?.to_core()?;
+        let wall_type = check_type(laws, wall_type, "wall_type")?;
+        let motion = if motion.is_null() {
+            Motion::REST
+        } else {
+            unsafe { given(motion, "motion") }?.to_core()?
+        };
+        let mut of_load = unsafe { Output::optional(load, "load") }?;
+        let owned = p.owned_count;
+        let length = wall.memory(laws).length();
+        let mask = if masks.is_null() {
+            None
+        } else {
+            Some(unsafe { slice(masks, owned, "masks") }?)
+        };
+        let acts_on = |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0);
+        let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
+        if owned > 0 && (p.semi_axes.is_null() || p.quaternions.is_null()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_NULL_POINTER,
+                "semi_axes and quaternions must not be NULL",
+            ));
+        }
+        wall.find_near(&motion, owned, |k| {
+            // SAFETY: the arrays are as the caller promises, and `k` is one of the particles. One without a shape is looked
+            // at, and refused, with those near the wall.
+            let shape = unsafe { shape_of(p, k) };
+            let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
+                // NaN in any of them stays
+                let largest = if a >= b { a } else { b };
+                if largest >= c {
+                    largest
+                } else {
+                    c
+                }
+            });
+            acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
+        });
+        let mut output = WallOutput {
+            acts_on: &acts_on,
+            memory: unsafe { slice_mut(memory, owned * length, "memory") }?,
+            forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
+            torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
+        };
+        let mut asked = unsafe { Asked::new(tallies) }?;
+        let mut sums = match &asked {
+            Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
+            None => None,
+        };
+        let chosen = Purpose::Chosen(wall.near());
+        unsafe { prepare(p, owned, Some(laws), workspace, chosen) }?;
+        let input = WallInput {
+            laws,
+            wall_type,
+            near: workspace.particles(),
+            particles: owned,
+            motion: &motion,
+            step: &step,
+        };
+        let found =
+            compute_wall(wall, &input, &mut output, sums.as_mut()).map_err(|e| match e {
+                WallError::Hale { particle, ratio } => {
+                    hale_failure(identifier(p, particle), None, ratio)
+                }
+                WallError::Memory {
+                    particle,
+                    place,
+                    value,
+                } => history_failure(identifier(p, particle), None, place, value),
+            })?;
+        if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
+            // SAFETY: promised by the caller.
+            unsafe { add_preceding_half_step(&mut sums, p, owned, &step) }?;
+            asked.write(&sums);
+        }
+        if let Some(out) = &mut of_load {
+            out.write(&EllgranWallLoad {
+                size: size_of::<EllgranWallLoad>(),
+                force: found.force.to_array(),
+                torque: found.torque.to_array(),
+                power: found.power,
+                contact_count: found.contacts as i64,
+            });
+        }
+        Ok(())
+    })
+}
+
+/// Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.
+///
+/// # Safety
+/// The pointers are NULL or valid; `force` has 3 doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_part_force(
+    wall: *const EllgranWall,
+    part: size_t,
+    force: *mut f64,
+) -> i32 {
+    at_border("ellgran_wall_part_force", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        let out = unsafe { required_mut(force.cast::<[f64; 3]>(), "force") }?;
+        if part >= wall.part_count() {
+            return Err(wrong(format!(
+                "part = {part} is not one of the {} parts of the wall",
+                wall.part_count()
+            )));
+        }
+        // none before the first call
+        *out = wall
+            .part_forces()
+            .get(part)
+            .copied()
+            .unwrap_or_default()
+            .to_array();
+        Ok(())
+    })
+}
+
+/// Whether `ellgran_compute_wall` records its contacts, which `ellgran_wall_recorded` then gives.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_record_contacts(wall: *mut EllgranWall, record: i32) -> i32 {
+    at_border("ellgran_wall_record_contacts", || {
+        // SAFETY: promised by the caller.
+        unsafe { required_mut(wall, "wall") }?.wall.records_contacts = record != 0;
+        Ok(())
+    })
+}
+
+/// Number of recorded contacts of the last call; 0 for NULL.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.contacts().len())
+}
+
+/// A contact of the last call that recorded contacts, in the order of the particles.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_recorded(
+    wall: *const EllgranWall,
+    index: size_t,
+    contact: *mut EllgranRecordedWallContact,
+) -> i32 {
+    at_border("ellgran_wall_recorded", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let all = unsafe { required(wall, "wall") }?.wall.contacts();
+        let mut out = unsafe { Output::new(contact, "contact") }?;
+        let c = all.get(index).ok_or_else(|| {
+            wrong(format!(
+                "index = {index} is not one of {} recorded contacts",
+                all.len()
+            ))
+        })?;
+        let f = &c.forces;
+        out.write(&EllgranRecordedWallContact {
+            size: size_of::<EllgranRecordedWallContact>(),
+            particle: c.particle,
+            part: c.part,
+            point: c.point.to_array(),
+            normal: c.normal.to_array(),
+            penetration: c.penetration,
+            normal_force: f.normal_force,
+            tangential_force: (-f.tangential_force).to_array(),
+            force: (-f.force).to_array(),
+            torque: f.torque_i.to_array(),
+            elastic_energy: [f.elastic_energy, f.tangential_energy],
+        });
+        Ok(())
+    })
+}
+
+/// # Safety
+/// `pointer` is NULL or ends with NUL.
+unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<&'a str, Failure> {
+    if pointer.is_null() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_NULL_POINTER,
+            format!("{name} must not be NULL"),
+        ));
+    }
+    // SAFETY: promised by the caller.
+    unsafe { CStr::from_ptr(pointer) }
+        .to_str()
+        .map_err(|_| Failure::new(ELLGRAN_ERROR_TEXT, format!("{name} is not UTF-8")))
+}

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Force and torques of one touching pair, once its geometry is known: the law put together, in lanes.
+
+use crate::force::conservative::{
+    additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
+    NormalResponse,
+};
+use crate::force::{
+    normal_force, tangential_force, Factors, LawConstants, LawKinds, Tangential, TangentialForce,
+};
+use crate::geometry::curvature::inverse_weingarten;
+use crate::real::Real;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
+
+/// One body at a contact: its surface, and its motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<T: Real = f64> {
+    /// Support function, which is the part of the witness along the normal, from the centre.
+    pub h: T,
+    /// `1/h`.
+    pub inverse_h: T,
+    /// The other part of the witness, in the tangent basis.
+    pub witness: Vector2<T>,
+    /// Weingarten map in the tangent basis; zero for a plane.
+    pub weingarten: Symmetric2<T>,
+    /// `(a1 a2 a3)^2`.
+    pub determinant: T,
+    /// Velocity of the centre, or of a wall at the contact.
+    pub velocity: Vector3<T>,
+    /// Angular velocity, world frame.
+    pub omega: Vector3<T>,
+}
+
+impl<T: Real> Surface<T> {
+    /// What the conservative law needs. A function, not a closure: a closure is not always inlined into the code of the
+    /// chosen instruction set, and then costs a call per operation.
+    #[inline(always)]
+    pub(super) fn for_gradient(&self) -> BodyAtContact<T> {
+        BodyAtContact {
+            h: self.h,
+            inverse_h: self.inverse_h,
+            witness: self.witness,
+            weingarten: self.weingarten,
+            inverse_weingarten: inverse_weingarten(
+                self.weingarten,
+                self.inverse_h,
+                self.determinant,
+            ),
+        }
+    }
+}
+
+/// A touching pair: geometry and motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<T: Real = f64> {
+    /// Unit normal from `i` to `j`.
+    pub normal: Vector3<T>,
+    /// Its tangent basis.
+    pub tangent: Tangent<T>,
+    /// Penetration > 0.
+    pub penetration: T,
+    /// The surface and the motion of `i`.
+    pub i: Surface<T>,
+    /// The same of `j`, for the same normal: its witness from its centre is minus that of the support function.
+    pub j: Surface<T>,
+    /// Effective mass `m_i m_j/(m_i + m_j)`.
+    pub effective_mass: T,
+    /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
+    /// curvature.
+    pub inverse_hessian: Option<Symmetric2<T>>,
+}
+
+impl<T: Real> Contact<T> {
+    /// The relative curvature matrix `M`, 1/length.
+    #[inline(always)]
+    pub fn curvature(&self) -> Symmetric2<T> {
+        relative_curvature_matrix(self.i.weingarten, self.j.weingarten)
+    }
+    /// Centre of `j` less centre of `i`.
+    #[inline(always)]
+    pub fn between_centres(&self) -> Vector3<T> {
+        let along = self.i.h + self.j.h - self.penetration;
+        let across = self.tangent.vector(self.i.witness + self.j.witness);
+        self.normal.scale_add(along, across)
+    }
+}
+
+/// What is remembered of the pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Remembered<T: Real = f64> {
+    /// Whether the pair touched at the last step too.
+    pub continued: T::Mask,
+    /// The normal at the last step (that of now where it is not known).
+    pub normal: Vector3<T>,
+    /// Tangential memory, world frame.
+    pub memory: Vector3<T>,
+    /// Elastic energy of the tangential memory at the last step.
+    pub energy: T,
+    /// Time over which the memory advances: 0 in the set-up of a run.
+    pub time: T,
+}
+
+/// Force, torques and what is to be remembered.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactForces<T = f64> {
+    /// Force on `j`, world frame; on `i` the opposite.
+    pub force: Vector3<T>,
+    /// Torque on `i` about its centre, world frame.
+    pub torque_i: Vector3<T>,
+    /// Torque on `j` about its centre, world frame.
+    pub torque_j: Vector3<T>,
+    /// Normal force.
+    pub normal_force: T,
+    /// Tangential force on `j`, world frame.
+    pub tangential_force: Vector3<T>,
+    /// Contact point from the centre of `i`.
+    pub contact_point: Vector3<T>,
+    /// Tangential memory, world frame. Where no time passes it is the old one, turned with the contact.
+    pub memory: Vector3<T>,
+    /// Tangential displacement, world frame.
+    pub displacement: Vector3<T>,
+    /// Normal stiffness `dF_H/d(delta)` at the contact area of now.
+    pub stiffness: T,
+    /// Rate of penetration, positive while the bodies approach.
+    pub rate: T,
+    /// Elastic energy of the normal deformation.
+    pub elastic_energy: T,
+    /// Elastic energy of the tangential deformation.
+    pub tangential_energy: T,
+    /// What of the force on `j` the viscous terms make, normal and tangential, world frame.
+    pub viscous_force: Vector3<T>,
+    /// What of the tangential force on `j` is not viscous, world frame.
+    pub frictional_force: Vector3<T>,
+    /// Power that the viscous force takes up, >= 0, with the velocities that the force was computed with.
+    pub viscous_power: T,
+    /// Power that the rest of the tangential force takes up, with these velocities: stored in the tangential
+    /// displacement, or dissipated by friction.
+    pub tangential_power: T,
+}
+
+/// The relative curvature matrix `M`, half the sum of two Weingarten maps.
+#[inline(always)]
+pub fn relative_curvature_matrix<T: Real>(vi: Symmetric2<T>, vj: Symmetric2<T>) -> Symmetric2<T> {
+    (vi + vj) * vi.uu.constant(0.5)
+}
+
+/// A vector in the frame of a contact, `u x v = n`.
+#[derive(Clone, Copy)]
+struct InFrame<T> {
+    /// Components in the tangent basis.
+    tangential: Vector2<T>,
+    /// Component along the normal.
+    normal: T,
+}
+
+impl<T: Real> InFrame<T> {
+    #[inline(always)]
+    fn of(w: Vector3<T>, x: &Contact<T>) -> Self {
+        InFrame {
+            tangential: x.tangent.components(w),
+            normal: x.normal.dot(w),
+        }
+    }
+    #[inline(always)]
+    fn to_world(self, x: &Contact<T>) -> Vector3<T> {
+        let t = self.tangential;
+        x.normal
+            .scale_add(self.normal, x.tangent.v.scale_add(t.v, x.tangent.u * t.u))
+    }
+    /// `b + self x a`.
+    #[inline(always)]
+    fn cross_add(self, a: Self, b: Self) -> Self {
+        let (p, q, r) = (self.tangential, a.tangential, b.tangential);
+        let u = p.v.multiply_add(a.normal, r.u);
+        let v = self.normal.multiply_add(q.u, r.v);
+        let normal = p.u.multiply_add(q.v, b.normal);
+        InFrame {
+            tangential: Vector2::new(
+                self.normal.negative_multiply_add(q.v, u),
+                p.u.negative_multiply_add(a.normal, v),
+            ),
+            normal: p.v.negative_multiply_add(q.u, normal),
+        }
+    }
+    /// `b - self x a`.
+    #[inline(always)]
+    fn cross_subtract(self, a: Self, b: Self) -> Self {
+        a.cross_add(self, b)
+    }
+    /// `self + s (direction, along)`.
+    #[inline(always)]
+    fn plus(self, s: T, (direction, along): (Vector2<T>, T)) -> Self {
+        InFrame {
+            tangential: direction.scale_add(s, self.tangential),
+            normal: along.multiply_add(s, self.normal),
+        }
+    }
+}
+
+/// `a_u b_v - a_v b_u`: the normal component of the product of two tangential vectors.
+#[inline(always)]
+fn area<T: Real>(a: Vector2<T>, b: Vector2<T>) -> T {
+    a.u.multiply_subtract(b.v, a.v * b.u)
+}
+
+/// `n x a` of a tangential vector.
+#[inline(always)]
+fn quarter_turn<T: Real>(a: Vector2<T>) -> Vector2<T> {
+    Vector2::new(-a.v, a.u)
+}
+
+/// The law of one contact, in the frame of its tangent basis and normal: there most products with the normal and with
+/// the witnesses have no terms at all.
+///
+/// `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the kernel has at all; `kinds` decides within them. `RATE`
+/// must be on where velocities are needed: any damping, friction, or powers asked for. `WALL` takes `j` as a
+/// half-space.
+#[inline(always)]
+pub fn contact_forces<
+    T: Real,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const WALL: bool,
+>(
+    kinds: &LawKinds,
+    c: &LawConstants<T>,
+    factors: &Factors<T>,
+    curvature: Symmetric2<T>,
+    x: &Contact<T>,
+    remembered: &Remembered<T>,
+) -> ContactForces<T> {
+    let zero = x.penetration.constant(0.0);
+    let one = x.penetration.constant(1.0);
+    let none = Vector2::new(zero, zero);
+
+    // Velocity of the centre of j relative to that of i, and the angular velocities.
+    let still = InFrame {
+        tangential: none,
+        normal: zero,
+    };
+    let (relative, omega_i, omega_j) = if RATE {
+        (
+            InFrame::of(x.j.velocity - x.i.velocity, x),
+            InFrame::of(x.i.omega, x),
+            if WALL {
+                still
+            } else {
+                InFrame::of(x.j.omega, x)
+            },
+        )
+    } else {
+        (still, still, still)
+    };
+    // Any point between the witnesses has the same velocity along n: they lie on one line along n.
+    let rate = if RATE {
+        let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
+        if WALL {
+            approach
+        } else {
+            approach + area(omega_j.tangential, x.j.witness)
+        }
+    } else {
+        zero
+    };
+
+    let determinant = curvature.determinant();
+    let normal = normal_force(
+        kinds,
+        c,
+        x.penetration,
+        rate,
+        determinant,
+        factors,
+        x.effective_mass,
+    );
+
+    // The contact point from either centre; from that of j, its tangential part is minus the witness.
+    let share = x.penetration * c.share_i;
+    let r_i = InFrame {
+        tangential: x.i.witness,
+        normal: x.i.h - share,
+    };
+    let r_j = InFrame {
+        tangential: x.j.witness * -one,
+        normal: x.penetration - share - x.j.h,
+    };
+
+    let mut force = InFrame {
+        tangential: none,
+        normal: normal.force,
+    };
+    let mut torque_i = InFrame {
+        tangential: quarter_turn(x.i.witness) * normal.force,
+        normal: zero,
+    };
+    let mut torque_j = if WALL {
+        still
+    } else {
+        InFrame {
+            tangential: quarter_turn(x.j.witness) * normal.force,
+            normal: zero,
+        }
+    };
+
+    if CONSERVATIVE && kinds.conservative {
+        let p = curvature_gradient(curvature, factors);
+        let body_i = x.i.for_gradient();
+        let gradient_i = body_gradient(p, &body_i);
+        let minus = -normal.elastic_energy;
+        if WALL {
+            // The wall holds the normal where it is.
+            let held = NormalResponse::exactly(Vector2::new(zero, zero));
+            let own = additional_torque(&body_i, &gradient_i, &held);
+            torque_i = torque_i.plus(minus, own);
+        } else {
+            let body_j = x.j.for_gradient();
+            let gradient_j = body_gradient(p, &body_j);
+            let gamma = gradient_i.gamma + gradient_j.gamma;
+            let response = match x.inverse_hessian {
+                Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
+                None => normal_response(
+                    body_i.inverse_weingarten + body_j.inverse_weingarten,
+                    x.penetration,
+                    gamma,
+                ),
+            };
+            force.tangential = response.lambda * minus;
+            let own_i = additional_torque(&body_i, &gradient_i, &response);
+            let own_j = additional_torque(&body_j, &gradient_j, &response);
+            torque_i = torque_i.plus(minus, own_i);
+            torque_j = torque_j.plus(minus, own_j);
+        }
+    }
+
+    let null = Vector3::new(zero, zero, zero);
+    let mut result = ContactForces {
+        force: null,
+        torque_i: null,
+        torque_j: null,
+        normal_force: normal.force,
+        tangential_force: null,
+        contact_point: r_i.to_world(x),
+        memory: null,
+        displacement: null,
+        stiffness: normal.stiffness,
+        rate,
+        elastic_energy: normal.elastic_energy,
+        tangential_energy: zero,
+        viscous_force: x.normal * (normal.force - normal.elastic),
+        frictional_force: null,
+        viscous_power: (normal.force - normal.elastic) * rate,
+        tangential_power: zero,
+    };
+
+    if FRICTION && !matches!(kinds.tangential, Tangential::None) {
+        // The velocities are those that brought the bodies here from where they were a step ago: they belong to the
+        // half step. Normal and lever arms are turned back by half a step, or a rotation of the pair as a whole, and
+        // the normal approach, would leak into the tangential displacement (Vyas et al. 2024).
+        let half = zero.constant(0.5);
+        // A turn beyond a few radians says no more than that the step is far too long; its tangent would outgrow the rest.
+        let spin = (omega_i.normal + omega_j.normal) * remembered.time * 0.5;
+        let spin = spin.min(zero.constant(10.0)).max(zero.constant(-10.0));
+        let before = InFrame::of(remembered.normal, x);
+        // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
+        let half_before = before.tangential * half;
+        let half_turn = InFrame {
+            tangential: Vector2::new(half_before.v, -half_before.u),
+            normal: spin * half,
+        };
+        let mut relative = omega_i.cross_subtract(half_turn.cross_subtract(r_i, r_i), relative);
+        if !WALL {
+            relative = omega_j.cross_add(half_turn.cross_subtract(r_j, r_j), relative);
+        }
+        let middle_square = half_before.dot(half_before) + one;
+        let along =
+            (half_before.dot(relative.tangential) + relative.normal) * middle_square.reciprocal();
+        let velocity = half_before.scale_add(-along, relative.tangential);
+        // A contact that began within this step slid only since then.
+        let since = (x.penetration / rate.max(zero.constant(1e-300))).min(remembered.time);
+        let time = T::select(remembered.continued, remembered.time, since);
+
+        // The memory turns with the normal and with the pair's spin about it, and keeps its length.
+        // The least rotation from one normal to the other, exactly: anything less drifts with the step.
+        let memory = InFrame::of(remembered.memory, x);
+        let leaning = memory.normal / (before.normal + 1.0).max(zero.constant(1e-12));
+        let turned = before.tangential.scale_add(-leaning, memory.tangential);
+        let turned = quarter_turn(turned).scale_add(spin, turned);
+        // The rotation between the normals keeps the length; that about the normal, by the tangent of its angle, does not.
+        let keep = spin.multiply_add(spin, one).reciprocal_sqrt();
+        let turned = turned * keep;
+        let t: TangentialForce<T> = tangential_force(
+            kinds,
+            c,
+            &normal,
+            factors,
+            curvature,
+            turned,
+            remembered.energy,
+            // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
+            // step before.
+            zero.less(remembered.time),
+            velocity * time,
+            velocity,
+        );
+        // r x t of a tangential t.
+        torque_i = torque_i.plus(
+            -one,
+            (
+                quarter_turn(t.force) * r_i.normal,
+                area(r_i.tangential, t.force),
+            ),
+        );
+        if !WALL {
+            torque_j = torque_j.plus(
+                one,
+                (
+                    quarter_turn(t.force) * r_j.normal,
+                    area(r_j.tangential, t.force),
+                ),
+            );
+        }
+        force.tangential = force.tangential + t.force;
+        result.tangential_force = x.tangent.vector(t.force);
+        result.memory = x.tangent.vector(t.memory);
+        result.displacement = x.tangent.vector(t.displacement);
+        result.tangential_energy = t.elastic_energy;
+        let viscous = t.force - t.elastic_force;
+        result.viscous_force = result.viscous_force + x.tangent.vector(viscous);
+        result.frictional_force = x.tangent.vector(t.elastic_force);
+        result.viscous_power = result.viscous_power - viscous.dot(velocity);
+        result.tangential_power = -(t.elastic_force.dot(velocity));
+    }
+    result.force = force.to_world(x);
+    result.torque_i = torque_i.to_world(x);
+    if !WALL {
+        result.torque_j = torque_j.to_world(x);
+    }
+    result
+}

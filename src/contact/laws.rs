@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The laws between all types of a scene, resolved before the run.
+
+use super::history::HistoryLayout;
+use crate::force::parameters::LARGEST_CONSTANT;
+use crate::force::{Displacement, LawParameters, PairLaw, ParameterError, Tangential};
+use crate::message::Number;
+
+/// Immutable table of laws; threads may share it.
+#[derive(Clone, Debug)]
+pub struct Laws {
+    types: usize,
+    table: Vec<PairLaw>,
+    layout: HistoryLayout,
+    /// Which terms any pair of types has.
+    pub(crate) features: Features,
+}
+
+/// The terms that some pair of types has; a kernel without the others serves the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Features {
+    /// A tangential law.
+    pub friction: bool,
+    /// A term that reads velocities, other than friction.
+    pub viscous: bool,
+    /// The conservative law's additional terms.
+    pub conservative: bool,
+    /// A term that reads masses.
+    pub mass: bool,
+    /// Hale's factors, which can break.
+    pub hale: bool,
+}
+
+impl Features {
+    fn of(table: &[PairLaw]) -> Features {
+        let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
+        Features {
+            friction: any(&|l| l.kinds.tangential != Tangential::None),
+            viscous: any(&|l| l.kinds.relaxation || l.kinds.restitution),
+            conservative: any(&|l| l.kinds.conservative),
+            mass: any(&|l| l.kinds.restitution),
+            hale: any(&|l| l.kinds.hale),
+        }
+    }
+}
+
+impl Laws {
+    /// From the parameters of `types * types` ordered pairs, row by row; `None` where a pair was not given. `I J` may
+    /// be given as either; a pair not given is mixed from `I I` and `J J`.
+    ///
+    /// `cached_normal` keeps the last normal of a contact in its history (three doubles), the start of the next
+    /// search. Scenes of spheres alone do without and lose nothing.
+    ///
+    /// # Errors
+    /// A missing type, parameters out of range, or laws that cannot be mixed; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn new(
+        types: usize,
+        parameters: &[Option<LawParameters>],
+        cached_normal: bool,
+    ) -> Result<Laws, ParameterError> {
+        assert_eq!(parameters.len(), types * types);
+        let given = |i: usize, j: usize| parameters[i * types + j].or(parameters[j * types + i]);
+        let own = |i: usize| {
+            given(i, i).ok_or_else(|| {
+                ParameterError(format!("no coefficients are given for type {}", i + 1))
+            })
+        };
+        let mut table = Vec::with_capacity(types * types);
+        for i in 0..types {
+            for j in 0..types {
+                let law = match given(i, j) {
+                    Some(p) => PairLaw::resolve(&p, &p),
+                    None => PairLaw::resolve(&own(i)?, &own(j)?),
+                };
+                table.push(
+                    law.map_err(|e| ParameterError(format!("types {} and {}: {e}", i + 1, j + 1)))?,
+                );
+            }
+        }
+        let features = Features::of(&table);
+        let rescaled = table.iter().any(|l| {
+            l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Rescaled
+        });
+        let mut layout = HistoryLayout::new(cached_normal, features.friction, rescaled);
+        layout.of_displacements = table.iter().any(|l| {
+            l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Total
+        });
+        Ok(Laws {
+            types,
+            table,
+            layout,
+            features,
+        })
+    }
+
+    /// The same laws with other coefficients of friction, `types * types` of them, row by row: for engines that give
+    /// friction per pair of types and all else per type. A pair with 0 has no tangential law; one that had none keeps none.
+    /// The layout of the history stays.
+    ///
+    /// # Errors
+    /// A coefficient that is negative or not finite; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn with_friction(&self, friction: &[f64]) -> Result<Laws, ParameterError> {
+        assert_eq!(friction.len(), self.table.len());
+        let mut laws = self.clone();
+        for (k, (law, &mu)) in laws.table.iter_mut().zip(friction).enumerate() {
+            if !(0.0..=LARGEST_CONSTANT).contains(&mu) {
+                let (i, j) = (k / self.types + 1, k % self.types + 1);
+                return Err(ParameterError(format!(
+                    "types {i} and {j}: friction = {} must be at least 0 and at most {LARGEST_CONSTANT:e}",
+                    Number(mu)
+                )));
+            }
+            law.constants.friction = mu;
+            if mu == 0.0 {
+                law.kinds.tangential = Tangential::None;
+            }
+        }
+        laws.features = Features::of(&laws.table);
+        Ok(laws)
+    }
+
+    /// The same laws with coefficients of restitution, `types * types` of them, row by row: for engines that give
+    /// restitution per pair of types and all else per type. Only for laws with `damping restitution`.
+    ///
+    /// # Errors
+    /// A coefficient that is not above 0 and at most 1, or laws with another damping; the message names the types.
+    ///
+    /// # Panics
+    /// If the slice is not `types * types` long.
+    pub fn with_restitution(&self, restitution: &[f64]) -> Result<Laws, ParameterError> {
+        assert_eq!(restitution.len(), self.table.len());
+        let mut laws = self.clone();
+        for (k, (law, &e)) in laws.table.iter_mut().zip(restitution).enumerate() {
+            let (i, j) = (k / self.types + 1, k % self.types + 1);
+            law.set_restitution(e)
+                .map_err(|e| ParameterError(format!("types {i} and {j}: {e}")))?;
+        }
+        laws.features = Features::of(&laws.table);
+        Ok(laws)
+    }
+
+    /// The first pair of types whose law can create energy while nothing in it dissipates any
+    /// ([`PairLaw::can_create_energy`]), counted from 1.
+    pub fn creates_energy(&self) -> Option<(usize, usize)> {
+        let k = self.table.iter().position(PairLaw::can_create_energy)?;
+        Some((k / self.types + 1, k % self.types + 1))
+    }
+
+    /// Number of types.
+    pub fn types(&self) -> usize {
+        self.types
+    }
+
+    /// The law between two types, counted from 1.
+    ///
+    /// # Panics
+    /// For a type out of range.
+    #[inline(always)]
+    pub fn get(&self, type_i: usize, type_j: usize) -> &PairLaw {
+        &self.table[(type_i - 1) * self.types + (type_j - 1)]
+    }
+
+    /// The layout of a contact's history.
+    pub fn layout(&self) -> HistoryLayout {
+        self.layout
+    }
+
+    /// The terms that some pair of types has.
+    pub fn features(&self) -> Features {
+        self.features
+    }
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact: geometry and motion in; force, torques and what is to be remembered out.
+
+pub mod forces;
+pub mod history;
+pub(crate) mod lane_search;
+pub mod laws;
+pub mod one_contact;
+pub mod pair;
+pub mod particle;
+pub mod ranges;
+pub mod stability;
+pub mod staged;
+pub mod without_history;
+
+pub use forces::{Contact, ContactForces};
+pub use history::{HistoryLayout, Step};
+pub use laws::Laws;
+pub use one_contact::{one_contact, OneContact};
+pub use particle::{prepare_body, Body, Particle, ParticleError};

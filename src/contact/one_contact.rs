@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact at a time: geometry, force, torques, history in and out. The same functions as the neighbour list's, so
+//! that both give the same numbers.
+
+use super::forces::{relative_curvature_matrix, ContactForces};
+use super::history::{cached_normal, forget, Step};
+use super::laws::Laws;
+use super::pair::{
+    checked_factors, contact_of, normal_before, through_law, touch_spheres, HaleRatio, Pair,
+};
+use super::particle::Particle;
+use crate::geometry::contact_search::gap;
+use crate::geometry::{relative_curvature, ContactSearch};
+use crate::vector::Vector3;
+
+/// Geometry of a pair, touching or not.
+#[derive(Clone, Copy, Debug)]
+pub struct OneContact {
+    /// Whether the penetration is greater than zero.
+    pub touching: bool,
+    /// Penetration; minus the gap when separated.
+    pub penetration: f64,
+    /// Unit normal from `i` to `j`.
+    pub normal: Vector3,
+    /// Contact point (midway across the gap by the same share when separated), world frame.
+    pub contact_point: Vector3,
+    /// Witness point on `i`, world frame.
+    pub witness_i: Vector3,
+    /// Witness point on `j`, world frame.
+    pub witness_j: Vector3,
+    /// Relative curvature `A`.
+    pub curvature_a: f64,
+    /// Relative curvature `B >= A`.
+    pub curvature_b: f64,
+    /// Unit vector along the major semi-axis of the contact ellipse.
+    pub major_direction: Vector3,
+}
+
+pub(crate) fn geometry_of(
+    found: &ContactSearch,
+    i: &Particle,
+    j: &Particle,
+    share_i: f64,
+) -> OneContact {
+    let m = relative_curvature_matrix(
+        i.body.weingarten(&found.support_i, &found.tangent),
+        j.body.weingarten(&found.support_j, &found.tangent),
+    );
+    let curvature = relative_curvature(m, &found.tangent);
+    let witness_i = i.position + found.support_i.point;
+    OneContact {
+        touching: found.penetration > 0.0,
+        penetration: found.penetration,
+        normal: found.normal,
+        contact_point: witness_i - found.normal * (found.penetration * share_i),
+        witness_i,
+        witness_j: j.position - found.support_j.point,
+        curvature_a: curvature.a,
+        curvature_b: curvature.b,
+        major_direction: curvature.major_direction,
+    }
+}
+
+/// Geometry of two bodies that a plane is known to separate, to rounding at least: they do not touch. Without its normal the
+/// bounding spheres do not meet.
+fn geometry_apart(i: &Particle, j: &Particle, share_i: f64, normal: Option<Vector3>) -> OneContact {
+    let d = j.position - i.position;
+    // Not zero: it is longer than the semi-axes.
+    let normal = normal
+        .or(d.direction())
+        .unwrap_or(Vector3::new(1.0, 0.0, 0.0));
+    let mut found = if i.sphere && j.sphere {
+        touch_spheres(i.radius, j.radius, d, &i.body, &j.body)
+    } else {
+        gap(&i.body, &j.body, d, normal)
+    };
+    found.penetration = found.penetration.min(0.0);
+    geometry_of(&found, i, j, share_i)
+}
+
+/// Geometry of two ellipsoids, touching or not; `start` is the last normal, a unit vector, if there is one.
+pub fn geometry(i: &Particle, j: &Particle, share_i: f64, start: Option<Vector3>) -> OneContact {
+    match Pair::of(i, j, start) {
+        Pair::Touching(found) => geometry_of(&found, i, j, share_i),
+        Pair::Apart { normal, .. } => geometry_apart(i, j, share_i, normal),
+    }
+}
+
+/// One contact of two ellipsoids: `None` when they do not touch. `touching` and `history` are those of the pair
+/// (length [`super::HistoryLayout::length`]) and are written.
+///
+/// # Errors
+/// Only with `factors hale`, before anything is written.
+pub fn one_contact(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<Option<(OneContact, ContactForces)>, HaleRatio> {
+    compute(laws, i, j, step, touching, history).map(|contact| contact.ok())
+}
+
+/// The same, with the geometry of a pair that does not touch too.
+///
+/// # Errors
+/// As [`one_contact`].
+pub fn one_contact_or_gap(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<(OneContact, Option<ContactForces>), HaleRatio> {
+    Ok(match compute(laws, i, j, step, touching, history)? {
+        Ok((geometry, forces)) => (geometry, Some(forces)),
+        Err(normal) => {
+            let share_i = laws.get(i.kind as usize, j.kind as usize).constants.share_i;
+            (geometry_apart(i, j, share_i, normal), None)
+        }
+    })
+}
+
+/// A contact, or the normal of a plane between the bodies where one is known.
+type ContactOrPlane = Result<(OneContact, ContactForces), Option<Vector3>>;
+
+fn compute(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<ContactOrPlane, HaleRatio> {
+    let layout = laws.layout();
+    let law = laws.get(i.kind as usize, j.kind as usize);
+    let d = j.position - i.position;
+    let cached = cached_normal(&layout, history);
+    let found = match Pair::of(i, j, cached) {
+        Pair::Touching(found) => found,
+        Pair::Apart { normal, searched } => {
+            if let (Some(at), Some(n)) = (layout.normal.filter(|_| searched), normal) {
+                history[at..at + 3].copy_from_slice(&n.to_array());
+            }
+            if *touching {
+                *touching = false;
+                forget(&layout, history);
+            }
+            return Ok(Err(normal));
+        }
+    };
+    let x = contact_of(&found, i, j);
+    let factors = checked_factors(law, x.curvature())?;
+    let before = normal_before(cached, i, j, d, found.normal, step);
+    let f = through_law::<true, true, true, false>(
+        law, &factors, &x, &layout, history, *touching, before, step,
+    );
+    *touching = true;
+    Ok(Ok((geometry_of(&found, i, j, law.constants.share_i), f)))
+}

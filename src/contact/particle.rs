@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A body prepared for its contacts: shape, pose and motion, checked.
+
+use super::ranges;
+use crate::geometry::ellipsoid::{LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
+use crate::geometry::{Ellipsoid, ShapeError};
+use crate::message::{Number, Numbers};
+use crate::vector::Vector3;
+
+/// A particle that cannot be: which, what, and the value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticleError {
+    /// Identifier of the particle.
+    pub identifier: i64,
+    /// What is wrong, with the value.
+    pub what: String,
+}
+
+impl core::fmt::Display for ParticleError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "particle {}: {}", self.identifier, self.what)
+    }
+}
+impl std::error::Error for ParticleError {}
+
+/// A particle prepared for the contacts of one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Particle {
+    /// Centre.
+    pub position: Vector3,
+    /// Radius of the bounding sphere.
+    pub radius: f64,
+    /// Shape and pose.
+    pub body: Ellipsoid,
+    /// Velocity of the centre.
+    pub velocity: Vector3,
+    /// Angular velocity, world frame.
+    pub omega: Vector3,
+    /// Inverse of the mass for effective masses.
+    pub inverse_mass: f64,
+    /// Type, counted from 1.
+    pub kind: u32,
+    /// Whether it is a sphere.
+    pub sphere: bool,
+}
+
+/// A body of one contact. World frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Centre.
+    pub position: [f64; 3],
+    /// Rotation from body to world, `(w, x, y, z)`; normalised here.
+    pub quaternion: [f64; 4],
+    /// Semi-axes along the body axes.
+    pub semi_axes: [f64; 3],
+    /// Velocity of the centre.
+    pub velocity: [f64; 3],
+    /// Angular velocity.
+    pub angular_velocity: [f64; 3],
+    /// Mass, read by damping with a coefficient of restitution; infinite for a fixed body.
+    pub mass: f64,
+    /// Type, counted from 1.
+    pub kind: i32,
+    /// What to call it in a message.
+    pub identifier: i64,
+}
+
+/// Checks a body and prepares it.
+///
+/// # Errors
+/// Names the body and the value.
+pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, ParticleError> {
+    let fail = |what: String| ParticleError {
+        identifier: body.identifier,
+        what,
+    };
+    let mut inverse_mass = 0.0;
+    if let Some(types) = types {
+        if body.kind < 1 || body.kind as usize > types {
+            return Err(fail(format!(
+                "type {} is not between 1 and {types}",
+                body.kind
+            )));
+        }
+        inverse_mass = ranges::inverse_mass(body.mass, "mass").map_err(fail)?;
+    }
+    let shape = Ellipsoid::new(body.semi_axes, body.quaternion)
+        .map_err(|e| fail(describe(e, body.semi_axes, body.quaternion)))?;
+    Ok(Particle {
+        position: ranges::position(body.position).map_err(fail)?,
+        radius: shape.bounding_radius(),
+        body: shape,
+        velocity: ranges::velocity(body.velocity).map_err(fail)?,
+        omega: ranges::angular_velocity(body.angular_velocity).map_err(fail)?,
+        inverse_mass,
+        kind: body.kind.max(0) as u32,
+        sphere: shape.is_sphere(),
+    })
+}
+
+/// Says what is wrong with a shape, with the value.
+pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) -> String {
+    match error {
+        ShapeError::SemiAxis(a) => format!(
+            "semi-axis = {} must be a finite number greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_SEMI_AXIS:e} \
+             (semi-axes {})",
+            Number(a),
+            Numbers(&semi_axes)
+        ),
+        ShapeError::AspectRatio(ratio) => format!(
+            "the largest of the semi-axes {} is {} times the smallest: it may be {LARGEST_ASPECT_RATIO:e} times",
+            Numbers(&semi_axes),
+            Number(ratio)
+        ),
+        ShapeError::Quaternion(_) => format!(
+            "quaternion (w x y z) = {} is not a rotation",
+            Numbers(&quaternion)
+        ),
+    }
+}
+
+/// Angular velocity of a solid ellipsoid with angular momentum `l`, both in the world frame.
+pub fn angular_velocity(body: &Ellipsoid, mass: f64, l: Vector3) -> Vector3 {
+    let a = body.semi_axes;
+    let (x, y, z) = (a.x * a.x, a.y * a.y, a.z * a.z);
+    let five_over_mass = 5.0 / mass;
+    let inverse_inertia = Vector3::new(
+        five_over_mass / (y + z),
+        five_over_mass / (x + z),
+        five_over_mass / (x + y),
+    );
+    body.to_world(inverse_inertia.componentwise(body.to_body(l)))
+}
+
+/// `m_i m_j/(m_i + m_j)` from inverse masses; 0 for two frozen bodies, which need no damping.
+#[inline(always)]
+pub fn effective_mass(inverse_i: f64, inverse_j: f64) -> f64 {
+    let sum = inverse_i + inverse_j;
+    if sum > 0.0 {
+        1.0 / sum
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How stiff a contact is, the largest time step that it allows, how long a collision lasts and a wave through a grain.
+
+use super::forces::Contact;
+use super::laws::Laws;
+use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
+use super::particle::Particle;
+use crate::force::parameters::{LawParameters, Normal};
+use crate::force::{normal_force, tangential_stiffness, Factors, PairLaw};
+use crate::geometry::contact_search::closest;
+use crate::geometry::relative_curvature;
+use crate::vector::{Symmetric2, Vector3};
+
+/// The springs and dashpots that a contact consists of for small motions about where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactStiffness {
+    /// Of the normal spring, force/length: `dF_n/d(delta)` at the present penetration.
+    pub normal_stiffness: f64,
+    /// Of the tangential spring along the major and the minor semi-axis of the contact ellipse, force/length, without slip.
+    pub tangential_stiffness: [f64; 2],
+    /// Of the normal dashpot while the bodies approach, force x time/length.
+    pub normal_damping: f64,
+    /// Of the tangential dashpot along the major and the minor semi-axis, force x time/length, without slip.
+    pub tangential_damping: [f64; 2],
+    /// The largest time step at which velocity Verlet is stable for this contact alone, its rotations included; infinite for
+    /// two fixed bodies.
+    pub critical_step: f64,
+}
+
+impl ContactStiffness {
+    /// Of two bodies that do not touch.
+    pub const NONE: ContactStiffness = ContactStiffness {
+        normal_stiffness: 0.0,
+        tangential_stiffness: [0.0; 2],
+        normal_damping: 0.0,
+        tangential_damping: [0.0; 2],
+        critical_step: f64::INFINITY,
+    };
+}
+
+/// A symmetric 3x3 matrix in the frame of a contact: its tangential part and its normal row.
+#[derive(Clone, Copy)]
+struct Matrix([[f64; 3]; 3]);
+
+impl Matrix {
+    fn of(tangential: Symmetric2, normal: f64) -> Self {
+        Matrix([
+            [tangential.uu, tangential.uv, 0.0],
+            [tangential.uv, tangential.vv, 0.0],
+            [0.0, 0.0, normal],
+        ])
+    }
+
+    fn combined(self, a: f64, other: Self, b: f64) -> Self {
+        let mut sum = self.0;
+        for (row, others) in sum.iter_mut().zip(other.0) {
+            for (x, y) in row.iter_mut().zip(others) {
+                *x = a * *x + b * y;
+            }
+        }
+        Matrix(sum)
+    }
+
+    /// `L` of `self = L L^T`, for a positive definite matrix.
+    fn root(self) -> [[f64; 3]; 3] {
+        let a = self.0;
+        let mut l = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..=i {
+                let sum: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
+                l[i][j] = if i == j {
+                    (a[i][i] - sum).max(0.0).sqrt()
+                } else {
+                    (a[i][j] - sum) / l[j][j]
+                };
+            }
+        }
+        l
+    }
+
+    /// `L^T self L`.
+    fn between(self, l: &[[f64; 3]; 3]) -> Self {
+        let mut product = [[0.0; 3]; 3];
+        for (i, row) in product.iter_mut().enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                for p in 0..3 {
+                    for q in 0..3 {
+                        *x += l[p][i] * self.0[p][q] * l[q][j];
+                    }
+                }
+            }
+        }
+        Matrix(product)
+    }
+
+    /// The largest eigenvalue, by the trigonometric solution of the characteristic equation (Smith 1961).
+    fn largest_eigenvalue(self) -> f64 {
+        let a = self.0;
+        let mean = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
+        let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
+        let square = (0..3).map(|k| (a[k][k] - mean).powi(2)).sum::<f64>() + 2.0 * off;
+        let p = (square / 6.0).sqrt();
+        if !(p > 0.0) {
+            return mean;
+        }
+        let b = |i: usize, j: usize| (a[i][j] - if i == j { mean } else { 0.0 }) / p;
+        let determinant = b(0, 0) * (b(1, 1) * b(2, 2) - b(1, 2) * b(1, 2))
+            - b(0, 1) * (b(0, 1) * b(2, 2) - b(1, 2) * b(0, 2))
+            + b(0, 2) * (b(0, 1) * b(1, 2) - b(1, 1) * b(0, 2));
+        let angle = (0.5 * determinant).clamp(-1.0, 1.0).acos() / 3.0;
+        mean + 2.0 * p * angle.cos()
+    }
+}
+
+/// How easily the bodies give way at the contact: the acceleration of the contact point of `j` relative to that of `i` is
+/// this matrix times the force on `j`, `sum 1/m + [r]x^T I^-1 [r]x` in the frame (u, v, n).
+fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
+    let frame = [x.tangent.u, x.tangent.v, x.normal];
+    let share = x.penetration * share_i;
+    let arm_i = x.tangent.vector(x.i.witness) + x.normal * (x.i.h - share);
+    let arm_j = x.normal * (x.penetration - share - x.j.h) - x.tangent.vector(x.j.witness);
+    let mut sum = [[0.0; 3]; 3];
+    for (body, arm) in [(i, arm_i), (j, arm_j)] {
+        // Principal moments of a solid ellipsoid.
+        let a = body.body.semi_axes;
+        let moments = [
+            a.y * a.y + a.z * a.z,
+            a.x * a.x + a.z * a.z,
+            a.x * a.x + a.y * a.y,
+        ];
+        let levers = frame.map(|e| body.body.to_body(arm.cross(e)).to_array());
+        for (p, row) in sum.iter_mut().enumerate() {
+            for (q, entry) in row.iter_mut().enumerate() {
+                let rotation: f64 = (0..3)
+                    .map(|k| 5.0 / moments[k] * levers[p][k] * levers[q][k])
+                    .sum();
+                let translation = f64::from(u8::from(p == q));
+                *entry += body.inverse_mass * (translation + rotation);
+            }
+        }
+    }
+    Matrix(sum)
+}
+
+/// Springs and dashpots of two bodies that touch, and the largest stable time step; `None` where they do not.
+///
+/// With `K` the stiffness, `C` the damping of the contact in the frame of its tangent plane and normal, and `A` the mobility of
+/// the two bodies there, rotations included, a small motion obeys `u'' = -A (K u + C u')`. Velocity Verlet with damping by
+/// the velocities of the half step, as the engines have it, becomes unstable where a mode changes its sign in every step
+/// while it grows: where the largest eigenvalue of `A (dt^2 K + 2 dt C)` is 4; without damping `dt = 2/sqrt(lambda(A K))`.
+/// What the normal's own rotation adds to `K` is left out: it is smaller by the penetration over the radius of curvature.
+/// Where particles have up to n contacts each, the smallest of these steps over sqrt(n) is safe: each contact then has a share
+/// 1/n of the masses, and no mode of the whole is faster than the fastest of the parts (Irons' theorem).
+///
+/// # Errors
+/// Only with `factors hale`.
+pub fn contact_stiffness(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+) -> Result<Option<ContactStiffness>, HaleRatio> {
+    let Pair::Touching(found) = Pair::of(i, j, None) else {
+        return Ok(None);
+    };
+    let law = laws.get(i.kind as usize, j.kind as usize);
+    let x = contact_of(&found, i, j);
+    let m = x.curvature();
+    let factors = checked_factors(law, m)?;
+    let normal = at_rest(law, &factors, &x, m, x.penetration);
+    let (stiffness, damping) =
+        tangential_stiffness(&law.kinds, &law.constants, normal, &factors, m);
+    let c = &law.constants;
+    let normal_damping = if law.kinds.linear {
+        c.normal_damping
+    } else if law.kinds.relaxation {
+        c.normal_damping * normal
+    } else if law.kinds.restitution {
+        c.restitution * (x.effective_mass * normal / 1.5).sqrt()
+    } else {
+        0.0
+    };
+    let mobility = mobility(&x, i, j, c.share_i);
+    let critical_step = critical_step(
+        mobility,
+        Matrix::of(stiffness, normal),
+        Matrix::of(damping, normal_damping),
+    );
+    let major = found
+        .tangent
+        .components(relative_curvature(m, &found.tangent).major_direction);
+    let along = |s: Symmetric2| {
+        let minor = crate::vector::Vector2::new(-major.v, major.u);
+        [major.dot(s.apply(major)), minor.dot(s.apply(minor))]
+    };
+    Ok(Some(ContactStiffness {
+        normal_stiffness: normal,
+        tangential_stiffness: along(stiffness),
+        normal_damping,
+        tangential_damping: along(damping),
+        critical_step,
+    }))
+}
+
+/// Normal stiffness at a penetration, the bodies at rest.
+fn at_rest(law: &PairLaw, factors: &Factors, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
+    normal_force(
+        &law.kinds,
+        &law.constants,
+        penetration,
+        0.0,
+        m.determinant(),
+        factors,
+        x.effective_mass,
+    )
+    .stiffness
+}
+
+fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
+    if mobility.0[2][2] == 0.0 {
+        // Two fixed bodies.
+        return f64::INFINITY;
+    }
+    let root = mobility.root();
+    let (k, c) = (stiffness.between(&root), damping.between(&root));
+    let undamped = 2.0 / k.largest_eigenvalue().sqrt();
+    if c.0.iter().flatten().all(|x| *x == 0.0) {
+        return undamped;
+    }
+    let (mut stable, mut unstable) = (0.0, undamped);
+    // Halved to the last digit.
+    for _ in 0..60 {
+        let step = 0.5 * (stable + unstable);
+        if k.combined(step * step, c, 2.0 * step).largest_eigenvalue() < 4.0 {
+            stable = step;
+        } else {
+            unstable = step;
+        }
+    }
+    stable
+}
+
+/// `T v/delta_max` of an elastic Hertzian collision, `(4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)`.
+const HERTZ_TIME: f64 = 2.943_275_1;
+
+/// How long an elastic collision lasts, and how deep it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Collision {
+    /// From first touch to the end of the contact, time; infinite where nothing can move.
+    pub time: f64,
+    /// Largest penetration, length; infinite where nothing can move.
+    pub penetration: f64,
+}
+
+/// The elastic collision in which the bodies meet with the normal, the curvatures and the mobility that they have here (apart or
+/// touching) at this speed along the normal: for a central impact that of Hertz (Landau and Lifshitz, Theory of Elasticity,
+/// section 9), half an oscillation for the linear law. Damping makes it longer and less deep.
+///
+/// # Errors
+/// Only with `factors hale`.
+pub fn collision(
+    laws: &Laws,
+    i: &Particle,
+    j: &Particle,
+    speed: f64,
+) -> Result<Collision, HaleRatio> {
+    let d = j.position - i.position;
+    let found = if i.sphere && j.sphere {
+        touch_spheres(i.radius, j.radius, d, &i.body, &j.body)
+    } else {
+        closest(&i.body, &j.body, d, None::<Vector3>)
+    };
+    let law = laws.get(i.kind as usize, j.kind as usize);
+    let x = contact_of(&found, i, j);
+    let m = x.curvature();
+    let factors = checked_factors(law, m)?;
+    // At first touch: there is no penetration.
+    let touching = Contact {
+        penetration: 0.0,
+        ..x
+    };
+    let inverse_mass = mobility(&touching, i, j, law.constants.share_i).0[2][2];
+    if law.kinds.linear {
+        let frequency = (inverse_mass * law.constants.normal_stiffness).sqrt();
+        return Ok(Collision {
+            time: core::f64::consts::PI / frequency,
+            penetration: speed / frequency,
+        });
+    }
+    // F = k delta^(3/2), and dF/d(delta) at 1 is 3/2 k.
+    let k = at_rest(law, &factors, &x, m, 1.0) / 1.5;
+    let deepest = (1.25 * speed * speed / (inverse_mass * k)).powf(0.4);
+    Ok(Collision {
+        time: HERTZ_TIME * deepest / speed,
+        penetration: deepest,
+    })
+}
+
+/// Rayleigh's time of a grain, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)`: how long a surface wave takes from pole to pole of a
+/// sphere of the grain's least semi-axis `r`, `rho` the density of the solid grain (C. Thornton and C.W. Randall, in
+/// Micromechanics of Granular Materials, Elsevier 1988). Infinite for the linear law, which has no material.
+pub fn rayleigh_time(parameters: &LawParameters, grain: &Particle) -> f64 {
+    if parameters.normal == Normal::Lsd {
+        return f64::INFINITY;
+    }
+    let a = grain.body.semi_axes;
+    let volume = 4.0 / 3.0 * core::f64::consts::PI * a.x * a.y * a.z;
+    let density = 1.0 / (grain.inverse_mass * volume);
+    let material = &parameters.material;
+    core::f64::consts::PI
+        * grain.body.smallest_semi_axis()
+        * (density / material.shear_modulus()).sqrt()
+        / (0.1631 * material.poissons_ratio + 0.8766)
+}

@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact in stages - geometry, normal force, tangential force - for engines that keep the three apart and let a
+//! user combine them. The same functions as in one call, so that both give the same numbers.
+
+use super::forces::{contact_forces, Contact, ContactForces, Remembered};
+use super::history::Step;
+use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
+use super::particle::Particle;
+use crate::force::conservative::{
+    additional_torque, body_gradient, curvature_gradient, normal_response, BodyGradient,
+    NormalResponse,
+};
+use crate::force::hertz_factors;
+use crate::force::{PairLaw, Tangential};
+use crate::geometry::facet_shares::Share;
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
+
+/// The surface of a wall where a body touches it.
+#[derive(Clone, Copy, Debug)]
+pub struct WallSurface {
+    /// The point of the surface that lies deepest in the body, world frame.
+    pub point: Vector3,
+    /// Unit normal out of the wall, towards the body.
+    pub normal: Vector3,
+    /// A unit tangent vector: the first principal direction.
+    pub direction: Vector3,
+    /// Curvatures for Hertz' law along `direction` and across it, 1/length; 0 for a plane, negative for a cavity.
+    pub curvatures: [f64; 2],
+    /// How far from the point, along the normal into the wall, the surface turns with the body's motion, along
+    /// `direction` and across it: infinite for a plane, `-Rc` for a cavity of that radius, 0 at an edge or a corner.
+    pub turning_radii: [f64; 2],
+    /// Velocity of the surface there.
+    pub velocity: Vector3,
+    /// By how much of the law the surface acts, and the gradient of that.
+    pub share: Share,
+}
+
+/// What is remembered of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Past {
+    /// Whether the bodies touched at the last step.
+    pub touched: bool,
+    /// The normal then.
+    pub normal: Vector3,
+    /// The tangential memory; written.
+    pub memory: Vector3,
+    /// Its elastic energy, of `displacement rescaled`; written.
+    pub energy: f64,
+}
+
+/// A contact whose geometry is known.
+#[derive(Clone, Copy, Debug)]
+pub struct StagedContact {
+    x: Contact,
+    curvature: Symmetric2,
+    /// For a wall: its turning radii and the direction that they belong to, in the tangent basis.
+    wall: Option<([f64; 2], Vector2)>,
+    share: Share,
+}
+
+impl StagedContact {
+    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most pairs do
+    /// not touch). `cached_normal` is the normal of the last step, not a unit vector if there is none, and is written.
+    pub fn of_pair(
+        i: &Particle,
+        j: &Particle,
+        cached_normal: &mut Vector3,
+        found: &mut Option<Self>,
+    ) {
+        *found = None;
+        let start = Some(*cached_normal).filter(|n| n.is_unit());
+        match Pair::of(i, j, start) {
+            Pair::Touching(contact) => {
+                *cached_normal = contact.normal;
+                let x = contact_of(&contact, i, j);
+                *found = Some(StagedContact {
+                    curvature: x.curvature(),
+                    x,
+                    wall: None,
+                    share: Share::WHOLE,
+                });
+            }
+            Pair::Apart {
+                normal: Some(n),
+                searched: true,
+            } => *cached_normal = n,
+            Pair::Apart { .. } => {}
+        }
+    }
+
+    /// An ellipsoid and a wall, or `None` when they do not touch.
+    pub fn of_wall(i: &Particle, wall: &WallSurface) -> Option<Self> {
+        let normal = -wall.normal;
+        let support = i.body.support(normal);
+        let penetration = support.h - wall.normal.dot(i.position - wall.point);
+        if !(penetration > 0.0) {
+            return None;
+        }
+        let tangent = Tangent::new(normal);
+        let along = tangent.components(wall.direction);
+        let [k1, k2] = wall.curvatures;
+        let (u, v) = (along.u, along.v);
+        let weingarten_j = Symmetric2::new(
+            k1 * u * u + k2 * v * v,
+            (k1 - k2) * u * v,
+            k1 * v * v + k2 * u * u,
+        );
+        let x = contact_with_wall(
+            i,
+            &support,
+            (normal, tangent),
+            penetration,
+            weingarten_j,
+            wall.velocity,
+        );
+        Some(StagedContact {
+            curvature: convex(x.curvature(), x.i.weingarten),
+            x,
+            wall: Some((wall.turning_radii, along)),
+            share: wall.share,
+        })
+    }
+
+    /// Whether body `j` is a wall.
+    pub fn is_wall(&self) -> bool {
+        self.wall.is_some()
+    }
+
+    /// Penetration > 0.
+    pub fn penetration(&self) -> f64 {
+        self.x.penetration
+    }
+
+    /// Unit normal from `i` to `j`, or into the wall.
+    pub fn normal(&self) -> Vector3 {
+        self.x.normal
+    }
+
+    /// The contact point; `centre_i` is the centre of body `i`, `share_i` its share in the penetration.
+    pub fn contact_point(&self, centre_i: Vector3, share_i: f64) -> Vector3 {
+        let x = &self.x;
+        let along = x.i.h - x.penetration * share_i;
+        centre_i + x.tangent.vector(x.i.witness) + x.normal * along
+    }
+
+    /// The radius of the sphere that, pressed against a plane by as much, feels the same elastic force: `Re F2^-3`. It
+    /// makes a law written for spheres exact on ellipses in its normal force. Times the square of the share.
+    pub fn equivalent_radius(&self) -> f64 {
+        let (trace, determinant) = (self.curvature.trace(), self.curvature.determinant());
+        let phi = hertz_factors::exact(trace, determinant, false).phi;
+        0.5 / determinant.sqrt() * phi * phi * self.share.value * self.share.value
+    }
+
+    /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
+    /// spheres that of the circle in which they intersect, and twice the contact area of Hertz.
+    pub fn section_area(&self) -> f64 {
+        std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
+    }
+
+    /// Normal force and the further terms of the conservative law, without the tangential force.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    pub fn normal_force(
+        &self,
+        law: &PairLaw,
+        effective_mass: f64,
+    ) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        law.kinds.tangential = Tangential::None;
+        let x = Contact {
+            effective_mass,
+            ..self.x
+        };
+        let nothing = Remembered {
+            continued: false,
+            normal: x.normal,
+            memory: Vector3::ZERO,
+            energy: 0.0,
+            time: 0.0,
+        };
+        let mut f = self.forces::<false>(&law, &x, &nothing)?;
+        if law.kinds.conservative {
+            self.turn_with_wall(&law, &mut f);
+        }
+        self.take_share(law.kinds.conservative, &mut f);
+        Ok(f)
+    }
+
+    /// Tangential force and its torques alone, with this coefficient of friction.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    pub fn tangential_force(
+        &self,
+        law: &PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        past: &mut Past,
+    ) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        // The normal part is subtracted below: without its further terms.
+        law.kinds.conservative = false;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        self.take_share(false, &mut f);
+        f.force = f.tangential_force;
+        f.torque_i = -f.contact_point.cross(f.tangential_force);
+        f.torque_j = if self.is_wall() {
+            Vector3::ZERO
+        } else {
+            (f.contact_point - self.x.between_centres()).cross(f.tangential_force)
+        };
+        Ok(f)
+    }
+
+    /// Normal and tangential force together.
+    ///
+    /// # Errors
+    /// Only with `factors hale`.
+    pub fn whole_force(
+        &self,
+        law: &PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        past: &mut Past,
+    ) -> Result<ContactForces, HaleRatio> {
+        let mut law = *law;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        if law.kinds.conservative {
+            self.turn_with_wall(&law, &mut f);
+        }
+        self.take_share(law.kinds.conservative, &mut f);
+        Ok(f)
+    }
+
+    fn with_friction(
+        &self,
+        law: &mut PairLaw,
+        friction: f64,
+        effective_mass: f64,
+        step: &Step,
+        past: &mut Past,
+    ) -> Result<ContactForces, HaleRatio> {
+        law.constants.friction = friction;
+        if !(friction > 0.0) {
+            law.kinds.tangential = Tangential::None;
+        }
+        let x = Contact {
+            effective_mass,
+            ..self.x
+        };
+        let known = past.touched && past.normal.is_unit();
+        let remembered = Remembered {
+            continued: past.touched,
+            normal: if known { past.normal } else { x.normal },
+            memory: if past.touched {
+                past.memory
+            } else {
+                Vector3::ZERO
+            },
+            energy: if past.touched { past.energy } else { 0.0 },
+            time: step.elapsed(),
+        };
+        let f = self.forces::<true>(law, &x, &remembered)?;
+        past.memory = f.memory;
+        past.energy = f.tangential_energy;
+        Ok(f)
+    }
+
+    fn forces<const FRICTION: bool>(
+        &self,
+        law: &PairLaw,
+        x: &Contact,
+        remembered: &Remembered,
+    ) -> Result<ContactForces, HaleRatio> {
+        let factors = checked_factors(law, self.curvature)?;
+        let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);
+        Ok(if self.is_wall() {
+            contact_forces::<f64, FRICTION, true, true, true>(
+                kinds, constants, &factors, m, x, remembered,
+            )
+        } else {
+            contact_forces::<f64, FRICTION, true, true, false>(
+                kinds, constants, &factors, m, x, remembered,
+            )
+        })
+    }
+
+    /// Times the share; with the conservative law, the further terms by which force and torque are the gradient of share
+    /// times energy. What is remembered is that of the whole, so that it can go from one face to the next.
+    fn take_share(&self, conservative: bool, f: &mut ContactForces) {
+        let share = &self.share;
+        if share.value == 1.0 {
+            return;
+        }
+        let w = share.value;
+        f.force = f.force * w;
+        f.torque_i = f.torque_i * w;
+        f.torque_j = f.torque_j * w;
+        f.tangential_force = f.tangential_force * w;
+        f.viscous_force = f.viscous_force * w;
+        f.frictional_force = f.frictional_force * w;
+        if conservative {
+            f.force = f.force + share.by_position * f.elastic_energy;
+            f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;
+        }
+        for part in [
+            &mut f.normal_force,
+            &mut f.stiffness,
+            &mut f.elastic_energy,
+            &mut f.tangential_energy,
+            &mut f.viscous_power,
+            &mut f.tangential_power,
+        ] {
+            *part *= w;
+        }
+    }
+
+    /// A plane holds the normal where it is; on any other wall the normal turns as the body moves, and the energy changes
+    /// with it: `lambda` of the conservative law, of the directions in which the wall lets it turn.
+    fn turn_with_wall(&self, law: &PairLaw, f: &mut ContactForces) {
+        let Some((radii, along)) = self.wall else {
+            return;
+        };
+        if radii.iter().all(|r| r.is_infinite()) {
+            return;
+        }
+        let x = &self.x;
+        let factors = factors_for(law, self.curvature);
+        let body = x.i.for_gradient();
+        let gamma = body_gradient(curvature_gradient(self.curvature, &factors), &body).gamma;
+        let lambda = response(body.inverse_weingarten, x.penetration, radii, along, gamma);
+        let none = BodyGradient {
+            gamma: Vector2::new(0.0, 0.0),
+            twist: 0.0,
+        };
+        let energy = f.elastic_energy;
+        let (t, m) = additional_torque(&body, &none, &NormalResponse::exactly(lambda));
+        f.force = f.force - x.tangent.vector(lambda) * energy;
+        f.torque_i = f.torque_i - (x.tangent.vector(t) + x.normal * m) * energy;
+    }
+}
+
+/// Hertz' law needs a convex gap. In a cavity nearly as narrow as the body it is not; then the smaller curvature is kept
+/// above a thousandth of the body's own.
+fn convex(m: Symmetric2, own: Symmetric2) -> Symmetric2 {
+    let least = 5e-4 * own.determinant() / own.trace();
+    if m.trace() > 0.0 && m.determinant() > least * m.trace() {
+        return m;
+    }
+    let (a, b, direction) = m.eigen();
+    let (a, b) = (a.max(least), b.max(least));
+    let (u, v) = (direction.u, direction.v);
+    Symmetric2::new(
+        a * u * u + b * v * v,
+        (a - b) * u * v,
+        a * v * v + b * u * u,
+    )
+}
+
+fn response(
+    inverse_weingarten: Symmetric2,
+    penetration: f64,
+    radii: [f64; 2],
+    along: Vector2,
+    gamma: Vector2,
+) -> Vector2 {
+    let across = Vector2::new(-along.v, along.u);
+    let respond = |direction: Vector2, second: f64| {
+        // Second derivative zero: the body fits the cavity, and the contact is anywhere.
+        let floor = 0.05 * direction.dot(inverse_weingarten.apply(direction));
+        let second = if second < 0.0 {
+            second.min(-floor)
+        } else {
+            second.max(floor)
+        };
+        direction * (direction.dot(gamma) / second)
+    };
+    let one = |direction: Vector2, radius: f64| {
+        let own = direction.dot(inverse_weingarten.apply(direction));
+        respond(direction, own + radius - penetration)
+    };
+    match (radii[0].is_finite(), radii[1].is_finite()) {
+        (true, true) => {
+            let (u, v) = (along.u, along.v);
+            let [a, b] = radii;
+            let wall = Symmetric2::new(
+                a * u * u + b * v * v,
+                (a - b) * u * v,
+                a * v * v + b * u * u,
+            );
+            if a < 0.0 || b < 0.0 {
+                // A cavity turns the normal the other way.
+                let second = (inverse_weingarten + wall).shifted(-penetration);
+                let (first, other, direction) = second.eigen();
+                let beside = Vector2::new(-direction.v, direction.u);
+                return respond(direction, first) + respond(beside, other);
+            }
+            normal_response(inverse_weingarten + wall, penetration, gamma).lambda
+        }
+        (true, false) => one(along, radii[0]),
+        (false, true) => one(across, radii[1]),
+        (false, false) => Vector2::new(0.0, 0.0),
+    }
+}

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An ellipsoid and a circular cone, of which the cylinder is one, from within or from without.
+//!
+//! The normal is given by a direction `u` of the cross-section, `n = c u + s a` with the axis `a`, so the search has one
+//! angle. From within, the depth behind the tangent plane along `u` is `n.x + h(n) - c R`, `R` the radius at the cone's point
+//! and `x` the centre from there; each of its maxima above 0 is a contact: a needle across the axis has two. From without, the
+//! separation `n.x - h(n) - c R` has one maximum, as for any two convex bodies.
+
+use super::ellipsoid::Ellipsoid;
+use crate::vector::{Tangent, Vector3};
+
+/// A cone, without ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// A point of the axis, world frame.
+    pub point: Vector3,
+    /// Unit vector along the axis.
+    pub axis: Vector3,
+    /// Radius at `point`, > 0.
+    pub radius: f64,
+    /// By how much the radius grows along the axis; 0 for a cylinder.
+    pub slope: f64,
+}
+
+impl Cone {
+    /// A cylinder about the axis through `point`.
+    pub fn cylinder(point: Vector3, axis: Vector3, radius: f64) -> Self {
+        Cone {
+            point,
+            axis,
+            radius,
+            slope: 0.0,
+        }
+    }
+
+    /// Whether a point is within, nearer to the axis than the surface.
+    pub fn has_within(&self, position: Vector3) -> bool {
+        let offset = position - self.point;
+        let along = self.axis.dot(offset);
+        (offset - self.axis * along).norm() <= self.radius + self.slope * along
+    }
+}
+
+/// A contact with a cone.
+#[derive(Clone, Copy, Debug)]
+pub struct ConeContact {
+    /// The point of the wall deepest in the body, world frame.
+    pub point: Vector3,
+    /// Unit normal out of the wall, towards the body.
+    pub normal: Vector3,
+    /// Radius of curvature of the wall around the axis, at the point; along the axis it is straight.
+    pub curvature_radius: f64,
+    /// How far from the cone's point along the axis.
+    pub along: f64,
+}
+
+/// Directions that are tried over the whole circle, and over the smallest arc.
+const MOST_DIRECTIONS: usize = 64;
+const LEAST_DIRECTIONS: usize = 16;
+
+/// The contacts of a body with centre `centre`, from within or from without; at most two with a cylinder.
+pub fn touch_cone(
+    body: &Ellipsoid,
+    centre: Vector3,
+    cone: &Cone,
+    within: bool,
+    mut found: impl FnMut(ConeContact),
+) {
+    let axis = cone.axis;
+    let offset = centre - cone.point;
+    let height = axis.dot(offset);
+    let x = offset - axis * height;
+    let reach = body.bounding_radius();
+    let distance = x.norm();
+    let c = 1.0 / cone.slope.mul_add(cone.slope, 1.0).sqrt();
+    let s = -cone.slope * c;
+    // of the centre, behind the tangent plane nearest to it
+    let depth = c * (distance - cone.radius) + s * height;
+    if within && depth <= -reach || !within && depth >= reach {
+        return;
+    }
+    // The first axis of the cross-section points to the body, where there is such a direction.
+    let first_axis = if distance > 0.0 {
+        x * (1.0 / distance)
+    } else {
+        Tangent::new(axis).u
+    };
+    let search = Search {
+        body,
+        offset,
+        axis,
+        basis: [first_axis, axis.cross(first_axis)],
+        side: if within { 1.0 } else { -1.0 },
+        c,
+        s,
+        at_point: c * cone.radius,
+    };
+    // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
+    // of the greatest separation is within a quarter turn of it.
+    let half = if within {
+        let cosine = (c * cone.radius - s * height - reach) / (c * distance);
+        // on the axis, of no size and no sign: all around
+        let cosine = if cosine.is_nan() { -1.0 } else { cosine };
+        cosine.clamp(-1.0, 1.0).acos()
+    } else {
+        core::f64::consts::FRAC_PI_2
+    };
+    let share = half / core::f64::consts::PI;
+    let count = LEAST_DIRECTIONS + (share * (MOST_DIRECTIONS - LEAST_DIRECTIONS) as f64) as usize;
+    let step = 2.0 * half / count as f64;
+    let mut values = [0.0; MOST_DIRECTIONS + 2];
+    // One more at either end, so that each place has two neighbours.
+    search.sample(-half - 0.5 * step, step, &mut values[..count + 2]);
+    let mut best: Option<(f64, f64)> = None;
+    for k in 1..=count {
+        // Of two equals the later.
+        if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
+            continue;
+        }
+        // the top of the parabola through the three
+        let [before, at, after] = [values[k - 1], values[k], values[k + 1]];
+        let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
+        let angle = search.maximum(-half + (k as f64 - 0.5) * step, aside * step, step);
+        let value = search.value(angle);
+        if within {
+            if value > 0.0 {
+                found(search.contact(angle, cone));
+            }
+        } else if best.is_none_or(|(_, v)| value > v) {
+            best = Some((angle, value));
+        }
+    }
+    if let Some((angle, value)) = best {
+        if value < 0.0 {
+            found(search.contact(angle, cone));
+        }
+    }
+}
+
+/// The function of the angle that is to be greatest.
+struct Search<'a> {
+    body: &'a Ellipsoid,
+    /// The centre from the cone's point.
+    offset: Vector3,
+    axis: Vector3,
+    /// Axes of the cross-section.
+    basis: [Vector3; 2],
+    /// 1 from within, -1 from without.
+    side: f64,
+    /// Components of the normal, from within to without, across the axis and along it.
+    c: f64,
+    s: f64,
+    /// What the tangent planes are from the cone's point.
+    at_point: f64,
+}
+
+impl Search<'_> {
+    fn direction(&self, angle: f64) -> Vector3 {
+        let (sin, cos) = angle.sin_cos();
+        self.basis[0] * cos + self.basis[1] * sin
+    }
+
+    /// From within to without.
+    fn normal(&self, u: Vector3) -> Vector3 {
+        u * self.c + self.axis * self.s
+    }
+
+    /// From within `n.x + h(n) - c R`, from without `n.x - h(n) - c R`.
+    fn value(&self, angle: f64) -> f64 {
+        let n = self.normal(self.direction(angle));
+        let scaled = self.body.semi_axes.componentwise(self.body.to_body(n));
+        n.dot(self.offset) - self.at_point + self.side * scaled.norm()
+    }
+
+    /// `value` at equal steps from an angle on, to the digits that a search for a bracket needs.
+    fn sample(&self, start: f64, step: f64, values: &mut [f64]) {
+        let scaled = |e: Vector3| self.body.semi_axes.componentwise(self.body.to_body(e));
+        let [p, q] = self.basis.map(|e| scaled(e) * self.c);
+        let r = scaled(self.axis) * self.s;
+        let [along_p, along_q] = self.basis.map(|e| self.c * e.dot(self.offset));
+        let along = self.s * self.axis.dot(self.offset) - self.at_point;
+        let [pp, pq, qq] = [p.norm_squared(), 2.0 * p.dot(q), q.norm_squared()];
+        let [pr, qr, rr] = [2.0 * p.dot(r), 2.0 * q.dot(r), r.norm_squared()];
+        let ((mut sin, mut cos), (step_sin, step_cos)) = (start.sin_cos(), step.sin_cos());
+        for value in values {
+            let square = cos * (cos * pp + sin * pq + pr) + sin * (sin * qq + qr) + rr;
+            *value = cos * along_p + sin * along_q + along + self.side * square.max(0.0).sqrt();
+            (sin, cos) = (
+                sin * step_cos + cos * step_sin,
+                cos * step_cos - sin * step_sin,
+            );
+        }
+    }
+
+    /// First and second derivative.
+    fn slopes(&self, angle: f64) -> (f64, f64) {
+        let u = self.direction(angle);
+        let t = self.axis.cross(u);
+        let support = self.body.support(self.normal(u));
+        // n' = c t and n'' = -c u; t.H t = |D R^T t|^2/h - (t.p)^2/h of the Hessian H of h, p its gradient.
+        let along = t.dot(support.point);
+        let scaled = self.body.semi_axes.componentwise(self.body.to_body(t));
+        let bend = self.c * (scaled.norm_squared() - along * along) / support.h;
+        (
+            self.c * (t.dot(self.offset) + self.side * along),
+            self.c * (self.side * (bend - u.dot(support.point)) - u.dot(self.offset)),
+        )
+    }
+
+    /// The maximum within a step of an angle, perhaps so far aside of it: Newton's method, and bisection where it leaves the
+    /// bracket.
+    fn maximum(&self, start: f64, aside: f64, step: f64) -> f64 {
+        let (mut low, mut high) = (start - step, start + step);
+        let mut angle = start + aside;
+        for _ in 0..60 {
+            let (first, second) = self.slopes(angle);
+            if first > 0.0 {
+                low = angle;
+            } else {
+                high = angle;
+            }
+            let newton = angle - first / second;
+            let converging = second < 0.0 && newton > low && newton < high;
+            let next = if converging {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let change = (next - angle).abs();
+            angle = next;
+            // the error that such a step of Newton's leaves is beneath rounding
+            if change < if converging { 1e-9 } else { 1e-14 } {
+                break;
+            }
+        }
+        angle
+    }
+
+    fn contact(&self, angle: f64, cone: &Cone) -> ConeContact {
+        let n = self.normal(self.direction(angle));
+        let deepest = self.offset + self.body.support(n * self.side).point;
+        let on_wall = deepest - n * (n.dot(deepest) - self.at_point);
+        let along = self.axis.dot(on_wall);
+        ConeContact {
+            point: cone.point + on_wall,
+            normal: n * -self.side,
+            curvature_radius: (cone.radius + cone.slope * along) / self.c,
+            along,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn contacts(body: &Ellipsoid, centre: Vector3, radius: f64) -> Vec<ConeContact> {
+        let cylinder = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), radius);
+        let mut all = vec![];
+        let within = cylinder.has_within(centre);
+        touch_cone(body, centre, &cylinder, within, |c| all.push(c));
+        all
+    }
+
+    #[test]
+    fn a_sphere_in_a_cone_touches_the_nearest_side() {
+        let sphere = Ellipsoid::new([0.1; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        // radius 1 - z/2: the normal out of the wall is -(2, 0, 1)/sqrt(5)
+        let cone = Cone {
+            slope: -0.5,
+            ..Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), 1.0)
+        };
+        let (c, s) = (2.0 / 5f64.sqrt(), 1.0 / 5f64.sqrt());
+        let place = Vector3::new(0.8, 0.0, 0.4);
+        for (within, depth, side) in [(true, 0.09, -1.0), (false, 0.08, 1.0)] {
+            let normal = Vector3::new(c, 0.0, s) * side;
+            let mut all = vec![];
+            touch_cone(&sphere, place + normal * depth, &cone, within, |x| {
+                all.push(x)
+            });
+            assert_eq!(all.len(), 1);
+            assert!((all[0].normal - normal).norm() < 1e-12);
+            assert!((all[0].point - place).norm() < 1e-12);
+            assert!((all[0].along - 0.4).abs() < 1e-12);
+            assert!((all[0].curvature_radius - 0.8 / c).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_sphere_touches_once_on_either_side() {
+        let sphere = Ellipsoid::new([0.1; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let inner = contacts(&sphere, Vector3::new(0.95, 0.0, 3.0), 1.0);
+        assert_eq!(inner.len(), 1);
+        assert!((inner[0].point - Vector3::new(1.0, 0.0, 3.0)).norm() < 1e-12);
+        assert!((inner[0].normal - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-12);
+        let outer = contacts(&sphere, Vector3::new(1.05, 0.0, 3.0), 1.0);
+        assert_eq!(outer.len(), 1);
+        assert!((outer[0].normal - Vector3::new(1.0, 0.0, 0.0)).norm() < 1e-12);
+        assert!(contacts(&sphere, Vector3::new(0.5, 0.0, 0.0), 1.0).is_empty());
+    }
+
+    #[test]
+    fn a_needle_across_the_axis_touches_twice() {
+        let needle = Ellipsoid::new([1.001, 0.05, 0.05], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let both = contacts(&needle, Vector3::ZERO, 1.0);
+        assert_eq!(both.len(), 2);
+        for c in &both {
+            assert!((c.point.x.abs() - 1.0).abs() < 1e-12 && c.point.y.abs() < 1e-9);
+        }
+        // In a wide cylinder, on its long side: both ends, or the middle if the side is rounder than the wall.
+        let flat = Ellipsoid::new([0.05, 0.001, 0.001], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let lying = contacts(&flat, Vector3::new(0.0, 0.9988, 0.0), 1.0);
+        assert_eq!(lying.len(), 2, "{lying:?}");
+        let round = Ellipsoid::new([0.02, 0.001, 0.001], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        assert_eq!(
+            contacts(&round, Vector3::new(0.0, 0.9991, 0.0), 1.0).len(),
+            1
+        );
+        // Off the axis: each tip beyond the wall counts, though the wall beside the centre is far.
+        let off = contacts(&needle, Vector3::new(0.0, 0.3, 0.0), 1.0);
+        assert_eq!(off.len(), 2);
+    }
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An engine's particle arrays, and one particle of them checked and prepared.
+
+use crate::contact::particle::{angular_velocity, describe, Particle};
+use crate::contact::ranges;
+use crate::geometry::Ellipsoid;
+use crate::message::Number;
+
+/// Borrowed views of an engine's arrays, local particles first, ghosts after them.
+pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> {
+    /// Number of particles that the caller owns; the others are ghosts.
+    pub owned: usize,
+    /// Centres.
+    pub positions: &'a [[f64; 3]],
+    /// Velocities of the centres.
+    pub velocities: &'a [[f64; 3]],
+    /// Angular velocities in the world frame, or angular momenta.
+    pub rotation: Rotation<'a>,
+    /// Masses for effective masses; empty where no law reads them.
+    pub contact_masses: &'a [f64],
+    /// Types, counted from 1.
+    pub types: &'a [i32],
+    /// Semi-axes and quaternion `(w, x, y, z)` of a particle; `None` for one that is no ellipsoid.
+    pub shape: S,
+    /// What to call a particle in a message.
+    pub identifier: I,
+}
+
+/// How fast the particles rotate.
+#[derive(Clone, Copy)]
+pub enum Rotation<'a> {
+    /// Angular velocities in the world frame.
+    Velocity(&'a [[f64; 3]]),
+    /// Angular momenta in the world frame, of solid ellipsoids of these masses.
+    Momentum(&'a [[f64; 3]], &'a [f64]),
+}
+
+#[cold]
+pub(super) fn no_shape() -> String {
+    "it has no shape: every particle must be an ellipsoid".into()
+}
+
+#[inline(always)]
+fn inverse_contact_mass(mass: Option<&f64>) -> Result<f64, String> {
+    match mass {
+        None => Ok(0.0),
+        Some(&m) => ranges::inverse_mass(m, "contact mass"),
+    }
+}
+
+pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    arrays: &ParticleArrays<'_, S, I>,
+    k: usize,
+    types: usize,
+) -> Result<Particle, String> {
+    let position = ranges::position(arrays.positions[k])?;
+    let velocity = ranges::velocity(arrays.velocities[k])?;
+    let kind = arrays.types[k];
+    if kind < 1 || kind as usize > types {
+        return Err(format!("type {kind} is not between 1 and {types}"));
+    }
+    let (semi_axes, quaternion) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let body =
+        Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;
+    let omega = match arrays.rotation {
+        Rotation::Velocity(w) => ranges::angular_velocity(w[k])?,
+        Rotation::Momentum(l, masses) => {
+            let l = ranges::vector(l[k], f64::MAX, "angular momentum")?;
+            let mass = masses[k];
+            if !(ranges::is_mass(mass) && mass.is_finite()) {
+                return Err(format!(
+                    "mass = {} must be a finite number greater than 0, from {:e} to {:e}",
+                    Number(mass),
+                    ranges::LEAST_MASS,
+                    ranges::LARGEST_MASS
+                ));
+            }
+            let omega = angular_velocity(&body, mass, l).to_array();
+            ranges::vector(
+                omega,
+                ranges::LARGEST_VELOCITY,
+                "angular velocity (from the angular momentum)",
+            )?
+        }
+    };
+    let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
+    Ok(Particle {
+        position,
+        radius: body.bounding_radius(),
+        body,
+        velocity,
+        omega,
+        inverse_mass,
+        kind: kind as u32,
+        sphere: body.is_sphere(),
+    })
+}

@@ -1,0 +1,645 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
+//!
+//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar path,
+//! which has the safeguards.
+
+use super::batches::{LaneBits, Numbers};
+use super::records::Record;
+use super::shapes::{Kind, Side};
+use crate::contact::forces::{
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered, Surface,
+};
+use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
+use crate::force::hertz_factors::{
+    fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
+};
+use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
+use crate::geometry::{ConvexBody, SupportInFrame};
+use crate::real::Real;
+use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
+use crate::vector::{Symmetric2, Vector3};
+
+/// The pairs on their way into the lanes. Lanes beyond the pairs that there are repeat one of them.
+pub(super) struct Batch<'a> {
+    pub records: &'a [Record],
+    /// First particles and second ones, by lane.
+    pub i: &'a [u32],
+    pub j: &'a [u32],
+    pub laws: &'a [&'a PairLaw; MOST_LANES],
+    /// Inverse of the effective mass, where a law reads masses.
+    pub inverse_effective_mass: &'a [f64; MOST_LANES],
+}
+
+/// What the whole pass has in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    /// Whether the engine remembers normals.
+    pub remembers_normals: bool,
+    /// Time over which the history advances.
+    pub time: f64,
+    /// The law, where there is only one.
+    pub only_law: Option<&'a PairLaw>,
+    /// Whether energies are asked for.
+    pub tally: bool,
+    /// Whether the loads that are not elastic are asked for.
+    pub loads: bool,
+}
+
+/// What the lanes give back, a line per pair, where energies are asked for.
+pub(super) struct BatchTallies {
+    /// Force on `j`.
+    pub forces: [Line; MOST_LANES],
+    /// Normal and tangential elastic energy, viscous power, vector between the centres, tangential power.
+    pub energies: [Line; MOST_LANES],
+    /// Viscous force on `j`, and contact point from the centre of `i`; where loads are asked for.
+    pub viscous: [Line; MOST_LANES],
+    /// Tangential force on `j` without its viscous part; where loads are asked for.
+    pub tangential: [Line; MOST_LANES],
+}
+
+impl BatchTallies {
+    /// Nothing yet.
+    pub const EMPTY: BatchTallies = BatchTallies {
+        forces: [Line::ZERO; MOST_LANES],
+        energies: [Line::ZERO; MOST_LANES],
+        viscous: [Line::ZERO; MOST_LANES],
+        tangential: [Line::ZERO; MOST_LANES],
+    };
+}
+
+/// All that there is to say of the touching pairs of a batch, in lines of eight numbers a pair:
+/// - force, torque on `i`, normal force, penetration;
+/// - torque on `j`, tangential force, viscous and tangential power;
+/// - normal, contact point from the centre of `i`, normal and tangential energy;
+/// - displacement, rate, relative curvature matrix, first component of the viscous force;
+/// - the tangent basis, the other two components of the viscous force;
+/// - tangential memory, stiffness, frictional force.
+pub(super) struct BatchRecords(pub [[Line; MOST_LANES]; 6]);
+
+impl BatchRecords {
+    /// Nothing yet.
+    pub const EMPTY: BatchRecords = BatchRecords([[Line::ZERO; MOST_LANES]; 6]);
+}
+
+/// The records of particles, one by one: no array of references is ever in memory.
+macro_rules! records_of {
+    ($records:expr, $indices:expr, $lanes:expr) => {{
+        let (records, indices) = ($records, $indices);
+        macro_rules! record {
+            ($k:literal) => {
+                &records[indices[if $k < $lanes { $k } else { 0 }] as usize]
+            };
+        }
+        [
+            record!(0),
+            record!(1),
+            record!(2),
+            record!(3),
+            record!(4),
+            record!(5),
+            record!(6),
+            record!(7),
+            record!(8),
+            record!(9),
+            record!(10),
+            record!(11),
+            record!(12),
+            record!(13),
+            record!(14),
+            record!(15),
+        ]
+    }};
+}
+
+/// The start normals that the lines begin with, where they are unit vectors, else the directions of `d`, else, for coincident
+/// centres, any.
+#[inline(always)]
+fn starts<S: Registers>(
+    registers: S,
+    lines: &[Line; MOST_LANES],
+    d: Vector3<Lanes<S>>,
+) -> Vector3<Lanes<S>> {
+    let c = Lanes::all(registers, registers.columns(&lines!(lines)));
+    let n = Vector3::new(c[0], c[1], c[2]);
+    let tiny = d.x.constant(1e-290);
+    let square = d.norm_squared();
+    let mut towards = d * square.max(tiny).reciprocal_sqrt();
+    towards.x = Lanes::select(square.less(tiny), d.x.constant(1.0), towards.x);
+    let is_unit = n.is_unit();
+    select3(is_unit, n, towards)
+}
+
+/// Bits of the pairs that a plane separates by more than `margin`. `lines` begin with a normal to look at first; one that is no
+/// unit vector stands for the direction between the centres. Leaves there the normals with the widest gaps. No others are
+/// looked at for the pairs of `stay` alone.
+#[inline(always)]
+pub(super) fn separated_by<S: Registers, K: Kind>(
+    registers: S,
+    i: &[&Record; MOST_LANES],
+    j: &[&Record; MOST_LANES],
+    lines: &mut [Line; MOST_LANES],
+    margin: f64,
+    stay: u32,
+) -> u32 {
+    let (i, j) = (K::load(registers, i), K::load(registers, j));
+    let d = j.centre - i.centre;
+    let n = starts(registers, lines, d);
+    let (apart, best) = separating_planes(registers, &i.body, &j.body, d, n, margin, stay);
+    let zero = Lanes::splat(registers, 0.0);
+    put(
+        registers,
+        [best.x, best.y, best.z, zero, zero, zero, zero, zero],
+        lines,
+    );
+    apart
+}
+
+macro_rules! load_constants {
+    ($registers:expr, $laws:expr, $only:expr, $($field:ident),*) => {
+        if let Some(law) = $only {
+            let c = &law.constants;
+            LawConstants { $($field: Lanes::splat($registers, c.$field)),* }
+        } else {
+            LawConstants {
+                $($field: {
+                    let mut numbers = [0.0; MOST_LANES];
+                    for k in 0..S::LANES {
+                        numbers[k] = $laws[k].constants.$field;
+                    }
+                    Lanes::load($registers, &numbers)
+                }),*
+            }
+        }
+    };
+}
+
+/// Bits of the lanes that need more.
+pub(super) struct Left {
+    /// Pairs that touch.
+    pub touching: u32,
+    /// Pairs for the scalar path.
+    pub hard: u32,
+}
+
+/// Takes a batch through search and law: forces and torques onto the `sums`, what is remembered into the `numbers`. All
+/// its laws are of the same kinds. What a hard pair had remembered stays as it was.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub(super) fn run<
+    S: Registers,
+    K: Kind,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+>(
+    registers: S,
+    batch: &Batch<'_>,
+    bits: LaneBits,
+    numbers: &mut Numbers<'_>,
+    common: &Common<'_>,
+    sums: &mut [Line],
+    tallies: &mut BatchTallies,
+    lines: &mut BatchRecords,
+) -> Left {
+    let kinds = match common.only_law {
+        Some(law) => &law.kinds,
+        None => &batch.laws[0].kinds,
+    };
+    let zero = Lanes::splat(registers, 0.0);
+    let i = K::load(registers, &records_of!(batch.records, batch.i, S::LANES));
+    let j = K::load(registers, &records_of!(batch.records, batch.j, S::LANES));
+    let d = j.centre - i.centre;
+    let start = match numbers.layout.normal {
+        Some(at) => vector(registers, numbers, at),
+        None => Vector3::new(zero, zero, zero),
+    };
+    let found = if K::SPHERES {
+        search_spheres(registers, &i.body, &j.body, d)
+    } else {
+        search(registers, &i.body, &j.body, d, start)
+    };
+    let Some(found) = found else {
+        return all_apart::<S, FRICTION>(registers, bits, numbers);
+    };
+    let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
+    let (factors, beyond) = factors::<S, K>(
+        registers,
+        kinds,
+        curvature,
+        found.separated,
+        FRICTION || CONSERVATIVE,
+    );
+    let hard = registers.or(found.hard, beyond);
+    let constants = load_constants!(
+        registers,
+        batch.laws,
+        common.only_law,
+        normal_stiffness,
+        normal_damping,
+        restitution,
+        friction,
+        kappa0,
+        kappa1,
+        tau0,
+        tau1,
+        tangential_stiffness,
+        tangential_damping,
+        share_i
+    );
+    let effective_mass = if RATE && kinds.restitution {
+        effective_mass(registers, batch.inverse_effective_mass)
+    } else {
+        zero
+    };
+    let x = contact_of(&found, &i, &j, effective_mass);
+    let remembered = if FRICTION {
+        recall::<S, K>(registers, bits, numbers, common, start, &found, (&i, &j))
+    } else {
+        nothing_remembered(registers, found.normal)
+    };
+    let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
+        kinds,
+        &constants,
+        &factors,
+        curvature,
+        &x,
+        &remembered,
+    );
+
+    // Lanes without a pair of their own go along; nothing of them is used.
+    let present = registers.mask(u32::from(bits.present));
+    let hard = registers.and(hard, present);
+    let touching = registers.and_not(present, registers.or(found.separated, hard));
+    let force = scatter(registers, batch, touching, &f, sums);
+    let left = Left {
+        touching: registers.bits(touching),
+        hard: registers.bits(hard),
+    };
+    remember::<S, FRICTION>(
+        numbers,
+        (touching, hard),
+        left.hard != 0,
+        start,
+        &remembered,
+        &x,
+        &f,
+    );
+    if RECORD {
+        record(registers, &x, curvature, &f, lines);
+    }
+    if RATE && common.tally {
+        tally(registers, d, force, &f, common.loads, tallies);
+    }
+    left
+}
+
+/// Hertz factors, and the lanes that are beyond their fit. Lanes `apart` are not asked for.
+#[inline(always)]
+fn factors<S: Registers, K: Kind>(
+    registers: S,
+    kinds: &LawKinds,
+    curvature: Symmetric2<Lanes<S>>,
+    apart: S::Mask,
+    with_sigma: bool,
+) -> (Factors<Lanes<S>>, S::Mask) {
+    let one = Lanes::splat(registers, 1.0);
+    let none = registers.no_lane();
+    if K::SPHERES || kinds.linear {
+        let sigma = one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 });
+        return (Factors { phi: one, sigma }, none);
+    }
+    let (trace, determinant) = (curvature.trace(), curvature.determinant());
+    let q = near_variable(trace, determinant);
+    let near = registers.or(q.less(one.constant(NEAR_END)), apart);
+    if registers.all(near) {
+        return (fitted_near(q, with_sigma), none);
+    }
+    let w = fit_variable(trace, determinant);
+    let beyond = registers.and_not(one.constant(FIT_END).less(w), apart);
+    (fitted(w, with_sigma), beyond)
+}
+
+/// Effective masses from the sums of the inverse masses.
+#[inline(always)]
+fn effective_mass<S: Registers>(registers: S, inverse: &[f64; MOST_LANES]) -> Lanes<S> {
+    let (zero, one) = (Lanes::splat(registers, 0.0), Lanes::splat(registers, 1.0));
+    let inverse = Lanes::load(registers, inverse);
+    // Two frozen bodies need no damping.
+    Lanes::select(
+        zero.less(inverse),
+        inverse.max(one * 1e-300).reciprocal(),
+        zero,
+    )
+}
+
+/// Geometry and motion for the law.
+#[inline(always)]
+fn contact_of<S: Registers, K: Kind>(
+    found: &Found<S>,
+    i: &Side<S, K>,
+    j: &Side<S, K>,
+    effective_mass: Lanes<S>,
+) -> Contact<Lanes<S>> {
+    Contact {
+        normal: found.normal,
+        tangent: found.tangent,
+        // A separated or hard lane computes nothing that is used, but must not make a trap of it.
+        penetration: found.penetration.max(effective_mass.constant(1e-300)),
+        i: surface(i, &found.support_i, found.weingarten_i),
+        j: surface(j, &found.support_j, found.weingarten_j),
+        effective_mass,
+        inverse_hessian: Some(found.inverse_hessian),
+    }
+}
+
+#[inline(always)]
+fn surface<S: Registers, K: Kind>(
+    side: &Side<S, K>,
+    support: &SupportInFrame<Lanes<S>>,
+    weingarten: Symmetric2<Lanes<S>>,
+) -> Surface<Lanes<S>> {
+    Surface {
+        h: support.h,
+        inverse_h: support.inverse_h,
+        witness: support.witness,
+        weingarten,
+        determinant: side.body.squared_product(),
+        velocity: side.velocity,
+        omega: side.omega,
+    }
+}
+
+/// What is remembered of the pairs; of those that did not touch at the last step, nothing.
+#[inline(always)]
+fn recall<S: Registers, K: Kind>(
+    registers: S,
+    bits: LaneBits,
+    numbers: &Numbers<'_>,
+    common: &Common<'_>,
+    start: Vector3<Lanes<S>>,
+    found: &Found<S>,
+    (i, j): (&Side<S, K>, &Side<S, K>),
+) -> Remembered<Lanes<S>> {
+    let n = found.normal;
+    let Some(at) = numbers.layout.memory else {
+        return nothing_remembered(registers, n);
+    };
+    let zero = Lanes::splat(registers, 0.0);
+    let time = Lanes::splat(registers, common.time);
+    let continues = registers.mask(u32::from(bits.touching));
+    let was = if common.remembers_normals {
+        start
+    } else {
+        // For two spheres the last normal follows from the motion.
+        let before = j.centre - i.centre - (j.velocity - i.velocity) * time;
+        let square = before.norm_squared().max(zero.constant(1e-290));
+        let before = before * square.reciprocal_sqrt();
+        if K::SPHERES {
+            before
+        } else {
+            let spheres = registers.and(K::round(registers, &i.body), K::round(registers, &j.body));
+            select3(spheres, before, n)
+        }
+    };
+    let null = Vector3::new(zero, zero, zero);
+    Remembered {
+        continued: continues,
+        normal: select3(continues, was, n),
+        memory: select3(continues, vector(registers, numbers, at), null),
+        energy: match numbers.layout.energy {
+            Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
+            None => zero,
+        },
+        time,
+    }
+}
+
+#[inline(always)]
+fn nothing_remembered<S: Registers>(
+    registers: S,
+    normal: Vector3<Lanes<S>>,
+) -> Remembered<Lanes<S>> {
+    let zero = Lanes::splat(registers, 0.0);
+    Remembered {
+        continued: registers.no_lane(),
+        normal,
+        memory: Vector3::new(zero, zero, zero),
+        energy: zero,
+        time: zero,
+    }
+}
+
+/// Adds forces and torques of the touching pairs to the sums of their particles; the forces on `j`.
+#[inline(always)]
+fn scatter<S: Registers>(
+    registers: S,
+    batch: &Batch<'_>,
+    touching: S::Mask,
+    f: &ContactForces<Lanes<S>>,
+    sums: &mut [Line],
+) -> Vector3<Lanes<S>> {
+    let zero = Lanes::splat(registers, 0.0);
+    let null = Vector3::new(zero, zero, zero);
+    let force = select3(touching, f.force, null);
+    let torque_i = select3(touching, f.torque_i, null);
+    let torque_j = select3(touching, f.torque_j, null);
+    registers.add_to_lines(
+        values([
+            zero - force.x,
+            zero - force.y,
+            zero - force.z,
+            torque_i.x,
+            torque_i.y,
+            torque_i.z,
+            zero,
+            zero,
+        ]),
+        batch.i,
+        values([
+            force.x, force.y, force.z, torque_j.x, torque_j.y, torque_j.z, zero, zero,
+        ]),
+        batch.j,
+        sums,
+    );
+    force
+}
+
+/// Writes what is to be remembered; of a hard pair what it had remembered.
+#[inline(always)]
+fn remember<S: Registers, const FRICTION: bool>(
+    numbers: &mut Numbers<'_>,
+    (touching, hard): (S::Mask, S::Mask),
+    any_hard: bool,
+    start: Vector3<Lanes<S>>,
+    remembered: &Remembered<Lanes<S>>,
+    x: &Contact<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+) {
+    let layout = numbers.layout;
+    let zero = x.penetration.constant(0.0);
+    if let Some(at) = layout.normal {
+        let normal = if any_hard {
+            select3(hard, start, x.normal)
+        } else {
+            x.normal
+        };
+        put_vector(numbers, at, normal);
+    }
+    if let Some(at) = layout.memory.filter(|_| FRICTION) {
+        let mut memory = select3(touching, f.memory, Vector3::new(zero, zero, zero));
+        if any_hard {
+            memory = select3(hard, remembered.memory, memory);
+        }
+        put_vector(numbers, at, memory);
+        if let Some(at) = layout.energy {
+            let mut energy = Lanes::select(touching, f.tangential_energy, zero);
+            energy = Lanes::select(hard, remembered.energy, energy);
+            put_number(numbers, at, energy);
+        }
+    }
+}
+
+/// All that there is to say of the contacts.
+#[inline(always)]
+fn record<S: Registers>(
+    registers: S,
+    x: &Contact<Lanes<S>>,
+    curvature: Symmetric2<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+    lines: &mut BatchRecords,
+) {
+    let world = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, e: Lanes<S>| {
+        [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
+    };
+    let (t, m, n) = (&x.tangent, curvature, x.normal);
+    let zero = Lanes::splat(registers, 0.0);
+    let all = [
+        world(f.force, f.torque_i, f.normal_force, x.penetration),
+        world(
+            f.torque_j,
+            f.tangential_force,
+            f.viscous_power,
+            f.tangential_power,
+        ),
+        world(n, f.contact_point, f.elastic_energy, f.tangential_energy),
+        [
+            f.displacement.x,
+            f.displacement.y,
+            f.displacement.z,
+            f.rate,
+            m.uu,
+            m.uv,
+            m.vv,
+            f.viscous_force.x,
+        ],
+        world(t.u, t.v, f.viscous_force.y, f.viscous_force.z),
+        [
+            f.memory.x,
+            f.memory.y,
+            f.memory.z,
+            f.stiffness,
+            f.frictional_force.x,
+            f.frictional_force.y,
+            f.frictional_force.z,
+            zero,
+        ],
+    ];
+    for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
+        put(registers, numbers, lines);
+    }
+}
+
+/// What the sums of a call are made of; `force` is that on `j`, zero where a pair does not touch.
+#[inline(always)]
+fn tally<S: Registers>(
+    registers: S,
+    d: Vector3<Lanes<S>>,
+    force: Vector3<Lanes<S>>,
+    f: &ContactForces<Lanes<S>>,
+    loads: bool,
+    tallies: &mut BatchTallies,
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    put(
+        registers,
+        [force.x, force.y, force.z, zero, zero, zero, zero, zero],
+        &mut tallies.forces,
+    );
+    put(
+        registers,
+        [
+            f.elastic_energy,
+            f.tangential_energy,
+            f.viscous_power,
+            d.x,
+            d.y,
+            d.z,
+            f.tangential_power,
+            zero,
+        ],
+        &mut tallies.energies,
+    );
+    if loads {
+        let (v, p, t) = (f.viscous_force, f.contact_point, f.frictional_force);
+        put(
+            registers,
+            [v.x, v.y, v.z, p.x, p.y, p.z, zero, zero],
+            &mut tallies.viscous,
+        );
+        put(
+            registers,
+            [t.x, t.y, t.z, zero, zero, zero, zero, zero],
+            &mut tallies.tangential,
+        );
+    }
+}
+
+/// No pair touches: no tangential part any more.
+#[inline(always)]
+fn all_apart<S: Registers, const FRICTION: bool>(
+    registers: S,
+    bits: LaneBits,
+    numbers: &mut Numbers<'_>,
+) -> Left {
+    if let Some(at) = numbers.layout.memory {
+        if FRICTION && bits.touching != 0 {
+            let zero = Lanes::splat(registers, 0.0);
+            put_vector(numbers, at, Vector3::new(zero, zero, zero));
+            if let Some(at) = numbers.layout.energy {
+                put_number(numbers, at, zero);
+            }
+        }
+    }
+    Left {
+        touching: 0,
+        hard: 0,
+    }
+}
+
+#[inline(always)]
+fn number<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Lanes<S> {
+    Lanes::load(registers, numbers.get(k, S::LANES))
+}
+
+#[inline(always)]
+fn vector<S: Registers>(registers: S, numbers: &Numbers<'_>, k: usize) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        number(registers, numbers, k),
+        number(registers, numbers, k + 1),
+        number(registers, numbers, k + 2),
+    )
+}
+
+#[inline(always)]
+fn put_number<S: Registers>(numbers: &mut Numbers<'_>, k: usize, a: Lanes<S>) {
+    a.store(numbers.get_mut(k, S::LANES));
+}
+
+#[inline(always)]
+fn put_vector<S: Registers>(numbers: &mut Numbers<'_>, k: usize, v: Vector3<Lanes<S>>) {
+    put_number(numbers, k, v.x);
+    put_number(numbers, k + 1, v.y);
+    put_number(numbers, k + 2, v.z);
+}

@@ -1,0 +1,558 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A neighbour list in lanes: which pairs may touch, and their contacts a batch at a time.
+//!
+//! The order in which forces are added up is that of the list, whatever was left out on the way.
+
+use super::batch::{run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common};
+use super::batches::Candidate;
+use super::candidates::Candidates;
+use super::contact_records::of_lane;
+use super::records::{Record, Records, Shapes};
+use super::rows::{check_history, ListError, NeighbourRow, NeighbourRows};
+use super::scalar_pass::{Pass, Place};
+use super::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
+use super::workspace::Workspace;
+use crate::contact::particle::Particle;
+use crate::contact::Laws;
+use crate::simd::{Line, Registers, Stage, MOST_LANES};
+use crate::tallies::Contribution;
+use crate::vector::Vector3;
+use core::marker::PhantomData;
+
+/// Batches between the one that is computed and the one whose particles are asked for.
+const AHEAD: usize = 2;
+
+/// See [`find_candidates`].
+struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows, K> {
+    pass: &'p mut Pass<'a, 'b, 'c, R>,
+    records: &'p [Record],
+    types: &'p [u32],
+    candidates: &'p mut Candidates,
+    found: &'p mut Result<(), ListError>,
+    kind: PhantomData<K>,
+}
+
+impl<R: NeighbourRows, K: Kind> Stage for FindCandidates<'_, '_, '_, '_, R, K> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        *self.found = find_candidates::<R, S, K>(
+            self.pass,
+            registers,
+            self.records,
+            self.types,
+            self.candidates,
+        );
+    }
+}
+
+/// See [`contacts`].
+struct Contacts<
+    'p,
+    'a,
+    'b,
+    'c,
+    R: NeighbourRows,
+    K,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+> {
+    pass: &'p mut Pass<'a, 'b, 'c, R>,
+    particles: &'p mut Records,
+    candidates: &'p mut Candidates,
+    kind: PhantomData<K>,
+}
+
+impl<R: NeighbourRows, K: Kind, const F: bool, const V: bool, const C: bool, const P: bool> Stage
+    for Contacts<'_, '_, '_, '_, R, K, F, V, C, P>
+{
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        contacts::<R, S, K, F, V, C, P>(self.pass, registers, self.particles, self.candidates);
+    }
+}
+
+/// Pairs on their way to the test for a separating plane.
+struct Pending<'a> {
+    i: [&'a Record; MOST_LANES],
+    j: [&'a Record; MOST_LANES],
+    start: [Line; MOST_LANES],
+    waiting: [Candidate; MOST_LANES],
+    /// What the engine remembers of them.
+    history: [Line; MOST_LANES],
+    /// Bits of pairs that touched: they are looked at in any case, for their history ends when the contact does.
+    stay: u32,
+    count: usize,
+}
+
+impl<'a> Pending<'a> {
+    fn new(any: &'a Record) -> Self {
+        let nowhere = Candidate {
+            entry: 0,
+            i: 0,
+            j: 0,
+        };
+        Pending {
+            i: [any; MOST_LANES],
+            j: [any; MOST_LANES],
+            start: [Line::ZERO; MOST_LANES],
+            waiting: [nowhere; MOST_LANES],
+            history: [Line::ZERO; MOST_LANES],
+            stay: 0,
+            count: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn push(
+        &mut self,
+        pair: Candidate,
+        (i, j): (&'a Record, &'a Record),
+        touched: bool,
+        history: &[f64],
+        normal: Option<usize>,
+    ) {
+        let k = self.count;
+        self.i[k] = i;
+        self.j[k] = j;
+        self.waiting[k] = pair;
+        self.stay |= u32::from(touched) << k;
+        // One by one: a copy of unknown length is a call.
+        for (to, from) in self.history[k].0.iter_mut().zip(history) {
+            *to = *from;
+        }
+        // No unit vector stands for the direction between the centres.
+        let start = &mut self.start[k].0;
+        match normal {
+            Some(at) => start[..3].copy_from_slice(&history[at..at + 3]),
+            None => start[..3].fill(0.0),
+        }
+        self.count = k + 1;
+    }
+}
+
+/// The whole list on the workspace's instruction set.
+pub(super) fn in_lanes<
+    R: NeighbourRows,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+>(
+    mut pass: Pass<'_, '_, '_, R>,
+    workspace: &mut Workspace,
+) -> Result<u64, ListError> {
+    let (particles, candidates) = (&workspace.records, &mut workspace.candidates);
+    if particles.records.is_empty() {
+        return Ok(0);
+    }
+    if !candidates.are_valid() {
+        candidates.batches.write(pass.rows);
+    }
+    match particles.shapes {
+        // The conservative law adds nothing to a force between spheres.
+        Shapes::Spheres => {
+            of_kind::<R, Spheres, FRICTION, RATE, false, RECORD>(&mut pass, workspace)?
+        }
+        Shapes::Spheroids => {
+            of_kind::<R, Spheroids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+        }
+        Shapes::Ellipsoids => {
+            of_kind::<R, Ellipsoids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+        }
+    }
+    if !workspace.keeps_history {
+        workspace.candidates.batches.write(pass.rows);
+    }
+    Ok(pass.deep_contacts)
+}
+
+/// With the closed form of one kind of shape.
+fn of_kind<
+    R: NeighbourRows,
+    K: Kind,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    workspace: &mut Workspace,
+) -> Result<(), ListError> {
+    let set = workspace.instruction_set;
+    let (particles, candidates) = (&mut workspace.records, &mut workspace.candidates);
+    if !candidates.are_valid() {
+        let mut found = Ok(());
+        set.run(FindCandidates {
+            pass: &mut *pass,
+            records: &particles.records[..],
+            types: &particles.types,
+            candidates: &mut *candidates,
+            found: &mut found,
+            kind: PhantomData::<K>,
+        });
+        found?;
+    }
+    if let Some(t) = pass.tallies.as_deref_mut() {
+        t.pairs += candidates.listed;
+    }
+    candidates.batches.advanced();
+    set.run(Contacts::<R, K, FRICTION, RATE, CONSERVATIVE, RECORD> {
+        pass: &mut *pass,
+        particles,
+        candidates,
+        kind: PhantomData,
+    });
+    Ok(())
+}
+
+/// Goes through the whole list for pairs that may touch before the particles have moved by the margin. It reads every
+/// entry, and so finds those that name no particle.
+#[inline(always)]
+fn find_candidates<R: NeighbourRows, S: Registers, K: Kind>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    registers: S,
+    records: &[Record],
+    types: &[u32],
+    candidates: &mut Candidates,
+) -> Result<(), ListError> {
+    let entries = pass.rows.entries();
+    let (laws, layout) = (pass.laws, pass.layout);
+    let length = layout.length;
+    let margin = candidates.margin;
+    candidates.batches.begin(S::LANES, layout, !K::SPHERES);
+    let (mut listed, mut looked_at) = (0, 0);
+    let mut pending = Pending::new(&records[0]);
+    for row in 0..pass.rows.count() {
+        let NeighbourRow {
+            central,
+            neighbours,
+            touching,
+            history,
+        } = pass.rows.row(row);
+        listed += neighbours.len();
+        let i = &records[central];
+        let (centre, radius) = (i.position(), K::radius(i));
+        for (entry, &named) in neighbours.iter().enumerate() {
+            let Some(other) = entries.index(named) else {
+                continue;
+            };
+            let Some(j) = records.get(other).filter(|_| other != central) else {
+                return Err(ListError::Entry {
+                    central,
+                    place: entry,
+                    entry: named,
+                });
+            };
+            let d = j.position() - centre;
+            let reach = radius + K::radius(j) + margin;
+            let touched = touching.get(entry).is_some_and(|t| *t != 0);
+            let near = d.norm_squared() < reach * reach;
+            if !near && !touched {
+                continue;
+            }
+            let pair = Candidate {
+                entry: entry as u32,
+                i: central as u32,
+                j: other as u32,
+            };
+            let history = history
+                .get(entry * length..(entry + 1) * length)
+                .unwrap_or(&[]);
+            if touched {
+                check_history(&layout, history, central, other)?;
+            }
+            pending.push(pair, (i, j), touched, history, layout.normal);
+            looked_at += 1;
+            if pending.count == S::LANES {
+                settle::<S, K>(registers, &mut pending, laws, types, candidates);
+            }
+        }
+    }
+    if pending.count > 0 {
+        settle::<S, K>(registers, &mut pending, laws, types, candidates);
+    }
+    candidates.end(listed, looked_at);
+    Ok(())
+}
+
+/// Search, law and scatter of the candidates.
+#[inline(always)]
+fn contacts<
+    R: NeighbourRows,
+    S: Registers,
+    K: Kind,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    registers: S,
+    particles: &mut Records,
+    candidates: &mut Candidates,
+) {
+    let Records {
+        records,
+        types,
+        inverse_masses,
+        sums,
+        shapes,
+    } = particles;
+    let shapes = *shapes;
+    let records = &records[..];
+    let laws = pass.laws;
+    let one_type = laws.types() == 1;
+    let common = Common {
+        remembers_normals: pass.layout.normal.is_some(),
+        time: pass.step.elapsed(),
+        only_law: one_type.then(|| laws.get(1, 1)),
+        tally: pass.tallies.is_some(),
+        loads: pass
+            .tallies
+            .as_deref()
+            .is_some_and(|t| t.inelastic_loads.is_some()),
+    };
+    let mut batch_laws = [laws.get(1, 1); MOST_LANES];
+    let mut inverse_effective_mass = [0.0; MOST_LANES];
+    let mut tallies = BatchTallies::EMPTY;
+    let mut lines = BatchRecords::EMPTY;
+    let single = Single {
+        records,
+        types,
+        inverse_masses,
+        shapes,
+    };
+    let (batches, participants) = candidates.parts();
+    let mut waiting = participants.iter();
+    for number in 0..batches.count() {
+        let (i, j, bits, mut numbers) = batches.batch(number);
+        if let Some(ahead) = j.get(AHEAD * S::LANES..(AHEAD + 1) * S::LANES) {
+            for &k in ahead {
+                let record = &records[k as usize];
+                registers.prefetch(&record.pose.0[0]);
+                registers.prefetch(&record.motion.0[0]);
+                registers.prefetch(&sums[k as usize].0[0]);
+            }
+        }
+        let j = &j[..S::LANES];
+        if !one_type {
+            for k in 0..S::LANES {
+                let (i, j) = (types[i[k] as usize], types[j[k] as usize]);
+                batch_laws[k] = laws.get(i as usize, j as usize);
+            }
+        }
+        if !inverse_masses.is_empty() {
+            for k in 0..S::LANES {
+                inverse_effective_mass[k] =
+                    inverse_masses[i[k] as usize] + inverse_masses[j[k] as usize];
+            }
+        }
+        let batch = Batch {
+            records,
+            i,
+            j,
+            laws: &batch_laws,
+            inverse_effective_mass: &inverse_effective_mass,
+        };
+        let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE, RECORD>(
+            registers,
+            &batch,
+            *bits,
+            &mut numbers,
+            &common,
+            sums,
+            &mut tallies,
+            &mut lines,
+        );
+        bits.touching = left.touching as u16 | bits.touching & left.hard as u16;
+        if RATE && common.tally {
+            tally(pass, &batch, left.touching, &tallies, common.time);
+        }
+        if RECORD {
+            for lane in (0..S::LANES).filter(|lane| left.touching >> lane & 1 != 0) {
+                record(pass, batches.pair(number, lane), lane, &lines, single);
+            }
+        }
+        let mut hard = left.hard;
+        while hard != 0 {
+            let lane = hard.trailing_zeros() as usize;
+            hard &= hard - 1;
+            let pair = batches.pair(number, lane);
+            batches.write_one(pass.rows, number, lane);
+            scalar_pair::<R, FRICTION, RATE, CONSERVATIVE>(pass, pair, single);
+            batches.read_one(pass.rows, number, lane);
+        }
+        // While they are still close, and the arithmetic of the next batch hides the way to the engine's arrays.
+        let whole = batches.whole_below(number);
+        while let Some(&k) = waiting.as_slice().first().filter(|k| **k < whole) {
+            add_sum(pass, sums, k as usize);
+            waiting.next();
+        }
+    }
+    for &k in waiting {
+        add_sum(pass, sums, k as usize);
+    }
+}
+
+/// Energies and virial of a batch.
+fn tally<R: NeighbourRows>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    batch: &Batch<'_>,
+    touching: u32,
+    tallies: &BatchTallies,
+    time: f64,
+) {
+    let Some(t) = pass.tallies.as_deref_mut() else {
+        return;
+    };
+    for k in 0..MOST_LANES {
+        if touching >> k & 1 == 0 {
+            continue;
+        }
+        let (e, f) = (&tallies.energies[k].0, &tallies.forces[k].0);
+        let (v, r) = (&tallies.viscous[k].0, &tallies.tangential[k].0);
+        t.add(
+            batch.i[k] as usize,
+            Some(batch.j[k] as usize),
+            (batch.j[k] as usize) < pass.accumulators.reaction_below,
+            &Contribution {
+                normal_energy: e[0],
+                tangential_energy: e[1],
+                works: [time * e[2], time * e[6]],
+                d: Vector3::new(e[3], e[4], e[5]),
+                force: Vector3::new(f[0], f[1], f[2]),
+                viscous_force: Vector3::new(v[0], v[1], v[2]),
+                tangential_force: Vector3::new(r[0], r[1], r[2]),
+                contact_point: Vector3::new(v[3], v[4], v[5]),
+                wall_velocity: Vector3::ZERO,
+            },
+        );
+    }
+}
+
+/// A touching pair in full.
+fn record<R: NeighbourRows>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    pair: Candidate,
+    lane: usize,
+    lines: &BatchRecords,
+    single: Single<'_>,
+) {
+    let (i, j) = (pair.i as usize, pair.j as usize);
+    let law = pass
+        .laws
+        .get(single.types[i] as usize, single.types[j] as usize);
+    if let Some(recorded) = pass.recorded.as_deref_mut() {
+        let place = (i, j, pair.entry as usize);
+        recorded.push(of_lane(
+            place,
+            lane,
+            lines,
+            law,
+            single.records[i].position(),
+        ));
+    }
+}
+
+/// One pair with every safeguard.
+#[cold]
+fn scalar_pair<
+    R: NeighbourRows,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+>(
+    pass: &mut Pass<'_, '_, '_, R>,
+    pair: Candidate,
+    single: Single<'_>,
+) {
+    let place = Place {
+        entry: pair.entry as usize,
+        i: pair.i as usize,
+        j: pair.j as usize,
+    };
+    let (i, j) = (single.particle(place.i), single.particle(place.j));
+    pass.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, &i, &j);
+}
+
+/// Hands the sum of a particle to the engine's arrays and clears it.
+#[inline(always)]
+fn add_sum<R: NeighbourRows>(pass: &mut Pass<'_, '_, '_, R>, sums: &mut [Line], k: usize) {
+    let a = &mut *pass.accumulators;
+    let sum = &mut sums[k].0;
+    if k < a.reaction_below {
+        let (force, torque) = (&mut a.forces[k], &mut a.torques[k]);
+        for axis in 0..3 {
+            force[axis] += sum[axis];
+            torque[axis] += sum[3 + axis];
+        }
+    }
+    *sum = Line::ZERO.0;
+}
+
+/// Makes candidates of the pending pairs that no plane separates.
+#[inline(always)]
+fn settle<S: Registers, K: Kind>(
+    registers: S,
+    pending: &mut Pending<'_>,
+    laws: &Laws,
+    types: &[u32],
+    candidates: &mut Candidates,
+) {
+    let apart = if K::SPHERES {
+        // Of spheres no search has looked at the normals: whatever is remembered, this is one.
+        for k in 0..pending.count {
+            let d = pending.j[k].position() - pending.i[k].position();
+            let n = d.direction().unwrap_or(Vector3::new(1.0, 0.0, 0.0));
+            pending.start[k].0[..3].copy_from_slice(&n.to_array());
+        }
+        0
+    } else {
+        let Pending {
+            i, j, start, stay, ..
+        } = &mut *pending;
+        separated_by::<S, K>(registers, i, j, start, candidates.margin, *stay) & !*stay
+    };
+    let law = |pair: &Candidate| {
+        laws.get(
+            types[pair.i as usize] as usize,
+            types[pair.j as usize] as usize,
+        )
+    };
+    let batches = &mut candidates.batches;
+    for k in 0..pending.count {
+        if apart >> k & 1 != 0 {
+            continue;
+        }
+        let pair = pending.waiting[k];
+        let &[x, y, z, ..] = &pending.start[k].0;
+        // A batch has one kind of law.
+        let other_kinds = laws.types() > 1
+            && batches
+                .last()
+                .is_some_and(|last| law(&last).kinds != law(&pair).kinds);
+        let touched = pending.stay >> k & 1 != 0;
+        let history = &pending.history[k].0;
+        batches.push(pair, touched, history, [x, y, z], other_kinds);
+    }
+    pending.stay = 0;
+    pending.count = 0;
+}
+
+/// Where the particles of a single pair are read.
+#[derive(Clone, Copy)]
+struct Single<'a> {
+    records: &'a [Record],
+    types: &'a [u32],
+    inverse_masses: &'a [f64],
+    shapes: Shapes,
+}
+
+impl Single<'_> {
+    fn particle(&self, k: usize) -> Particle {
+        let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
+        self.records[k].particle(self.shapes, self.types[k], inverse_mass)
+    }
+}

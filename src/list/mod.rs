@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A whole neighbour list in one call: an engine's arrays, the pairs that may touch, their contacts in lanes, and the scatter.
+
+pub mod arrays;
+mod batch;
+mod batches;
+mod candidates;
+pub mod contact_records;
+mod lane_pass;
+mod memory;
+pub mod neighbour_list;
+mod preparation;
+mod records;
+pub mod rows;
+mod scalar_pass;
+mod shapes;
+pub mod workspace;
+
+pub use arrays::{ParticleArrays, Rotation};
+pub use contact_records::{ContactRecord, ContactRecords};
+pub use neighbour_list::compute_pairs;
+pub use rows::{Accumulators, Entries, HaleBroke, ListError, NeighbourRow, NeighbourRows};
+pub use workspace::Workspace;

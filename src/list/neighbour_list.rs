@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The hot loop: all pairs of an engine's neighbour list, one call a step.
+//!
+//! A pair is rejected by its bounding spheres, else by one evaluation with the cached normal; what is left goes through
+//! the contact search, the law and the scatter. Nothing is allocated.
+
+use super::lane_pass::in_lanes;
+use super::rows::{check_history, Accumulators, HaleBroke, ListError, NeighbourRows};
+use super::scalar_pass::Pass;
+use super::workspace::Workspace;
+use crate::contact::history::cached_normal;
+use crate::contact::pair::{contact_of, hale_holds, HaleRatio, Pair};
+use crate::contact::particle::Particle;
+use crate::contact::{HistoryLayout, Laws, Step};
+use crate::tallies::Tallies;
+
+/// All pairs of the list. The workspace's particles are prepared ([`Workspace::prepare_for_pairs`]). Returns how many
+/// contacts were deeper than Hertz' law allows. Where [`Workspace::records_contacts`] is set, the touching pairs are in
+/// [`Workspace::contacts`] then.
+///
+/// # Errors
+/// What is wrong with the list, before any force is written.
+pub fn compute_pairs<R: NeighbourRows>(
+    laws: &Laws,
+    workspace: &mut Workspace,
+    rows: &mut R,
+    step: &Step,
+    accumulators: &mut Accumulators<'_>,
+    mut tallies: Option<&mut Tallies<'_>>,
+) -> Result<u64, ListError> {
+    workspace.contacts.clear();
+    let features = laws.features();
+    if !workspace.works_in_lanes(laws) && !workspace.list_is_known {
+        check_rows(&laws.layout(), workspace.particles().len(), rows)?;
+        workspace.list_is_known = true;
+    }
+    if features.hale {
+        check_hale(laws, workspace.particles(), rows).map_err(ListError::Hale)?;
+    }
+    if let Some(t) = tallies.as_deref_mut() {
+        t.start_step();
+    }
+    let rate = features.viscous || features.friction || tallies.is_some();
+    // Lent to the pass, which has the workspace beside it.
+    let mut recorded = core::mem::take(&mut workspace.contacts);
+    let records = workspace.records_contacts;
+    let pass = Pass {
+        laws,
+        layout: laws.layout(),
+        rows,
+        step,
+        accumulators,
+        tallies,
+        recorded: records.then_some(&mut recorded),
+        deep_contacts: 0,
+    };
+    let deep_contacts = match (features.friction, rate, features.conservative) {
+        // One kernel with all terms, of which the laws use theirs, serves all scenes.
+        _ if records => take::<R, true, true, true, true>(pass, workspace),
+        (true, _, true) => take::<R, true, true, true, false>(pass, workspace),
+        (true, _, false) => take::<R, true, true, false, false>(pass, workspace),
+        (false, true, true) => take::<R, false, true, true, false>(pass, workspace),
+        (false, true, false) => take::<R, false, true, false, false>(pass, workspace),
+        (false, false, true) => take::<R, false, false, true, false>(pass, workspace),
+        (false, false, false) => take::<R, false, false, false, false>(pass, workspace),
+    };
+    if deep_contacts.is_ok() {
+        recorded.sort();
+    } else {
+        recorded.clear();
+    }
+    workspace.contacts = recorded;
+    deep_contacts
+}
+
+/// In lanes, or pair by pair.
+fn take<
+    R: NeighbourRows,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+    const RECORD: bool,
+>(
+    pass: Pass<'_, '_, '_, R>,
+    workspace: &mut Workspace,
+) -> Result<u64, ListError> {
+    if workspace.works_in_lanes(pass.laws) {
+        in_lanes::<R, FRICTION, RATE, CONSERVATIVE, RECORD>(pass, workspace)
+    } else {
+        Ok(pass.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
+    }
+}
+
+/// Goes through a new list for entries that name no particle and for histories that no call has written. In lanes the search
+/// for candidates does so.
+fn check_rows<R: NeighbourRows>(
+    layout: &HistoryLayout,
+    particles: usize,
+    rows: &mut R,
+) -> Result<(), ListError> {
+    let entries = rows.entries();
+    for k in 0..rows.count() {
+        let row = rows.row(k);
+        for (place, &entry) in row.neighbours.iter().enumerate() {
+            let Some(other) = entries.index(entry) else {
+                continue;
+            };
+            if other >= particles || other == row.central {
+                return Err(ListError::Entry {
+                    central: row.central,
+                    place,
+                    entry,
+                });
+            }
+            if row.touching.get(place).is_some_and(|t| *t != 0) {
+                let history = &row.history[place * layout.length..(place + 1) * layout.length];
+                check_history(layout, history, row.central, other)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Geometry of all pairs, to refuse a contact at which Hale's form breaks before anything is written.
+fn check_hale<R: NeighbourRows>(
+    laws: &Laws,
+    particles: &[Particle],
+    rows: &mut R,
+) -> Result<(), HaleBroke> {
+    let layout = laws.layout();
+    for k in 0..rows.count() {
+        let central = rows.row(k).central;
+        let i = &particles[central];
+        for m in 0..rows.row(k).neighbours.len() {
+            let entry = rows.row(k).neighbours[m];
+            let Some(other) = rows.entries().index(entry) else {
+                continue;
+            };
+            let j = &particles[other];
+            if !laws.get(i.kind as usize, j.kind as usize).kinds.hale {
+                continue;
+            }
+            let row = rows.row(k);
+            let cached = cached_normal(
+                &layout,
+                &row.history[m * layout.length..(m + 1) * layout.length],
+            );
+            if let Pair::Touching(found) = Pair::of(i, j, cached) {
+                hale_holds(contact_of(&found, i, j).curvature()).map_err(|HaleRatio(ratio)| {
+                    HaleBroke {
+                        i: central,
+                        j: other,
+                        ratio,
+                    }
+                })?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The particles as the lanes load them, and the simplest closed form that serves all their shapes.
+
+use super::arrays::{no_shape, prepare_one, ParticleArrays};
+use crate::contact::particle::{describe, Particle};
+use crate::geometry::ellipsoid::{rotation_columns, within_range};
+use crate::geometry::Ellipsoid;
+use crate::simd::Line;
+use crate::vector::{Tangent, Vector3};
+
+/// The simplest form that serves all shapes of a list.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Shapes {
+    /// Three semi-axes the same.
+    Spheres,
+    /// Two of them the same: an axis of revolution.
+    Spheroids,
+    /// Any.
+    #[default]
+    Ellipsoids,
+}
+
+impl Shapes {
+    /// Of one shape.
+    #[inline(always)]
+    pub fn of([a, b, c]: &[f64; 3]) -> Shapes {
+        match (a == b, b == c, a == c) {
+            (true, true, _) => Shapes::Spheres,
+            (false, false, false) => Shapes::Ellipsoids,
+            _ => Shapes::Spheroids,
+        }
+    }
+
+    /// Of all particles. One without a shape, which the preparation refuses, does not count.
+    pub fn of_all<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        arrays: &ParticleArrays<'_, A, I>,
+    ) -> Shapes {
+        let mut shapes = Shapes::Spheres;
+        for k in 0..arrays.positions.len() {
+            if let Some((a, _)) = (arrays.shape)(k) {
+                shapes = shapes.max(Shapes::of(&a));
+            }
+            if shapes == Shapes::Ellipsoids {
+                break;
+            }
+        }
+        shapes
+    }
+}
+
+/// A prepared particle as the lanes load it: two cache lines, transposed into registers. What they hold depends on the
+/// shapes of the list (`shapes.rs`).
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Record {
+    /// The position, and some of the shape and its pose.
+    pub pose: Line,
+    /// The rest of the shape, velocity, and angular velocity.
+    pub motion: Line,
+}
+
+impl Record {
+    /// Nothing yet.
+    pub(super) const NONE: Record = Record {
+        pose: Line::ZERO,
+        motion: Line::ZERO,
+    };
+
+    /// Of a particle, for a list of these shapes. The quaternion is of length 1.
+    pub(super) fn new(
+        shapes: Shapes,
+        [x, y, z]: [f64; 3],
+        semi_axes: [f64; 3],
+        [q0, q1, q2, q3]: [f64; 4],
+        [vx, vy, vz]: [f64; 3],
+        omega: Vector3,
+    ) -> Record {
+        let [a, b, c] = semi_axes;
+        let w = omega;
+        if shapes == Shapes::Ellipsoids {
+            return Record {
+                pose: Line([x, y, z, q0, q1, q2, q3, a]),
+                motion: Line([b, c, vx, vy, vz, w.x, w.y, w.z]),
+            };
+        }
+        let polar = polar_axis(&semi_axes);
+        let e = rotation_columns([q0, q1, q2, q3], 2.0)[polar];
+        let (a, c) = (semi_axes[polar], semi_axes[(polar + 1) % 3]);
+        Record {
+            pose: Line([x, y, z, e.x, e.y, e.z, a, c]),
+            motion: Line([vx, vy, vz, w.x, w.y, w.z, 1.0 / a, 1.0 / c]),
+        }
+    }
+
+    /// Centre.
+    #[inline(always)]
+    pub fn position(&self) -> Vector3 {
+        let p = &self.pose.0;
+        Vector3::new(p[0], p[1], p[2])
+    }
+
+    /// The same particle for the scalar path. Of a spheroid the axis alone is known: any other two serve.
+    pub(super) fn particle(&self, shapes: Shapes, kind: u32, inverse_mass: f64) -> Particle {
+        let (p, m) = (&self.pose.0, &self.motion.0);
+        let (axes, semi_axes, motion) = if shapes == Shapes::Ellipsoids {
+            (
+                rotation_columns([p[3], p[4], p[5], p[6]], 2.0),
+                Vector3::new(p[7], m[0], m[1]),
+                [m[2], m[3], m[4], m[5], m[6], m[7]],
+            )
+        } else {
+            let e = Vector3::new(p[3], p[4], p[5]);
+            let Tangent { u, v } = Tangent::new(e);
+            (
+                [u, v, e],
+                Vector3::new(p[7], p[7], p[6]),
+                [m[0], m[1], m[2], m[3], m[4], m[5]],
+            )
+        };
+        let body = Ellipsoid {
+            axes,
+            semi_axes,
+            inverse_semi_axes: Vector3::new(
+                1.0 / semi_axes.x,
+                1.0 / semi_axes.y,
+                1.0 / semi_axes.z,
+            ),
+        };
+        Particle {
+            position: self.position(),
+            radius: body.bounding_radius(),
+            body,
+            velocity: Vector3::new(motion[0], motion[1], motion[2]),
+            omega: Vector3::new(motion[3], motion[4], motion[5]),
+            inverse_mass,
+            kind,
+            sphere: body.is_sphere(),
+        }
+    }
+}
+
+/// Index of the axis of revolution of a shape with two equal semi-axes; the last of a sphere.
+#[inline(always)]
+pub(super) fn polar_axis(&[a, b, c]: &[f64; 3]) -> usize {
+    if a == b {
+        2
+    } else if b == c {
+        0
+    } else {
+        1
+    }
+}
+
+/// Particles prepared for the lanes.
+#[derive(Debug, Default)]
+pub(super) struct Records {
+    pub records: Vec<Record>,
+    pub types: Vec<u32>,
+    /// Empty where no law reads masses.
+    pub inverse_masses: Vec<f64>,
+    /// Force and torque of this step, zero between steps.
+    pub sums: Vec<Line>,
+    /// What the records are made for.
+    pub shapes: Shapes,
+}
+
+impl Records {
+    pub fn bytes(&self) -> usize {
+        self.records.capacity() * core::mem::size_of::<Record>()
+            + self.types.capacity() * core::mem::size_of::<u32>()
+            + self.inverse_masses.capacity() * core::mem::size_of::<f64>()
+            + self.sums.capacity() * core::mem::size_of::<Line>()
+    }
+}
+
+/// One particle for the lanes: its record, type, and the inverse of its mass.
+pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    arrays: &ParticleArrays<'_, S, I>,
+    k: usize,
+    types: usize,
+    shapes: Shapes,
+) -> Result<(Record, u32, f64), String> {
+    let p = prepare_one(arrays, k, types)?;
+    let (x, v) = (arrays.positions[k], arrays.velocities[k]);
+    let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let q = within_range(q).map_err(|e| describe(e, a, q))?;
+    let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
+    let record = Record::new(shapes, x, a, q.map(|q| q * s), v, p.omega);
+    Ok((record, p.kind, p.inverse_mass))
+}

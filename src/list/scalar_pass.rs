@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One pair of a list with every safeguard, and a list pair by pair.
+
+use super::contact_records::{ContactRecord, ContactRecords};
+use super::rows::{Accumulators, NeighbourRows};
+use crate::contact::history::{cached_normal, forget};
+use crate::contact::one_contact::geometry_of;
+use crate::contact::pair::{contact_of, factors_for, normal_before, through_law, Pair};
+use crate::contact::particle::Particle;
+use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
+use crate::tallies::{Contribution, Tallies};
+use crate::vector::Vector3;
+
+#[inline(always)]
+fn add(target: &mut [f64; 3], v: Vector3) {
+    target[0] += v.x;
+    target[1] += v.y;
+    target[2] += v.z;
+}
+
+/// One pass over the list.
+pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
+    pub laws: &'a Laws,
+    pub layout: HistoryLayout,
+    pub rows: &'a mut R,
+    pub step: &'a Step,
+    pub accumulators: &'a mut Accumulators<'b>,
+    pub tallies: Option<&'a mut Tallies<'c>>,
+    /// Every touching pair, where asked for.
+    pub recorded: Option<&'a mut ContactRecords>,
+    pub deep_contacts: u64,
+}
+
+/// Where a pair stands: its particles, the first with the row, and its place in the row.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub entry: usize,
+    pub i: usize,
+    pub j: usize,
+}
+
+impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
+    pub(super) fn all_scalar<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        mut self,
+        particles: &[Particle],
+    ) -> u64 {
+        for row in 0..self.rows.count() {
+            let (central, count) = self.start_row(row);
+            for entry in 0..count {
+                let named = self.rows.row(row).neighbours[entry];
+                if let Some(other) = self.rows.entries().index(named) {
+                    let place = Place {
+                        entry,
+                        i: central,
+                        j: other,
+                    };
+                    let (i, j) = (&particles[central], &particles[other]);
+                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, i, j);
+                }
+            }
+        }
+        self.deep_contacts
+    }
+
+    #[inline(always)]
+    fn start_row(&mut self, row: usize) -> (usize, usize) {
+        let r = self.rows.row(row);
+        let (central, count) = (r.central, r.neighbours.len());
+        if let Some(t) = self.tallies.as_deref_mut() {
+            t.pairs += count as u64;
+        }
+        (central, count)
+    }
+
+    /// What is remembered of a pair: whether it touched, and the doubles.
+    #[inline(always)]
+    pub(super) fn memory(&mut self, place: Place) -> (Option<&mut i32>, &mut [f64]) {
+        self.rows.pair(place.i, place.entry)
+    }
+
+    /// A pair that does not touch: forgets the tangential part, keeps the separating normal.
+    #[inline(always)]
+    pub(super) fn separated(&mut self, place: Place, normal: Option<Vector3>) {
+        let layout = self.layout;
+        let (touching, history) = self.memory(place);
+        if let (Some(n), Some(at)) = (normal, layout.normal) {
+            history[at..at + 3].copy_from_slice(&n.to_array());
+        }
+        if let Some(t) = touching {
+            if *t != 0 {
+                *t = 0;
+                forget(&layout, history);
+            }
+        }
+    }
+
+    /// Search, law and scatter of one pair, with every safeguard.
+    pub(super) fn one_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+        &mut self,
+        place: Place,
+        i: &Particle,
+        j: &Particle,
+    ) {
+        let layout = self.layout;
+        let step = *self.step;
+        let (touching, history) = self.memory(place);
+        let touched = touching.is_some_and(|t| *t != 0);
+        let cached = cached_normal(&layout, history);
+        let found = match Pair::of(i, j, cached) {
+            Pair::Touching(found) => found,
+            Pair::Apart { normal, searched } => {
+                return self.separated(place, normal.filter(|_| searched));
+            }
+        };
+        let law = self.laws.get(i.kind as usize, j.kind as usize);
+        let d = j.position - i.position;
+        let x = contact_of(&found, i, j);
+        let factors = factors_for(law, x.curvature());
+        let before = normal_before(cached, i, j, d, found.normal, &step);
+        let (_, history) = self.memory(place);
+        let f = through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+            law, &factors, &x, &layout, history, touched, before, &step,
+        );
+        self.deep_contacts += found.deep as u64;
+        if let Some(recorded) = self.recorded.as_deref_mut() {
+            recorded.push(ContactRecord {
+                i: place.i,
+                j: place.j,
+                entry: place.entry,
+                linear: law.kinds.linear,
+                geometry: geometry_of(&found, i, j, law.constants.share_i),
+                forces: f,
+            });
+        }
+        self.apply(place, d, &f);
+    }
+
+    /// Scatter of a touching pair: forces, tallies.
+    #[inline(always)]
+    fn apply(&mut self, place: Place, d: Vector3, f: &ContactForces) {
+        let time = self.step.elapsed();
+        if let (Some(t), _) = self.memory(place) {
+            *t = 1;
+        }
+        let a = &mut *self.accumulators;
+        add(&mut a.forces[place.i], -f.force);
+        add(&mut a.torques[place.i], f.torque_i);
+        let reaction = place.j < a.reaction_below;
+        if reaction {
+            add(&mut a.forces[place.j], f.force);
+            add(&mut a.torques[place.j], f.torque_j);
+        }
+        if let Some(t) = self.tallies.as_deref_mut() {
+            t.add(
+                place.i,
+                Some(place.j),
+                reaction,
+                &Contribution {
+                    normal_energy: f.elastic_energy,
+                    tangential_energy: f.tangential_energy,
+                    works: [time * f.viscous_power, time * f.tangential_power],
+                    d,
+                    force: f.force,
+                    viscous_force: f.viscous_force,
+                    tangential_force: f.frictional_force,
+                    contact_point: f.contact_point,
+                    wall_velocity: Vector3::ZERO,
+                },
+            );
+        }
+    }
+}

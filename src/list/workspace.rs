@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What one thread of calls keeps from step to step: particles prepared, candidates, recorded contacts.
+
+use super::arrays::{prepare_one, ParticleArrays};
+use super::candidates::Candidates;
+use super::contact_records::ContactRecords;
+use super::memory::{reserve, Allocated};
+use super::preparation::{Prepare, Prepared};
+use super::records::{Record, Records, Shapes};
+use super::rows::NeighbourRows;
+use crate::contact::particle::{Particle, ParticleError};
+use crate::contact::Laws;
+use crate::simd::{InstructionSet, Line};
+
+/// Memory that one thread of calls keeps from step to step; grows only when the number of particles or of pairs does.
+#[derive(Debug)]
+pub struct Workspace {
+    particles: Vec<Particle>,
+    /// For the lanes.
+    pub(super) records: Records,
+    /// Pairs that may touch.
+    pub(super) candidates: Candidates,
+    /// What the pairs are computed on.
+    pub instruction_set: InstructionSet,
+    /// Whether histories stay here from step to step, until [`Workspace::write_history`] or a changed list.
+    pub keeps_history: bool,
+    /// Whether [`super::compute_pairs`] records every touching pair.
+    pub records_contacts: bool,
+    /// The touching pairs of the last call that recorded them; none after one that did not.
+    pub contacts: ContactRecords,
+    /// Whether the rows of the list were looked through since the list changed.
+    pub(super) list_is_known: bool,
+    /// Contacts so far that were deeper than Hertz' law allows ([`crate::geometry::ContactSearch::deep`]).
+    pub deep_contacts: u64,
+    /// Is told of large memory just allocated, with its length in bytes.
+    pub allocated: Allocated,
+}
+
+impl Workspace {
+    /// An empty workspace for an instruction set.
+    pub fn new(instruction_set: InstructionSet) -> Self {
+        Workspace {
+            particles: Vec::new(),
+            records: Records::default(),
+            candidates: Candidates::default(),
+            instruction_set,
+            keeps_history: false,
+            records_contacts: false,
+            contacts: ContactRecords::default(),
+            list_is_known: false,
+            deep_contacts: 0,
+            allocated: |_, _| (),
+        }
+    }
+
+    /// Checks and prepares all particles, for one contact at a time.
+    ///
+    /// # Errors
+    /// The first particle with a position, velocity, angular velocity or mass out of range ([`crate::contact::ranges`]), a shape or pose that
+    /// is none, or a type out of range.
+    pub fn prepare<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        types: usize,
+    ) -> Result<(), ParticleError> {
+        self.particles.clear();
+        self.particles.reserve(arrays.positions.len());
+        for k in 0..arrays.positions.len() {
+            let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
+                identifier: (arrays.identifier)(k),
+                what,
+            })?;
+            self.particles.push(particle);
+        }
+        Ok(())
+    }
+
+    /// Checks and prepares the particles `chosen` alone, in that order.
+    ///
+    /// # Errors
+    /// As [`Workspace::prepare`].
+    pub fn prepare_chosen<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        types: usize,
+        chosen: &[usize],
+    ) -> Result<(), ParticleError> {
+        self.particles.clear();
+        self.particles.reserve(arrays.positions.len());
+        for &k in chosen {
+            let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
+                identifier: (arrays.identifier)(k),
+                what,
+            })?;
+            self.particles.push(particle);
+        }
+        Ok(())
+    }
+
+    /// Prepares the particles for the pairs of a neighbour list: all of them, or, where the list is `unchanged` since the
+    /// last call and no particle has moved far since then, those that have a neighbour near enough to touch.
+    ///
+    /// `unchanged` says that particles, their order, the list and its histories are those of the last call; else what is kept
+    /// here and was not written is lost.
+    ///
+    /// # Errors
+    /// As [`Workspace::prepare`]. A particle that cannot touch any other is checked for a finite pose in every call, for
+    /// the rest when the list changes.
+    pub fn prepare_for_pairs<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        laws: &Laws,
+        unchanged: bool,
+    ) -> Result<(), ParticleError> {
+        let types = laws.types();
+        self.list_is_known &= unchanged;
+        if !self.works_in_lanes(laws) {
+            return self.prepare(arrays, types);
+        }
+        let count = arrays.positions.len();
+        let with_masses = !arrays.contact_masses.is_empty();
+        let same_masses = with_masses != self.records.inverse_masses.is_empty();
+        let mut outcome = Prepared::default();
+        if !unchanged {
+            // Of another list: there is no place any more for what was kept.
+            self.candidates.batches.discard();
+        }
+        if unchanged && same_masses {
+            let mut hold = self.candidates.are_for(count);
+            if hold {
+                self.candidates.count_step();
+                hold = !self.candidates.should_be_fewer(arrays);
+            }
+            if hold {
+                self.instruction_set.run(Prepare {
+                    arrays,
+                    candidates: Some(&self.candidates),
+                    types,
+                    records: &mut self.records,
+                    outcome: &mut outcome,
+                });
+                hold = !outcome.moved;
+                if !hold {
+                    self.candidates.adapt(1.0);
+                }
+            }
+            // Batches are made of pairs of one kind of law.
+            if hold && !outcome.types_changed {
+                return named(arrays, outcome);
+            }
+            outcome = Prepared::default();
+        }
+        self.candidates.forget();
+        let r = &mut self.records;
+        r.shapes = Shapes::of_all(arrays);
+        r.records.clear();
+        reserve(&mut r.records, count, self.allocated);
+        r.records.resize(count, Record::NONE);
+        r.types.clear();
+        r.types.resize(count, 0);
+        r.inverse_masses.clear();
+        if with_masses {
+            r.inverse_masses.resize(count, 0.0);
+        }
+        self.instruction_set.run(Prepare {
+            arrays,
+            candidates: None,
+            types,
+            records: &mut *r,
+            outcome: &mut outcome,
+        });
+        named(arrays, outcome)?;
+        r.sums.clear();
+        reserve(&mut r.sums, count, self.allocated);
+        r.sums.resize(count, Line::ZERO);
+        self.candidates.begin(arrays, self.allocated);
+        Ok(())
+    }
+
+    /// Whether the pairs under these laws are taken in lanes. Hale's form breaks where the exact one does not, and is not
+    /// in the lanes.
+    pub(super) fn works_in_lanes(&self, laws: &Laws) -> bool {
+        self.instruction_set != InstructionSet::Scalar && !laws.features().hale
+    }
+
+    /// Whether the list's own histories are behind those that are kept here.
+    pub fn has_unwritten_history(&self) -> bool {
+        self.candidates.batches.are_unwritten()
+    }
+
+    /// Doubles that the list of the last call remembers of a pair.
+    pub fn kept_history_length(&self) -> usize {
+        self.candidates.batches.written_length()
+    }
+
+    /// The pairs of which histories are kept, by central particle and place in its row.
+    pub fn kept_pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.candidates.batches.pairs()
+    }
+
+    /// Forgets the list of the last call and what is kept of it.
+    pub fn forget_list(&mut self) {
+        self.candidates.batches.discard();
+        self.clear();
+    }
+
+    /// Brings the histories of the list of the last call up to date.
+    pub fn write_history<R: NeighbourRows>(&mut self, rows: &mut R) {
+        self.candidates.batches.write(rows);
+    }
+
+    /// Forgets the particles; keeps the memory.
+    pub fn clear(&mut self) {
+        self.particles.clear();
+        self.records.records.clear();
+        self.candidates.forget();
+        self.list_is_known = false;
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.particles.capacity() * core::mem::size_of::<Particle>()
+            + self.records.bytes()
+            + self.candidates.bytes()
+            + self.contacts.bytes()
+    }
+
+    /// The particles prepared one at a time.
+    pub fn particles(&self) -> &[Particle] {
+        &self.particles
+    }
+}
+
+/// The failure, with the name of its particle.
+fn named<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    arrays: &ParticleArrays<'_, S, I>,
+    outcome: Prepared,
+) -> Result<(), ParticleError> {
+    match outcome.failure {
+        None => Ok(()),
+        Some((k, what)) => Err(ParticleError {
+            identifier: (arrays.identifier)(k),
+            what,
+        }),
+    }
+}

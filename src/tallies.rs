@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sums over contacts that an engine may ask for: energies, virial, counts.
+
+use crate::vector::Vector3;
+
+/// What is asked for and its sums. A scene that asks for nothing passes none and pays nothing.
+#[derive(Debug, Default)]
+pub struct Tallies<'a> {
+    /// Elastic energy per particle, added to (half to each body).
+    pub particle_energies: Option<&'a mut [f64]>,
+    /// Virial per particle (xx yy zz xy xz yz), added to (half to each body).
+    pub particle_virials: Option<&'a mut [[f64; 6]]>,
+    /// Elastic energy of the normal deformation.
+    pub normal_elastic_energy: f64,
+    /// Elastic energy of the tangential deformation.
+    pub tangential_elastic_energy: f64,
+    /// Where the loads that are not elastic are wanted, one entry per particle: overwritten. With them the work of these
+    /// loads is that of half a step, to which [`Tallies::add_half_step`] adds the other half.
+    pub inelastic_loads: Option<&'a mut [InelasticLoad]>,
+    /// Energy that viscous forces took up; carried between steps.
+    pub viscous_dissipation: f64,
+    /// Energy that the tangential forces without their viscous part took up, of which the tangential displacements hold
+    /// some; carried between steps.
+    pub tangential_work: f64,
+    /// Power of the viscous forces, and of the rest of the tangential forces, on the walls: force on a wall times its
+    /// velocity. With the loads alone.
+    pub wall_powers: [f64; 2],
+    /// Sum of `d (x) F`, `F` the force on `j`: xx yy zz xy xz yz.
+    pub virial: [f64; 6],
+    /// Touching pairs; one that another rank lists too counts one half.
+    pub touching: f64,
+    /// Neighbour pairs.
+    pub pairs: u64,
+}
+
+/// What acts on a particle beside the gradient of the normal elastic energy.
+///
+/// [`InelasticLoad::respond`] makes of a torque, where an engine keeps angular momenta, what gives the power when it is
+/// multiplied by an angular momentum: the inverse inertia times the torque.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct InelasticLoad {
+    /// Force of the viscous terms.
+    pub viscous_force: [f64; 3],
+    /// Its torque about the centre.
+    pub viscous_torque: [f64; 3],
+    /// Tangential force without its viscous part.
+    pub tangential_force: [f64; 3],
+    /// Its torque about the centre.
+    pub tangential_torque: [f64; 3],
+}
+
+impl InelasticLoad {
+    /// Whether nothing acts.
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Replaces the torques by what `response` makes of them.
+    pub fn respond(&mut self, response: impl Fn(Vector3) -> Vector3) {
+        for torque in [&mut self.viscous_torque, &mut self.tangential_torque] {
+            *torque = response(Vector3::from_array(*torque)).to_array();
+        }
+    }
+
+    /// Powers of the viscous force and of the other, for a velocity and an angular velocity (or momentum).
+    pub fn powers(&self, velocity: [f64; 3], rotation: [f64; 3]) -> [f64; 2] {
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        [
+            dot(&self.viscous_force, &velocity) + dot(&self.viscous_torque, &rotation),
+            dot(&self.tangential_force, &velocity) + dot(&self.tangential_torque, &rotation),
+        ]
+    }
+
+    /// Adds two forces that act at a point `arm` from the centre.
+    #[inline(always)]
+    fn add(&mut self, viscous: Vector3, tangential: Vector3, arm: Vector3) {
+        for (target, v) in [
+            (&mut self.viscous_force, viscous),
+            (&mut self.viscous_torque, arm.cross(viscous)),
+            (&mut self.tangential_force, tangential),
+            (&mut self.tangential_torque, arm.cross(tangential)),
+        ] {
+            target[0] += v.x;
+            target[1] += v.y;
+            target[2] += v.z;
+        }
+    }
+}
+
+/// One contact's contribution.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contribution {
+    pub normal_energy: f64,
+    pub tangential_energy: f64,
+    /// Time of the step times the power of the viscous and of the other tangential forces, with the velocities given.
+    pub works: [f64; 2],
+    pub d: Vector3,
+    pub force: Vector3,
+    /// On `j`.
+    pub viscous_force: Vector3,
+    /// On `j`.
+    pub tangential_force: Vector3,
+    /// From the centre of `i`.
+    pub contact_point: Vector3,
+    /// Of a wall.
+    pub wall_velocity: Vector3,
+}
+
+impl Tallies<'_> {
+    /// Zeroes the sums of a step; what is carried between steps stays.
+    pub(crate) fn start_step(&mut self) {
+        self.normal_elastic_energy = 0.0;
+        self.tangential_elastic_energy = 0.0;
+        self.virial = [0.0; 6];
+        self.touching = 0.0;
+        self.pairs = 0;
+        self.wall_powers = [0.0; 2];
+        if let Some(loads) = self.inelastic_loads.as_deref_mut() {
+            loads.fill(InelasticLoad::default());
+        }
+    }
+
+    /// Energy that friction dissipated: what the tangential forces took up less what the tangential displacements hold. What
+    /// a contact still held when it opened, slid or was let go as the contact shrank is in it.
+    pub fn frictional_dissipation(&self) -> f64 {
+        self.tangential_work - self.tangential_elastic_energy
+    }
+
+    /// Adds the work of loads and walls over half a step of this duration. `motion` gives velocity and rotation of a
+    /// particle.
+    ///
+    /// Velocity Verlet lets a force do the work of its half of the step before, with the velocity that the particle had,
+    /// and of the half after, with the velocity to which that force itself has led.
+    pub fn add_half_step(
+        &mut self,
+        time: f64,
+        loads: &[InelasticLoad],
+        motion: impl Fn(usize) -> ([f64; 3], [f64; 3]),
+    ) {
+        let [mut viscous, mut tangential] = self.wall_powers;
+        for (k, load) in loads.iter().enumerate() {
+            if !load.is_zero() {
+                let (velocity, rotation) = motion(k);
+                let [v, t] = load.powers(velocity, rotation);
+                viscous += v;
+                tangential += t;
+            }
+        }
+        // What the bodies gain, the contacts give.
+        self.viscous_dissipation -= time * viscous;
+        self.tangential_work -= time * tangential;
+    }
+
+    /// Adds a contact of `i` and `j`. `owned_j` is false where another rank adds the same contact too.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
+        let weight = if owned_j { 1.0 } else { 0.5 };
+        self.touching += weight;
+        self.normal_elastic_energy += weight * c.normal_energy;
+        self.tangential_elastic_energy += weight * c.tangential_energy;
+        if self.inelastic_loads.is_none() {
+            self.viscous_dissipation += weight * c.works[0];
+            self.tangential_work += weight * c.works[1];
+        }
+        let (d, f) = (c.d, c.force);
+        let v = [
+            d.x * f.x,
+            d.y * f.y,
+            d.z * f.z,
+            d.x * f.y,
+            d.x * f.z,
+            d.y * f.z,
+        ];
+        for (sum, term) in self.virial.iter_mut().zip(v) {
+            *sum += weight * term;
+        }
+        if let Some(loads) = self.inelastic_loads.as_deref_mut() {
+            let (viscous, tangential) = (c.viscous_force, c.tangential_force);
+            loads[i].add(-viscous, -tangential, c.contact_point);
+            match j {
+                Some(j) if owned_j => loads[j].add(viscous, tangential, c.contact_point - d),
+                Some(_) => {}
+                None => {
+                    self.wall_powers[0] += viscous.dot(c.wall_velocity);
+                    self.wall_powers[1] += tangential.dot(c.wall_velocity);
+                }
+            }
+        }
+        // A wall has no share: all of the contact's energy and virial is the particle's.
+        let share = if j.is_some() { 0.5 } else { 1.0 };
+        let energy = share * (c.normal_energy + c.tangential_energy);
+        for k in core::iter::once(i).chain(j.filter(|_| owned_j)) {
+            if let Some(e) = self.particle_energies.as_deref_mut() {
+                e[k] += energy;
+            }
+            if let Some(w) = self.particle_virials.as_deref_mut() {
+                for (sum, term) in w[k].iter_mut().zip(v) {
+                    *sum += share * term;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cylinders and cones as walls, with their ends.
+
+use super::plane::{flat, PlaneWall};
+use super::rim::Rim;
+use super::shape::{End, Search, Shape, ShapeParameters, Side};
+use crate::contact::ranges::LARGEST_COORDINATE;
+use crate::contact::staged::WallSurface;
+use crate::geometry::cone::{touch_cone, Cone};
+use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
+use crate::geometry::Ellipsoid;
+use crate::message::Number;
+use crate::vector::Vector3;
+
+#[derive(Clone, Copy, Debug)]
+struct ConeWall {
+    cone: Cone,
+    /// Along the axis from the cone's point.
+    bounds: [f64; 2],
+    side: Side,
+}
+
+/// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.
+const REMEMBERED: usize = 2;
+
+pub(super) fn add_cylinder(
+    p: &ShapeParameters,
+    parts: &mut Vec<Box<dyn Shape>>,
+) -> Result<(), String> {
+    let radius = p.radii[0];
+    if !(LEAST_SEMI_AXIS..=LARGEST_COORDINATE).contains(&radius) {
+        return Err(format!(
+            "cylinder: radius = {} must be greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_COORDINATE:e}",
+            Number(radius)
+        ));
+    }
+    add(Cone::cylinder(p.point, p.axis, radius), p, parts)
+}
+
+pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
+    let [low, high] = p.bounds;
+    if !(low.is_finite() && high.is_finite()) {
+        return Err("cone: both bounds must be finite".into());
+    }
+    let in_range = |r: f64| (0.0..=LARGEST_COORDINATE).contains(&r);
+    if !(p.radii.iter().all(|r| in_range(*r)) && p.radii[0] + p.radii[1] >= LEAST_SEMI_AXIS) {
+        return Err(format!(
+            "cone: radii {} and {} must be 0 or greater, at most {LARGEST_COORDINATE:e}, and not both 0",
+            Number(p.radii[0]),
+            Number(p.radii[1])
+        ));
+    }
+    let slope = (p.radii[1] - p.radii[0]) / (high - low);
+    // The cone's point is where the radius is the greater, so that it is not the tip.
+    let at = if slope < 0.0 { low } else { high };
+    let cone = Cone {
+        slope,
+        ..Cone::cylinder(p.point + p.axis * at, p.axis, p.radii[0].max(p.radii[1]))
+    };
+    let from_there = ShapeParameters {
+        point: cone.point,
+        bounds: [low - at, high - at],
+        ..*p
+    };
+    add(cone, &from_there, parts)
+}
+
+fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
+    let [low, high] = p.bounds;
+    if !(low < high) {
+        return Err(format!(
+            "cylinder or cone: the lower bound {} must be below the upper one {}",
+            Number(low),
+            Number(high)
+        ));
+    }
+    for (bound, end) in p.bounds.iter().zip(p.ends) {
+        if end != End::None && !(bound.abs() <= LARGEST_COORDINATE) {
+            return Err(format!(
+                "cylinder or cone: it cannot end at {}",
+                Number(*bound)
+            ));
+        }
+    }
+    // From within, a closed end is a concave corner: what lies behind either surface counts, wherever the other one is.
+    let goes_on = |k: usize| p.side == Side::Inside && p.ends[k] == End::Closed;
+    let side = ConeWall {
+        cone,
+        bounds: [
+            if goes_on(0) { f64::NEG_INFINITY } else { low },
+            if goes_on(1) { f64::INFINITY } else { high },
+        ],
+        side: p.side,
+    };
+    let mut caps = vec![];
+    let mut rims = vec![];
+    for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
+        let centre = cone.point + cone.axis * bound;
+        let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
+        // along the surface, from the end inwards, in the plane of axis and radius
+        let inwards = [-out * cone.slope, -out];
+        match end {
+            End::None => {}
+            End::Open if radius > 0.0 => {
+                rims.push(Rim::new(centre, cone.axis, radius, &[inwards]));
+            }
+            End::Open => {}
+            End::Closed if p.side == Side::Inside => {
+                // The plane goes on beyond the edge, which is concave.
+                caps.push(PlaneWall::disc(
+                    centre,
+                    cone.axis * -out,
+                    f64::INFINITY,
+                    false,
+                ));
+            }
+            End::Closed => {
+                let both_sides = p.side == Side::OfCentre;
+                let normal = cone.axis * out;
+                caps.push(PlaneWall::disc(centre, normal, radius, both_sides));
+                if radius > 0.0 {
+                    let disc = [-1.0, 0.0];
+                    rims.push(Rim::new(centre, cone.axis, radius, &[inwards, disc]));
+                }
+            }
+        }
+    }
+    if p.side == Side::Outside && !caps.is_empty() {
+        parts.push(Box::new(ConvexSolid { side, caps, rims }));
+        return Ok(());
+    }
+    parts.push(Box::new(side));
+    for cap in caps {
+        parts.push(Box::new(cap));
+    }
+    for rim in rims {
+        parts.push(Box::new(rim));
+    }
+    Ok(())
+}
+
+/// A solid from without: a body touches it if it reaches behind all of its surfaces, and the one behind which it is least
+/// deep acts.
+#[derive(Debug)]
+struct ConvexSolid {
+    side: ConeWall,
+    caps: Vec<PlaneWall>,
+    rims: Vec<Rim>,
+}
+
+impl Shape for ConvexSolid {
+    fn remembered(&self) -> usize {
+        1
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        self.side.may_touch(centre, radius)
+            && self.caps.iter().all(|cap| cap.may_touch(centre, radius))
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        search: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        if self.caps.iter().any(|cap| !(cap.depth(body, centre) > 0.0)) {
+            return;
+        }
+        let mut is_behind_side = false;
+        touch_cone(body, centre, &self.side.cone, false, |_| {
+            is_behind_side = true;
+        });
+        if !is_behind_side {
+            return;
+        }
+        let mut least: Option<(f64, WallSurface)> = None;
+        let mut offer = |s: WallSurface| {
+            let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+            if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
+                least = Some((depth, s));
+            }
+        };
+        self.side.touch(body, centre, search, &mut offer);
+        for cap in &self.caps {
+            cap.touch(body, centre, search, &mut offer);
+        }
+        for rim in &self.rims {
+            rim.touch(body, centre, search, &mut offer);
+        }
+        if let Some((_, surface)) = least {
+            found(surface);
+        }
+    }
+}
+
+impl Shape for ConeWall {
+    fn remembered(&self) -> usize {
+        REMEMBERED
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        let cone = &self.cone;
+        let offset = centre - cone.point;
+        let along = cone.axis.dot(offset);
+        if along + radius < self.bounds[0] || along - radius > self.bounds[1] {
+            return false;
+        }
+        let across = (offset - cone.axis * along).norm();
+        let outwards = across - cone.radius - cone.slope * along;
+        let reach = radius * cone.slope.mul_add(cone.slope, 1.0).sqrt();
+        match self.side {
+            Side::Inside => !(outwards <= -reach),
+            Side::Outside => !(outwards >= reach),
+            Side::OfCentre => !(outwards.abs() >= reach),
+        }
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        _: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        let within = match self.side {
+            Side::Inside => true,
+            Side::Outside => false,
+            Side::OfCentre => self.cone.has_within(centre),
+        };
+        touch_cone(body, centre, &self.cone, within, |c| {
+            let on_surface = self.bounds[0] <= c.along && c.along <= self.bounds[1];
+            if on_surface && c.curvature_radius > 0.0 {
+                let signed = if within {
+                    -c.curvature_radius
+                } else {
+                    c.curvature_radius
+                };
+                found(WallSurface {
+                    direction: self.cone.axis.cross(c.normal).normalised(),
+                    curvatures: [1.0 / signed, 0.0],
+                    turning_radii: [signed, f64::INFINITY],
+                    ..flat(c.point, c.normal)
+                });
+            }
+        });
+    }
+}

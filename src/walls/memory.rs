@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is remembered of the contacts of a particle with a wall, and which contact of this step goes on from which.
+//!
+//! ```text
+//! [ count ]           how many records are in use; once per particle
+//! [ part ]            1 + index of the wall's part
+//! [ point x y z ]     the surface's deepest point, from the particle's centre
+//! [ normal x y z ]    from the particle into the wall
+//! [ ... ]             the tangential memory, as `HistoryLayout` says
+//! ```
+//!
+//! in the wall's frame; from `part` on as often as the wall's parts ask for. All zeros is "nothing remembered". A contact goes on from the one of the same part that was nearest
+//! to it, with a normal less than 60 degrees off: a contact moves over the surface, but it does not jump. Faces of a mesh that share a
+//! contact may go on from the same: what is remembered belongs to the contact as a whole, of which each face takes its
+//! share, so that friction goes on from one face to the next.
+
+use crate::contact::staged::{Past, WallSurface};
+use crate::contact::HistoryLayout;
+use crate::vector::Vector3;
+
+/// Length of a record before the tangential memory.
+const HEAD: usize = 7;
+/// Mark of a record that a contact which acts alone has gone on from.
+const TAKEN: f64 = -1.0;
+
+/// How the memory of one particle is laid out.
+#[derive(Clone, Copy, Debug)]
+pub struct MemoryLayout {
+    history: HistoryLayout,
+    /// Records of a particle.
+    pub records: usize,
+    /// Doubles of a record.
+    pub record: usize,
+}
+
+impl MemoryLayout {
+    pub(super) fn new(history: HistoryLayout, records: usize) -> Self {
+        // Without a tangential memory there is nothing to remember.
+        let records = if history.memory.is_some() { records } else { 0 };
+        MemoryLayout {
+            history,
+            records,
+            record: HEAD + history.length,
+        }
+    }
+
+    /// Doubles of a particle.
+    pub fn length(&self) -> usize {
+        if self.records == 0 {
+            0
+        } else {
+            1 + self.records * self.record
+        }
+    }
+
+    /// Doubles of a particle's memory that are in use; the rest need not be kept or carried. 0 where nothing is remembered.
+    pub fn used(&self, memory: &[f64]) -> usize {
+        match memory.first() {
+            Some(count) if *count > 0.0 => (1 + *count as usize * self.record).min(self.length()),
+            _ => 0,
+        }
+    }
+
+    /// The first number that no call has written: its place and its value.
+    pub(super) fn first_wrong(&self, memory: &[f64], parts: usize) -> Option<(usize, f64)> {
+        let count = *memory.first()?;
+        if !(count.fract() == 0.0 && (0.0..=self.records as f64).contains(&count)) {
+            return Some((0, count));
+        }
+        let records = memory[1..self.used(memory).max(1)].chunks_exact(self.record);
+        for (index, record) in records.enumerate() {
+            let at = 1 + index * self.record;
+            let is_part = record[0].fract() == 0.0 && (1.0..=parts as f64).contains(&record[0]);
+            if !is_part {
+                return Some((at, record[0]));
+            }
+            if let Some(k) = (1..HEAD).find(|k| !record[*k].is_finite()) {
+                return Some((at + k, record[k]));
+            }
+            if let Some((k, value)) = self.history.first_wrong(&record[HEAD..]) {
+                return Some((at + HEAD + k, value));
+            }
+        }
+        None
+    }
+
+    /// What a contact of this step goes on from, among the records of the last step. A record that has been gone on from is
+    /// marked.
+    pub(super) fn recall(
+        &self,
+        before: &mut [f64],
+        part: usize,
+        surface: &WallSurface,
+        centre: Vector3,
+    ) -> Past {
+        let normal = -surface.normal;
+        let point = surface.point - centre;
+        let alone = surface.share.value == 1.0;
+        let mut best: Option<(f64, usize)> = None;
+        for (index, record) in before.chunks_exact(self.record).enumerate() {
+            let own = (part + 1) as f64;
+            if record[0] != own && (alone || record[0] != TAKEN - own) {
+                continue;
+            }
+            if vector(&record[4..]).dot(normal) < 0.5 {
+                continue;
+            }
+            let distance = (vector(&record[1..]) - point).norm_squared();
+            if best.is_none_or(|(least, _)| distance < least) {
+                best = Some((distance, index));
+            }
+        }
+        let Some((_, index)) = best else {
+            return Past {
+                touched: false,
+                normal,
+                memory: Vector3::ZERO,
+                energy: 0.0,
+            };
+        };
+        let record = &mut before[index * self.record..(index + 1) * self.record];
+        record[0] = TAKEN - (part + 1) as f64;
+        let history = &record[HEAD..];
+        Past {
+            touched: true,
+            normal: vector(&record[4..]),
+            memory: self
+                .history
+                .memory
+                .map_or(Vector3::ZERO, |at| vector(&history[at..])),
+            energy: self.history.energy.map_or(0.0, |at| history[at]),
+        }
+    }
+
+    /// Writes the record of a contact.
+    pub(super) fn remember(
+        &self,
+        record: &mut [f64],
+        part: usize,
+        surface: &WallSurface,
+        centre: Vector3,
+        past: &Past,
+    ) {
+        record[0] = (part + 1) as f64;
+        record[1..4].copy_from_slice(&(surface.point - centre).to_array());
+        record[4..7].copy_from_slice(&(-surface.normal).to_array());
+        let history = &mut record[HEAD..];
+        if let Some(at) = self.history.normal {
+            history[at..at + 3].copy_from_slice(&(-surface.normal).to_array());
+        }
+        if let Some(at) = self.history.memory {
+            history[at..at + 3].copy_from_slice(&past.memory.to_array());
+        }
+        if let Some(at) = self.history.energy {
+            history[at] = past.energy;
+        }
+    }
+}
+
+fn vector(v: &[f64]) -> Vector3 {
+    Vector3::new(v[0], v[1], v[2])
+}

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Where a wall is and how it moves; a particle as the wall sees it.
+//!
+//! A contact is computed in the frame of the wall, which turns with it: there the wall is at rest, and what is remembered of
+//! the contact turns with the wall by itself. Velocities are those of the half step that brought particle and wall to where
+//! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
+//! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity.
+
+use crate::contact::Particle;
+use crate::contact::Step;
+use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::Ellipsoid;
+use crate::vector::Vector3;
+
+/// Pose and motion of a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// The point about which the wall has turned, where it was when the wall's shapes were described.
+    pub origin: Vector3,
+    /// How far that point has moved since.
+    pub displacement: Vector3,
+    /// The axes of the wall's frame in the world; `None` where the wall has not turned.
+    pub axes: Option<[Vector3; 3]>,
+    /// Velocity of the point, in the step.
+    pub velocity: Vector3,
+    /// Angular velocity in the step, world frame.
+    pub angular_velocity: Vector3,
+}
+
+impl Motion {
+    /// No motion, in the place where the shapes were described.
+    pub const REST: Motion = Motion {
+        origin: Vector3::ZERO,
+        displacement: Vector3::ZERO,
+        axes: None,
+        velocity: Vector3::ZERO,
+        angular_velocity: Vector3::ZERO,
+    };
+
+    /// The axes of a quaternion (w, x, y, z) of any length but zero; `None` for one that does not turn.
+    pub fn axes_of([w, x, y, z]: [f64; 4]) -> Option<[Vector3; 3]> {
+        if x == 0.0 && y == 0.0 && z == 0.0 {
+            return None;
+        }
+        let square = w * w + x * x + y * y + z * z;
+        Some(rotation_columns([w, x, y, z], 2.0 / square))
+    }
+
+    /// The point about which the wall turns, where it is.
+    pub fn centre(&self) -> Vector3 {
+        self.origin + self.displacement
+    }
+
+    /// Velocity of the wall's matter at a point in the world.
+    pub fn velocity_at(&self, point: Vector3) -> Vector3 {
+        if self.angular_velocity == Vector3::ZERO {
+            return self.velocity;
+        }
+        self.velocity + self.angular_velocity.cross(point - self.centre())
+    }
+
+    /// A vector of the world in the wall's frame.
+    pub fn to_wall(&self, v: Vector3) -> Vector3 {
+        match &self.axes {
+            None => v,
+            Some([x, y, z]) => Vector3::new(x.dot(v), y.dot(v), z.dot(v)),
+        }
+    }
+
+    /// A vector of the wall's frame in the world.
+    pub fn to_world(&self, v: Vector3) -> Vector3 {
+        match &self.axes {
+            None => v,
+            Some([x, y, z]) => *x * v.x + *y * v.y + *z * v.z,
+        }
+    }
+
+    /// A point of the world in the wall's frame.
+    pub fn point_to_wall(&self, p: Vector3) -> Vector3 {
+        match self.axes {
+            None => p - self.displacement,
+            Some(_) => self.to_wall(p - self.centre()) + self.origin,
+        }
+    }
+
+    /// A point of the wall's frame in the world.
+    pub fn point_to_world(&self, p: Vector3) -> Vector3 {
+        match self.axes {
+            None => p + self.displacement,
+            Some(_) => self.to_world(p - self.origin) + self.centre(),
+        }
+    }
+
+    /// A particle in the wall's frame, with its motion relative to the wall.
+    pub fn seen_from_wall(&self, i: &Particle, step: &Step) -> Particle {
+        let mut velocity = i.velocity - self.velocity;
+        let mut omega = i.omega;
+        let spin = self.angular_velocity;
+        if spin != Vector3::ZERO {
+            let half = if step.advance_history {
+                0.5 * step.time_step
+            } else {
+                0.0
+            };
+            let place = i.position - self.centre() - velocity * half;
+            velocity = velocity - spin.cross(place);
+            omega = omega - spin;
+            velocity = velocity + spin.cross(velocity) * half;
+            omega = omega + spin.cross(omega) * half;
+        }
+        Particle {
+            position: self.point_to_wall(i.position),
+            body: Ellipsoid {
+                axes: i.body.axes.map(|a| self.to_wall(a)),
+                ..i.body
+            },
+            velocity: self.to_wall(velocity),
+            omega: self.to_wall(omega),
+            ..*i
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::prepare_body;
+    use crate::contact::Body;
+
+    /// A body that is carried by a turning and moving wall over a step, with the velocities of the half step.
+    #[test]
+    fn a_body_that_moves_with_the_wall_has_no_velocity() {
+        let (dt, rate, velocity) = (1e-3, 3.0, Vector3::new(0.4, -0.2, 0.1));
+        let centre = |t: f64| Vector3::new(1.0, 2.0, 3.0) + velocity * t;
+        let place = |t: f64| {
+            let (sin, cos) = (rate * t).sin_cos();
+            centre(t) + Vector3::new(2.0 * cos, 2.0 * sin, 0.5)
+        };
+        let t = 0.7;
+        let moved = (place(t) - place(t - dt)) * (1.0 / dt);
+        let body = Body {
+            position: place(t).to_array(),
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+            semi_axes: [0.1, 0.2, 0.3],
+            velocity: moved.to_array(),
+            angular_velocity: [0.0, 0.0, rate],
+            mass: 1.0,
+            kind: 1,
+            identifier: 1,
+        };
+        let half = 0.5 * rate * t;
+        let motion = Motion {
+            origin: centre(0.0),
+            displacement: velocity * t,
+            axes: Motion::axes_of([half.cos(), 0.0, 0.0, half.sin()]),
+            velocity,
+            angular_velocity: Vector3::new(0.0, 0.0, rate),
+        };
+        let step = Step {
+            time_step: dt,
+            advance_history: true,
+        };
+        let seen = motion.seen_from_wall(&prepare_body(&body, Some(1)).unwrap(), &step);
+        // to second order: 2 rate (rate dt)^2/24 of the chord, the same of the place
+        assert!(seen.velocity.norm() < 1e-5, "{:?}", seen.velocity);
+        assert!(seen.omega.norm() < 1e-14);
+        let expected = centre(0.0) + Vector3::new(2.0, 0.0, 0.5);
+        assert!((seen.position - expected).norm() < 1e-14);
+        let back = motion.point_to_world(seen.position);
+        assert!((back - place(t)).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A plane, or a disc of it, as a wall.
+
+use super::shape::{Search, Shape, ShapeParameters, Side};
+use crate::contact::staged::WallSurface;
+use crate::geometry::facet_shares::Share;
+use crate::geometry::{touch_plane, Ellipsoid, Plane};
+use crate::vector::{Tangent, Vector3};
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlaneWall {
+    plane: Plane,
+    both_sides: bool,
+    /// Radius of the disc about the plane's point; infinite for the whole plane.
+    radius: f64,
+}
+
+impl PlaneWall {
+    /// A disc that acts on the side of its normal, or on that of a particle's centre.
+    pub(super) fn disc(centre: Vector3, normal: Vector3, radius: f64, both_sides: bool) -> Self {
+        PlaneWall {
+            plane: Plane {
+                point: centre,
+                normal,
+            },
+            both_sides,
+            radius,
+        }
+    }
+
+    /// How deep a body lies behind the plane, on the side of its normal; 0 or less for one that does not reach it.
+    pub(super) fn depth(&self, body: &Ellipsoid, centre: Vector3) -> f64 {
+        touch_plane(body, centre, &self.plane).penetration
+    }
+}
+
+pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
+    let normal = if p.side == Side::Outside {
+        -p.axis
+    } else {
+        p.axis
+    };
+    let both_sides = p.side == Side::OfCentre;
+    parts.push(Box::new(PlaneWall::disc(
+        p.point,
+        normal,
+        f64::INFINITY,
+        both_sides,
+    )));
+    Ok(())
+}
+
+/// A flat surface with this deepest point and this normal towards the body, at rest.
+pub(super) fn flat(point: Vector3, normal: Vector3) -> WallSurface {
+    WallSurface {
+        point,
+        normal,
+        direction: Tangent::new(normal).u,
+        curvatures: [0.0; 2],
+        turning_radii: [f64::INFINITY; 2],
+        velocity: Vector3::ZERO,
+        share: Share::WHOLE,
+    }
+}
+
+impl Shape for PlaneWall {
+    fn remembered(&self) -> usize {
+        1
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        let height = self.plane.normal.dot(centre - self.plane.point);
+        let height = if self.both_sides {
+            height.abs()
+        } else {
+            height
+        };
+        !(height >= radius)
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        _: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        let mut plane = self.plane;
+        if self.both_sides && plane.normal.dot(centre - plane.point) < 0.0 {
+            plane.normal = -plane.normal;
+        }
+        let contact = touch_plane(body, centre, &plane);
+        if contact.penetration > 0.0 {
+            let point = centre + contact.support.point - contact.normal * contact.penetration;
+            if self.radius == f64::INFINITY || (point - plane.point).norm() <= self.radius {
+                found(flat(point, plane.normal));
+            }
+        }
+    }
+}

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The circular edge where a cylinder or a cone ends.
+//!
+//! As an edge of a mesh it acts where the body is deepest along it, with the normal across it along which the body is least
+//! deep, if that normal points away from the surfaces that end there. Where a surface goes over into the edge, place, normal
+//! and curvature are the same.
+
+use super::plane::flat;
+use super::shape::{Search, Shape};
+use crate::contact::staged::WallSurface;
+use crate::geometry::triangles::nearest_across;
+use crate::geometry::Ellipsoid;
+use crate::vector::{Tangent, Vector3};
+
+#[derive(Clone, Debug)]
+pub(super) struct Rim {
+    centre: Vector3,
+    axis: Vector3,
+    radius: f64,
+    /// Directions of the surfaces that end here, from the edge inwards, along radius and axis.
+    surfaces: Vec<[f64; 2]>,
+}
+
+/// Sine of an angle that counts as none.
+const TOLERANCE: f64 = 1e-9;
+/// Places that are tried along the edge, at least and at most.
+const LEAST_PLACES: usize = 16;
+const MOST_PLACES: usize = 512;
+
+impl Rim {
+    /// The circle about `axis`, with the directions of the surfaces that end in it.
+    pub(super) fn new(centre: Vector3, axis: Vector3, radius: f64, surfaces: &[[f64; 2]]) -> Self {
+        let unit = |d: &[f64; 2]| {
+            let length = d[0].hypot(d[1]);
+            [d[0] / length, d[1] / length]
+        };
+        Rim {
+            centre,
+            axis,
+            radius,
+            surfaces: surfaces.iter().map(unit).collect(),
+        }
+    }
+}
+
+/// What a body does to the edge at one place.
+struct Place {
+    normal: Vector3,
+    point: Vector3,
+    /// Along the radius, outwards.
+    radial: Vector3,
+    /// How far ahead along the edge's tangent the body is deepest.
+    ahead: f64,
+}
+
+impl Rim {
+    fn place(
+        &self,
+        body: &Ellipsoid,
+        offset: Vector3,
+        basis: &[Vector3; 2],
+        angle: f64,
+    ) -> Option<Place> {
+        let (sin, cos) = angle.sin_cos();
+        let radial = basis[0] * cos + basis[1] * sin;
+        let tangent = self.axis.cross(radial);
+        // from the body's centre
+        let point = radial * self.radius - offset;
+        let n = nearest_across(body, point, tangent)?;
+        let support = body.support(n);
+        let depth = support.h - n.dot(point);
+        (depth > 0.0).then(|| Place {
+            normal: -n,
+            point,
+            radial,
+            ahead: tangent.dot(support.point - point),
+        })
+    }
+}
+
+impl Shape for Rim {
+    fn remembered(&self) -> usize {
+        2
+    }
+
+    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+        let offset = centre - self.centre;
+        let along = self.axis.dot(offset);
+        let across = (offset - self.axis * along).norm() - self.radius;
+        !(across * across + along * along >= radius * radius)
+    }
+
+    fn touch(
+        &self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        _: &mut Search,
+        found: &mut dyn FnMut(WallSurface),
+    ) {
+        let reach = body.bounding_radius();
+        if !self.may_touch(centre, reach) {
+            return;
+        }
+        let offset = centre - self.centre;
+        let x = offset - self.axis * self.axis.dot(offset);
+        let distance = x.norm();
+        let first = x.direction().unwrap_or(Tangent::new(self.axis).u);
+        let basis = [first, self.axis.cross(first)];
+        // the arc of the edge within the body's reach
+        let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
+        let cosine = square / (2.0 * distance * self.radius);
+        let half = if cosine.is_nan() {
+            core::f64::consts::PI
+        } else {
+            cosine.clamp(-1.0, 1.0).acos()
+        };
+        let slenderness = reach / body.smallest_semi_axis();
+        let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
+        let step = 2.0 * half / count as f64;
+        let at = |k: usize| -half + (k as f64 - 0.5) * step;
+        // Behind a contact the body is deepest ahead, and beyond it behind.
+        let ahead = |angle: f64| self.place(body, offset, &basis, angle).map(|p| p.ahead);
+        let mut before = ahead(at(0));
+        for k in 1..=count + 1 {
+            let here = ahead(at(k));
+            let between = match (before, here) {
+                (Some(a), Some(b)) => a > 0.0 && b <= 0.0,
+                // the body does not reach one of the two
+                (Some(a), None) => a > 0.0,
+                (None, Some(b)) => b <= 0.0,
+                (None, None) => false,
+            };
+            if between {
+                let (mut low, mut high) = (at(k - 1), at(k));
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if ahead(middle).map_or(before.is_none(), |a| a > 0.0) {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let deepest = self.place(body, offset, &basis, 0.5 * (low + high));
+                if let Some(p) = deepest.filter(|p| p.ahead.abs() <= 1e-9 * reach) {
+                    let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
+                    let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
+                    if self.surfaces.iter().all(outermost) {
+                        found(WallSurface {
+                            direction: self.axis.cross(p.radial),
+                            curvatures: [out / self.radius, 0.0],
+                            turning_radii: [self.radius / out, 0.0],
+                            ..flat(centre + p.point, p.normal)
+                        });
+                    }
+                }
+            }
+            before = here;
+        }
+    }
+}

