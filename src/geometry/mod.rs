@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
+pub mod box_tree;
 pub mod cone;
 pub mod contact_search;
 pub mod convex_body;

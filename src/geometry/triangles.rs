@@ -8,16 +8,19 @@
 //! that lies inside another triangle, or at the bottom of a fold, never acts, and a body that lies on any pieces of a
 //! plane touches once. Both sides of a triangle act; the body's centre decides which.
 //!
-//! A face of which the body's deepest point has passed a concave fold goes on acting while the body still overlaps with it,
-//! by its share (`facet_shares`): so a contact goes over a fold of any angle without a jump, and many small facets act as
-//! the curved surface that they approach. Planes that do not cut each other within the overlap act in full.
+//! A face of which the body's deepest point has passed a concave fold goes on acting while a part of it is in the body, by
+//! its share (`facet_shares`): so a contact goes over a fold of any angle without a jump, and many small facets act as the
+//! curved surface that they approach. Faces cut each other's contacts where they meet.
+//!
+//! The time goes with `n log n` of the triangles near the body: what meets at a place is asked of a tree of boxes.
 //!
 //! What is not continuous: where convex edges lie within the same overlap as folds. A face beyond a fold is there taken as
 //! going on beyond its convex edges, and an edge that shares the overlap with a face is taken to hold its normal in the
 //! gradient of the shares.
 
-use super::ellipsoid::Ellipsoid;
-use super::facet_shares::{share, Share, ShareMemory, SupportingPlane};
+use super::box_tree::{BoxTree, Extent};
+use super::ellipsoid::{Ellipsoid, Support};
+use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
@@ -57,8 +60,14 @@ pub struct TriangleContact {
 pub struct TriangleSearch {
     contacts: Vec<TriangleContact>,
     near: Vec<Near>,
+    boxes: Vec<Extent>,
+    tree: BoxTree,
+    /// For each of `near` the candidate of its plane, `NOTHING` without one.
+    of_plane: Vec<usize>,
     candidates: Vec<Candidate>,
-    planes: Vec<SupportingPlane>,
+    sections: Vec<Section>,
+    /// A candidate and another that cuts its contact.
+    cuts: Vec<[usize; 2]>,
     memory: ShareMemory,
 }
 
@@ -76,10 +85,8 @@ const SAME_PLANE: f64 = 1e-8;
 /// degrees.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
-/// How far a face beyond a fold may be from the body, over the smallest semi-axis, and still cut the contacts of others: the
-/// paraboloids of two faces differ at the fold, by more the longer the body is, and the cut must end before the face counts as
-/// far.
-const BEYOND: f64 = 1.0;
+/// No index.
+const NOTHING: usize = usize::MAX;
 
 /// A triangle that may touch, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
@@ -88,11 +95,13 @@ struct Near {
     corners: Triangle,
     /// Towards the body's centre.
     normal: Vector3,
-    low: [f64; 3],
-    high: [f64; 3],
+    /// Distance of the centre from its plane.
+    distance: f64,
+    /// Another triangle of the same plane, on the way to the one that stands for all that continue one another in it.
+    plane: usize,
 }
 
-/// A plane that may support the body.
+/// A plane that supports the body.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     /// As in [`SupportingPlane`].
@@ -104,8 +113,8 @@ struct Candidate {
     feature: Feature,
     /// The deepest point belongs to the surface.
     over: bool,
-    /// False where the body does not reach the surface, though its plane may cut the contacts of others.
-    reached: bool,
+    /// One of `near` in its plane, of a face.
+    near: usize,
 }
 
 impl TriangleSearch {
@@ -115,54 +124,27 @@ impl TriangleSearch {
     }
 
     /// Finds the contacts of a body with centre `centre`. The triangles are all those near the body: an edge at which one is
-    /// missing counts as a free edge.
+    /// missing counts as a free edge. A triangle with a corner that is not finite is left out.
     pub fn touch(&mut self, body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) {
         self.contacts.clear();
         self.candidates.clear();
         let meeting = MEETING * body.smallest_semi_axis();
         self.gather(body, centre, triangles, meeting);
+        self.tree.build(&self.boxes);
+        self.join_planes(body.bounding_radius(), meeting);
+        self.faces(body, meeting);
         for k in 0..self.near.len() {
-            self.face(body, k, meeting);
             self.edges(body, k, meeting);
             self.corners(body, k, meeting);
         }
-        let largest = body.bounding_radius();
-        self.candidates.sort_unstable_by(|a, b| {
-            b.penetration
-                .total_cmp(&a.penetration)
-                .then(a.triangle.cmp(&b.triangle))
-        });
-        let mut kept = 0;
-        for k in 0..self.candidates.len() {
-            let c = self.candidates[k];
-            match self.candidates[..kept]
-                .iter_mut()
-                .find(|d| same_contact(d, &c, largest, meeting))
-            {
-                Some(d) => {
-                    let reached = d.reached || c.reached;
-                    if (c.rank(), c.triangle) < (d.rank(), d.triangle) {
-                        *d = c;
-                    }
-                    d.reached = reached;
-                }
-                None => {
-                    self.candidates[kept] = c;
-                    kept += 1;
-                }
-            }
-        }
-        self.candidates.truncate(kept);
-        self.planes.clear();
-        self.planes.extend(self.candidates.iter().map(|c| c.plane));
+        self.keep_one_of_each(meeting);
+        self.find_cuts(body, meeting);
+        let mut cuts = &self.cuts[..];
         for (k, c) in self.candidates.iter().enumerate() {
-            if !c.reached {
-                continue;
-            }
-            let share = match kept {
-                1 => Share::WHOLE,
-                _ => share(body, &self.planes, k, &mut self.memory),
-            };
+            let (own, rest) = cuts.split_at(cuts.partition_point(|cut| cut[0] == k));
+            cuts = rest;
+            let others = own.iter().map(|cut| &self.sections[cut[1]]);
+            let share = share(body, &self.sections[k], others, &mut self.memory);
             if share.value > 0.0 {
                 self.contacts.push(TriangleContact {
                     point: centre + c.foot,
@@ -174,122 +156,195 @@ impl TriangleSearch {
                 });
             }
         }
+        self.contacts.sort_unstable_by(|a, b| {
+            b.penetration
+                .total_cmp(&a.penetration)
+                .then(a.triangle.cmp(&b.triangle))
+        });
     }
 
     /// The triangles within the body's reach along the world axes, without slivers.
     fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
         self.near.clear();
+        self.boxes.clear();
         let reach = [
             Vector3::new(1.0, 0.0, 0.0),
             Vector3::new(0.0, 1.0, 0.0),
             Vector3::new(0.0, 0.0, 1.0),
         ]
         .map(|e| body.support(e).h + meeting);
+        let own = Extent {
+            low: reach.map(|x| -x),
+            high: reach,
+        };
         for (index, t) in all.iter().enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
-            let low: [f64; 3] =
-                core::array::from_fn(|k| axes.iter().fold(f64::INFINITY, |m, p| m.min(p[k])));
-            let high: [f64; 3] =
-                core::array::from_fn(|k| axes.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k])));
-            if !(0..3).all(|k| low[k] <= reach[k] && high[k] >= -reach[k]) {
+            let extent = Extent {
+                low: core::array::from_fn(|k| axes.iter().fold(f64::INFINITY, |m, p| m.min(p[k]))),
+                high: core::array::from_fn(|k| {
+                    axes.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]))
+                }),
+            };
+            if !extent.overlaps(&own) {
                 continue;
             }
             let sides: [Vector3; 3] = core::array::from_fn(|k| corners[(k + 1) % 3] - corners[k]);
-            let cross = sides[0].cross(sides[1]);
+            // The two shorter sides: of a long triangle the third has lost digits.
+            let lengths = sides.map(|e| e.norm_squared());
+            let longest = (0..3).fold(0, |m, k| if lengths[k] > lengths[m] { k } else { m });
+            let cross = sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]);
             let twice_area = cross.norm();
-            let longest = sides.iter().map(|e| e.norm()).fold(0.0, f64::max);
-            if !(twice_area > meeting * longest) {
+            if !(twice_area > meeting * lengths[longest].sqrt() && twice_area.is_finite()) {
                 continue;
             }
             let mut normal = cross * (1.0 / twice_area);
-            if normal.dot(corners[0]) > 0.0 {
-                normal = -normal;
+            let nearest = (0..3).fold(0, |m, k| {
+                let closer = corners[k].norm_squared() < corners[m].norm_squared();
+                if closer {
+                    k
+                } else {
+                    m
+                }
+            });
+            let mut distance = -normal.dot(corners[nearest]);
+            if distance < 0.0 {
+                (normal, distance) = (-normal, -distance);
             }
             self.near.push(Near {
                 index,
                 corners,
                 normal,
-                low,
-                high,
+                distance,
+                plane: self.near.len(),
             });
+            self.boxes.push(extent);
         }
     }
 
-    fn face(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
-        let t = &self.near[k];
-        let normal = t.normal;
-        let support = body.support(-normal);
-        let penetration = support.h + normal.dot(t.corners[0]);
-        let slack = BEYOND * body.smallest_semi_axis();
-        if !(penetration > -slack) {
-            return;
+    /// Joins triangles that continue one another in one plane.
+    fn join_planes(&mut self, largest: f64, meeting: f64) {
+        let TriangleSearch {
+            near, boxes, tree, ..
+        } = self;
+        for k in 0..near.len() {
+            tree.visit(boxes, &boxes[k].wider(meeting), |other| {
+                if other < k && near[k].is_in_plane_of(&near[other], largest) {
+                    let (a, b) = (first_of(near, k), first_of(near, other));
+                    near[a.max(b)].plane = a.min(b);
+                }
+                true
+            });
         }
-        let foot = support.point + normal * penetration;
-        // the point of the triangle that is deepest beneath the body's paraboloid
-        let tangent = Tangent::new(-normal);
-        let curvature = body.weingarten(&support, &tangent);
-        let scale = Root::of(curvature);
-        let place = |p: Vector3| scale.apply(tangent.components(p - foot));
-        let deepest = nearest_to_origin(t.corners.map(place));
-        let point = combine(&t.corners, deepest);
-        let aside = place(point);
-        let depth = penetration - 0.5 * aside.dot(aside);
-        let over = (point - foot).norm_squared() <= meeting * meeting;
-        if !over && !self.folds_up(k, point, meeting) {
-            return;
+        for k in 0..near.len() {
+            near[k].plane = first_of(near, k);
         }
-        self.candidates.push(Candidate {
-            plane: SupportingPlane { point, normal },
-            foot,
-            penetration,
-            triangle: self.near[k].index,
-            feature: Feature::Face,
-            over,
-            reached: penetration > 0.0 && (over || depth > 0.0),
-        });
+    }
+
+    /// The planes of faces on which the body lies, or on a part of which it lies beyond a fold.
+    fn faces(&mut self, body: &Ellipsoid, meeting: f64) {
+        self.of_plane.clear();
+        self.of_plane.resize(self.near.len(), NOTHING);
+        for k in 0..self.near.len() {
+            let t = &self.near[k];
+            let known = self.of_plane[t.plane];
+            if known != NOTHING && self.candidates[known].over {
+                continue;
+            }
+            let normal = t.normal;
+            let support = body.support(-normal);
+            let penetration = support.h - t.distance;
+            if !(penetration > 0.0) {
+                continue;
+            }
+            let foot = support.point + normal * penetration;
+            let over = self.boxes[k].overlaps(&Extent::about(foot.to_array(), meeting))
+                && t.has(foot, meeting);
+            let point = if over {
+                foot
+            } else {
+                if known != NOTHING || !t.is_in_section(body, &support, penetration) {
+                    continue;
+                }
+                let point = t.nearest_to(body, &support, foot);
+                if !self.folds_up(k, point, meeting) {
+                    continue;
+                }
+                point
+            };
+            let candidate = Candidate {
+                plane: SupportingPlane { point, normal },
+                foot,
+                penetration,
+                triangle: t.index,
+                feature: Feature::Face,
+                over,
+                near: k,
+            };
+            if known == NOTHING {
+                self.of_plane[t.plane] = self.candidates.len();
+                self.candidates.push(candidate);
+            } else {
+                self.candidates[known] = candidate;
+            }
+        }
     }
 
     /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
     fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
-        self.near.iter().enumerate().any(|(k, q)| {
-            let above = |normal: Vector3, corners: &Triangle| {
-                corners.iter().any(|z| {
-                    let way = *z - point;
-                    normal.dot(way) > TOLERANCE * way.norm() + f64::MIN_POSITIVE
-                })
-            };
-            let nowhere_below = |normal: Vector3, corners: &Triangle| {
-                corners.iter().all(|z| {
-                    let way = *z - point;
-                    normal.dot(way) >= -(TOLERANCE * way.norm() + meeting)
-                })
-            };
-            k != own
-                && q.box_has(point, meeting)
+        let above = |normal: Vector3, corners: &Triangle| {
+            corners.iter().any(|z| {
+                let way = *z - point;
+                normal.dot(way) > TOLERANCE * way.norm() + f64::MIN_POSITIVE
+            })
+        };
+        let nowhere_below = |normal: Vector3, corners: &Triangle| {
+            corners.iter().all(|z| {
+                let way = *z - point;
+                normal.dot(way) >= -(TOLERANCE * way.norm() + meeting)
+            })
+        };
+        let mut rises = false;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            rises = k != own
                 && above(t.normal, &q.corners)
                 && above(q.normal, &t.corners)
                 && nowhere_below(q.normal, &t.corners)
-                && q.has(point, meeting)
-        })
+                && q.has(point, meeting);
+            !rises
+        });
+        rises
     }
 
     /// Whether a normal at a point points away from all triangles that meet there.
     fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
-        self.near.iter().all(|q| {
+        let mut outermost = true;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
             let away = q.corners.iter().all(|z| {
                 let way = *z - point;
                 normal.dot(way) <= TOLERANCE * way.norm()
             });
-            away || !q.box_has(point, meeting) || !q.has(point, meeting)
-        })
+            outermost = away || !q.has(point, meeting);
+            outermost
+        });
+        outermost
     }
 
     fn edges(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
         let t = self.near[k];
+        let unit = t
+            .corners
+            .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
         for m in 0..3 {
             let (a, b, c) = (t.corners[m], t.corners[(m + 1) % 3], t.corners[(m + 2) % 3]);
+            if !is_within_reach(unit[m], unit[(m + 1) % 3]) {
+                continue;
+            }
             let length = (b - a).norm();
             let along = (b - a) * (1.0 / length);
             let Some(n) = nearest_across(body, a, along) else {
@@ -310,15 +365,7 @@ impl TriangleSearch {
             }
             let point = a + along * place;
             if self.is_outermost(normal, point, meeting) {
-                self.candidates.push(Candidate {
-                    plane: SupportingPlane { point, normal },
-                    foot: point,
-                    penetration,
-                    triangle: t.index,
-                    feature: Feature::Edge(along),
-                    over: true,
-                    reached: true,
-                });
+                self.add_point(normal, point, penetration, Feature::Edge(along), k);
             }
         }
     }
@@ -332,56 +379,167 @@ impl TriangleSearch {
             };
             let n = body.to_world(Vector3::from_array(n)).normalised();
             let normal = -n;
+            let away = t.corners.iter().all(|z| {
+                let way = *z - corner;
+                normal.dot(way) <= TOLERANCE * way.norm()
+            });
+            if !away {
+                continue;
+            }
             let penetration = body.support(n).h - n.dot(corner);
             if penetration > 0.0 && self.is_outermost(normal, corner, meeting) {
-                self.candidates.push(Candidate {
-                    plane: SupportingPlane {
-                        point: corner,
-                        normal,
-                    },
-                    foot: corner,
-                    penetration,
-                    triangle: t.index,
-                    feature: Feature::Corner,
-                    over: true,
-                    reached: true,
-                });
+                self.add_point(normal, corner, penetration, Feature::Corner, k);
             }
         }
     }
+
+    /// An edge or a corner that touches.
+    fn add_point(
+        &mut self,
+        normal: Vector3,
+        point: Vector3,
+        penetration: f64,
+        feature: Feature,
+        near: usize,
+    ) {
+        self.candidates.push(Candidate {
+            plane: SupportingPlane { point, normal },
+            foot: point,
+            penetration,
+            triangle: self.near[near].index,
+            feature,
+            over: true,
+            near,
+        });
+    }
+
+    /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
+    /// triangles have in common.
+    fn keep_one_of_each(&mut self, meeting: f64) {
+        if self.candidates.iter().all(|c| c.feature == Feature::Face) {
+            return;
+        }
+        let reach = 3.0 * meeting;
+        self.candidates
+            .sort_unstable_by(|a, b| a.foot.x.total_cmp(&b.foot.x).then(a.order(b)));
+        for k in 0..self.candidates.len() {
+            let c = self.candidates[k];
+            for other in k + 1..self.candidates.len() {
+                let d = self.candidates[other];
+                if d.foot.x - c.foot.x > reach || self.candidates[k].triangle == NOTHING {
+                    break;
+                }
+                let faces = c.feature == Feature::Face && d.feature == Feature::Face;
+                if !faces
+                    && d.triangle != NOTHING
+                    && c.plane.normal.dot(d.plane.normal) > SAME_NORMAL
+                    && (c.foot - d.foot).norm_squared() <= reach * reach
+                {
+                    let loser = if c.order(&d).is_lt() { other } else { k };
+                    self.candidates[loser].triangle = NOTHING;
+                }
+            }
+        }
+        self.candidates.retain(|c| c.triangle != NOTHING);
+        self.of_plane.fill(NOTHING);
+        for (k, c) in self.candidates.iter().enumerate() {
+            if c.feature == Feature::Face {
+                self.of_plane[self.near[c.near].plane] = k;
+            }
+        }
+    }
+
+    /// Which candidates cut each other's contacts: faces that meet, and edges and corners with everything.
+    fn find_cuts(&mut self, body: &Ellipsoid, meeting: f64) {
+        let TriangleSearch {
+            near,
+            boxes,
+            tree,
+            of_plane,
+            candidates,
+            sections,
+            cuts,
+            ..
+        } = self;
+        sections.clear();
+        sections.extend(candidates.iter().map(|c| Section::new(body, &c.plane)));
+        cuts.clear();
+        let mut cut = |c: usize, d: usize, meet: &dyn Fn() -> bool| {
+            let [one, other] = [[c, d], [d, c]].map(|[c, d]| sections[c].is_cut_by(&sections[d]));
+            if (one || other) && meet() {
+                cuts.extend(one.then_some([c, d]));
+                cuts.extend(other.then_some([d, c]));
+            }
+        };
+        for (k, t) in near.iter().enumerate() {
+            let c = of_plane[t.plane];
+            if c == NOTHING || candidates.len() == 1 {
+                continue;
+            }
+            tree.visit(boxes, &boxes[k].wider(meeting), |other| {
+                let q = &near[other];
+                let d = of_plane[q.plane];
+                if other < k && d != NOTHING && d != c {
+                    cut(c, d, &|| t.meets(q, meeting));
+                }
+                true
+            });
+        }
+        for (c, point) in candidates.iter().enumerate() {
+            if point.feature == Feature::Face {
+                continue;
+            }
+            for (d, other) in candidates.iter().enumerate() {
+                if d < c || other.feature == Feature::Face {
+                    cut(c, d, &|| true);
+                }
+            }
+        }
+        cuts.sort_unstable();
+        cuts.dedup();
+    }
+}
+
+/// The triangle that stands for all that continue one another in the plane of this one.
+fn first_of(near: &mut [Near], mut k: usize) -> usize {
+    while near[k].plane != k {
+        let next = near[near[k].plane].plane;
+        near[k].plane = next;
+        k = next;
+    }
+    k
+}
+
+/// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.
+fn is_within_reach(a: Vector3, b: Vector3) -> bool {
+    let way = b - a;
+    let length = way.norm_squared();
+    let place = if length > 0.0 {
+        (-a.dot(way) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (a + way * place).norm_squared() < 1.0 + 1e-3
 }
 
 impl Candidate {
     /// Which of two candidates for one contact stands for it: the smaller.
-    fn rank(&self) -> u8 {
-        match self.feature {
-            Feature::Face if self.over => 0,
+    fn order(&self, other: &Candidate) -> core::cmp::Ordering {
+        let rank = |c: &Candidate| match c.feature {
+            Feature::Face if c.over => 0,
             Feature::Face => 1,
             Feature::Edge(_) => 2,
             Feature::Corner => 3,
-        }
+        };
+        rank(self)
+            .cmp(&rank(other))
+            .then(other.penetration.total_cmp(&self.penetration))
+            .then(self.triangle.cmp(&other.triangle))
+            .then(self.near.cmp(&other.near))
     }
-}
-
-/// Whether two candidates are one contact: the same plane, or an edge or a corner beneath the deepest point of a face.
-fn same_contact(a: &Candidate, b: &Candidate, largest: f64, meeting: f64) -> bool {
-    let faces = a.feature == Feature::Face && b.feature == Feature::Face;
-    let cosine = a.plane.normal.dot(b.plane.normal);
-    if !faces && cosine > SAME_NORMAL && (a.foot - b.foot).norm() <= 3.0 * meeting {
-        return true;
-    }
-    let apart = a.plane.normal.dot(a.plane.point - b.plane.point);
-    cosine > 0.0
-        && (a.plane.normal - b.plane.normal).norm() <= SAME_PLANE
-        && apart.abs() <= 1e-12 * largest
 }
 
 impl Near {
-    fn box_has(&self, p: Vector3, margin: f64) -> bool {
-        let p = p.to_array();
-        (0..3).all(|k| self.low[k] - margin <= p[k] && self.high[k] + margin >= p[k])
-    }
-
     /// Whether the triangle passes within `margin` of a point.
     fn has(&self, p: Vector3, margin: f64) -> bool {
         let tangent = Tangent::new(self.normal);
@@ -389,31 +547,67 @@ impl Near {
         let nearest = combine(&self.corners, nearest_to_origin(place));
         (nearest - p).norm_squared() <= margin * margin
     }
+
+    /// Whether two triangles that meet are of one plane.
+    fn is_in_plane_of(&self, other: &Near, largest: f64) -> bool {
+        (self.normal - other.normal).norm_squared() <= SAME_PLANE * SAME_PLANE
+            && self.corners.iter().any(|p| {
+                let height = other.normal.dot(*p) + other.distance;
+                height.abs() <= 1e-12 * largest
+            })
+    }
+
+    /// Whether a part of the triangle is in the body.
+    fn is_in_section(&self, body: &Ellipsoid, support: &Support, penetration: f64) -> bool {
+        let below = penetration * support.inverse_h;
+        let (_, nearest) = self.nearest(body, support, Vector3::ZERO);
+        nearest.dot(nearest) < below * (2.0 - below)
+    }
+
+    /// The point of the triangle nearest to a point of its plane in the measure of the plane's section with the body.
+    fn nearest_to(&self, body: &Ellipsoid, support: &Support, foot: Vector3) -> Vector3 {
+        combine(&self.corners, self.nearest(body, support, foot).0)
+    }
+
+    /// The weights of that point, and its place from `middle` where the body is the unit sphere, along the plane.
+    fn nearest(&self, body: &Ellipsoid, support: &Support, middle: Vector3) -> ([f64; 3], Vector2) {
+        let m = body.semi_axes.componentwise(support.local_normal) * support.inverse_h;
+        let frame = Tangent::new(m);
+        let place = self.corners.map(|p| {
+            let unit = body.to_body(p - middle);
+            frame.components(body.inverse_semi_axes.componentwise(unit))
+        });
+        let weights = nearest_to_origin(place);
+        let nearest = place[0] * weights[0] + place[1] * weights[1] + place[2] * weights[2];
+        (weights, nearest)
+    }
+
+    /// Whether two triangles come within `margin` of each other: at a corner of one, or where a side of one passes through the
+    /// other.
+    fn meets(&self, other: &Near, margin: f64) -> bool {
+        let touches = |t: &Near, q: &Near| {
+            let heights = q.corners.map(|p| t.normal.dot(p) + t.distance);
+            (0..3).any(|k| {
+                if heights[k].abs() <= margin && t.has(q.corners[k], margin) {
+                    return true;
+                }
+                let next = (k + 1) % 3;
+                if heights[k] * heights[next] >= 0.0 {
+                    return false;
+                }
+                let place = heights[k] / (heights[k] - heights[next]);
+                t.has(
+                    q.corners[k] + (q.corners[next] - q.corners[k]) * place,
+                    margin,
+                )
+            })
+        };
+        touches(self, other) || touches(other, self)
+    }
 }
 
 fn combine(corners: &Triangle, weights: [f64; 3]) -> Vector3 {
     corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
-}
-
-/// A square root `l` of a positive matrix, `l^T l`: lengths of `l x` are those of the matrix.
-struct Root {
-    uu: f64,
-    uv: f64,
-    vv: f64,
-}
-
-impl Root {
-    fn of(m: Symmetric2) -> Self {
-        let uu = m.uu.sqrt();
-        Root {
-            uu,
-            uv: m.uv / uu,
-            vv: (m.determinant() / m.uu).max(0.0).sqrt(),
-        }
-    }
-    fn apply(&self, x: Vector2) -> Vector2 {
-        Vector2::new(self.uu * x.u + self.uv * x.v, self.vv * x.v)
-    }
 }
 
 /// Weights of the corners of a triangle in the plane at its point nearest to the origin.
