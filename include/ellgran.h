@@ -263,11 +263,6 @@ typedef struct EllgranWallContacts EllgranWallContacts;
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- Pose and motion of a wall.
- */
-typedef struct Motion Motion;
-
-/*
  A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
  */
 typedef struct EllgranBody {
