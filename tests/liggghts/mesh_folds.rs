@@ -49,7 +49,7 @@ fn in_drum(engine: &Engine, name: &str, facets: usize, grain: &Grain, deck: Deck
     let directory = fresh_directory(name);
     stl(&directory.join("drum.stl"), &drum(facets));
     let deck = Deck {
-        before: vec!["fix drum all mesh/surface file drum.stl type 1".into()],
+        before: vec!["fix drum all mesh/surface file drum.stl type 1 curvature 1e-5".into()],
         walls: vec!["mesh n_meshes 1 meshes drum".into()],
         fixes: vec![WEIGHT.into()],
         ..deck
@@ -117,7 +117,15 @@ fn an_elastic_grain_in_a_faceted_drum_keeps_its_energy() {
 #[test]
 fn a_long_grain_comes_to_rest_in_a_faceted_drum() {
     let engine = Engine::from_environment();
-    for facets in [36, 180] {
+    // What is left grows with the number of facets; whether it is a rolling that nothing dissipates is not known. The cylinder
+    // that they approach (None) is printed and not held to a bound: in this time the grain does not come to rest in it.
+    for (facets, allowed) in [
+        (None, f64::INFINITY),
+        (Some(36), 1e-4),
+        (Some(180), 1e-2),
+        (Some(360), 1e-2),
+        (Some(720), 2e-2),
+    ] {
         let grain = Grain {
             density: 2500.0,
             ..Grain::new([6e-3, 1.5e-3, 1.5e-3], [0.0005, 0.0, -0.027])
@@ -127,17 +135,29 @@ fn a_long_grain_comes_to_rest_in_a_faceted_drum() {
             time_step: 1e-5,
             steps: 60000,
             materials: vec![[1e6, 0.3, 300.0, 300.0]],
+            fixes: vec![WEIGHT.into()],
             ..Deck::new(ELASTIC, 0.5)
         };
-        let outcome = in_drum(&engine, &format!("rest_{facets}"), facets, &grain, deck);
+        let outcome = match facets {
+            Some(facets) => in_drum(&engine, &format!("rest_{facets}"), facets, &grain, deck),
+            None => {
+                let deck = Deck {
+                    walls: vec![format!("primitive type 1 ycylinder {RADIUS} 0.0 0.0")],
+                    ..deck
+                };
+                let directory = fresh_directory("rest_cylinder");
+                let scene = Scene::open(0.1, vec![grain.clone()]);
+                run_in(&engine, &directory, &scene, &deck, 1)
+            }
+        };
         let last = &outcome.last().states[0];
         let force = length(last.force) / (grain.mass() * 9.81);
+        let name = facets.map_or("cylinder".into(), |n| format!("{n} facets"));
         println!(
-            "{facets} facets: force left {force:.1e} of the weight, velocity {:.1e} m/s",
+            "{name}: force left {force:.1e} of the weight, velocity {:.1e} m/s",
             length(last.velocity)
         );
-        // What is left is a slow rolling to and fro, which nothing dissipates.
-        assert!(force < 1e-2, "{facets}: not at rest");
+        assert!(force < allowed, "{name}: not at rest");
     }
 }
 
