@@ -12,7 +12,7 @@
 //!   misses the discs: the share of a face vanishes before the face is out of reach.
 //! - **The weight** is `15/(4 pi) (1 - r^2) r (1 + beta cos 2 theta)` over the unit disc, the depth times the slope of the cap
 //!   beyond the plane, whose integral is 1. `theta` is the angle from the section's longer axis, and `beta` (see
-//!   [`anisotropy`]) makes many facets the curved surface.
+//!   `anisotropy`) makes many facets the curved surface.
 //! - The elastic energy is the sum of `w U` over the planes, `U` that of Hertz on the whole plane, so force and torque are
 //!   continuous and keep energy. Beside the law's own terms times `w` they are `-U grad w`, of which the gradient stands here.
 //! - A plane that no other one cuts has `w = 1`, and planes that continue one another, cut along any line, sum to one:
