@@ -13,6 +13,7 @@
 #include "atom.h"
 #include "atom_vec_ellipsoid.h"
 #include "atom_vec_hybrid.h"
+#include "domain.h"
 #include "fix_neigh_history.h"
 #include "force.h"
 #include "lammps.h"
@@ -20,9 +21,11 @@
 #include "modify.h"
 
 #include "ellgran_class_layout.h"
+#include "ellgran_region_measures.h"
 
 #include <mpi.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -128,6 +131,69 @@ void check_grains(LAMMPS *lmp, const AtomVecEllipsoid *vec)
   }
 }
 
+// A region that a command makes. The plugin makes none and derives no class from one: members that a later release has added behind
+// those that are read do no harm.
+template <typename Class> const Class *region_of(LAMMPS *lmp, const std::string &words)
+{
+  lammps_command(lmp, "region place delete");
+  lammps_command(lmp, ("region place " + words).c_str());
+  auto *region = dynamic_cast<Class *>(lmp->domain->get_region_by_id("place"));
+  const std::string what = "region " + words;
+  compare((what + " is of the class").c_str(), region != nullptr, true);
+  if (!region) return nullptr;
+  const std::size_t size = allocated_size(dynamic_cast<void *>(region));
+  compare((what + " is as large as the headers say, or larger").c_str(), sizeof(Class) <= size, true);
+  return sizeof(Class) <= size ? region : nullptr;
+}
+
+// By the headers, what the commands have set.
+void check_regions(LAMMPS *lmp)
+{
+  lammps_command(lmp, "region place block -1 1 -1 1 -1 1");
+  lammps_command(lmp, "variable angle equal 0");
+  if (const auto *block = region_of<RegBlock>(lmp, "block 1 2 3 5 6 9")) {
+    compare("RegBlock::xlo", block->*member_of(BlockXlo()), 1);
+    compare("RegBlock::xhi", block->*member_of(BlockXhi()), 2);
+    compare("RegBlock::ylo", block->*member_of(BlockYlo()), 3);
+    compare("RegBlock::yhi", block->*member_of(BlockYhi()), 5);
+    compare("RegBlock::zlo", block->*member_of(BlockZlo()), 6);
+    compare("RegBlock::zhi", block->*member_of(BlockZhi()), 9);
+  }
+  if (const auto *plane = region_of<RegPlane>(lmp, "plane 1 2 3 2 3 6")) {
+    compare("RegPlane::xp", plane->*member_of(PlaneX()), 1);
+    compare("RegPlane::yp", plane->*member_of(PlaneY()), 2);
+    compare("RegPlane::zp", plane->*member_of(PlaneZ()), 3);
+    for (int k = 0; k < 3; k++)
+      if (std::abs((plane->*member_of(PlaneNormal()))[k] - (k == 0 ? 2.0 : 3.0 * k) / 7.0) > 1e-12)
+        compare("RegPlane::normal", (plane->*member_of(PlaneNormal()))[k], (k == 0 ? 2.0 : 3.0 * k) / 7.0);
+  }
+  if (const auto *sphere = region_of<RegSphere>(lmp, "sphere 1 2 3 4")) {
+    compare("RegSphere::xc", sphere->*member_of(SphereX()), 1);
+    compare("RegSphere::yc", sphere->*member_of(SphereY()), 2);
+    compare("RegSphere::zc", sphere->*member_of(SphereZ()), 3);
+    compare("RegSphere::radius", sphere->*member_of(SphereRadius()), 4);
+  }
+  if (const auto *cylinder = region_of<RegCylinder>(lmp, "cylinder y 1 2 3 4 5")) {
+    compare("RegCylinder::axis", cylinder->*member_of(CylinderAxis()), 'y');
+    compare("RegCylinder::c1", cylinder->*member_of(CylinderFirst()), 1);
+    compare("RegCylinder::c2", cylinder->*member_of(CylinderSecond()), 2);
+    compare("RegCylinder::radius", cylinder->*member_of(CylinderRadius()), 3);
+    compare("RegCylinder::lo", cylinder->*member_of(CylinderLow()), 4);
+    compare("RegCylinder::hi", cylinder->*member_of(CylinderHigh()), 5);
+  }
+  if (const auto *cone = region_of<RegCone>(lmp, "cone x 1 2 3 4 5 6 rotate v_angle 7 8 9 0 0 2")) {
+    compare("RegCone::axis", cone->*member_of(ConeAxis()), 'x');
+    compare("RegCone::c1", cone->*member_of(ConeFirst()), 1);
+    compare("RegCone::c2", cone->*member_of(ConeSecond()), 2);
+    compare("RegCone::radiuslo", cone->*member_of(ConeRadiusLow()), 3);
+    compare("RegCone::radiushi", cone->*member_of(ConeRadiusHigh()), 4);
+    compare("RegCone::lo", cone->*member_of(ConeLow()), 5);
+    compare("RegCone::hi", cone->*member_of(ConeHigh()), 6);
+    compare("Region::point", (cone->*member_of(RegionPoint()))[1], 8);
+    compare("Region::runit", (cone->*member_of(RegionAxis()))[2], 1);
+  }
+}
+
 }    // namespace
 
 void *operator new(std::size_t size)
@@ -161,6 +227,8 @@ int main()
     compare("size of AtomVecEllipsoid", sizeof(AtomVecEllipsoid), allocated_size(dynamic_cast<void *>(ellipsoid)));
     check_grains(lmp, ellipsoid);
   }
+
+  check_regions(lmp);
 
   const int length = 3;
   lammps_command(handle, "fix history all NEIGH_HISTORY 3");
