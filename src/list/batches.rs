@@ -274,7 +274,7 @@ impl Batches {
     }
 
     /// Writes what is remembered of one pair to the engine's arrays.
-    pub fn write_one<R: NeighbourRows>(&self, rows: &mut R, batch: usize, lane: usize) {
+    pub fn write_one<R: NeighbourRows + ?Sized>(&self, rows: &mut R, batch: usize, lane: usize) {
         let pair = self.pair(batch, lane);
         let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
         if let Some(touching) = touching {
@@ -287,7 +287,7 @@ impl Batches {
     }
 
     /// The reverse of [`Batches::write_one`].
-    pub fn read_one<R: NeighbourRows>(&mut self, rows: &mut R, batch: usize, lane: usize) {
+    pub fn read_one(&mut self, rows: &mut dyn NeighbourRows, batch: usize, lane: usize) {
         let pair = self.pair(batch, lane);
         let (touching, history) = rows.pair(pair.i as usize, pair.entry as usize);
         if let Some(touching) = touching {

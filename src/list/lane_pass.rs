@@ -8,7 +8,7 @@ use super::batches::Candidate;
 use super::candidates::Candidates;
 use super::contact_records::of_lane;
 use super::records::{Record, Records, Shapes};
-use super::rows::{check_history, ListError, NeighbourRow, NeighbourRows};
+use super::rows::{check_history, ListError, NeighbourRow};
 use super::scalar_pass::{Pass, Place};
 use super::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use super::workspace::Workspace;
@@ -23,8 +23,8 @@ use core::marker::PhantomData;
 const AHEAD: usize = 2;
 
 /// See [`find_candidates`].
-struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows, K> {
-    pass: &'p mut Pass<'a, 'b, 'c, R>,
+struct FindCandidates<'p, 'a, 'b, 'c, K> {
+    pass: &'p mut Pass<'a, 'b, 'c>,
     records: &'p [Record],
     types: &'p [u32],
     candidates: &'p mut Candidates,
@@ -32,10 +32,10 @@ struct FindCandidates<'p, 'a, 'b, 'c, R: NeighbourRows, K> {
     kind: PhantomData<K>,
 }
 
-impl<R: NeighbourRows, K: Kind> Stage for FindCandidates<'_, '_, '_, '_, R, K> {
+impl<K: Kind> Stage for FindCandidates<'_, '_, '_, '_, K> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
-        *self.found = find_candidates::<R, S, K>(
+        *self.found = find_candidates::<S, K>(
             self.pass,
             registers,
             self.records,
@@ -51,25 +51,24 @@ struct Contacts<
     'a,
     'b,
     'c,
-    R: NeighbourRows,
     K,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
     const RECORD: bool,
 > {
-    pass: &'p mut Pass<'a, 'b, 'c, R>,
+    pass: &'p mut Pass<'a, 'b, 'c>,
     particles: &'p mut Records,
     candidates: &'p mut Candidates,
     kind: PhantomData<K>,
 }
 
-impl<R: NeighbourRows, K: Kind, const F: bool, const V: bool, const C: bool, const P: bool> Stage
-    for Contacts<'_, '_, '_, '_, R, K, F, V, C, P>
+impl<K: Kind, const F: bool, const V: bool, const C: bool, const P: bool> Stage
+    for Contacts<'_, '_, '_, '_, K, F, V, C, P>
 {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
-        contacts::<R, S, K, F, V, C, P>(self.pass, registers, self.particles, self.candidates);
+        contacts::<S, K, F, V, C, P>(self.pass, registers, self.particles, self.candidates);
     }
 }
 
@@ -134,50 +133,39 @@ impl<'a> Pending<'a> {
 
 /// The whole list on the workspace's instruction set.
 pub(super) fn in_lanes<
-    R: NeighbourRows,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
     const RECORD: bool,
 >(
-    mut pass: Pass<'_, '_, '_, R>,
+    mut pass: Pass<'_, '_, '_>,
     workspace: &mut Workspace,
 ) -> Result<u64, ListError> {
-    let (particles, candidates) = (&workspace.records, &mut workspace.candidates);
-    if particles.records.is_empty() {
+    if workspace.records.records.is_empty() {
         return Ok(0);
     }
-    if !candidates.are_valid() {
-        candidates.batches.write(pass.rows);
-    }
-    match particles.shapes {
+    match workspace.records.shapes {
         // The conservative law adds nothing to a force between spheres.
-        Shapes::Spheres => {
-            of_kind::<R, Spheres, FRICTION, RATE, false, RECORD>(&mut pass, workspace)?
-        }
+        Shapes::Spheres => of_kind::<Spheres, FRICTION, RATE, false, RECORD>(&mut pass, workspace)?,
         Shapes::Spheroids => {
-            of_kind::<R, Spheroids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+            of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
         }
         Shapes::Ellipsoids => {
-            of_kind::<R, Ellipsoids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+            of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
         }
-    }
-    if !workspace.keeps_history {
-        workspace.candidates.batches.write(pass.rows);
     }
     Ok(pass.deep_contacts)
 }
 
 /// With the closed form of one kind of shape.
 fn of_kind<
-    R: NeighbourRows,
     K: Kind,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
     const RECORD: bool,
 >(
-    pass: &mut Pass<'_, '_, '_, R>,
+    pass: &mut Pass<'_, '_, '_>,
     workspace: &mut Workspace,
 ) -> Result<(), ListError> {
     let set = workspace.instruction_set;
@@ -198,7 +186,7 @@ fn of_kind<
         t.pairs += candidates.listed;
     }
     candidates.batches.advanced();
-    set.run(Contacts::<R, K, FRICTION, RATE, CONSERVATIVE, RECORD> {
+    set.run(Contacts::<K, FRICTION, RATE, CONSERVATIVE, RECORD> {
         pass: &mut *pass,
         particles,
         candidates,
@@ -210,8 +198,8 @@ fn of_kind<
 /// Goes through the whole list for pairs that may touch before the particles have moved by the margin. It reads every
 /// entry, and so finds those that name no particle.
 #[inline(always)]
-fn find_candidates<R: NeighbourRows, S: Registers, K: Kind>(
-    pass: &mut Pass<'_, '_, '_, R>,
+fn find_candidates<S: Registers, K: Kind>(
+    pass: &mut Pass<'_, '_, '_>,
     registers: S,
     records: &[Record],
     types: &[u32],
@@ -280,7 +268,6 @@ fn find_candidates<R: NeighbourRows, S: Registers, K: Kind>(
 /// Search, law and scatter of the candidates.
 #[inline(always)]
 fn contacts<
-    R: NeighbourRows,
     S: Registers,
     K: Kind,
     const FRICTION: bool,
@@ -288,7 +275,7 @@ fn contacts<
     const CONSERVATIVE: bool,
     const RECORD: bool,
 >(
-    pass: &mut Pass<'_, '_, '_, R>,
+    pass: &mut Pass<'_, '_, '_>,
     registers: S,
     particles: &mut Records,
     candidates: &mut Candidates,
@@ -381,7 +368,7 @@ fn contacts<
             hard &= hard - 1;
             let pair = batches.pair(number, lane);
             batches.write_one(pass.rows, number, lane);
-            scalar_pair::<R, FRICTION, RATE, CONSERVATIVE>(pass, pair, single);
+            scalar_pair::<FRICTION, RATE, CONSERVATIVE>(pass, pair, single);
             batches.read_one(pass.rows, number, lane);
         }
         // While they are still close, and the arithmetic of the next batch hides the way to the engine's arrays.
@@ -397,8 +384,8 @@ fn contacts<
 }
 
 /// Energies and virial of a batch.
-fn tally<R: NeighbourRows>(
-    pass: &mut Pass<'_, '_, '_, R>,
+fn tally(
+    pass: &mut Pass<'_, '_, '_>,
     batch: &Batch<'_>,
     touching: u32,
     tallies: &BatchTallies,
@@ -433,8 +420,8 @@ fn tally<R: NeighbourRows>(
 }
 
 /// A touching pair in full.
-fn record<R: NeighbourRows>(
-    pass: &mut Pass<'_, '_, '_, R>,
+fn record(
+    pass: &mut Pass<'_, '_, '_>,
     pair: Candidate,
     lane: usize,
     lines: &BatchRecords,
@@ -458,13 +445,8 @@ fn record<R: NeighbourRows>(
 
 /// One pair with every safeguard.
 #[cold]
-fn scalar_pair<
-    R: NeighbourRows,
-    const FRICTION: bool,
-    const RATE: bool,
-    const CONSERVATIVE: bool,
->(
-    pass: &mut Pass<'_, '_, '_, R>,
+fn scalar_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    pass: &mut Pass<'_, '_, '_>,
     pair: Candidate,
     single: Single<'_>,
 ) {
@@ -479,7 +461,7 @@ fn scalar_pair<
 
 /// Hands the sum of a particle to the engine's arrays and clears it.
 #[inline(always)]
-fn add_sum<R: NeighbourRows>(pass: &mut Pass<'_, '_, '_, R>, sums: &mut [Line], k: usize) {
+fn add_sum(pass: &mut Pass<'_, '_, '_>, sums: &mut [Line], k: usize) {
     let a = &mut *pass.accumulators;
     let sum = &mut sums[k].0;
     if k < a.reaction_below {

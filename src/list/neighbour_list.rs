@@ -26,6 +26,26 @@ pub fn compute_pairs<R: NeighbourRows>(
     rows: &mut R,
     step: &Step,
     accumulators: &mut Accumulators<'_>,
+    tallies: Option<&mut Tallies<'_>>,
+) -> Result<u64, ListError> {
+    let in_batches = workspace.works_in_lanes(laws) && !workspace.records.records.is_empty();
+    if in_batches && !workspace.candidates.are_valid() {
+        workspace.candidates.batches.write(rows);
+    }
+    let deep_contacts = compute_rows(laws, workspace, rows, step, accumulators, tallies)?;
+    if in_batches && !workspace.keeps_history {
+        workspace.candidates.batches.write(rows);
+    }
+    Ok(deep_contacts)
+}
+
+/// [`compute_pairs`] but for the histories that stand in batches.
+fn compute_rows(
+    laws: &Laws,
+    workspace: &mut Workspace,
+    rows: &mut dyn NeighbourRows,
+    step: &Step,
+    accumulators: &mut Accumulators<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<u64, ListError> {
     workspace.contacts.clear();
@@ -56,13 +76,13 @@ pub fn compute_pairs<R: NeighbourRows>(
     };
     let deep_contacts = match (features.friction, rate, features.conservative) {
         // One kernel with all terms, of which the laws use theirs, serves all scenes.
-        _ if records => take::<R, true, true, true, true>(pass, workspace),
-        (true, _, true) => take::<R, true, true, true, false>(pass, workspace),
-        (true, _, false) => take::<R, true, true, false, false>(pass, workspace),
-        (false, true, true) => take::<R, false, true, true, false>(pass, workspace),
-        (false, true, false) => take::<R, false, true, false, false>(pass, workspace),
-        (false, false, true) => take::<R, false, false, true, false>(pass, workspace),
-        (false, false, false) => take::<R, false, false, false, false>(pass, workspace),
+        _ if records => take::<true, true, true, true>(pass, workspace),
+        (true, _, true) => take::<true, true, true, false>(pass, workspace),
+        (true, _, false) => take::<true, true, false, false>(pass, workspace),
+        (false, true, true) => take::<false, true, true, false>(pass, workspace),
+        (false, true, false) => take::<false, true, false, false>(pass, workspace),
+        (false, false, true) => take::<false, false, true, false>(pass, workspace),
+        (false, false, false) => take::<false, false, false, false>(pass, workspace),
     };
     if deep_contacts.is_ok() {
         recorded.sort();
@@ -74,18 +94,12 @@ pub fn compute_pairs<R: NeighbourRows>(
 }
 
 /// In lanes, or pair by pair.
-fn take<
-    R: NeighbourRows,
-    const FRICTION: bool,
-    const RATE: bool,
-    const CONSERVATIVE: bool,
-    const RECORD: bool,
->(
-    pass: Pass<'_, '_, '_, R>,
+fn take<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool, const RECORD: bool>(
+    pass: Pass<'_, '_, '_>,
     workspace: &mut Workspace,
 ) -> Result<u64, ListError> {
     if workspace.works_in_lanes(pass.laws) {
-        in_lanes::<R, FRICTION, RATE, CONSERVATIVE, RECORD>(pass, workspace)
+        in_lanes::<FRICTION, RATE, CONSERVATIVE, RECORD>(pass, workspace)
     } else {
         Ok(pass.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
     }
@@ -93,10 +107,10 @@ fn take<
 
 /// Goes through a new list for entries that name no particle and for histories that no call has written. In lanes the search
 /// for candidates does so.
-fn check_rows<R: NeighbourRows>(
+fn check_rows(
     layout: &HistoryLayout,
     particles: usize,
-    rows: &mut R,
+    rows: &mut dyn NeighbourRows,
 ) -> Result<(), ListError> {
     let entries = rows.entries();
     for k in 0..rows.count() {
@@ -122,10 +136,10 @@ fn check_rows<R: NeighbourRows>(
 }
 
 /// Geometry of all pairs, to refuse a contact at which Hale's form breaks before anything is written.
-fn check_hale<R: NeighbourRows>(
+fn check_hale(
     laws: &Laws,
     particles: &[Particle],
-    rows: &mut R,
+    rows: &mut dyn NeighbourRows,
 ) -> Result<(), HaleBroke> {
     let layout = laws.layout();
     for k in 0..rows.count() {

@@ -19,10 +19,11 @@ fn add(target: &mut [f64; 3], v: Vector3) {
 }
 
 /// One pass over the list.
-pub(super) struct Pass<'a, 'b, 'c, R: NeighbourRows> {
+pub(super) struct Pass<'a, 'b, 'c> {
     pub laws: &'a Laws,
     pub layout: HistoryLayout,
-    pub rows: &'a mut R,
+    /// Behind a pointer, so that the kernels are compiled once, here, and not again by each crate with rows of its own.
+    pub rows: &'a mut (dyn NeighbourRows + 'a),
     pub step: &'a Step,
     pub accumulators: &'a mut Accumulators<'b>,
     pub tallies: Option<&'a mut Tallies<'c>>,
@@ -39,7 +40,7 @@ pub(super) struct Place {
     pub j: usize,
 }
 
-impl<R: NeighbourRows> Pass<'_, '_, '_, R> {
+impl Pass<'_, '_, '_> {
     pub(super) fn all_scalar<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
         mut self,
         particles: &[Particle],
