@@ -214,7 +214,7 @@ void FixPourEllipsoid::tell_plan() const
   if (comm->me != 0) return;
   const double remaining = static_cast<double>(wanted - inserted);
   const auto last = static_cast<bigint>((std::ceil(remaining / per_event) - 1.0) * static_cast<double>(interval));
-  utils::logmesg(lmp, "  {}: {:.4g} grains every {} steps, {} by step {}\n", caller, per_event, interval, wanted, next_step + last);
+  utils::logmesg(lmp, "  {}: {:.4g} grains every {} steps, {} by step {}\n", caller, std::min(per_event, remaining), interval, wanted, next_step + last);
 }
 
 /* Time since the first insertion, over changes of the time step. */
@@ -289,7 +289,8 @@ void FixPourEllipsoid::pre_exchange()
   if (!next_tags) last_tag = placement.greatest_tag();
 
   EllgranRandom places(seed, EllgranRandom::PLACE, events);
-  bigint attempts = static_cast<bigint>(std::ceil(per_event) + 1.0) * most_attempts, done = 0;
+  const double expected = std::min(per_event, static_cast<double>(wanted - inserted));
+  bigint attempts = static_cast<bigint>(std::ceil(expected) + 1.0) * most_attempts, done = 0;
   bool complete = true;
   while (true) {
     // The same grain until it finds its place: what is hard to place is not rarer than it should be.
@@ -312,7 +313,7 @@ void FixPourEllipsoid::pre_exchange()
   placement.end_creation(done, last_tag);
   if (!complete && comm->me == 0)
     error->warning(FLERR, "{}: {} of {:.4g} grains found a place at step {}: the rest come later; the region {} may be too full", caller,
-                   done, per_event, update->ntimestep, region_id);
+                   done, expected, update->ntimestep, region_id);
 
   events++;
   next_step = update->ntimestep + interval;
