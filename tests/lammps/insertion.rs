@@ -290,7 +290,7 @@ fn both_versions_the_number_of_ranks_changes_no_bit() {
 #[test]
 fn both_versions_a_restart_goes_on_with_the_insertion() {
     let engine = Engine::from_environment();
-    let pour = format!("400 1 4711 region top {NEEDLES_AND_DISCS} vol 0.04 50 vel -0.1 0.1 0 0 -2 rate 0.1");
+    let pour = format!("400 1 4711 region top {NEEDLES_AND_DISCS} vol 0.04 50 vel 0 0 0 0 -2 rate 0.1");
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
         + &stream(&pour)
         + &dump(6000)
