@@ -72,7 +72,14 @@ fn both_versions_a_poured_heap_has_an_angle() {
         2,
     );
     let last = rows.last().unwrap();
-    println!("{} grains, angle {:.1} degrees", last["Atoms"], last["v_angle"]);
+    println!(
+        "{} grains, angle {:.1} degrees",
+        last["Atoms"], last["v_angle"]
+    );
     assert!(last["Atoms"] > 20.0);
-    assert!(rows.iter().all(|r| r.get("f_pour").is_none_or(|n| *n <= last["Atoms"])), "grains are lost");
+    assert!(
+        rows.iter()
+            .all(|r| r.get("f_pour").is_none_or(|n| *n <= last["Atoms"])),
+        "grains are lost"
+    );
 }

@@ -141,9 +141,7 @@ fn both_versions_no_inserted_grain_overlaps_another_or_the_region() {
     let engine = Engine::from_environment();
     let sides = [0.05, 0.05, 0.05];
     let fill = |region: &str, seed: u32, fraction: f64| {
-        format!(
-            "create_ellipsoids 1 {seed} region {region} fill {fraction} {NEEDLES_AND_DISCS}\n"
-        )
+        format!("create_ellipsoids 1 {seed} region {region} fill {fraction} {NEEDLES_AND_DISCS}\n")
     };
     let deck = head(&engine, "ellipsoid", "p p f", sides)
         + "region cut block 0 0.05 0 0.05 0.004 0.046\n"
@@ -207,12 +205,22 @@ fn both_versions_no_inserted_grain_overlaps_another_or_the_region() {
 fn both_versions_grains_are_inside_of_round_regions() {
     let engine = Engine::from_environment();
     let cases: [(&str, &str, f64); 4] = [
-        ("cylinder", "cylinder z 0.025 0.025 0.02 0.01 0.04", std::f64::consts::PI * 4e-4 * 0.03),
-        ("sphere", "sphere 0.025 0.025 0.025 0.02", 4.0 / 3.0 * std::f64::consts::PI * 8e-6),
+        (
+            "cylinder",
+            "cylinder z 0.025 0.025 0.02 0.01 0.04",
+            std::f64::consts::PI * 4e-4 * 0.03,
+        ),
+        (
+            "sphere",
+            "sphere 0.025 0.025 0.025 0.02",
+            4.0 / 3.0 * std::f64::consts::PI * 8e-6,
+        ),
         (
             "cone",
             "cone z 0.025 0.025 0.008 0.022 0.005 0.045",
-            std::f64::consts::PI / 3.0 * 0.04 * (0.008f64.powi(2) + 0.008 * 0.022 + 0.022f64.powi(2)),
+            std::f64::consts::PI / 3.0
+                * 0.04
+                * (0.008f64.powi(2) + 0.008 * 0.022 + 0.022f64.powi(2)),
         ),
         ("outside", "sphere 0.025 0.025 0.025 0.02 side out", 0.0),
     ];
@@ -247,12 +255,23 @@ fn both_versions_grains_are_inside_of_round_regions() {
                 closest = closest.min(inside);
             }
         }
-        println!("{name}: {} grains, the outermost point {closest:.1e} m inside", grains.len());
+        println!(
+            "{name}: {} grains, the outermost point {closest:.1e} m inside",
+            grains.len()
+        );
         assert!(closest > -1e-12 && closest < 2e-3);
         let filled: f64 = grains.iter().map(Inserted::volume).sum();
-        let of_region = if volume > 0.0 { volume } else { 0.05f64.powi(3) - 4.0 / 3.0 * std::f64::consts::PI * 8e-6 };
+        let of_region = if volume > 0.0 {
+            volume
+        } else {
+            0.05f64.powi(3) - 4.0 / 3.0 * std::f64::consts::PI * 8e-6
+        };
         // the region without a formula is counted on a grid
-        assert!((filled / of_region - 0.12).abs() < 2e-3, "{name}: {}", filled / of_region);
+        assert!(
+            (filled / of_region - 0.12).abs() < 2e-3,
+            "{name}: {}",
+            filled / of_region
+        );
         assert_eq!(overlaps(&grains, [0.0; 3]).0, 0);
     }
 }
@@ -275,7 +294,9 @@ fn both_versions_the_number_of_ranks_changes_no_bit() {
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
         + "region low block 0 0.05 0 0.05 0.25 0.3\n"
         + &format!("create_ellipsoids 2 8 region low fill 0.2 {NEEDLES_AND_DISCS}\n")
-        + &stream(&format!("300 1 4711 region top {NEEDLES_AND_DISCS} vol 0.05 50 vel 0 0 0 0 -2"))
+        + &stream(&format!(
+            "300 1 4711 region top {NEEDLES_AND_DISCS} vol 0.05 50 vel 0 0 0 0 -2"
+        ))
         + &dump(3000)
         + "run 3000\n";
     let (_, one, grains) = run(&engine, "insertion_ranks_1", &deck, 1);
@@ -283,14 +304,15 @@ fn both_versions_the_number_of_ranks_changes_no_bit() {
     assert!(grains.len() > 150);
     for ranks in [2, 4] {
         let (_, other, _) = run(&engine, &format!("insertion_ranks_{ranks}"), &deck, ranks);
-        assert_eq!(one, other, "{ranks} ranks insert other grains than one");
+        assert!(one == other, "{ranks} ranks insert other grains than one");
     }
 }
 
 #[test]
 fn both_versions_a_restart_goes_on_with_the_insertion() {
     let engine = Engine::from_environment();
-    let pour = format!("400 1 4711 region top {NEEDLES_AND_DISCS} vol 0.04 50 vel 0 0 0 0 -2 rate 0.1");
+    let pour =
+        format!("400 1 4711 region top {NEEDLES_AND_DISCS} vol 0.04 50 vel 0 0 0 0 -2 rate 0.1");
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
         + &stream(&pour)
         + &dump(6000)
@@ -300,21 +322,29 @@ fn both_versions_a_restart_goes_on_with_the_insertion() {
     assert!(success, "{}", last_lines(&output));
     let (whole, grains) = last_frame(&directory.join("grains"));
     let last = thermo_rows(&output).pop().unwrap();
-    let half = thermo_rows(&output).into_iter().find(|r| r["Step"] == 2700.0).unwrap();
-    println!("{} grains at the restart, {} at the end", half["f_pour"], last["f_pour"]);
+    let half = thermo_rows(&output)
+        .into_iter()
+        .find(|r| r["Step"] == 2700.0)
+        .unwrap();
+    println!(
+        "{} grains at the restart, {} at the end",
+        half["f_pour"], last["f_pour"]
+    );
     assert!(half["f_pour"] > 20.0 && last["f_pour"] > half["f_pour"] + 20.0);
     assert_eq!(last["f_pour"], grains.len() as f64);
 
-    let again = format!("plugin load {}\nread_restart middle.restart\ncomm_modify vel yes\nneighbor 0.001 bin\n\
-fix integrate all nve/asphere\ntimestep 1e-5\n", engine.plugin.display())
-        + &stream(&pour)
+    let again = format!(
+        "plugin load {}\nread_restart middle.restart\ncomm_modify vel yes\nneighbor 0.001 bin\n\
+fix integrate all nve/asphere\ntimestep 1e-5\n",
+        engine.plugin.display()
+    ) + &stream(&pour)
         + &dump(6000)
         + "run 3300\n";
     for ranks in [1, 2] {
         let (success, output) = execute(&engine, &directory, &again, ranks);
         assert!(success, "{}", last_lines(&output));
         let (text, _) = last_frame(&directory.join("grains"));
-        assert_eq!(text, whole, "restarted on {ranks} ranks");
+        assert!(text == whole, "a restart on {ranks} ranks ends otherwise");
     }
 }
 
@@ -340,16 +370,40 @@ fn both_versions_shapes_sizes_and_orientations_are_distributed_as_asked() {
     };
     let n = 3000f64;
 
-    let grains = made("poly", "shape poly 2 0.02 0.01 0.01 0.3 0.01 0.01 0.005 0.7 scale range 0.5 1.5 dens 1000 3000");
+    let grains = made(
+        "poly",
+        "shape poly 2 0.02 0.01 0.01 0.3 0.01 0.01 0.005 0.7 scale range 0.5 1.5 dens 1000 3000",
+    );
     assert_eq!(grains.len(), 3000);
     let is_long = |g: &Inserted| g.semi_axes[1] == g.semi_axes[2];
     let long = mean(grains.iter().map(|g| f64::from(u8::from(is_long(g)))));
     near("fraction of the first shape", long, 0.3, (0.21 / n).sqrt());
-    let size = |g: &Inserted| if is_long(g) { g.semi_axes[0] / 0.01 } else { g.semi_axes[0] / 0.005 };
-    near("mean scale", mean(grains.iter().map(size)), 1.0, (1.0 / 12.0 / n).sqrt());
+    let size = |g: &Inserted| {
+        if is_long(g) {
+            g.semi_axes[0] / 0.01
+        } else {
+            g.semi_axes[0] / 0.005
+        }
+    };
+    near(
+        "mean scale",
+        mean(grains.iter().map(size)),
+        1.0,
+        (1.0 / 12.0 / n).sqrt(),
+    );
     let spread = mean(grains.iter().map(|g| (size(g) - 1.0).powi(2)));
-    near("variance of scale", spread, 1.0 / 12.0, (1.0 / 180.0 / n).sqrt());
-    near("mean density", mean(grains.iter().map(|g| g.mass / g.volume())), 2000.0, (2000f64.powi(2) / 12.0 / n).sqrt());
+    near(
+        "variance of scale",
+        spread,
+        1.0 / 12.0,
+        (1.0 / 180.0 / n).sqrt(),
+    );
+    near(
+        "mean density",
+        mean(grains.iter().map(|g| g.mass / g.volume())),
+        2000.0,
+        (2000f64.powi(2) / 12.0 / n).sqrt(),
+    );
     let axis = |g: &Inserted, k: usize| {
         let mut e = [0.0; 3];
         e[k] = 1.0;
@@ -357,34 +411,80 @@ fn both_versions_shapes_sizes_and_orientations_are_distributed_as_asked() {
     };
     for k in 0..3 {
         for c in 0..3 {
-            near("mean component of an axis", mean(grains.iter().map(|g| axis(g, k)[c])), 0.0, (1.0 / 3.0 / n).sqrt());
-            near("mean of its square", mean(grains.iter().map(|g| axis(g, k)[c].powi(2))), 1.0 / 3.0, (4.0 / 45.0 / n).sqrt());
+            near(
+                "mean component of an axis",
+                mean(grains.iter().map(|g| axis(g, k)[c])),
+                0.0,
+                (1.0 / 3.0 / n).sqrt(),
+            );
+            near(
+                "mean of its square",
+                mean(grains.iter().map(|g| axis(g, k)[c].powi(2))),
+                1.0 / 3.0,
+                (4.0 / 45.0 / n).sqrt(),
+            );
         }
     }
 
-    let grains = made("aligned", "shape range 0.01 0.02 0.005 0.005 0.003 0.009 orient align 1 -2 2");
+    let grains = made(
+        "aligned",
+        "shape range 0.01 0.02 0.005 0.005 0.003 0.009 orient align 1 -2 2",
+    );
     for g in &grains {
         assert!(length(sub(axis(g, 0), [1.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0])) < 1e-12);
         assert!((0.005..=0.01).contains(&g.semi_axes[0]) && g.semi_axes[1] == 0.0025);
     }
-    near("mean first axis", mean(grains.iter().map(|g| g.semi_axes[0])), 0.0075, (0.005f64.powi(2) / 12.0 / n).sqrt());
-    near("mean third axis", mean(grains.iter().map(|g| g.semi_axes[2])), 0.003, (0.003f64.powi(2) / 12.0 / n).sqrt());
+    near(
+        "mean first axis",
+        mean(grains.iter().map(|g| g.semi_axes[0])),
+        0.0075,
+        (0.005f64.powi(2) / 12.0 / n).sqrt(),
+    );
+    near(
+        "mean third axis",
+        mean(grains.iter().map(|g| g.semi_axes[2])),
+        0.003,
+        (0.003f64.powi(2) / 12.0 / n).sqrt(),
+    );
     // at random about the direction
     let across = [0.0, 0.5f64.sqrt(), 0.5f64.sqrt()];
-    near("mean square across", mean(grains.iter().map(|g| dot(axis(g, 1), across).powi(2))), 0.5, (0.125 / n).sqrt());
+    near(
+        "mean square across",
+        mean(grains.iter().map(|g| dot(axis(g, 1), across).powi(2))),
+        0.5,
+        (0.125 / n).sqrt(),
+    );
 
     let grains = made("backwards", "shape one 0.02 0.01 0.01 orient align -3 0 0");
-    assert!(grains.iter().all(|g| length(sub(axis(g, 0), [-1.0, 0.0, 0.0])) < 1e-12));
+    assert!(grains
+        .iter()
+        .all(|g| length(sub(axis(g, 0), [-1.0, 0.0, 0.0])) < 1e-12));
 
     let grains = made("given", "shape one 0.02 0.01 0.005 orient quat 2 2 0 0");
     let half = 0.5f64.sqrt();
-    assert!(grains.iter().all(|g| g.quaternion.iter().zip([half, half, 0.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-15)));
+    assert!(grains.iter().all(|g| g
+        .quaternion
+        .iter()
+        .zip([half, half, 0.0, 0.0])
+        .all(|(a, b)| (a - b).abs() < 1e-15)));
 
-    let grains = made("by_volume", "shape one 0.01 0.005 0.005 scale poly 2 1 0.5 2 0.5 fractions volume");
-    let large: f64 = grains.iter().filter(|g| g.semi_axes[0] > 0.007).map(Inserted::volume).sum();
+    let grains = made(
+        "by_volume",
+        "shape one 0.01 0.005 0.005 scale poly 2 1 0.5 2 0.5 fractions volume",
+    );
+    let large: f64 = grains
+        .iter()
+        .filter(|g| g.semi_axes[0] > 0.007)
+        .map(Inserted::volume)
+        .sum();
     let all: f64 = grains.iter().map(Inserted::volume).sum();
     // of n grains a ninth is large, each with eight times the volume
-    near("fraction by volume", large / all, 0.5, (8.0 / 81.0 * n).sqrt() * 8.0 / (n * 16.0 / 9.0) * 0.5);
+    near(
+        "fraction by volume",
+        large / all,
+        0.5,
+        (8.0 / 81.0 * n).sqrt() * 8.0 / (n * 16.0 / 9.0) * 0.5,
+    );
 }
 
 #[test]
@@ -394,7 +494,9 @@ fn both_versions_a_stream_has_the_number_volume_and_flow_asked_for() {
     let volume = 4.0 / 3.0 * std::f64::consts::PI * 3e-3 * 2e-3 * 2e-3;
     // By volume: as LAMMPS' fix pour, as many as the fraction of the region holds, each time that a grain falls through it.
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
-        + &stream(&format!("150 1 3 region top {shape} vol 0.05 50 vel -0.2 0.1 0 0 -1"))
+        + &stream(&format!(
+            "150 1 3 region top {shape} vol 0.05 50 vel 0 0 0 0 -1"
+        ))
         + &dump(5000)
         + "run 5000\n";
     let (output, _, grains) = run(&engine, "insertion_by_volume", &deck, 1);
@@ -403,24 +505,38 @@ fn both_versions_a_stream_has_the_number_volume_and_flow_asked_for() {
     let fall = ((1.0f64 + 2.0 * g * height).sqrt() - 1.0) / g;
     let interval = (fall / 1e-5).round();
     for row in thermo_rows(&output) {
-        let times = if row["Step"] < 1.0 { 0.0 } else { ((row["Step"] - 1.0) / interval).floor() + 1.0 };
+        let times = if row["Step"] < 1.0 {
+            0.0
+        } else {
+            ((row["Step"] - 1.0) / interval).floor() + 1.0
+        };
         let expected = (each * times).min(150.0);
         assert_eq!(row["f_pour"], expected, "at step {}", row["Step"]);
         assert_eq!(row["Atoms"], expected);
         assert!((row["f_pour[2]"] - expected * volume).abs() < 1e-12 * (1.0 + expected) * volume);
-        assert!((row["f_pour[3]"] - 2500.0 * expected * volume).abs() < 1e-8 * (1.0 + expected) * volume);
+        assert!(
+            (row["f_pour[3]"] - 2500.0 * expected * volume).abs()
+                < 1e-8 * (1.0 + expected) * volume
+        );
     }
-    println!("{each} grains every {interval} steps, {} in all", grains.len());
+    println!(
+        "{each} grains every {interval} steps, {} in all",
+        grains.len()
+    );
     assert_eq!(grains.len(), 150);
-    assert_eq!(overlaps(&grains, [0.05, 0.05, 0.0]).0, 0);
-    assert!(grains.iter().all(|p| (-0.2..=0.1).contains(&p.velocity[0]) && p.velocity[1] == 0.0));
 
     // All grains started at the top with the speed given: v^2 = v0^2 + 2 g (top - z), now as in free fall before.
     let one = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
-        + &stream(&format!("150 1 3 region top {shape} vol 0.05 50 vel 0 0 0 0 -1"))
+        + &stream(&format!(
+            "150 1 3 region top {shape} vol 0.05 50 vel -0.2 0.1 0 0 -1"
+        ))
         + &dump(1)
         + "run 1\n";
     let (_, _, grains) = run(&engine, "insertion_speed", &one, 1);
+    assert_eq!(overlaps(&grains, [0.05, 0.05, 0.0]).0, 0);
+    assert!(grains
+        .iter()
+        .all(|p| (-0.2..=0.1).contains(&p.velocity[0]) && p.velocity[1] == 0.0));
     for p in &grains {
         let expected = (1.0 + 2.0 * g * (0.24 - p.position[2])).sqrt();
         assert!((-p.velocity[2] / expected - 1.0).abs() < 1e-6, "{p:?}");
@@ -432,12 +548,17 @@ fn both_versions_a_stream_has_the_number_volume_and_flow_asked_for() {
 
     // By flow: mass per time, to one grain.
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
-        + &stream(&format!("100000 1 3 region top {shape} scale range 0.8 1.2 flow 0.2 vel 0 0 0 0 -1"))
+        + &stream(&format!(
+            "100000 1 3 region top {shape} scale range 0.8 1.2 flow 0.2 vel 0 0 0 0 -1"
+        ))
         + "run 10000\n"
         + &dump(1)
         + "run 0\n";
     let (output, _, _) = run(&engine, "insertion_flow", &deck, 1);
-    let row = thermo_rows(&output).into_iter().find(|r| r["Step"] == 10000.0).unwrap();
+    let row = thermo_rows(&output)
+        .into_iter()
+        .find(|r| r["Step"] == 10000.0)
+        .unwrap();
     let events = ((10000.0 - 1.0) / interval).floor() + 1.0;
     let asked = 0.2 * events * interval * 1e-5;
     println!("flow: {:.6} kg of {asked:.6} kg", row["f_pour[3]"]);
@@ -470,7 +591,10 @@ thermo 1000
     let (output, _, _) = run(&engine, "insertion_weight", &deck, 1);
     let row = thermo_rows(&output).pop().unwrap();
     assert_eq!(row["f_pour"], 40.0);
-    let (weight, walls) = (9.81 * row["f_pour[3]"], row["f_z[16]"] + row["f_x[16]"] + row["f_y[16]"]);
+    let (weight, walls) = (
+        9.81 * row["f_pour[3]"],
+        row["f_z[16]"] + row["f_x[16]"] + row["f_y[16]"],
+    );
     println!(
         "weight {weight:.9} N, floor {:.9} N, all walls {:.9} N: off by {:+.1e}, kinetic energy {:.1e} J",
         row["f_z[16]"],
