@@ -97,7 +97,7 @@ create_box 2 box
 pair_style gran/ellipsoid
 pair_coeff * * {LAW}
 fix integrate all nve/asphere
-timestep 1e-5
+timestep 4e-5
 ",
         engine.plugin.display()
     )
@@ -283,7 +283,7 @@ fix gravity all gravity 9.81 vector 0 0 -1
 fix pour all pour/ellipsoid {words}
 thermo_style custom step atoms f_pour f_pour[1] f_pour[2] f_pour[3]
 thermo_modify format float %.17g
-thermo 500
+thermo 100
 "
     )
 }
@@ -297,8 +297,8 @@ fn both_versions_the_number_of_ranks_changes_no_bit() {
         + &stream(&format!(
             "300 1 4711 region top {NEEDLES_AND_DISCS} vol 0.05 50 vel 0 0 0 0 -2"
         ))
-        + &dump(3000)
-        + "run 3000\n";
+        + &dump(1000)
+        + "run 1000\n";
     let (_, one, grains) = run(&engine, "insertion_ranks_1", &deck, 1);
     println!("{} grains", grains.len());
     assert!(grains.len() > 150);
@@ -315,8 +315,8 @@ fn both_versions_a_restart_goes_on_with_the_insertion() {
         format!("400 1 4711 region top {NEEDLES_AND_DISCS} vol 0.04 50 vel 0 0 0 0 -2 rate 0.1");
     let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
         + &stream(&pour)
-        + &dump(6000)
-        + "run 2700\nwrite_restart middle.restart\nrun 3300\n";
+        + &dump(1500)
+        + "run 700\nwrite_restart middle.restart\nrun 800\n";
     let directory = fresh_directory("insertion_restart");
     let (success, output) = execute(&engine, &directory, &deck, 1);
     assert!(success, "{}", last_lines(&output));
@@ -324,7 +324,7 @@ fn both_versions_a_restart_goes_on_with_the_insertion() {
     let last = thermo_rows(&output).pop().unwrap();
     let half = thermo_rows(&output)
         .into_iter()
-        .find(|r| r["Step"] == 2700.0)
+        .find(|r| r["Step"] == 700.0)
         .unwrap();
     println!(
         "{} grains at the restart, {} at the end",
@@ -335,11 +335,11 @@ fn both_versions_a_restart_goes_on_with_the_insertion() {
 
     let again = format!(
         "plugin load {}\nread_restart middle.restart\ncomm_modify vel yes\nneighbor 0.001 bin\n\
-fix integrate all nve/asphere\ntimestep 1e-5\n",
+fix integrate all nve/asphere\ntimestep 4e-5\n",
         engine.plugin.display()
     ) + &stream(&pour)
-        + &dump(6000)
-        + "run 3300\n";
+        + &dump(1500)
+        + "run 800\n";
     for ranks in [1, 2] {
         let (success, output) = execute(&engine, &directory, &again, ranks);
         assert!(success, "{}", last_lines(&output));
@@ -497,13 +497,13 @@ fn both_versions_a_stream_has_the_number_volume_and_flow_asked_for() {
         + &stream(&format!(
             "150 1 3 region top {shape} vol 0.05 50 vel 0 0 0 0 -1"
         ))
-        + &dump(5000)
-        + "run 5000\n";
+        + &dump(1250)
+        + "run 1250\n";
     let (output, _, grains) = run(&engine, "insertion_by_volume", &deck, 1);
     let each = (0.05 * 0.05 * 0.05 * 0.04 / volume).floor();
     let (g, height) = (9.81, 0.04);
     let fall = ((1.0f64 + 2.0 * g * height).sqrt() - 1.0) / g;
-    let interval = (fall / 1e-5).round();
+    let interval = (fall / 4e-5).round();
     for row in thermo_rows(&output) {
         let times = if row["Step"] < 1.0 {
             0.0
@@ -551,16 +551,16 @@ fn both_versions_a_stream_has_the_number_volume_and_flow_asked_for() {
         + &stream(&format!(
             "100000 1 3 region top {shape} scale range 0.8 1.2 flow 0.2 vel 0 0 0 0 -1"
         ))
-        + "run 10000\n"
+        + "run 2500\n"
         + &dump(1)
         + "run 0\n";
     let (output, _, _) = run(&engine, "insertion_flow", &deck, 1);
     let row = thermo_rows(&output)
         .into_iter()
-        .find(|r| r["Step"] == 10000.0)
+        .find(|r| r["Step"] == 2500.0)
         .unwrap();
-    let events = ((10000.0 - 1.0) / interval).floor() + 1.0;
-    let asked = 0.2 * events * interval * 1e-5;
+    let events = ((2500.0 - 1.0) / interval).floor() + 1.0;
+    let asked = 0.2 * events * interval * 4e-5;
     println!("flow: {:.6} kg of {asked:.6} kg", row["f_pour[3]"]);
     assert!((row["f_pour[3]"] - asked).abs() < 2500.0 * volume);
 }
