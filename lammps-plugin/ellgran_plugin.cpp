@@ -4,7 +4,9 @@
 
 #include "lammpsplugin.h"
 
+#include "create_ellipsoids.h"
 #include "ellgran_class_layout.h"
+#include "fix_pour_ellipsoid.h"
 #include "fix_wall_gran_ellipsoid.h"
 #include "pair_gran_ellipsoid.h"
 
@@ -46,6 +48,16 @@ Pair *create_pair(LAMMPS *lmp)
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixWallGranEllipsoid(lmp, narg, arg);
+}
+
+Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixPourEllipsoid(lmp, narg, arg);
+}
+
+Command *create_fill(LAMMPS *lmp)
+{
+  return new CreateEllipsoids(lmp);
 }
 
 // LAMMPS' classes as the headers describe them.
@@ -158,11 +170,13 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   tell_of_first_plugin(lammps);
 
   // LAMMPS keeps these pointers for as long as the plugin is loaded.
-  static char pair_about[96], fix_about[96];
+  static char pair_about[96], fix_about[96], pour_about[96], fill_about[96];
   std::snprintf(pair_about, sizeof pair_about, "pair_style gran/ellipsoid, ellgran %s",
                 ellgran_version());
   std::snprintf(fix_about, sizeof fix_about, "fix wall/gran/ellipsoid, ellgran %s",
                 ellgran_version());
+  std::snprintf(pour_about, sizeof pour_about, "fix pour/ellipsoid, ellgran %s", ellgran_version());
+  std::snprintf(fill_about, sizeof fill_about, "create_ellipsoids, ellgran %s", ellgran_version());
 
   lammpsplugin_t plugin{};
   plugin.version = LAMMPS_VERSION;
@@ -180,5 +194,16 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "wall/gran/ellipsoid";
   plugin.info = fix_about;
   plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_fix);
+  register_style(&plugin, lmp);
+
+  plugin.name = "pour/ellipsoid";
+  plugin.info = pour_about;
+  plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_pour);
+  register_style(&plugin, lmp);
+
+  plugin.style = "command";
+  plugin.name = "create_ellipsoids";
+  plugin.info = fill_about;
+  plugin.creator.v1 = reinterpret_cast<lammpsplugin_factory1 *>(&create_fill);
   register_style(&plugin, lmp);
 }

@@ -21,6 +21,8 @@ mod energy_balance;
 mod engine_commands;
 mod golden_pairs;
 mod grown_and_moved;
+mod insertion;
+mod insertion_errors;
 mod linear_spring;
 mod mesh_walls;
 mod misuse;
