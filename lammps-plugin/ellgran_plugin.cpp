@@ -5,6 +5,7 @@
 #include "lammpsplugin.h"
 
 #include "ellgran_class_layout.h"
+#include "fix_nve_ellipsoid.h"
 #include "fix_wall_gran_ellipsoid.h"
 #include "pair_gran_ellipsoid.h"
 
@@ -46,6 +47,11 @@ Pair *create_pair(LAMMPS *lmp)
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixWallGranEllipsoid(lmp, narg, arg);
+}
+
+Fix *create_integrator(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixNVEEllipsoid(lmp, narg, arg);
 }
 
 // LAMMPS' classes as the headers describe them.
@@ -158,10 +164,13 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   tell_of_first_plugin(lammps);
 
   // LAMMPS keeps these pointers for as long as the plugin is loaded.
-  static char pair_about[96], fix_about[96];
+  static char pair_about[96], fix_about[96], integrator_about[96];
   std::snprintf(pair_about, sizeof pair_about, "pair_style gran/ellipsoid, ellgran %s",
                 ellgran_version());
   std::snprintf(fix_about, sizeof fix_about, "fix wall/gran/ellipsoid, ellgran %s",
+                ellgran_version());
+
+  std::snprintf(integrator_about, sizeof integrator_about, "fix nve/ellipsoid, ellgran %s",
                 ellgran_version());
 
   lammpsplugin_t plugin{};
@@ -180,5 +189,10 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "wall/gran/ellipsoid";
   plugin.info = fix_about;
   plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_fix);
+  register_style(&plugin, lmp);
+
+  plugin.name = "nve/ellipsoid";
+  plugin.info = integrator_about;
+  plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_integrator);
   register_style(&plugin, lmp);
 }
