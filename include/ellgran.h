@@ -768,6 +768,84 @@ typedef struct EllgranStiffnessArrays {
 } EllgranStiffnessArrays;
 
 /*
+ Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
+
+ The arrays are read and written during a call and not kept after it. No two of them overlap.
+ */
+typedef struct EllgranMotion {
+  /*
+   `sizeof(EllgranMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Number of bodies.
+   */
+  size_t count;
+  /*
+   Centres, [count][3]; written by `ellgran_start_step`.
+   */
+  double *positions;
+  /*
+   Velocities of the centres, [count][3]; written.
+   */
+  double *velocities;
+  /*
+   Angular momenta about the centres, [count][3]; written.
+   */
+  double *angular_momenta;
+  /*
+   Forces, [count][3].
+   */
+  const double *forces;
+  /*
+   Torques about the centres, [count][3].
+   */
+  const double *torques;
+  /*
+   Masses, [count], finite and greater than 0.
+   */
+  const double *masses;
+  /*
+   Index of each body into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error if it is to move.
+   NULL: the body's own index.
+   */
+  const int32_t *shape_indices;
+  /*
+   Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+   */
+  const double *semi_axes;
+  /*
+   Bytes from one entry of `semi_axes` to the next.
+   */
+  size_t semi_axes_stride;
+  /*
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
+   with length 1.
+   */
+  double *quaternions;
+  /*
+   Bytes from one entry of `quaternions` to the next.
+   */
+  size_t quaternions_stride;
+  /*
+   Group bits of each body, [count], or NULL: all bodies move.
+   */
+  const int32_t *masks;
+  /*
+   Bodies with `masks[i] & group_mask` not zero move.
+   */
+  int32_t group_mask;
+  /*
+   Bytes of an entry of `identifiers`: 4 or 8.
+   */
+  int32_t identifier_bytes;
+  /*
+   What to call a body in a message, [count] integers, or NULL: index + 1.
+   */
+  const void *identifiers;
+} EllgranMotion;
+
+/*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
  A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
@@ -1530,6 +1608,30 @@ int32_t ellgran_rayleigh_times(size_t type_count,
                                const struct EllgranLawParameters *parameters,
                                const struct EllgranParticles *particles,
                                double *times);
+
+/*
+ First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
+ end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, "Motion").
+
+ The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
+ moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
+ finite number, or it would turn by more than half a circle.
+
+ # Safety
+ `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_start_step(const struct EllgranWorkspace *workspace,
+                           const struct EllgranMotion *motion,
+                           double time_step);
+
+/*
+ Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
+
+ # Safety
+ The pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_finish_step(const struct EllgranMotion *motion,
+                            double time_step);
 
 /*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.

@@ -200,6 +200,28 @@ class EllgranStiffnessArrays(ctypes.Structure):
     ]
 
 
+class EllgranMotion(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("count", ctypes.c_size_t),
+        ("positions", ctypes.c_void_p),
+        ("velocities", ctypes.c_void_p),
+        ("angular_momenta", ctypes.c_void_p),
+        ("forces", ctypes.c_void_p),
+        ("torques", ctypes.c_void_p),
+        ("masses", ctypes.c_void_p),
+        ("shape_indices", ctypes.c_void_p),
+        ("semi_axes", ctypes.c_void_p),
+        ("semi_axes_stride", ctypes.c_size_t),
+        ("quaternions", ctypes.c_void_p),
+        ("quaternions_stride", ctypes.c_size_t),
+        ("masks", ctypes.c_void_p),
+        ("group_mask", ctypes.c_int32),
+        ("identifier_bytes", ctypes.c_int32),
+        ("identifiers", ctypes.c_void_p),
+    ]
+
+
 class EllgranNeighbourList(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -373,6 +395,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_pair_stiffnesses": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_pair_collisions": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_rayleigh_times": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_start_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]),
+    "ellgran_finish_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double]),
     "ellgran_compute_pairs": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_write_history": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_forget_history": (ctypes.c_int32, [ctypes.c_void_p]),

@@ -20,6 +20,7 @@ pub mod growing;
 mod huge_pages;
 pub mod law;
 pub mod many_contacts;
+pub mod motion;
 pub mod neighbour_list;
 pub mod particles;
 pub mod planes;

@@ -16,6 +16,7 @@ mod list_changes;
 mod lists;
 mod many_contacts;
 mod measures;
+mod motion;
 mod null_pointers;
 mod paths;
 mod recorded;
