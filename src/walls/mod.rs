@@ -3,16 +3,18 @@
 //!
 //! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in the table of `table.rs`); all
 //! else is common: the wall's frame and its motion (`motion.rs`), what is remembered of a contact from step to step
-//! (`memory.rs`), force, torque and energies (`compute.rs`).
+//! (`memory.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies (`compute.rs`), unless an
+//! engine's own contact model computes these.
 
-mod bounding_boxes;
 mod compute;
 mod cone;
+mod contacts;
+mod lent_triangles;
 mod memory;
 mod mesh;
 mod motion;
+mod one_plane;
 mod plane;
-pub mod planes;
 mod rim;
 mod shape;
 mod sphere;
@@ -21,12 +23,11 @@ mod table;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
+pub use contacts::{Contacts, FoundContact, Frame, Places, WrongMemory};
+pub use lent_triangles::LentTriangles;
 pub use memory::MemoryLayout;
 pub use mesh::Mesh;
 pub use motion::Motion;
-pub use planes::{
-    compute_planes, geometry_with_plane, one_contact_with_plane, MovingPlane, PlanesError,
-    WallArrays,
-};
-pub use shape::{End, Shape, ShapeParameters, Side};
+pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
+pub use shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 pub use wall::{RecordedWallContact, Wall, WallLoad};
