@@ -205,8 +205,8 @@ void FixWallGranEllipsoid::say_crowded()
   if (comm->me != 0) return;
   char message[300];
   snprintf(message, sizeof(message),
-           "Fix %s (%s): particle %d touches the wall in more places than are remembered; all act, but friction at the "
-           "shallowest begins anew in each step, for any particle. This is said once.",
+           "Fix %s (%s): particle %d touches the wall in more places than are remembered; all act, but at some of "
+           "them friction begins anew in each step, for any particle. This is said once.",
            id, style, particle);
   error->warning(FLERR, message);
 }

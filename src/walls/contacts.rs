@@ -4,9 +4,8 @@
 use super::memory::MemoryLayout;
 use super::motion::Motion;
 use super::shape::{Grain, Search, Shape};
-use super::wall::Wall;
 use crate::contact::staged::{StagedContact, WallSurface};
-use crate::contact::{HistoryLayout, Particle, Step};
+use crate::contact::{Particle, Step};
 use crate::vector::Vector3;
 
 /// One contact of a particle.
@@ -83,47 +82,9 @@ pub struct WrongMemory {
     pub value: f64,
 }
 
-impl Wall {
-    /// Finds the contacts of the particles that may touch, and what each goes on from. `memory` is read alone; `of_laws` is the
-    /// layout of the library's own histories, `None` for those of an engine.
-    ///
-    /// # Errors
-    /// Before anything is found.
-    pub fn find_contacts(
-        &mut self,
-        places: &Places<'_>,
-        layout: MemoryLayout,
-        of_laws: Option<&HistoryLayout>,
-        memory: &[f64],
-    ) -> Result<(), WrongMemory> {
-        let length = layout.length();
-        let mut found = core::mem::take(&mut self.found);
-        found.start(layout);
-        if length > 0 {
-            let parts = self.part_count();
-            for &particle in &self.near {
-                let memory = &memory[particle * length..(particle + 1) * length];
-                if let Some((place, value)) = layout.first_wrong(memory, parts, of_laws) {
-                    self.found = found;
-                    return Err(WrongMemory {
-                        particle,
-                        place,
-                        value,
-                    });
-                }
-            }
-        }
-        for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
-            let memory = &memory[particle * length..(particle + 1) * length];
-            found.add(self.shapes(), places, i, (particle, near), memory);
-        }
-        self.found = found;
-        Ok(())
-    }
-}
-
 impl Contacts {
-    fn start(&mut self, layout: MemoryLayout) {
+    /// Begins anew.
+    pub(super) fn start(&mut self, layout: MemoryLayout) {
         self.all.clear();
         self.histories.clear();
         self.layout = layout;
@@ -131,7 +92,7 @@ impl Contacts {
     }
 
     /// Adds the contacts of a particle.
-    fn add<'a>(
+    pub(super) fn add<'a>(
         &mut self,
         shapes: impl Iterator<Item = &'a dyn Shape>,
         places: &Places<'_>,

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::contacts::Contacts;
+use super::contacts::{Contacts, Places, WrongMemory};
 use super::lent_triangles::LentTriangles;
 use super::memory::MemoryLayout;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::shape::{Ball, Shape, ShapeParameters};
-use super::table::constructor;
-use crate::contact::{ContactForces, Laws};
+use super::shape::{Ball, Shape};
+use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::vector::Vector3;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
@@ -64,18 +63,6 @@ impl Wall {
     /// A wall without parts.
     pub fn new() -> Self {
         Wall::default()
-    }
-
-    /// Adds the parts of a shape of the table ([`Shape`]).
-    ///
-    /// # Errors
-    /// An unknown name, or parameters that do not make such a shape.
-    pub fn add_shape(&mut self, name: &str, parameters: &ShapeParameters) -> Result<(), String> {
-        let make = constructor(name)?;
-        let mut parts = vec![];
-        make(parameters, &mut parts)?;
-        self.parts.append(&mut parts);
-        Ok(())
     }
 
     /// Adds a surface of triangles.
@@ -140,6 +127,43 @@ impl Wall {
     /// The particles that [`Wall::find_near`] found.
     pub fn near(&self) -> &[usize] {
         &self.near
+    }
+
+    /// Finds the contacts of the particles that may touch, and what each goes on from. `memory` is read alone; `of_laws` is the
+    /// layout of the library's own histories, `None` for those of an engine.
+    ///
+    /// # Errors
+    /// Before anything is found.
+    pub fn find_contacts(
+        &mut self,
+        places: &Places<'_>,
+        layout: MemoryLayout,
+        of_laws: Option<&HistoryLayout>,
+        memory: &[f64],
+    ) -> Result<(), WrongMemory> {
+        let length = layout.length();
+        let mut found = core::mem::take(&mut self.found);
+        found.start(layout);
+        if length > 0 {
+            let parts = self.part_count();
+            for &particle in &self.near {
+                let memory = &memory[particle * length..(particle + 1) * length];
+                if let Some((place, value)) = layout.first_wrong(memory, parts, of_laws) {
+                    self.found = found;
+                    return Err(WrongMemory {
+                        particle,
+                        place,
+                        value,
+                    });
+                }
+            }
+        }
+        for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
+            let memory = &memory[particle * length..(particle + 1) * length];
+            found.add(self.shapes(), places, i, (particle, near), memory);
+        }
+        self.found = found;
+        Ok(())
     }
 
     /// The contacts that were found last.
