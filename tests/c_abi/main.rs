@@ -6,6 +6,7 @@
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod engine_walls;
 mod errors;
 mod extreme_values;
 mod friction;
