@@ -28,6 +28,7 @@ mod mesh_walls;
 mod misuse;
 mod moving_walls;
 mod normal_motion;
+mod nve_ellipsoid;
 mod outputs;
 mod pages;
 mod plane_motion;
