@@ -131,7 +131,7 @@ pub fn compute_wall(
             // Hale's form was tried before anything was written.
             let Ok(mut f) = contact.whole_force(
                 law,
-                law.constants.friction,
+                law.constants.tangential.friction,
                 effective_mass(&seen),
                 input.step,
                 &mut past,

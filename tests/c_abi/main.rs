@@ -15,6 +15,7 @@ mod kept_history;
 mod list_changes;
 mod lists;
 mod many_contacts;
+mod materials;
 mod measures;
 mod null_pointers;
 mod paths;
