@@ -13,6 +13,7 @@
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
+#include "fix_ellgran_restart_format.h"
 #include "fix_wall_gran.h"
 #include "force.h"
 #include "global_properties.h"
@@ -199,6 +200,7 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
 {
   if (lmp->force->nktv2p != 1.0)
     lmp->error->all(FLERR, "ellgran: this unit style has a pressure that is not force per area; use units si, cgs or lj");
+  FixEllgranRestartFormat::add(lmp);
   registry.registerProperty("youngsModulus", &MODEL_PARAMS::createYoungsModulus);
   registry.registerProperty("poissonsRatio", &MODEL_PARAMS::createPoissonsRatio);
   registry.connect("youngsModulus", youngs_modulus, caller);
