@@ -207,7 +207,7 @@ int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
     plane_slots[k] = count++;
   }
   if (count == 0)
-    error->all(FLERR, "{} {}: '{} NULL NULL' is no wall: give at least one position", CALLER, id,
+    error->all(FLERR, "{} {}: '{} NULL NULL' has no plane: give at least one position", CALLER, id,
                word);
   if (count == 2 && positions[0] >= positions[1])
     error->all(FLERR, "{} {}: {} lo {} must be below hi {}", CALLER, id, word, positions[0],
@@ -303,7 +303,7 @@ int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
     if (wiggles || shears || (moves && word != "rotate") || (rotates && word != "velocity"))
       error->all(FLERR, "{} {}: a wall can wiggle or shear or move, once; velocity and rotate may go together", CALLER, id);
     if (region_moves)
-      error->all(FLERR, "{} {}: region {} moves by itself: take '{}' away", CALLER, id, region_id, word);
+      error->all(FLERR, "{} {}: region {} has a motion of its own: remove '{}'", CALLER, id, region_id, word);
     if (word == "wiggle")
       parse_wiggle(arg + iarg);
     else if (word == "shear")
@@ -391,7 +391,7 @@ void FixWallGranEllipsoid::init()
   atoms.require_shapes(groupbit);
   refuse_styles(lmp, CALLER, memory_length > 0);
   if ((wiggles || moves || rotates) && input->command && std::strcmp(input->command, "rerun") == 0)
-    error->all(FLERR, "{} {}: 'rerun' does not say where in its motion a wall is", CALLER, id);
+    error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
   place_step_velocity_fix();
 
   fix_rigid = nullptr;

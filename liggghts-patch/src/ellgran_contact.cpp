@@ -141,7 +141,7 @@ EllgranBody EllgranContact::ellipsoid(int i) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   check_blockiness(i);
   return body;
@@ -169,7 +169,7 @@ EllgranBody EllgranContact::sphere(int i, double radius) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   return body;
 }

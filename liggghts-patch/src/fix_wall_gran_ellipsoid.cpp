@@ -99,7 +99,7 @@ EllgranBody FixWallGranEllipsoid::body(int i) const
   vectorCopy4D(atom->quaternion[i], body.quaternion);
   vectorCopy3D(atom->shape[i], body.semi_axes);
   body.mass = 1.0;
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   return body;
 }

@@ -17,17 +17,16 @@ use crate::message::Numbers;
 use crate::vector::Vector3;
 use crate::walls::{compute_planes, MovingPlane};
 use crate::walls::{PlanesError, WallArrays};
-use libc::size_t;
 
 /// A plane wall: a half-space.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranPlane {
     /// `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// A point of its surface; components up to 1e20.
     pub point: [f64; 3],
-    /// Normal out of the wall, towards the particles; any length but zero.
+    /// Normal out of the wall, towards the particles. Need not have unit length, but not zero length.
     pub normal: [f64; 3],
     /// Velocity; components up to 1e25.
     pub velocity: [f64; 3],
@@ -42,7 +41,7 @@ impl EllgranPlane {
             .direction()
             .ok_or_else(|| {
                 fail(format!(
-                    "plane: normal = {} has no direction",
+                    "plane: normal = {} must be finite and not zero",
                     Numbers(&self.normal)
                 ))
             })?;
@@ -60,11 +59,11 @@ impl EllgranPlane {
 
 /// Forces and torques between all owned particles and plane walls, added to the particles' arrays.
 ///
-/// Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
-/// `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
-/// `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
-/// particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
-/// [wall_count][3] or NULL, receives the force on each wall, added to.
+/// A contact has the law of the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all particles) and
+/// `group_mask` select the particles with `masks[i] & group_mask` != 0. `touching` is [owned_count][wall_count] and
+/// `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set them to 0 before a
+/// particle's first call, and carry them along with the particle when its index changes. The force on each wall is added to
+/// `wall_forces`, [wall_count][3] or NULL.
 ///
 /// All particles are checked first; on failure nothing is written.
 ///
@@ -79,7 +78,7 @@ pub unsafe extern "C" fn ellgran_compute_planes(
     masks: *const i32,
     group_mask: i32,
     wall_type: i32,
-    wall_count: size_t,
+    wall_count: usize,
     planes: *const EllgranPlane,
     touching: *mut i32,
     history: *mut f64,
@@ -90,15 +89,20 @@ pub unsafe extern "C" fn ellgran_compute_planes(
     at_border("ellgran_compute_planes", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `workspace` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let EllgranWorkspace {
             workspace,
             planes: walls,
             ..
         } = unsafe { required_mut(workspace, "workspace") }?;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
         walls.clear();
+        // SAFETY: `planes` is NULL or valid for reads of `wall_count` structs, by this function's safety section.
         let planes = unsafe { GivenArray::new(planes, wall_count, "planes") }?;
         for k in 0..wall_count {
             walls.push(planes.get(k)?.to_core()?);
@@ -109,26 +113,42 @@ pub unsafe extern "C" fn ellgran_compute_planes(
         let mask = if masks.is_null() {
             None
         } else {
+            // SAFETY: `masks` is NULL or valid for reads of `owned` elements, by this function's safety section.
             Some(unsafe { slice(masks, owned, "masks") }?)
         };
         let acts_on = |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0);
         let mut arrays = WallArrays {
             acts_on: &acts_on,
+            // SAFETY: `touching` is NULL or valid for reads and writes of `slots` elements, and not aliased, by this
+            // function's safety section.
             touching: unsafe { slice_mut(touching, slots, "touching") }?,
+            // SAFETY: `history` is NULL or valid for reads and writes of `slots * length` elements, and not aliased,
+            // by this function's safety section.
             history: unsafe { slice_mut(history, slots * length, "history") }?,
+            // SAFETY: `forces` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
+            // SAFETY: `torques` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
             wall_forces: if wall_forces.is_null() {
                 &mut []
             } else {
+                // SAFETY: `wall_forces` is NULL or valid for reads and writes of `wall_count` elements, and not
+                // aliased, by this function's safety section.
                 unsafe { slice_mut(wall_forces.cast::<[f64; 3]>(), wall_count, "wall_forces") }?
             },
         };
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?;
         let mut sums = match &asked {
+            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
+            // are borrowed once.
             Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
             None => None,
         };
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare(p, owned, Some(laws), workspace, Purpose::SingleContacts) }?;
         compute_planes(
             laws,

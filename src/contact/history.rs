@@ -75,7 +75,7 @@ impl HistoryLayout {
         }
     }
 
-    /// The first number of a touching contact that no call has written: its place and its value. A normal that is none is
+    /// The first invalid number of the history of a touching contact: its place and its value. A normal that is not a unit vector is
     /// not used, and not looked at.
     pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
         let at = self.memory?;

@@ -60,7 +60,7 @@ pub(crate) fn factors_for(law: &PairLaw, curvature: Symmetric2) -> Factors {
     let sigma = law.kinds.conservative
         || !matches!(law.kinds.tangential, Tangential::None | Tangential::Linear);
     if law.kinds.hale {
-        // The caller made sure that the form does not break; were it to, the exact one stands in.
+        // The caller has checked that Hale's form is defined here; if it were not, the exact factors would be used.
         if let Some(f) = hertz_factors::hale(trace, determinant, sigma) {
             return f;
         }

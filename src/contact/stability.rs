@@ -162,7 +162,7 @@ pub fn contact_stiffness(
     let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(None);
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
@@ -269,7 +269,7 @@ pub fn collision(
     } else {
         closest(&i.body, &j.body, d, None::<Vector3>)
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;

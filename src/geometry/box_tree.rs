@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which of many boxes overlap a box? A tree of boxes within boxes: built in `n log n`, asked in the logarithm of the number
-//! of boxes and in proportion to the answers, whatever the boxes' sizes.
+//! Which of many boxes overlap a box? A tree of boxes within boxes: built in `n log n`, asked in the logarithm of the
+//! number of boxes and in proportion to the answers, for boxes of any sizes.
 
 /// A box along the world axes.
 #[derive(Clone, Copy, Debug)]

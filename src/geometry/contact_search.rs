@@ -488,9 +488,9 @@ fn pair<'a>(i: &'a Ellipsoid, j: &'a Ellipsoid, d: Vector3) -> Pair<'a> {
 
 /// Whether bodies `i` and `j` touch, and where.
 ///
-/// `d` is the vector from the centre of `i` to that of `j`. `start` is the normal found at the last step (any length
-/// but zero), `None` when there is none: it makes the search faster and does not change what is found. Never fails; of
-/// several equal minima one is taken.
+/// `d` is the vector from the centre of `i` to that of `j`. `start` is the normal found at the last step (any length but
+/// zero), or `None`: it makes the search faster and does not change what is found. Never fails; of several equal minima one
+/// is taken.
 pub fn search(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) -> Outcome {
     let pair = pair(i, j, d);
     let descent = match start {

@@ -39,7 +39,7 @@ pub fn compute_pairs<R: NeighbourRows>(
     Ok(deep_contacts)
 }
 
-/// [`compute_pairs`] but for the histories that stand in batches.
+/// [`compute_pairs`] without the histories that are kept in batches.
 fn compute_rows(
     laws: &Laws,
     workspace: &mut Workspace,
@@ -151,7 +151,11 @@ fn check_hale(
                 continue;
             };
             let j = &particles[other];
-            if !laws.get(i.kind as usize, j.kind as usize).kinds.hale {
+            if !laws
+                .get(i.particle_type as usize, j.particle_type as usize)
+                .kinds
+                .hale
+            {
                 continue;
             }
             let row = rows.row(k);

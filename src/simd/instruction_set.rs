@@ -71,7 +71,7 @@ impl InstructionSet {
         }
     }
 
-    /// Runs a stage on this instruction set; on `Baseline` where this is none for lanes, or where the machine does not have it.
+    /// Runs a stage on this instruction set. `Scalar`, and a set that the machine does not have, run it on `Baseline`.
     #[doc(hidden)]
     #[inline]
     pub fn run<T: Stage>(self, stage: T) {

@@ -117,7 +117,7 @@ pub fn compute_wall(
             before[..records].copy_from_slice(&memory[1..1 + records]);
             memory.fill(0.0);
         }
-        let law = input.laws.get(i.kind as usize, input.wall_type);
+        let law = input.laws.get(i.particle_type as usize, input.wall_type);
         let mut remembered = 0;
         for (part, surface) in found.iter() {
             let Some(contact) = StagedContact::of_wall(&seen, surface) else {
@@ -246,7 +246,7 @@ fn check(
     }
     let mut broken = None;
     for (i, k) in input.near.iter().zip(&wall.near) {
-        let law = input.laws.get(i.kind as usize, input.wall_type);
+        let law = input.laws.get(i.particle_type as usize, input.wall_type);
         let seen = input.motion.seen_from_wall(i, input.step);
         for shape in &wall.parts {
             shape.touch(

@@ -114,7 +114,7 @@ pub fn one_contact_with_plane(
         }
         return Ok(None);
     }
-    let law = laws.get(i.kind as usize, wall_type);
+    let law = laws.get(i.particle_type as usize, wall_type);
     let x = contact_with_plane(&found, i, wall);
     let factors = checked_factors(law, x.curvature())?;
     let before = cached_normal(&layout, history).unwrap_or(found.normal);
@@ -148,7 +148,9 @@ pub fn compute_planes(
             if (arrays.acts_on)(index) {
                 for wall in walls {
                     let found = touch_plane(&i.body, i.position, &wall.plane);
-                    if found.penetration > 0.0 && laws.get(i.kind as usize, wall_type).kinds.hale {
+                    if found.penetration > 0.0
+                        && laws.get(i.particle_type as usize, wall_type).kinds.hale
+                    {
                         let x = contact_with_plane(&found, i, wall);
                         hale_holds(x.curvature())
                             .map_err(|HaleRatio(ratio)| PlanesError::Hale { i: index, ratio })?;
@@ -194,7 +196,7 @@ pub fn compute_planes(
                 }
                 continue;
             };
-            let law = laws.get(i.kind as usize, wall_type);
+            let law = laws.get(i.particle_type as usize, wall_type);
             let x = contact_with_plane(&found, i, wall);
             let before = cached_normal(&layout, history).unwrap_or(found.normal);
             let factors = factors_for(law, x.curvature());
