@@ -61,8 +61,8 @@ pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
 pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 
 /// The laws and constants of one pair of types. Plain data: may be copied and stored in restart files, which later versions
-/// of the library read as they read a struct of an older header. Consistent units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
-/// 1e20.
+/// of the library read as they read a struct of an older header. Consistent units. Moduli and `normal_stiffness` are from
+/// 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most 1e20.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {

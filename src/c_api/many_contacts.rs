@@ -397,8 +397,8 @@ pub unsafe extern "C" fn ellgran_pair_stiffnesses(
 }
 
 /// Durations and depths of many elastic collisions in one call: what `ellgran_collision` gives for each pair. `pairs` is
-/// [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL. Masses are
-/// read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
+/// [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL.
+/// Masses are read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
 ///
 /// On failure the collisions before the one that the message names may have been written.
 ///
@@ -456,8 +456,8 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
     })
 }
 
-/// Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count], those
-/// of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
+/// Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count],
+/// those of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
 ///
 /// On failure the times before that of the particle that the message names may have been written.
 ///

@@ -90,7 +90,10 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(
+    /// # Safety
+    /// The arrays of `list` are valid as [`EllgranNeighbourList`] demands, while the rows are used; those by particle index have
+    /// an entry for each of `central`, and `touching` and `history` are not aliased. Methods of the rows rely on it.
+    unsafe fn new(
         list: &EllgranNeighbourList,
         central: &'a [i32],
         length: usize,
@@ -117,8 +120,8 @@ impl NeighbourRows for Rows<'_> {
     #[inline(always)]
     fn row(&mut self, k: usize) -> NeighbourRow<'_> {
         let central = self.central[k] as usize;
-        // SAFETY: by the contract of `EllgranNeighbourList`, the arrays have an entry for every central particle, the rows
-        // have as many entries as the count says, and no row is borrowed twice at a time (`&mut self`).
+        // SAFETY: by the contract of `Rows::new`, the arrays have an entry for every central particle, the rows have as many
+        // entries as the count says, and no row is borrowed twice at a time (`&mut self`).
         unsafe {
             let count = (*self.counts.add(central)).max(0) as usize;
             let neighbours = if count == 0 {
@@ -408,7 +411,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             shift,
             excluded,
         };
-        let mut rows = Rows::new(list, central, length, entries);
+        // SAFETY: the arrays are as `EllgranNeighbourList` demands, by this function's safety section; `central` is the list's own.
+        let mut rows = unsafe { Rows::new(list, central, length, entries) };
         let mut accumulators = Accumulators {
             forces,
             torques,
@@ -489,7 +493,9 @@ pub unsafe extern "C" fn ellgran_write_history(
                 ));
             }
         }
-        workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
+        // SAFETY: the arrays are as `EllgranNeighbourList` demands, and the loop above has found an entry for each kept history.
+        let mut rows = unsafe { Rows::new(list, &[], length, Entries::PLAIN) };
+        workspace.write_history(&mut rows);
         Ok(())
     })
 }
