@@ -12,7 +12,7 @@ use crate::force::{
     Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
     Tangential, Unloading,
 };
-use libc::{c_char, size_t};
+use core::ffi::c_char;
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -67,7 +67,7 @@ pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLawParameters {
     /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// ELLGRAN_NORMAL_*
     pub normal: i32,
     /// ELLGRAN_DAMPING_*
@@ -295,9 +295,9 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 /// `words` points to `word_count` strings that end with NUL; `consumed` and `parameters` are NULL or valid for writes.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_law_parameters_parse(
-    word_count: size_t,
+    word_count: usize,
     words: *const *const c_char,
-    consumed: *mut size_t,
+    consumed: *mut usize,
     parameters: *mut EllgranLawParameters,
 ) -> i32 {
     at_border("ellgran_law_parameters_parse", || {
@@ -403,7 +403,10 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
     at_border("ellgran_laws_with_friction", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `friction` is NULL or valid for reads of `laws.types() * laws.types()` elements, by this function's
+        // safety section.
         let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
+        // SAFETY: `result` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -427,7 +430,10 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
         let restitution =
+            // SAFETY: `restitution` is NULL or valid for reads of `laws.types() * laws.types()` elements, by this
+            // function's safety section.
             unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
+        // SAFETY: `result` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_restitution(restitution).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -449,7 +455,9 @@ pub unsafe extern "C" fn ellgran_laws_create_energy(
     at_border("ellgran_laws_create_energy", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `type_i` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out_i = unsafe { required_mut(type_i, "type_i") }?;
+        // SAFETY: `type_j` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out_j = unsafe { required_mut(type_j, "type_j") }?;
         let (i, j) = laws.creates_energy().unwrap_or((0, 0));
         (*out_i, *out_j) = (i as i32, j as i32);
@@ -535,7 +543,7 @@ pub unsafe extern "C" fn ellgran_laws_describe(
     type_i: i32,
     type_j: i32,
     buffer: *mut c_char,
-    capacity: size_t,
+    capacity: usize,
 ) -> i32 {
     at_border("ellgran_laws_describe", || {
         // SAFETY: promised by the caller.

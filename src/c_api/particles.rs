@@ -13,14 +13,13 @@ use crate::list::Rotation;
 use crate::list::{ParticleArrays, Workspace};
 use crate::message::Number;
 use crate::simd::InstructionSet;
-use crate::walls::MovingPlane;
 use core::ffi::{c_char, c_void};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 ///
 /// The arrays are read and written during a call and not kept after it: they may move between calls.
-/// `ellgran_compute_pairs` and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` and
-/// `ellgran_compute_wall` the first `owned_count`. A value outside the range of its field is an error that names the
+/// `ellgran_compute_pairs` and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the
+/// first `owned_count`. A value outside the range of its field is an error that names the
 /// particle and the value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -96,8 +95,6 @@ growing!(EllgranStep);
 /// `ELLGRAN_ERROR_PANIC` it can still be used, but the histories that it kept are lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
-    /// The planes of the last call.
-    pub(super) planes: Vec<MovingPlane>,
     /// What the last list that was computed looked like.
     pub(super) last_list: Option<ListLook>,
     /// Set while a list is computed: still set after a panic, which leaves nothing to rely on.
@@ -132,7 +129,6 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
         workspace.allocated = super::huge_pages::advise;
         *out = Box::into_raw(Box::new(EllgranWorkspace {
             workspace,
-            planes: Vec::new(),
             last_list: None,
             is_computing: false,
         }));

@@ -13,14 +13,16 @@ use super::status::{
 };
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::contact::Laws;
+use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
-    WallOutput,
+    WallOutput, WrongMemory,
 };
+use core::ffi::c_char;
 use core::ffi::CStr;
-use libc::{c_char, size_t};
 
 /// The particles are on the side of a surface on which their centres are.
 pub const ELLGRAN_SIDE_OF_CENTRE: i32 = 0;
@@ -38,7 +40,9 @@ pub const ELLGRAN_END_CLOSED: i32 = 2;
 
 /// A rigid wall: parts of any shape that move as one. Opaque; belongs to one thread at a time.
 pub struct EllgranWall {
-    wall: Wall,
+    pub(super) wall: Wall,
+    /// What to call the particle of each contact that was found.
+    pub(super) names: Vec<i64>,
 }
 
 /// A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
@@ -46,7 +50,7 @@ pub struct EllgranWall {
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallShape {
     /// `sizeof(EllgranWallShape)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// "plane", "cylinder", "cone" or "sphere".
     pub name: *const c_char,
     /// A point of a plane, the centre of a sphere, a point of the axis of a cylinder or a cone; components up to 1e20.
@@ -72,7 +76,7 @@ growing!(EllgranWallShape);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallMotion {
     /// `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// The point about which the wall has turned, where it was when the shapes were described.
     pub origin: [f64; 3],
     /// How far that point has moved since.
@@ -92,7 +96,7 @@ growing!(EllgranWallMotion);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallLoad {
     /// `sizeof(EllgranWallLoad)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Force on the wall, world frame.
     pub force: [f64; 3],
     /// Torque on the wall about `origin + displacement` of its motion, world frame.
@@ -110,11 +114,11 @@ growing!(EllgranWallLoad);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranRecordedWallContact {
     /// `sizeof(EllgranRecordedWallContact)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Index of the particle.
-    pub particle: size_t,
+    pub particle: usize,
     /// Index of the wall's part.
-    pub part: size_t,
+    pub part: usize,
     /// Contact point, world frame.
     pub point: [f64; 3],
     /// Unit normal out of the wall, towards the particle, world frame.
@@ -135,7 +139,7 @@ pub struct EllgranRecordedWallContact {
 
 growing!(EllgranRecordedWallContact);
 
-fn wrong(what: impl Into<String>) -> Failure {
+pub(super) fn wrong(what: impl Into<String>) -> Failure {
     Failure::new(ELLGRAN_ERROR_ARGUMENT, what)
 }
 
@@ -223,7 +227,10 @@ pub unsafe extern "C" fn ellgran_wall_new(wall: *mut *mut EllgranWall) -> i32 {
     at_border("ellgran_wall_new", || {
         // SAFETY: promised by the caller.
         let out = unsafe { required_mut(wall, "wall") }?;
-        *out = Box::into_raw(Box::new(EllgranWall { wall: Wall::new() }));
+        *out = Box::into_raw(Box::new(EllgranWall {
+            wall: Wall::new(),
+            names: Vec::new(),
+        }));
         Ok(())
     })
 }
@@ -253,7 +260,9 @@ pub unsafe extern "C" fn ellgran_wall_add_shape(
     at_border("ellgran_wall_add_shape", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `shape` is NULL or valid for reads, by this function's safety section.
         let shape = unsafe { given(shape, "shape") }?;
+        // SAFETY: `shape.name` is NULL or a text that ends with NUL, by this function's safety section.
         let name = unsafe { text(shape.name, "wall shape: name") }?;
         let parameters = shape.to_core()?;
         if parameters.axis == Vector3::ZERO && name != "sphere" {
@@ -274,12 +283,13 @@ pub unsafe extern "C" fn ellgran_wall_add_shape(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_add_triangles(
     wall: *mut EllgranWall,
-    count: size_t,
+    count: usize,
     corners: *const f64,
 ) -> i32 {
     at_border("ellgran_wall_add_triangles", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `corners` is NULL or valid for reads of `count` elements, by this function's safety section.
         let corners = unsafe { slice(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
         let triangles = corners.iter().map(|t| t.map(Vector3::from_array)).collect();
         wall.add_mesh(Mesh::new(triangles).map_err(wrong)?);
@@ -300,13 +310,16 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
     scale: f64,
     quaternion: *const f64,
     translation: *const f64,
-    triangle_count: *mut size_t,
+    triangle_count: *mut usize,
 ) -> i32 {
     at_border("ellgran_wall_add_stl", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `path` is NULL or a text that ends with NUL, by this function's safety section.
         let path = unsafe { text(path, "path") }?;
+        // SAFETY: `quaternion` is NULL or valid for reads of 4 values, by this function's safety section.
         let quaternion = unsafe { quaternion.cast::<[f64; 4]>().as_ref() };
+        // SAFETY: `translation` is NULL or valid for reads of 3 values, by this function's safety section.
         let translation = unsafe { translation.cast::<[f64; 3]>().as_ref() };
         if !(scale.is_finite() && scale > 0.0) {
             return Err(wrong(format!(
@@ -344,7 +357,7 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.part_count())
 }
@@ -358,7 +371,7 @@ pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> si
 pub unsafe extern "C" fn ellgran_wall_memory_length(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
-) -> size_t {
+) -> usize {
     // SAFETY: promised by the caller.
     match unsafe { (wall.as_ref(), laws.as_ref()) } {
         (Some(wall), Some(laws)) => wall.wall.memory(&laws.laws).length(),
@@ -376,7 +389,7 @@ pub unsafe extern "C" fn ellgran_wall_memory_used(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
     memory: *const f64,
-) -> size_t {
+) -> usize {
     // SAFETY: promised by the caller.
     match unsafe { (wall.as_ref(), laws.as_ref(), memory.is_null()) } {
         (Some(wall), Some(laws), false) => {
@@ -387,6 +400,83 @@ pub unsafe extern "C" fn ellgran_wall_memory_used(
         }
         _ => 0,
     }
+}
+
+/// # Safety
+/// `motion` is NULL or valid.
+pub(super) unsafe fn motion_of(motion: *const EllgranWallMotion) -> Result<Motion, Failure> {
+    if motion.is_null() {
+        return Ok(Motion::REST);
+    }
+    // SAFETY: promised by the caller.
+    unsafe { given(motion, "motion") }?.to_core()
+}
+
+/// On which particles a wall acts.
+///
+/// # Safety
+/// `masks` is NULL or has `owned` entries, for the lifetime that the caller gives them.
+pub(super) unsafe fn chosen<'a>(
+    masks: *const i32,
+    group_mask: i32,
+    owned: usize,
+) -> Result<impl Fn(usize) -> bool + 'a, Failure> {
+    let mask = if masks.is_null() {
+        None
+    } else {
+        // SAFETY: promised by the caller.
+        Some(unsafe { slice(masks, owned, "masks") }?)
+    };
+    Ok(move |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0))
+}
+
+/// Finds the particles that may touch a wall, and prepares them in `workspace`.
+///
+/// # Safety
+/// The arrays are as `EllgranParticles` states.
+pub(super) unsafe fn prepare_near(
+    p: &EllgranParticles,
+    wall: &mut Wall,
+    workspace: &mut Workspace,
+    laws: Option<&Laws>,
+    motion: &Motion,
+    acts_on: &dyn Fn(usize) -> bool,
+) -> Result<(), Failure> {
+    let owned = p.owned_count;
+    // SAFETY: promised by the caller, for all of this function.
+    let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
+    if owned > 0 {
+        // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
+        unsafe { required(p.semi_axes, "semi_axes") }?;
+        // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
+        unsafe { required(p.quaternions, "quaternions") }?;
+    }
+    wall.find_near(motion, owned, |k| {
+        // SAFETY: `k` is one of the particles. One without a shape is looked at, and refused, with those near the wall.
+        let shape = unsafe { shape_of(p, k) };
+        let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
+            // NaN in any of them stays
+            let largest = if a >= b { a } else { b };
+            if largest >= c {
+                largest
+            } else {
+                c
+            }
+        });
+        acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
+    });
+    // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
+    unsafe { prepare(p, owned, laws, workspace, Purpose::Chosen(wall.near())) }
+}
+
+/// The message of a memory that holds what no call has written.
+pub(super) fn memory_failure(p: &EllgranParticles, wrong: &WrongMemory) -> Failure {
+    history_failure(
+        identifier(p, wrong.particle),
+        None,
+        wrong.place,
+        wrong.value,
+    )
 }
 
 /// Forces and torques between all owned particles and a wall, added to the particles' arrays.
@@ -421,64 +511,48 @@ pub unsafe extern "C" fn ellgran_compute_wall(
     at_border("ellgran_compute_wall", || {
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        // SAFETY: `wall` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        let motion = if motion.is_null() {
-            Motion::REST
-        } else {
-            unsafe { given(motion, "motion") }?.to_core()?
-        };
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
+        let motion = unsafe { motion_of(motion) }?;
+        // SAFETY: `load` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut of_load = unsafe { Output::optional(load, "load") }?;
         let owned = p.owned_count;
         let length = wall.memory(laws).length();
-        let mask = if masks.is_null() {
-            None
-        } else {
-            Some(unsafe { slice(masks, owned, "masks") }?)
-        };
-        let acts_on = |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0);
-        let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
-        if owned > 0 && (p.semi_axes.is_null() || p.quaternions.is_null()) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_NULL_POINTER,
-                "semi_axes and quaternions must not be NULL",
-            ));
-        }
-        wall.find_near(&motion, owned, |k| {
-            // SAFETY: the arrays are as the caller promises, and `k` is one of the particles. One without a shape is looked
-            // at, and refused, with those near the wall.
-            let shape = unsafe { shape_of(p, k) };
-            let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
-                // NaN in any of them stays
-                let largest = if a >= b { a } else { b };
-                if largest >= c {
-                    largest
-                } else {
-                    c
-                }
-            });
-            acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
-        });
+        // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
+        let acts_on = unsafe { chosen(masks, group_mask, owned) }?;
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
+        unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on) }?;
         let mut output = WallOutput {
             acts_on: &acts_on,
+            // SAFETY: `memory` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
+            // by this function's safety section.
             memory: unsafe { slice_mut(memory, owned * length, "memory") }?,
+            // SAFETY: `forces` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
+            // SAFETY: `torques` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
         };
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?;
         let mut sums = match &asked {
+            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
+            // are borrowed once.
             Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
             None => None,
         };
-        let chosen = Purpose::Chosen(wall.near());
-        unsafe { prepare(p, owned, Some(laws), workspace, chosen) }?;
         let input = WallInput {
             laws,
             wall_type,
             near: workspace.particles(),
-            particles: owned,
             motion: &motion,
             step: &step,
         };
@@ -487,11 +561,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 WallError::Hale { particle, ratio } => {
                     hale_failure(identifier(p, particle), None, ratio)
                 }
-                WallError::Memory {
-                    particle,
-                    place,
-                    value,
-                } => history_failure(identifier(p, particle), None, place, value),
+                WallError::Memory(wrong) => memory_failure(p, &wrong),
             })?;
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
             // SAFETY: promised by the caller.
@@ -518,12 +588,13 @@ pub unsafe extern "C" fn ellgran_compute_wall(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_part_force(
     wall: *const EllgranWall,
-    part: size_t,
+    part: usize,
     force: *mut f64,
 ) -> i32 {
     at_border("ellgran_wall_part_force", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(force.cast::<[f64; 3]>(), "force") }?;
         if part >= wall.part_count() {
             return Err(wrong(format!(
@@ -560,7 +631,7 @@ pub unsafe extern "C" fn ellgran_wall_record_contacts(wall: *mut EllgranWall, re
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.contacts().len())
 }
@@ -572,12 +643,14 @@ pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_recorded(
     wall: *const EllgranWall,
-    index: size_t,
+    index: usize,
     contact: *mut EllgranRecordedWallContact,
 ) -> i32 {
     at_border("ellgran_wall_recorded", || {
         // SAFETY: promised by the caller, for all of this function.
         let all = unsafe { required(wall, "wall") }?.wall.contacts();
+        // SAFETY: `contact` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(contact, "contact") }?;
         let c = all.get(index).ok_or_else(|| {
             wrong(format!(

@@ -177,8 +177,8 @@ pub(super) unsafe fn add_preceding_half_step(
     Ok(())
 }
 
-/// Adds the work that the loads of the last call of `ellgran_compute_pairs`, `ellgran_compute_planes` or
-/// `ellgran_compute_wall` do in the half step after it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+/// Adds the work that the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` do in the half step
+/// after it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 ///
 /// Call it once in each step, when the velocities and angular momenta (or angular velocities) are those of the half step
 /// after that call and the order of the particles is still the same: in velocity Verlet before or after the positions move.

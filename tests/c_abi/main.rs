@@ -9,6 +9,7 @@
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod engine_walls;
 mod errors;
 mod extreme_values;
 mod friction;
@@ -19,6 +20,7 @@ mod list_changes;
 mod lists;
 mod many_contacts;
 mod measures;
+mod motion;
 mod null_pointers;
 mod paths;
 mod recorded;

@@ -78,7 +78,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
         ),
     ] {
         let run = fresh_directory(what);
-        write_changed("lammps_format_2", &run, &from, &to);
+        write_changed(&directory(), "lammps_format_2", &run, &from, &to);
         let (success, output) = go_on(&engine, &run, &run, "lammps_format_2", 2);
         assert!(!success, "{what} is read");
         let errors: Vec<&str> = output.lines().filter(|l| l.contains("ERROR")).collect();

@@ -52,9 +52,9 @@ pub fn difference(run: &Path, name: &str) -> f64 {
     largest
 }
 
-/// The file `name` in `run`, with the bytes `from`, which it holds once or more, replaced by `to`.
-pub fn write_changed(name: &str, run: &Path, from: &[u8], to: &[u8]) {
-    let mut bytes = fs::read(directory().join(format!("{name}.restart"))).unwrap();
+/// Writes the restart file `name` of `source` to `run`, with the bytes `from`, which it holds once or more, replaced by `to`.
+pub fn write_changed(source: &Path, name: &str, run: &Path, from: &[u8], to: &[u8]) {
+    let mut bytes = fs::read(source.join(format!("{name}.restart"))).unwrap();
     let places: Vec<usize> = (0..bytes.len() - from.len())
         .filter(|k| bytes[*k..].starts_with(from))
         .collect();
