@@ -2,6 +2,8 @@
 //! No memory is allocated in a step, once a workspace has seen as many particles.
 
 #![allow(unsafe_code)]
+// Each block is one call of the C interface with pointers to locals that outlive it.
+#![allow(clippy::undocumented_unsafe_blocks)]
 
 #[allow(dead_code)]
 #[path = "c_abi/scene.rs"]

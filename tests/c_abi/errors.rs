@@ -290,10 +290,10 @@ const BODIES: [Spoil; 14] = [
     (&["semi-axis", "inf"], |b| b.semi_axes[2] = f64::INFINITY),
     (&["quaternion", "(0 0 0 0)"], |b| b.quaternion = [0.0; 4]),
     (&["quaternion", "NaN"], |b| b.quaternion[3] = f64::NAN),
-    (&["type 0"], |b| b.kind = 0),
-    (&["type -1"], |b| b.kind = -1),
-    (&["type 2"], |b| b.kind = 2),
-    (&["type 2147483647"], |b| b.kind = i32::MAX),
+    (&["type 0"], |b| b.particle_type = 0),
+    (&["type -1"], |b| b.particle_type = -1),
+    (&["type 2"], |b| b.particle_type = 2),
+    (&["type 2147483647"], |b| b.particle_type = i32::MAX),
 ];
 
 const MASSES: [Spoil; 3] = [

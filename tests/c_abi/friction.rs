@@ -23,7 +23,7 @@ fn with_friction(laws: &Laws, friction: &[f64]) -> Laws {
 /// Force and history of a sliding contact of bodies of these types, after some steps.
 fn slide(laws: &Laws, kinds: [i32; 2]) -> ([f64; 3], Vec<f64>) {
     let (mut i, mut j) = (sphere_at(0.0), sphere_at(1.9));
-    [i.kind, j.kind] = kinds;
+    [i.particle_type, j.particle_type] = kinds;
     i.semi_axes = [1.0, 0.8, 0.9];
     j.velocity = [0.0, 0.3, 0.2];
     let mut force = Untouched::<EllgranContactForce>::sized();

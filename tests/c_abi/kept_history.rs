@@ -188,7 +188,7 @@ fn types_may_change() {
         if step % 5 == 4 {
             for (k, body) in bodies.iter_mut().enumerate() {
                 if k % 3 == step / 5 % 3 {
-                    body.kind = 3 - body.kind;
+                    body.particle_type = 3 - body.particle_type;
                 }
             }
         }

@@ -300,7 +300,7 @@ fn a_long_row_is_in_balance() {
     let bodies: Vec<_> = (0..COUNT)
         .map(|k| EllgranBody {
             semi_axes: [1.0, 0.5, 0.7],
-            kind: 1,
+            particle_type: 1,
             ..sphere_at(1.99 * k as f64)
         })
         .collect();

@@ -2,6 +2,9 @@
 //! The C interface, called as C calls it.
 
 #![allow(unsafe_code)]
+// Each block is one call of the C interface with pointers to locals that outlive it; tests of invalid pointers say what they
+// rely on.
+#![allow(clippy::undocumented_unsafe_blocks)]
 
 mod dissipation;
 #[path = "../support/emulator.rs"]

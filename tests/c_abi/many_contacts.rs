@@ -300,7 +300,7 @@ fn rayleigh_times_are_those_of_single_calls() {
         for (body, time) in bodies.iter().zip(&times) {
             let mut one = 0.0;
             ok(ellgran_rayleigh_time(
-                &parameters[body.kind as usize - 1],
+                &parameters[body.particle_type as usize - 1],
                 body,
                 &mut one,
             ));

@@ -269,7 +269,7 @@ pub fn sphere_at(x: f64) -> EllgranBody {
         velocity: [0.0; 3],
         angular_velocity: [0.0; 3],
         mass: 1.0,
-        kind: 1,
+        particle_type: 1,
         identifier: 7,
     }
 }
@@ -288,7 +288,7 @@ pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
                 velocity: random.vector(-0.5, 0.5),
                 angular_velocity: random.vector(-0.5, 0.5),
                 mass: random.between(0.5, 2.0),
-                kind: 1 + (k % 2),
+                particle_type: 1 + (k % 2),
                 identifier: 1000 + i64::from(k),
             }
         })
@@ -378,7 +378,7 @@ impl Arrays {
             velocities: all(bodies, |b| b.velocity),
             angular_velocities: all(bodies, |b| b.angular_velocity),
             masses: all(bodies, |b| b.mass),
-            types: all(bodies, |b| b.kind),
+            types: all(bodies, |b| b.particle_type),
             semi_axes: all(bodies, |b| b.semi_axes),
             quaternions: all(bodies, |b| b.quaternion),
             identifiers: all(bodies, |b| b.identifier),

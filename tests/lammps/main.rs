@@ -35,6 +35,7 @@ mod plane_motion;
 mod plugin_file;
 mod readme;
 mod restart;
+mod restart_files;
 mod set_up;
 mod spheres;
 mod tangential_force;

@@ -116,7 +116,7 @@ fn reference(scene: &Scene) -> OneContact {
                 velocity: [0.0; 3],
                 angular_velocity: [0.0; 3],
                 mass: 1.0,
-                kind: 1,
+                particle_type: 1,
                 identifier: 1,
             },
             Some(1),

@@ -35,6 +35,7 @@ mod misuse;
 mod moving_walls;
 mod pair_loops;
 mod restart;
+mod restart_files;
 mod rolling;
 mod same_motion;
 mod spheres;

@@ -6,5 +6,6 @@
 
 pub mod frames;
 pub mod process;
+pub mod restart_files;
 pub mod scene;
 pub mod shapes;
