@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::decomposition::LAW;
 use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
-use crate::harness::{crowd, run, Deck, Engine, Scene};
+use crate::harness::{crowd, last_rows, run, Deck, Engine, Scene};
 use crate::shapes::{dot, length, scale, sub, Vector};
 
 /// `compute pair/local` and thermo output of golden pairs, through `single()`.
@@ -49,14 +49,7 @@ fn both_versions_pair_local_energy_and_pressure() {
             ];
             deck.thermo_columns = "step pe c_pressing".into();
             let outcome = run(&engine, "pair_local", &scene, &deck, 1);
-            let dump = fs::read_to_string(outcome.directory.join("contacts")).unwrap();
-            let row: Vec<f64> = dump
-                .lines()
-                .nth(9)
-                .expect("no contact")
-                .split_whitespace()
-                .map(|w| w.parse().unwrap())
-                .collect();
+            let row = &last_rows(&outcome.directory.join("contacts"))[0];
             let sign = if row[1] == 1.0 { 1.0 } else { -1.0 };
             let [_, _, dist, energy, force, p1, cx, cy, cz, nx, ny, nz, delta, a, b, fx, fy, fz] =
                 row[..]
@@ -166,17 +159,6 @@ fn both_versions_energy_is_kept_stored_or_dissipated() {
     }
 }
 
-/// Rows of the last section of a dump.
-fn last_rows(text: &str) -> Vec<Vec<f64>> {
-    let section = text.rsplit("ITEM: TIMESTEP").next().unwrap();
-    section
-        .lines()
-        .skip_while(|l| !l.starts_with("ITEM: ENTRIES"))
-        .skip(1)
-        .map(|l| l.split_whitespace().map(|w| w.parse().unwrap()).collect())
-        .collect()
-}
-
 /// `compute pair/local` shows the forces and torques that acted: over all pairs they add up to those on the atoms.
 #[test]
 fn both_versions_pair_local_shows_the_forces_that_acted() {
@@ -219,7 +201,7 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
                 ..Deck::new(law)
             };
             let outcome = run(&engine, "local_sums", &scene, &deck, ranks);
-            let rows = last_rows(&fs::read_to_string(outcome.directory.join("contacts")).unwrap());
+            let rows = last_rows(&outcome.directory.join("contacts"));
             let mut sums = vec![[0.0f64; 6]; scene.grains.len()];
             let mut contacts = 0;
             let mut power = [0.0; 2];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a fresh machine to real decks run, with a table and pictures of what they show.
 
-pub mod chart;
 mod contacts;
 mod deck;
 mod engine;
