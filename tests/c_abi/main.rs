@@ -3,11 +3,15 @@
 
 #![allow(unsafe_code)]
 
+mod comparison;
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod errors;
 mod extreme_values;
+#[allow(dead_code)]
+#[path = "../support/shapes.rs"]
+mod formulas;
 mod friction;
 mod growing;
 mod instruction_sets;

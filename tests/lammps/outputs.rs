@@ -16,16 +16,7 @@ fn both_versions_pair_local_energy_and_pressure() {
     let mut count = 0;
     for text in [ASPECT_10, ASPECT_100] {
         for pair in read_pairs(text).into_iter().step_by(10) {
-            let arm = pair
-                .grains
-                .iter()
-                .flat_map(|g| g.semi_axes)
-                .fold(0.0, f64::max);
-            let extent = pair
-                .grains
-                .iter()
-                .flat_map(|g| g.position)
-                .fold(arm, |m, x| m.max(x.abs()));
+            let (arm, extent) = pair.size();
             let allowed = 1e-8f64.max(16.0 * f64::EPSILON * extent / pair.delta);
             let mut grains = pair.grains.to_vec();
             grains[1].kind = 2;
