@@ -7,6 +7,7 @@ mod comparison;
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod engine_walls;
 mod errors;
 mod extreme_values;
 #[allow(dead_code)]
@@ -20,6 +21,7 @@ mod list_changes;
 mod lists;
 mod many_contacts;
 mod measures;
+mod motion;
 mod null_pointers;
 mod paths;
 mod recorded;

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use crate::engines::dump::tables;
 use crate::engines::printed::{blocks, page, shell};
 use crate::harness::{execute, fresh_directory, last_lines, Engine};
 
@@ -123,6 +124,27 @@ fn the_one_coefficient_of_the_tutorial() {
         .expect("a law")
         .trim_end();
     assert!(page.contains(&format!("| `{law}` |")), "{law}");
+}
+
+/// The line that the tutorial adds to the deck of the README.
+#[test]
+fn both_versions_the_columns_of_the_tutorial() {
+    let engine = Engine::from_environment();
+    let deck = &blocks(&page("README.md"), "lammps")[0];
+    let names = &blocks(&page("docs/tutorials/spheres_to_ellipsoids.md"), "lammps")[0];
+    let (before, after) = deck.split_once("timestep").expect("timestep");
+    let after = after.replace("run 20000", "run 5");
+    let plugin = engine.plugin.display();
+    let deck = format!("variable plugin index {plugin}\n{before}{names}timestep{after}");
+    let directory = fresh_directory("columns");
+    let (success, output) = execute(&engine, &directory, &deck, 1);
+    assert!(success, "{}", last_lines(&output));
+    let dump = fs::read_to_string(directory.join("grains.dump")).unwrap();
+    let columns = tables(&dump).expect("a dump").remove(0).columns;
+    assert_eq!(
+        columns[5..],
+        ["quatw", "quati", "quatj", "quatk", "shapex", "shapey", "shapez"]
+    );
 }
 
 /// Shell blocks that run a deck from source. `cargo xtask path` answers what this test was given.

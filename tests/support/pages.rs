@@ -51,14 +51,16 @@ pub fn blocks(page: &str, language: &str) -> Vec<String> {
         .collect()
 }
 
-/// Lines that a page shows as code because they are indented by four, outside fences: a block that nothing finds.
+/// Lines that begin a block of code by four spaces in place of a fence, which nothing finds. (In a list, code is indented further.)
 pub fn unfenced_code(page: &str) -> Vec<&str> {
-    let mut fenced = false;
+    let (mut fenced, mut blank) = (false, true);
     page.lines()
         .filter(|line| {
             let fence = line.trim_start().starts_with("```");
             fenced ^= fence;
-            !fenced && !fence && line.starts_with("    ")
+            let begins = blank && line.starts_with("    ") && !line.starts_with("     ");
+            blank = line.trim().is_empty();
+            !fenced && !fence && begins
         })
         .collect()
 }

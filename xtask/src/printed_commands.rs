@@ -83,16 +83,25 @@ const DECKS: &[(&str, &str, &str)] = &[
     ("lammps", "README.md", "tests/lammps/readme.rs"),
     ("lammps", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
     (
+        "lammps",
+        "docs/tutorials/spheres_to_ellipsoids.md",
+        "tests/lammps/pages.rs",
+    ),
+    (
         "liggghts",
         "liggghts-patch/README.md",
         "tests/liggghts/pages.rs",
     ),
 ];
 
-/// Printed, and run by nothing: another LAMMPS would have to be built for them.
+/// Printed, and run by nothing: another LAMMPS would have to be built for them; tables of reference are made once.
 const NOT_RUN: &[&str] = &[
     "cmake -S $LAMMPS/cmake -B build-lammps -DPKG_ASPHERE=on -DCMAKE_PROJECT_lammps_INCLUDE=$PWD/lammps-plugin/ellgran-builtin.cmake -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
     "cmake --build build-lammps",
+    "python3 -m venv VENV && VENV/bin/pip install -r requirements.txt",
+    "VENV/bin/python generate_hertz_factors.py",
+    "VENV/bin/python generate_pairs.py",
+    "VENV/bin/python check_reference.py",
     "ELLGRAN_LAMMPS_SOURCE=/path/to/lammps cargo xtask path lammps-plugin",
 ];
 
