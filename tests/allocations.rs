@@ -15,7 +15,6 @@ use std::cell::Cell;
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
-use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::rigid_wall::*;
 

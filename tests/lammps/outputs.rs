@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Are the outputs right: geometry of each contact, stored and dissipated energy, pressure?
 
-use std::fs;
-
 use crate::decomposition::LAW;
 use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
 use crate::harness::{crowd, last_rows, run, Deck, Engine, Scene};
