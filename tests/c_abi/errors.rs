@@ -7,7 +7,6 @@ use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
 use ellgran::c_api::law::*;
-use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::plane::*;
 use ellgran::c_api::rigid_wall::*;
@@ -532,17 +531,8 @@ impl Row {
         let mut particles = self.arrays.particles();
         change(&mut particles);
         let view = self.list.view(true);
-        // SAFETY: all pointers are valid.
-        unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                step,
-                null_mut(),
-            )
-        }
+        self.laws
+            .pairs(&self.workspace, &particles, &view, step, null_mut())
     }
 
     /// Against a plane at `x`, by its right.

@@ -6,12 +6,16 @@
 // rely on.
 #![allow(clippy::undocumented_unsafe_blocks)]
 
+mod comparison;
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod engine_walls;
 mod errors;
 mod extreme_values;
+#[allow(dead_code)]
+#[path = "../support/shapes.rs"]
+mod formulas;
 mod friction;
 mod growing;
 mod instruction_sets;

@@ -7,8 +7,6 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
-#[path = "../support/readme.rs"]
-mod readme_deck;
 
 use engines::shapes;
 

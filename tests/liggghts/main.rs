@@ -33,6 +33,7 @@ mod mesh_ranks;
 mod meshes;
 mod misuse;
 mod moving_walls;
+mod pages;
 mod pair_loops;
 mod restart;
 mod restart_files;

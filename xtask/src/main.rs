@@ -5,7 +5,10 @@ mod aarch64;
 mod apt_source;
 mod bench;
 mod cache;
+mod chart;
 mod demo;
+#[path = "../../tests/support/dump.rs"]
+mod dump;
 mod engine_forces;
 mod header;
 mod install;
@@ -15,6 +18,8 @@ mod library;
 mod liggghts;
 mod liggghts_make_auto;
 mod packed_grains;
+#[path = "../../tests/support/pages.rs"]
+mod pages;
 mod plugin;
 #[cfg(test)]
 mod printed_commands;
@@ -28,6 +33,9 @@ mod release;
 mod report;
 mod rooms;
 mod setup;
+#[allow(dead_code)]
+#[path = "../../tests/support/shapes.rs"]
+mod shapes;
 mod site;
 mod tarball;
 mod test;
