@@ -243,10 +243,7 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
     at_border("ellgran_laws_with_friction", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        // SAFETY: `friction` is NULL or valid for reads of `laws.types() * laws.types()` elements, by this function's
-        // safety section.
         let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
-        // SAFETY: `result` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -270,10 +267,7 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
         let restitution =
-            // SAFETY: `restitution` is NULL or valid for reads of `laws.types() * laws.types()` elements, by this
-            // function's safety section.
             unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
-        // SAFETY: `result` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_restitution(restitution).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -348,9 +342,7 @@ pub unsafe extern "C" fn ellgran_laws_create_energy(
     at_border("ellgran_laws_create_energy", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        // SAFETY: `type_i` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out_i = unsafe { required_mut(type_i, "type_i") }?;
-        // SAFETY: `type_j` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out_j = unsafe { required_mut(type_j, "type_j") }?;
         let (i, j) = laws.creates_energy().unwrap_or((0, 0));
         (*out_i, *out_j) = (i as i32, j as i32);

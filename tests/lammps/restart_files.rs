@@ -71,7 +71,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
             ],
         ),
         (
-            "no data of ours",
+            "damaged",
             pair(2),
             [*b"GEL?", [0; 4]].concat(),
             &["byte order", "write_data"],
