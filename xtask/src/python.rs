@@ -77,7 +77,7 @@ fn directory() -> PathBuf {
 }
 
 /// A prefix with the shared library of this checkout.
-fn library() -> Result<tempfile::TempDir> {
+pub fn library() -> Result<tempfile::TempDir> {
     let prefix = tempfile::tempdir()?;
     install::with_shared(prefix.path())?;
     Ok(prefix)
