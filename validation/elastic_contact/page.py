@@ -72,7 +72,9 @@ def main() -> None:
     right.set(xscale="log", yscale="log", xlabel="overlap / radius of curvature", title="whole bodies")
     for axes in (middle, right):
         axes.axhline(0.01, color="#333333", linestyle=":", linewidth=1)
-        axes.legend()
+    middle.legend(loc="upper left")
+    right.set_ylim(1e-5, 0.2)
+    right.legend(loc="lower right", ncols=2)
     sphere = bodies[1.0]
     at = next(row for row in sphere if row["overlap"] == 1e-3)
     lost = {support: loses_one_per_cent(sphere, support) for support in ("free", "held")}
@@ -91,7 +93,8 @@ def main() -> None:
         "is held by an equal force on its other side."
     )
     parts = [
-        "All errors are of the law less the full problem, of the force at equal overlap, of semi-axes and pressure at equal force. "
+        "All errors are of the law less the full problem, of the force at equal overlap, of semi-axes and pressure at equal force. Boundary elements are given the force; the "
+        "overlaps in the tables are the law's at that force. "
         "Poisson's ratio is 0.3 where it matters.",
         "## Paraboloids\n\n"
         "Boundary elements (tamaas: Polonsky and Keer's conjugate gradients, non-periodic Boussinesq operator) know neither ellipses nor Hertz. Equal prolate "

@@ -84,11 +84,13 @@ def rebounds(spheres: Spheres, of: Solid, rates: Sequence[float], steps: int) ->
     raise RuntimeError("an impact does not end")
 
 
-def impacts(poissons: Sequence[float], rates: Sequence[float], steps: int) -> List[Dict[str, Any]]:
+def impacts(
+    poissons: Sequence[float], rates: Sequence[float], steps: int, viscosities: Sequence[str] = tuple(VISCOSITIES)
+) -> List[Dict[str, Any]]:
     """Each closure against the exact memory: restitution, duration, force along the exact motion."""
     rows = []
     for poisson in poissons:
-        for viscosity in VISCOSITIES:
+        for viscosity in viscosities:
             of = solid(poisson, viscosity)
             relaxation = of.relaxation()
             coefficient = Spheres(of, "closure energy", 1).coefficient()
