@@ -46,13 +46,15 @@ def write(folder: Path, title: str, conclusion: str, parts: Iterable[str], numbe
     name = _name(folder)
     origin = json.loads((folder / "origin.json").read_text())
     versions = ", ".join(
-        f"{key} {value}" for key, value in origin.items() if key not in ("command", "seconds", "processor", "system")
+        f"{key} {value}" for key, value in origin.items() if key not in ("command", "seconds", "processor", "system", "note")
     )
     files = ", ".join(f"[{file}](../../validation/{folder.name}/{file})" for file in [*numbers, "origin.json"])
     text = f"# {title}\n\n![{name}.svg]({name}.svg)\n\n**Conclusion.** {conclusion}\n\n"
     text += "\n\n".join(part.strip() for part in parts)
     text += f"\n\n## Where the numbers come from\n\n`{origin['command']}`, {origin['seconds']} s on one core that others shared "
     text += f"({origin['processor']}; {versions}). The numbers: {files}.\n"
+    if "note" in origin:
+        text = text.rstrip() + f" They were {origin['note']}.\n"
     (REPORT / f"{name}.md").write_text(text)
     print(f"wrote {name}.md and {name}.svg")
 

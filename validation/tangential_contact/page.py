@@ -66,9 +66,9 @@ def main() -> None:
         f"{per_cent(mildly)} of mu F_n, between plus and minus 0.8 by {per_cent(strongly)}, and it dissipates nothing where the full problem loses "
         f"{spread(mildly, 'dissipated')} and {spread(strongly, 'dissipated')} of what a spring would hold. Where the contact slides and is reversed, the force on the way back is wrong by up to "
         f"{per_cent(sliding)}, and the cycle dissipates {abs(lost('rescaled')):.0f} % too little; `mindlin` dissipates {lost('mindlin'):.0f} % too much. With the normal force rising and falling "
-        f"`rescaled` and `incremental` are wrong by {per_cent(pulsing['rescaled'])}, `total` by {per_cent(pulsing['total'])}: of the forms of `tfd` that is for the default, `rescaled`. "
+        f"`rescaled` and `incremental` are wrong by {per_cent(pulsing['rescaled'])}, `total` by {per_cent(pulsing['total'])}. "
         f"Loaded shallow and unloaded deep, `total` and `incremental` create energy ({-max(row['dissipated_by_law'] for row in created['total']):.2f} and "
-        f"{-max(row['dissipated_by_law'] for row in created['incremental']):.2f} of the same unit; the full problem loses {spread(created['total'], 'dissipated')}); `rescaled` never does."
+        f"{-max(row['dissipated_by_law'] for row in created['incremental']):.2f} of the same unit; the full problem loses {spread(created['total'], 'dissipated')}); `rescaled` does on none of these paths."
     )
     forces = table(
         ["path", *FORMS, "error bar"],
@@ -114,9 +114,10 @@ def main() -> None:
         "## Energy dissipated in the closed cycle\n\n"
         "In units of half of mu times the largest normal force times the largest displacement, which a spring would hold. Negative: created.\n\n" + energies,
         "## What follows\n\n"
-        "- Collisions load once and part; first loading is right, and what `tfd` lacks is the loop of the way back.\n"
+        "- What loads once is right. What `tfd` lacks is the loop of the way back.\n"
         "- Vibrated and cyclically sheared packings below sliding lose energy by micro-slip in the full problem, and not in `tfd`. Viscosity is all that damps them.\n"
-        "- A law that closes the gap keeps turning points (Mindlin and Deresiewicz 1953, in Jaeger's form). It is not in the library.",
+        "- A law that closes the gap keeps turning points (Mindlin and Deresiewicz 1953, in Jaeger's form). It is not in the library.\n"
+        "- Both `total` and `incremental` can be driven to give energy, `rescaled` could not: it stays the default of `tfd`.",
         "## What is left out\n\nTwisting about the normal, unequal materials (whose shear changes the pressure), rolling.",
     ]
     write(HERE, "Tangential contact against partial slip by boundary elements", conclusion, parts, ["cycles.csv", "curves.csv", "first_loading.csv"])
