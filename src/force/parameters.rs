@@ -71,9 +71,10 @@ pub enum Tangential {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Displacement {
     /// The displacement `xi` since first touch; force `F(xi)` at the stiffness of now: the published form. It can create
-    /// energy: what was loaded while the contact was deep gives more when it is unloaded while it is shallow.
+    /// energy: what was loaded while the contact was shallow gives more when it is unloaded while it is deep.
     Total,
-    /// The force: `dF = k_t(delta) d xi`. It can create energy.
+    /// The force: `dF = k_t(delta) d xi`. It can create energy: what was loaded while the contact was deep gives more when it
+    /// is unloaded while it is shallow.
     Incremental,
     /// The force, reduced where the contact would otherwise hold more energy than it took, as with the stiffness while the
     /// contact shrinks: no cycle creates energy (see [`super::tangential`]). The same as `Total` while the normal force is

@@ -62,3 +62,24 @@ def test_the_stored_errors_say_what_the_report_says(tangential):
         if row["form"] == "rescaled":
             # The default creates no energy on any of these paths.
             assert row["dissipated_by_law"] > -1e-6
+
+
+def test_which_form_creates_energy_and_on_which_way(tangential):
+    """Far below sliding, at 0.05 of the displacement of sliding: loaded at one overlap and unloaded at another. In units of the spring's energy."""
+    compare = tangential.compare
+    scene = compare.Scene(1.0, 0.3, 0.0)
+    ways = {
+        "shallow, then deep": [(0.4, 0, 0), (0.4, 0.05, 0), (1, 0.05, 0), (1, 0, 0)],
+        "deep, then shallow": [(1, 0, 0), (1, 0.05, 0), (0.4, 0.05, 0), (0.4, 0, 0)],
+    }
+    creates = set()
+    for way, corners in ways.items():
+        path = compare._through(corners, 10) * [compare.OVERLAP, 1.0, 1.0]
+        grains = compare.Grains(scene, "rescaled")
+        path[:, 1:] *= grains.sliding_displacement(np.array([1.0, 0.0]))
+        for form in compare.FORMS:
+            forces = compare.Grains(scene, form).along(path, 4)
+            unit = 0.5 * np.abs(forces[:, 0]).max() * path[:, 1].max()
+            if compare.dissipated(path, forces, 0) < -0.1 * unit:
+                creates.add((form, way))
+    assert creates == {("total", "shallow, then deep"), ("incremental", "deep, then shallow")}
