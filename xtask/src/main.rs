@@ -39,6 +39,7 @@ mod shapes;
 mod site;
 mod tarball;
 mod test;
+mod validate;
 mod vtk;
 mod wheel;
 mod workspace;
@@ -89,6 +90,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Hold the theory against boundary and finite elements: results, pages and pictures from nothing, some minutes each
+    Validate(validate::Options),
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
@@ -142,6 +145,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Validate(options) => validate::validate(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
