@@ -279,6 +279,8 @@ class EllgranWallLoad(ctypes.Structure):
         ("torque", ctypes.c_double * 3),
         ("power", ctypes.c_double),
         ("contact_count", ctypes.c_int64),
+        ("stiffness", ctypes.c_double),
+        ("damping", ctypes.c_double),
     ]
 
 
@@ -295,6 +297,17 @@ class EllgranRecordedWallContact(ctypes.Structure):
         ("force", ctypes.c_double * 3),
         ("torque", ctypes.c_double * 3),
         ("elastic_energy", ctypes.c_double * 2),
+    ]
+
+
+class EllgranServo(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("target", ctypes.c_double),
+        ("gain", ctypes.c_double),
+        ("largest_speed", ctypes.c_double),
+        ("steady_velocity", ctypes.c_double),
+        ("velocity", ctypes.c_double),
     ]
 
 
@@ -359,6 +372,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_contact_plane": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_law_parameters_default": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_law_parameters_parse": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_material_parse": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_new": (ctypes.c_int32, [ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p]),
     "ellgran_laws_with_friction": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_with_restitution": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
@@ -398,6 +412,11 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
     "ellgran_wall_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_wall_recorded": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_wall_record_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
+    "ellgran_wall_triangle_count": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "ellgran_wall_triangle_loads": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_write_triangle_loads": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_servo_follow": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_staged_free": (None, [ctypes.c_void_p]),
     "ellgran_staged_prepare": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),

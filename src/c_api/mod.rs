@@ -25,6 +25,7 @@ pub mod particles;
 pub mod planes;
 pub mod recorded;
 pub mod rigid_wall;
+pub mod servo;
 pub mod staged;
 pub mod status;
 pub mod stiffness;

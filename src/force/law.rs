@@ -181,6 +181,35 @@ impl PairLaw {
         })
     }
 
+    /// Bounds of the stiffness (force/length) and of the damping (force x time/length) of a contact in any direction, friction
+    /// without slip included: the normal stiffness that it has, times what the tangential compliance `C_n (kappa0 - kappa1 beta)`,
+    /// `beta` from 0 to 1, can make of it. The effective mass is read by `damping restitution` alone.
+    pub fn largest_springs(&self, normal_stiffness: f64, effective_mass: f64) -> (f64, f64) {
+        let (k, c) = (&self.kinds, &self.constants);
+        let normal_damping = if k.linear {
+            c.normal_damping
+        } else if k.relaxation {
+            c.normal_damping * normal_stiffness
+        } else if k.restitution {
+            c.restitution * (effective_mass * normal_stiffness / 1.5).sqrt()
+        } else {
+            0.0
+        };
+        let (stiffness, damping) = match k.tangential {
+            Tangential::None => (0.0, 0.0),
+            Tangential::Linear => (c.tangential_stiffness, c.tangential_damping),
+            Tangential::Tfd | Tangential::Mindlin => {
+                let least = c.kappa0.min(c.kappa0 - c.kappa1);
+                let viscous = c.tau0.max(c.tau0 - c.tau1).max(0.0);
+                (
+                    normal_stiffness / least,
+                    normal_stiffness * viscous / (least * least),
+                )
+            }
+        };
+        (normal_stiffness.max(stiffness), normal_damping.max(damping))
+    }
+
     /// Another coefficient of restitution.
     ///
     /// # Errors

@@ -3,11 +3,13 @@
 
 use super::memory::MemoryLayout;
 use super::motion::Motion;
-use super::wall::{RecordedWallContact, Wall, WallLoad};
+use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::particle::{self, Particle};
 use crate::contact::staged::{Past, StagedContact};
 use crate::contact::{Laws, Step};
+use crate::geometry::triangles::Triangle;
 use crate::tallies::{Contribution, Tallies};
+use crate::vector::Vector3;
 
 /// What a call is given.
 pub struct WallInput<'a> {
@@ -83,9 +85,17 @@ pub fn compute_wall(
         part_forces,
         contacts,
         records_contacts,
+        found_triangles,
+        triangle_loads,
+        records_triangles,
     } = wall;
+    triangle_loads.clear();
+    if *records_triangles {
+        let triangles = parts.iter().map(|p| p.triangles().len()).sum();
+        triangle_loads.resize(triangles, TriangleLoad::default());
+    }
     part_forces.clear();
-    part_forces.resize(parts.len(), crate::vector::Vector3::ZERO);
+    part_forces.resize(parts.len(), Vector3::ZERO);
     contacts.clear();
     before.clear();
     before.resize(layout.records * layout.record, 0.0);
@@ -105,11 +115,24 @@ pub fn compute_wall(
         next += 1;
         let seen = motion.seen_from_wall(i, input.step);
         found.clear();
+        found_triangles.clear();
+        let mut first_triangle = 0;
         for (part, shape) in parts.iter().enumerate() {
             if shape.may_touch(seen.position, seen.radius) {
+                let before = found.len();
                 shape.touch(&seen.body, seen.position, search, &mut |surface| {
                     found.push((part, surface));
                 });
+                if *records_triangles {
+                    found_triangles.extend((0..found.len() - before).map(|contact| {
+                        let triangle = shape.touched_triangle(search, contact)?;
+                        let normal = triangle_normal(&shape.triangles()[triangle]);
+                        Some((first_triangle + triangle, normal))
+                    }));
+                }
+            }
+            if *records_triangles {
+                first_triangle += shape.triangles().len();
             }
         }
         let records = layout.used(memory).max(1) - 1;
@@ -119,7 +142,7 @@ pub fn compute_wall(
         }
         let law = input.laws.get(i.kind as usize, input.wall_type);
         let mut remembered = 0;
-        for (part, surface) in found.iter() {
+        for (place, (part, surface)) in found.iter().enumerate() {
             let Some(contact) = StagedContact::of_wall(&seen, surface) else {
                 continue;
             };
@@ -167,6 +190,15 @@ pub fn compute_wall(
             load.force = load.force + f.force;
             load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
             part_forces[*part] = part_forces[*part] + f.force;
+            let (stiffness, damping) = law.largest_springs(f.stiffness, effective_mass(&seen));
+            load.stiffness += stiffness;
+            load.damping += damping;
+            if let Some(Some((triangle, normal))) = found_triangles.get(place) {
+                let load = &mut triangle_loads[*triangle];
+                load.force = load.force + f.force;
+                let along = f.force.dot(motion.to_world(*normal));
+                load.pressing -= along * surface.normal.dot(*normal).signum();
+            }
             if let Some(t) = tallies.as_deref_mut() {
                 t.pairs += 1;
                 let time = if input.step.advance_history {
@@ -207,6 +239,12 @@ pub fn compute_wall(
     Ok(load)
 }
 
+/// Unit normal of a triangle by the right-hand rule; zero for one without area.
+pub(super) fn triangle_normal(corners: &Triangle) -> Vector3 {
+    let [a, b, c] = *corners;
+    (b - a).cross(c - a).direction().unwrap_or(Vector3::ZERO)
+}
+
 /// The mass of a particle against a wall that nothing moves.
 fn effective_mass(i: &Particle) -> f64 {
     particle::effective_mass(i.inverse_mass, 0.0)
@@ -216,7 +254,7 @@ fn unremembered(contact: &StagedContact) -> Past {
     Past {
         touched: false,
         normal: contact.normal(),
-        memory: crate::vector::Vector3::ZERO,
+        memory: Vector3::ZERO,
         energy: 0.0,
     }
 }

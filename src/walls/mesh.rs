@@ -117,4 +117,13 @@ impl Shape for Mesh {
             found(surface(contact));
         }
     }
+
+    fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    fn touched_triangle(&self, search: &Search, contact: usize) -> Option<usize> {
+        let contact = search.triangles.contacts().get(contact)?;
+        Some(search.near[contact.triangle] as usize)
+    }
 }

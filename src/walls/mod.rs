@@ -14,10 +14,12 @@ mod motion;
 mod plane;
 pub mod planes;
 mod rim;
+mod servo;
 mod shape;
 mod sphere;
 pub mod stl;
 mod table;
+mod triangle_file;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
@@ -28,5 +30,7 @@ pub use planes::{
     compute_planes, geometry_with_plane, one_contact_with_plane, MovingPlane, PlanesError,
     WallArrays,
 };
+pub use servo::{Servo, ServoLoad};
 pub use shape::{End, Shape, ShapeParameters, Side};
-pub use wall::{RecordedWallContact, Wall, WallLoad};
+pub use triangle_file::write_triangle_loads;
+pub use wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};

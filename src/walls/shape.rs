@@ -2,7 +2,7 @@
 //! What a shape of a wall is, and what describes one.
 
 use crate::contact::staged::WallSurface;
-use crate::geometry::triangles::TriangleSearch;
+use crate::geometry::triangles::{Triangle, TriangleSearch};
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 use core::fmt::Debug;
@@ -24,6 +24,16 @@ pub trait Shape: Debug + Send + Sync {
         search: &mut Search,
         found: &mut dyn FnMut(WallSurface),
     );
+
+    /// Its triangles; none for a surface that is not made of them.
+    fn triangles(&self) -> &[Triangle] {
+        &[]
+    }
+
+    /// Which of its triangles stands for a contact that the last call of [`Shape::touch`] found, counted from the first.
+    fn touched_triangle(&self, _: &Search, _contact: usize) -> Option<usize> {
+        None
+    }
 }
 
 /// Memory for the searches of all shapes, kept between calls.
@@ -34,7 +44,7 @@ pub struct Search {
     /// Triangles near a body, by their index in the mesh.
     pub near: Vec<u32>,
     /// Their corners.
-    pub corners: Vec<crate::geometry::triangles::Triangle>,
+    pub corners: Vec<Triangle>,
 }
 
 /// On which side of a surface the particles are.
