@@ -15,7 +15,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 const char WORDS[] = "servo ax ay az target speed [area A] [gain g]";
-constexpr double DEFAULT_GAIN = 0.1;
+constexpr double DEFAULT_GAIN = 0.5;
 
 }    // namespace
 

@@ -138,13 +138,13 @@ fn both_versions_lids_of_all_kinds_hold_their_force() {
             vec![],
         ),
     ] {
-        let mut deck = boxed(&words, 20_000);
+        let mut deck = boxed(&words, 10_000);
         deck.fixes.extend(before);
         let directory = fresh_directory(&format!("servo_{name}"));
         fs::write(directory.join("lid.stl"), binary(&lid)).unwrap();
-        let outcome = attempt_in(&engine, directory, &packing(), &deck, 2).succeeded();
+        let outcome = attempt_in(&engine, directory, &packing(), &deck, 1).succeeded();
         let rows = outcome.thermo();
-        let settled = &rows[rows.len() - 40..];
+        let settled = &rows[rows.len() - 20..];
         let off = settled
             .iter()
             .map(|r| (r["f_lid[27]"] / force - 1.0).abs())
@@ -165,7 +165,7 @@ fn both_versions_lids_of_all_kinds_hold_their_force() {
 fn both_versions_ranks_and_restarts_change_nothing() {
     let engine = Engine::from_environment();
     let lid = "zplane NULL 0.03 servo 0 0 -1 2.5 0.2";
-    let steps = 6000;
+    let steps = 3000;
     let mut whole = boxed(lid, steps);
     whole.runs = vec![
         format!("run {}", steps / 2),
