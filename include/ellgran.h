@@ -1120,7 +1120,7 @@ typedef struct EllgranServo {
    */
   double target;
   /*
-   Share of the error that one step takes away at most, above 0 and at most 1; 0.1 serves.
+   Share of the error that one step takes away at most, above 0 and at most 1; 0.5 serves.
    */
   double gain;
   /*

@@ -15,7 +15,7 @@ pub struct EllgranServo {
     pub size: size_t,
     /// Force with which the wall is to press, in its direction, 0 or more.
     pub target: f64,
-    /// Share of the error that one step takes away at most, above 0 and at most 1; 0.1 serves.
+    /// Share of the error that one step takes away at most, above 0 and at most 1; 0.5 serves.
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,

@@ -267,7 +267,7 @@ fn both_versions_walls_follow_variables() {
             format!("{drum} velocity 0 0 v_v"),
             format!("{drum} wiggle z 0.002 0.05"),
             // the trapezoidal rule is off by 1e-9 m, and collisions amplify that: a shorter run
-            1e-7,
+            1e-6,
             400,
         ),
     ] {
