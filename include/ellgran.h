@@ -248,12 +248,6 @@ typedef struct EllgranStagedContact EllgranStagedContact;
 typedef struct EllgranWall EllgranWall;
 
 /*
- Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
- or triangles than any before it.
- */
-typedef struct EllgranWallContacts EllgranWallContacts;
-
-/*
  Memory that one thread of calls keeps from step to step. Opaque.
 
  Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
@@ -460,6 +454,234 @@ typedef struct EllgranContactForce {
 } EllgranContactForce;
 
 /*
+ Triangles that an engine keeps and moves itself, as they are in this step: one part of a wall, after its others.
+ */
+typedef struct EllgranLentTriangles {
+  /*
+   `sizeof(EllgranLentTriangles)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Number of triangles.
+   */
+  size_t count;
+  /*
+   [count][3][3]: their corners; components up to 1e20.
+   */
+  const double *corners;
+  /*
+   [count][3][3]: velocities of the corners, up to 1e25; NULL for triangles at rest.
+   */
+  const double *velocities;
+  /*
+   Number of particles that have a list of triangles near them, the first of all; the others are near none.
+   */
+  size_t particle_count;
+  /*
+   [particle_count + 1]: where in `near` the list of a particle begins; the last is the length of `near`.
+   */
+  const size_t *near_starts;
+  /*
+   Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
+   free. The order in each list is that in which contacts are found.
+   */
+  const uint32_t *near;
+} EllgranLentTriangles;
+
+/*
+ Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
+
+ The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
+ and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the first `owned_count`. What is out of
+ the range stated at a field is an error that names the particle and the value.
+ */
+typedef struct EllgranParticles {
+  /*
+   `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Particles that the caller owns.
+   */
+  size_t owned_count;
+  /*
+   All particles, ghosts included.
+   */
+  size_t count;
+  /*
+   Centres, [count][3]; components up to 1e20.
+   */
+  const double *positions;
+  /*
+   Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
+   `EllgranStep`.
+   */
+  const double *velocities;
+  /*
+   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
+   */
+  const double *angular_velocities;
+  /*
+   Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
+   */
+  const double *angular_momenta;
+  /*
+   Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
+   */
+  const double *masses;
+  /*
+   Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
+   NULL: `masses`.
+   */
+  const double *contact_masses;
+  /*
+   Types, counted from 1, [count].
+   */
+  const int32_t *types;
+  /*
+   Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
+   particle's own index.
+   */
+  const int32_t *shape_indices;
+  /*
+   Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
+   are particles, or as `shape_indices` name.
+   */
+  const double *semi_axes;
+  /*
+   Bytes from one entry of `semi_axes` to the next.
+   */
+  size_t semi_axes_stride;
+  /*
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
+   */
+  const double *quaternions;
+  /*
+   Bytes from one entry of `quaternions` to the next.
+   */
+  size_t quaternions_stride;
+  /*
+   What to call a particle in a message, [count] integers of `identifier_bytes` each, or NULL: index + 1.
+   */
+  const void *identifiers;
+  /*
+   4 or 8.
+   */
+  int32_t identifier_bytes;
+  /*
+   Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
+   */
+  double *forces;
+  /*
+   Torques about the centres, [count][3], added to; as `forces`.
+   */
+  double *torques;
+} EllgranParticles;
+
+/*
+ Pose and motion of a wall. Zeros: at rest, where its shapes were described.
+ */
+typedef struct EllgranWallMotion {
+  /*
+   `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   The point about which the wall has turned, where it was when the shapes were described.
+   */
+  double origin[3];
+  /*
+   How far that point has moved since.
+   */
+  double displacement[3];
+  /*
+   Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
+   */
+  double quaternion[4];
+  /*
+   Velocity of the point: over a step, its displacement in the step by the time step.
+   */
+  double velocity[3];
+  /*
+   Angular velocity, world frame, likewise.
+   */
+  double angular_velocity[3];
+} EllgranWallMotion;
+
+/*
+ A contact that `ellgran_find_wall_contacts` found.
+ */
+typedef struct EllgranFoundWallContact {
+  /*
+   `sizeof(EllgranFoundWallContact)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Index of the particle.
+   */
+  size_t particle;
+  /*
+   Index of the wall's part.
+   */
+  size_t part;
+  /*
+   Index of the triangle of that part that stands for the contact; 0 where it has none.
+   */
+  size_t triangle;
+  /*
+   The point of the surface that lies deepest in the particle, world frame.
+   */
+  double point[3];
+  /*
+   Velocity of the surface there.
+   */
+  double velocity[3];
+  /*
+   1 if the contact goes on from one of the last step.
+   */
+  int32_t touched;
+  /*
+   1 if it begins anew in each step, since the memory has no room for as many contacts of one particle.
+   */
+  int32_t is_forgotten;
+  /*
+   Normal from the particle into the wall at the last step, if `touched`.
+   */
+  double last_normal[3];
+  /*
+   What the contact model keeps of it, `history_length` doubles, zeros for a new contact, to be changed in place; valid until the next
+   call with this wall. NULL if there are none.
+   */
+  double *history;
+} EllgranFoundWallContact;
+
+/*
+ Geometry of a contact in stages.
+ */
+typedef struct EllgranStagedGeometry {
+  /*
+   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   1 if the bodies touch; otherwise the rest is zero.
+   */
+  int32_t touching;
+  /*
+   Penetration: the smallest translation that separates the bodies.
+   */
+  double penetration;
+  /*
+   Unit normal from i to j, or into the wall.
+   */
+  double normal[3];
+  /*
+   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   */
+  double contact_point[3];
+} EllgranStagedGeometry;
+
+/*
  The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
  units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
  1e20.
@@ -550,96 +772,6 @@ typedef struct EllgranLawParameters {
    */
   double tangential_damping;
 } EllgranLawParameters;
-
-/*
- Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
-
- The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
- and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
- the range stated at a field is an error that names the particle and the value.
- */
-typedef struct EllgranParticles {
-  /*
-   `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   Particles that the caller owns.
-   */
-  size_t owned_count;
-  /*
-   All particles, ghosts included.
-   */
-  size_t count;
-  /*
-   Centres, [count][3]; components up to 1e20.
-   */
-  const double *positions;
-  /*
-   Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
-   `EllgranStep`.
-   */
-  const double *velocities;
-  /*
-   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
-   */
-  const double *angular_velocities;
-  /*
-   Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
-   */
-  const double *angular_momenta;
-  /*
-   Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
-   */
-  const double *masses;
-  /*
-   Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
-   NULL: `masses`.
-   */
-  const double *contact_masses;
-  /*
-   Types, counted from 1, [count].
-   */
-  const int32_t *types;
-  /*
-   Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
-   particle's own index.
-   */
-  const int32_t *shape_indices;
-  /*
-   Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
-   are particles, or as `shape_indices` name.
-   */
-  const double *semi_axes;
-  /*
-   Bytes from one entry of `semi_axes` to the next.
-   */
-  size_t semi_axes_stride;
-  /*
-   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
-   */
-  const double *quaternions;
-  /*
-   Bytes from one entry of `quaternions` to the next.
-   */
-  size_t quaternions_stride;
-  /*
-   What to call a particle in a message, [count] integers of `identifier_bytes` each, or NULL: index + 1.
-   */
-  const void *identifiers;
-  /*
-   4 or 8.
-   */
-  int32_t identifier_bytes;
-  /*
-   Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
-   */
-  double *forces;
-  /*
-   Torques about the centres, [count][3], added to; as `forces`.
-   */
-  double *torques;
-} EllgranParticles;
 
 /*
  Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
@@ -768,6 +900,84 @@ typedef struct EllgranStiffnessArrays {
 } EllgranStiffnessArrays;
 
 /*
+ Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
+
+ The arrays are read and written during a call and not kept after it. No two of them overlap.
+ */
+typedef struct EllgranMotion {
+  /*
+   `sizeof(EllgranMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Number of bodies.
+   */
+  size_t count;
+  /*
+   Centres, [count][3]; written by `ellgran_start_step`.
+   */
+  double *positions;
+  /*
+   Velocities of the centres, [count][3]; written.
+   */
+  double *velocities;
+  /*
+   Angular momenta about the centres, [count][3]; written.
+   */
+  double *angular_momenta;
+  /*
+   Forces, [count][3].
+   */
+  const double *forces;
+  /*
+   Torques about the centres, [count][3].
+   */
+  const double *torques;
+  /*
+   Masses, [count], finite and greater than 0.
+   */
+  const double *masses;
+  /*
+   Index of each body into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error if it is to move.
+   NULL: the body's own index.
+   */
+  const int32_t *shape_indices;
+  /*
+   Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+   */
+  const double *semi_axes;
+  /*
+   Bytes from one entry of `semi_axes` to the next.
+   */
+  size_t semi_axes_stride;
+  /*
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
+   with length 1.
+   */
+  double *quaternions;
+  /*
+   Bytes from one entry of `quaternions` to the next.
+   */
+  size_t quaternions_stride;
+  /*
+   Group bits of each body, [count], or NULL: all bodies move.
+   */
+  const int32_t *masks;
+  /*
+   Bodies with `masks[i] & group_mask` not zero move.
+   */
+  int32_t group_mask;
+  /*
+   Bytes of an entry of `identifiers`: 4 or 8.
+   */
+  int32_t identifier_bytes;
+  /*
+   What to call a body in a message, [count] integers, or NULL: index + 1.
+   */
+  const void *identifiers;
+} EllgranMotion;
+
+/*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
  A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
@@ -828,7 +1038,7 @@ typedef struct EllgranNeighbourList {
    pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
    the workspace. 0: they may have. When in doubt, 0.
 
-   `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+   `ellgran_compute_wall` and calls for one contact in between do not count, a call that failed neither; in the first
    call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
    `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
    said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
@@ -993,36 +1203,6 @@ typedef struct EllgranWallShape {
 } EllgranWallShape;
 
 /*
- Pose and motion of a wall. Zeros: at rest, where its shapes were described.
- */
-typedef struct EllgranWallMotion {
-  /*
-   `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   The point about which the wall has turned, where it was when the shapes were described.
-   */
-  double origin[3];
-  /*
-   How far that point has moved since.
-   */
-  double displacement[3];
-  /*
-   Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
-   */
-  double quaternion[4];
-  /*
-   Velocity of the point: over a step, its displacement in the step by the time step.
-   */
-  double velocity[3];
-  /*
-   Angular velocity, world frame, likewise.
-   */
-  double angular_velocity[3];
-} EllgranWallMotion;
-
-/*
  What the particles of a call do to a wall.
  */
 typedef struct EllgranWallLoad {
@@ -1138,32 +1318,6 @@ typedef struct EllgranServo {
 } EllgranServo;
 
 /*
- Geometry of a contact in stages.
- */
-typedef struct EllgranStagedGeometry {
-  /*
-   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   1 if the bodies touch; otherwise the rest is zero.
-   */
-  int32_t touching;
-  /*
-   Penetration: the smallest translation that separates the bodies.
-   */
-  double penetration;
-  /*
-   Unit normal from i to j, or into the wall.
-   */
-  double normal[3];
-  /*
-   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
-   */
-  double contact_point[3];
-} EllgranStagedGeometry;
-
-/*
  The surface of a wall where a body touches it.
  */
 typedef struct EllgranWallSurface {
@@ -1266,24 +1420,6 @@ typedef struct EllgranContactStiffness {
   double critical_step;
 } EllgranContactStiffness;
 
-/*
- Which triangle stands for a contact of an ellipsoid with a wall.
- */
-typedef struct EllgranWallContact {
-  /*
-   `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   Index of the triangle that stands for the contact, 0 where there are none.
-   */
-  size_t triangle;
-  /*
-   Weights of that triangle's corners at the point of the surface; the velocity there is their mean so weighted.
-   */
-  double weights[3];
-} EllgranWallContact;
-
 
 
 
@@ -1356,6 +1492,91 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               double *history,
                               struct EllgranContactGeometry *geometry,
                               struct EllgranContactForce *force);
+
+/*
+ Lends triangles to a wall in place of those before. Together they are one surface, that acts to both sides, as that of
+ `ellgran_wall_add_triangles`. They are copied; all are described in the place where the wall has not yet moved.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as `EllgranLentTriangles` states.
+ */
+int32_t ellgran_wall_lend_triangles(struct EllgranWall *wall,
+                                    const struct EllgranLentTriangles *triangles);
+
+/*
+ Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall, where a contact model of the
+ engine keeps `history_length` doubles of each contact; 0 for NULL and without a history.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_found_memory_length(const struct EllgranWall *wall,
+                                        size_t history_length);
+
+/*
+ Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
+ computes forces. `ellgran_wall_found` tells of each, `ellgran_staged_found` prepares it for the force,
+ and `ellgran_remember_wall_contacts` writes what their histories have become.
+
+ Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
+ `ellgran_compute_wall`. `memory` is [owned_count][`ellgran_wall_found_memory_length`] (NULL if that is 0), set to 0 by the caller
+ before a particle's first call, and is not written here. The histories are the engine's own: where the wall turns, it is the engine that turns
+ them.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_find_wall_contacts(struct EllgranWorkspace *workspace,
+                                   struct EllgranWall *wall,
+                                   const struct EllgranParticles *particles,
+                                   const int32_t *masks,
+                                   int32_t group_mask,
+                                   const struct EllgranWallMotion *motion,
+                                   size_t history_length,
+                                   const double *memory);
+
+/*
+ Number of contacts that were found last; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_found_count(const struct EllgranWall *wall);
+
+/*
+ One of the contacts that were found last, in the order of the particles.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_wall_found(struct EllgranWall *wall,
+                           size_t index,
+                           struct EllgranFoundWallContact *found);
+
+/*
+ First stage, a contact that `ellgran_find_wall_contacts` found; otherwise like `ellgran_staged_pair`.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_found(struct EllgranStagedContact *staged,
+                             const struct EllgranWall *wall,
+                             size_t index,
+                             double share_i,
+                             struct EllgranStagedGeometry *geometry);
+
+/*
+ Writes to `memory` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
+ are those of that call. Of particles that do not touch nothing is remembered any more.
+
+ # Safety
+ The pointers are NULL or valid; `memory` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
+ */
+int32_t ellgran_remember_wall_contacts(const struct EllgranWall *wall,
+                                       size_t owned_count,
+                                       const int32_t *masks,
+                                       int32_t group_mask,
+                                       double *memory);
 
 /*
  Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
@@ -1588,6 +1809,30 @@ int32_t ellgran_rayleigh_times(size_t type_count,
                                double *times);
 
 /*
+ First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
+ end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
+
+ The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
+ moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
+ finite number, or it would turn by more than half a circle.
+
+ # Safety
+ `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_start_step(const struct EllgranWorkspace *workspace,
+                           const struct EllgranMotion *motion,
+                           double time_step);
+
+/*
+ Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
+
+ # Safety
+ The pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_finish_step(const struct EllgranMotion *motion,
+                            double time_step);
+
+/*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
  Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
@@ -1670,34 +1915,6 @@ size_t ellgran_workspace_bytes(const struct EllgranWorkspace *workspace);
  `workspace` is NULL or valid.
  */
 int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *workspace);
-
-/*
- Forces and torques between all owned particles and plane walls, added to the particles' arrays.
-
- Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
- `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
- `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
- particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
- [wall_count][3] or NULL, receives the force on each wall, added to.
-
- All particles are checked first; on failure nothing is written.
-
- # Safety
- The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`; `tallies` may be NULL.
- */
-int32_t ellgran_compute_planes(const struct EllgranLaws *laws,
-                               struct EllgranWorkspace *workspace,
-                               const struct EllgranParticles *particles,
-                               const int32_t *masks,
-                               int32_t group_mask,
-                               int32_t wall_type,
-                               size_t wall_count,
-                               const struct EllgranPlane *planes,
-                               int32_t *touching,
-                               double *history,
-                               const struct EllgranStep *step,
-                               double *wall_forces,
-                               struct EllgranTallies *tallies);
 
 /*
  Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
@@ -2137,7 +2354,7 @@ int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
                               double *time);
 
 /*
- Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+ Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` over the half step
  that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 
  Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
@@ -2162,83 +2379,6 @@ uint32_t ellgran_abi_version(void);
  The library's version as text, such as `0.1.0`; static.
  */
 const char *ellgran_version(void);
-
-/*
- Memory for the contacts of a particle.
-
- # Safety
- `contacts` is NULL or valid for writes.
- */
-int32_t ellgran_wall_contacts_new(struct EllgranWallContacts **contacts);
-
-/*
- Frees what `ellgran_wall_contacts_new` gave; NULL is allowed.
-
- # Safety
- `contacts` is NULL or came from `ellgran_wall_contacts_new` and is not used again.
- */
-void ellgran_wall_contacts_free(struct EllgranWallContacts *contacts);
-
-/*
- Number of contacts of the last call; 0 for NULL.
-
- # Safety
- `contacts` is NULL or valid.
- */
-size_t ellgran_wall_contacts_count(const struct EllgranWallContacts *contacts);
-
-/*
- The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
- and, unless `contact` is NULL, the triangle.
-
- # Safety
- The pointers are NULL or valid.
- */
-int32_t ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
-                                  size_t index,
-                                  struct EllgranWallContact *contact,
-                                  struct EllgranWallSurface *surface);
-
-/*
- The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.
-
- # Safety
- The pointers are NULL or valid; `point` and `normal` have 3 doubles.
- */
-int32_t ellgran_plane_contacts(struct EllgranWallContacts *contacts,
-                               const struct EllgranBody *body,
-                               const double *point,
-                               const double *normal);
-
-/*
- The contacts of an ellipsoid with a circular cylinder: from within, if its centre is - two, if both of its ends are beyond
- the wall - else from without.
-
- # Safety
- The pointers are NULL or valid; `point` (of the axis) and `axis` have 3 doubles.
- */
-int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
-                                  const struct EllgranBody *body,
-                                  const double *point,
-                                  const double *axis,
-                                  double radius);
-
-/*
- The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
- corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
- their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
- surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
-
- `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
- free.
-
- # Safety
- The pointers are NULL or valid; `corners` has `count * 9` doubles.
- */
-int32_t ellgran_triangle_contacts(struct EllgranWallContacts *contacts,
-                                  const struct EllgranBody *body,
-                                  size_t count,
-                                  const double *corners);
 
 /*
  Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is

@@ -6,6 +6,7 @@
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod engine_walls;
 mod errors;
 mod extreme_values;
 mod friction;
@@ -16,6 +17,7 @@ mod list_changes;
 mod lists;
 mod many_contacts;
 mod measures;
+mod motion;
 mod null_pointers;
 mod paths;
 mod recorded;

@@ -123,3 +123,25 @@ fn both_versions_triaxial_compression_of_a_dense_and_a_loose_packing() {
     assert!(dense.1 > 1.3 * loose.1);
     assert!((dense.3 / loose.3 - 1.0).abs() < 0.25);
 }
+
+#[test]
+fn both_versions_a_poured_heap_has_an_angle() {
+    let engine = Engine::from_environment();
+    let rows = rows(
+        &engine,
+        "heap.lmp",
+        &[("pour", "15000"), ("rest", "5000")],
+        2,
+    );
+    let last = rows.last().unwrap();
+    println!(
+        "{} grains, angle {:.1} degrees",
+        last["Atoms"], last["v_angle"]
+    );
+    assert!(last["Atoms"] > 20.0);
+    assert!(
+        rows.iter()
+            .all(|r| r.get("f_pour").is_none_or(|n| *n <= last["Atoms"])),
+        "grains are lost"
+    );
+}
