@@ -41,106 +41,6 @@ template <typename Type> inline Type init()
 #endif
 
 /*
- Normal law: elastic, from E and nu.
- */
-#define ELLGRAN_NORMAL_HERTZ 0
-
-/*
- Normal law: viscoelastic, from E, nu, eta1, eta2.
- */
-#define ELLGRAN_NORMAL_NFD 1
-
-/*
- Normal law: linear spring and dashpot.
- */
-#define ELLGRAN_NORMAL_LSD 2
-
-/*
- No damping of the `hertz` law.
- */
-#define ELLGRAN_DAMPING_NONE 0
-
-/*
- Damping that gives a coefficient of restitution.
- */
-#define ELLGRAN_DAMPING_RESTITUTION 1
-
-/*
- Damping by a relaxation time A_n.
- */
-#define ELLGRAN_DAMPING_RELAXATION 2
-
-/*
- No tangential force.
- */
-#define ELLGRAN_TANGENTIAL_NONE 0
-
-/*
- Partial slip.
- */
-#define ELLGRAN_TANGENTIAL_TFD 1
-
-/*
- No slip below the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_MINDLIN 2
-
-/*
- Constant stiffness below the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_LINEAR 3
-
-/*
- A_n from the dissipation of the strain-rate field.
- */
-#define ELLGRAN_CLOSURE_ENERGY 0
-
-/*
- A_n from the surface strains.
- */
-#define ELLGRAN_CLOSURE_SURFACE 1
-
-/*
- A_n after Brilliantov et al. 1996.
- */
-#define ELLGRAN_CLOSURE_BRILLIANTOV 2
-
-/*
- Receding contact after Ting.
- */
-#define ELLGRAN_UNLOADING_TING 0
-
-/*
- First-order law throughout.
- */
-#define ELLGRAN_UNLOADING_FIRST_ORDER 1
-
-/*
- Exact Hertz factors.
- */
-#define ELLGRAN_FACTORS_EXACT 0
-
-/*
- Hale's closed form.
- */
-#define ELLGRAN_FACTORS_HALE 1
-
-/*
- The tangential displacement since first touch is remembered: the published form, which can create energy.
- */
-#define ELLGRAN_DISPLACEMENT_TOTAL 0
-
-/*
- The tangential force is remembered; can create energy.
- */
-#define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
-
-/*
- The tangential force and its energy are remembered, and no energy is created. The default.
- */
-#define ELLGRAN_DISPLACEMENT_RESCALED 2
-
-/*
  Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
  ellipsoids then search anew every step.
  */
@@ -682,96 +582,36 @@ typedef struct EllgranStagedGeometry {
 } EllgranStagedGeometry;
 
 /*
- The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
- units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
- 1e20.
+ What the contact of two types has, as their materials mix.
  */
-typedef struct EllgranLawParameters {
+typedef struct EllgranMixture {
   /*
-   `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+   `sizeof(EllgranMixture)`; `ELLGRAN_INIT` sets it.
    */
   size_t size;
   /*
-   ELLGRAN_NORMAL_*
+   E*, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
    */
-  int32_t normal;
+  double effective_modulus;
   /*
-   ELLGRAN_DAMPING_*
+   G*, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
    */
-  int32_t damping;
+  double effective_shear_modulus;
   /*
-   ELLGRAN_TANGENTIAL_*
+   A_n, time: the ratio of normal dashpot and spring while the bodies approach; 0 where there is none, as with damping by a
+   coefficient of restitution and for a law without a material.
    */
-  int32_t tangential;
+  double normal_relaxation_time;
   /*
-   ELLGRAN_CLOSURE_*
+   A_t of a circular contact, time: the ratio of tangential dashpot and spring without slip; 0 without a tangential law that
+   takes its stiffness from the material.
    */
-  int32_t closure;
+  double tangential_relaxation_time;
   /*
-   ELLGRAN_UNLOADING_*
+   Share of the body of the first type in the penetration, by compliance; 0.5 for a law without a material.
    */
-  int32_t unloading;
-  /*
-   ELLGRAN_FACTORS_*
-   */
-  int32_t factors;
-  /*
-   ELLGRAN_DISPLACEMENT_*
-   */
-  int32_t displacement;
-  /*
-   1: force and torques are the complete gradient of the elastic energy; 0: the force acts along the normal alone.
-   */
-  int32_t conservative;
-  /*
-   1: an attractive normal force is cut off.
-   */
-  int32_t limit_force;
-  /*
-   Young's modulus E, pressure.
-   */
-  double youngs_modulus;
-  /*
-   Poisson's ratio nu.
-   */
-  double poissons_ratio;
-  /*
-   Shear viscosity eta1, pressure x time.
-   */
-  double shear_viscosity;
-  /*
-   Bulk viscosity eta2, pressure x time.
-   */
-  double bulk_viscosity;
-  /*
-   A_n of ELLGRAN_DAMPING_RELAXATION, time.
-   */
-  double relaxation_time;
-  /*
-   e of ELLGRAN_DAMPING_RESTITUTION.
-   */
-  double restitution;
-  /*
-   kn of the linear law, force/length.
-   */
-  double normal_stiffness;
-  /*
-   cn of the linear law, force x time/length.
-   */
-  double normal_damping;
-  /*
-   Coefficient of friction mu.
-   */
-  double friction;
-  /*
-   kt of ELLGRAN_TANGENTIAL_LINEAR, force/length.
-   */
-  double tangential_stiffness;
-  /*
-   ct of ELLGRAN_TANGENTIAL_LINEAR, force x time/length.
-   */
-  double tangential_damping;
-} EllgranLawParameters;
+  double share_i;
+} EllgranMixture;
 
 /*
  Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
@@ -1424,8 +1264,6 @@ typedef struct EllgranContactStiffness {
 
 
 
-
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1585,15 +1423,13 @@ int32_t ellgran_remember_wall_contacts(const struct EllgranWall *wall,
  # Safety
  `parameters` is NULL or valid for writes.
  */
-int32_t ellgran_law_parameters_default(struct EllgranLawParameters *parameters);
+int32_t ellgran_law_parameters_default(EllgranLawParameters *parameters);
 
 /*
  Reads the words of a deck that choose a law (what follows `I J` in LAMMPS' `pair_coeff`) and checks the constants.
 
- `hertz E nu | nfd E nu eta1 eta2 | lsd kn cn`, then in any order `damping none | restitution e | relaxation A_n`,
- `tangential none | tfd mu | mindlin mu | linear kt ct mu`, `closure energy|surface|brilliantov`,
- `unloading ting|first_order`, `displacement total|incremental|rescaled`, `factors exact|hale`,
- `conservative yes|no`, `limit_force yes|no`.
+ The normal law comes first, with its constants; then in any order a keyword with its word and the constants of that, such as
+ `nfd 3e6 0.3 200 200 tangential tfd 0.5`. Without any word the message of the error has all that can be given.
 
  With `consumed` not NULL, reading ends at the first word that is none of these, and the number of words read is
  written; with NULL such a word is an error.
@@ -1604,7 +1440,7 @@ int32_t ellgran_law_parameters_default(struct EllgranLawParameters *parameters);
 int32_t ellgran_law_parameters_parse(size_t word_count,
                                      const char *const *words,
                                      size_t *consumed,
-                                     struct EllgranLawParameters *parameters);
+                                     EllgranLawParameters *parameters);
 
 /*
  Reads the material of a wall: `material E nu` with the law `hertz`, `material E nu eta1 eta2` with `nfd`, `material rigid` with
@@ -1617,11 +1453,11 @@ int32_t ellgran_law_parameters_parse(size_t word_count,
  # Safety
  `words` points to `word_count` strings that end with NUL; the other pointers are NULL or valid, `consumed` and `wall` for writes.
  */
-int32_t ellgran_wall_material_parse(const struct EllgranLawParameters *grain,
+int32_t ellgran_wall_material_parse(const EllgranLawParameters *grain,
                                     size_t word_count,
                                     const char *const *words,
                                     size_t *consumed,
-                                    struct EllgranLawParameters *wall);
+                                    EllgranLawParameters *wall);
 
 /*
  Builds the laws of a scene with `type_count` types, counted from 1.
@@ -1637,7 +1473,7 @@ int32_t ellgran_wall_material_parse(const struct EllgranLawParameters *grain,
  The arrays have the lengths above; `laws` is NULL or valid for writes.
  */
 int32_t ellgran_laws_new(int32_t type_count,
-                         const struct EllgranLawParameters *parameters,
+                         const EllgranLawParameters *parameters,
                          const uint8_t *is_set,
                          uint32_t options,
                          struct EllgranLaws **laws);
@@ -1665,6 +1501,17 @@ int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
 int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
                                       const double *restitution,
                                       struct EllgranLaws **result);
+
+/*
+ Moduli, relaxation times and the share in the penetration of a pair of types.
+
+ # Safety
+ `laws` is NULL or valid; `mixture` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_mixture(const struct EllgranLaws *laws,
+                             int32_t type_i,
+                             int32_t type_j,
+                             struct EllgranMixture *mixture);
 
 /*
  Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
@@ -1804,7 +1651,7 @@ int32_t ellgran_pair_collisions(const struct EllgranLaws *laws,
  The pointers are as stated here and in `EllgranParticles`.
  */
 int32_t ellgran_rayleigh_times(size_t type_count,
-                               const struct EllgranLawParameters *parameters,
+                               const EllgranLawParameters *parameters,
                                const struct EllgranParticles *particles,
                                double *times);
 
@@ -2160,6 +2007,28 @@ int32_t ellgran_servo_follow(struct EllgranServo *servo,
                              double time_step);
 
 /*
+ Volumes of ellipsoids. `semi_axes` is [count][3], with the ranges of `EllgranBody`; `volumes` is [count].
+
+ # Safety
+ The pointers are NULL or have these lengths.
+ */
+int32_t ellgran_volumes(size_t count,
+                        const double *semi_axes,
+                        double *volumes);
+
+/*
+ Principal moments of inertia of solid ellipsoids about their body axes, mass x length^2. `semi_axes` is [count][3], with the
+ ranges of `EllgranBody`, `masses` [count], INFINITY for a fixed body; `moments` is [count][3].
+
+ # Safety
+ The pointers are NULL or have these lengths.
+ */
+int32_t ellgran_moments_of_inertia(size_t count,
+                                   const double *semi_axes,
+                                   const double *masses,
+                                   double *moments);
+
+/*
  Memory for the stages of a contact.
 
  # Safety
@@ -2236,6 +2105,21 @@ int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
  */
 int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *staged,
                                          double *radius);
+
+/*
+ Normal and tangential stiffness of a circular contact with the same elastic normal force, force/length, for laws written for
+ spheres: `4/3 E* sqrt(R delta)` and `8 G* sqrt(R delta)` with the radius `R` of `ellgran_staged_equivalent_radius` and the
+ moduli of `ellgran_laws_mixture`; 0 for a law without a material.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_circular_stiffness(const struct EllgranStagedContact *staged,
+                                          const struct EllgranLaws *laws,
+                                          int32_t type_i,
+                                          int32_t type_j,
+                                          double *normal,
+                                          double *tangential);
 
 /*
  Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
@@ -2349,7 +2233,7 @@ int32_t ellgran_collision(const struct EllgranLaws *laws,
  # Safety
  The pointers are NULL or valid.
  */
-int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
+int32_t ellgran_rayleigh_time(const EllgranLawParameters *parameters,
                               const struct EllgranBody *grain,
                               double *time);
 

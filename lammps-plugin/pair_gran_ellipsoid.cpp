@@ -390,11 +390,7 @@ void PairGranEllipsoid::settings(int narg, char **arg)
 void PairGranEllipsoid::coeff(int narg, char **arg)
 {
   const bool from_file = narg == 2 && !restored_flags.empty();
-  if (narg < 3 && !from_file)
-    error->all(FLERR,
-               "{}: pair_coeff needs two types and a normal law: pair_coeff I J hertz E nu | "
-               "nfd E nu eta1 eta2 | lsd kn cn, then [damping ...] [tangential ...] [keywords]",
-               CALLER);
+  if (narg < 2) error->all(FLERR, "{}: pair_coeff needs two types and a law: pair_coeff I J LAW", CALLER);
   if (!allocated) allocate();
 
   int ilo, ihi, jlo, jhi;

@@ -203,11 +203,25 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
   registry.connect("poissonsRatio", poissons_ratio, caller);
   types = registry.max_type();
   shares.assign((types + 1) * (types + 1), 0.5);
-  std::vector<double> compliance(types + 1);
-  for (int k = 1; k <= types; k++)
-    compliance[k] = (1.0 - poissons_ratio[k] * poissons_ratio[k]) / youngs_modulus[k];
+  // elastic laws, whatever normal model there is
+  std::vector<EllgranLawParameters> parameters(types * types, ELLGRAN_INIT(EllgranLawParameters));
+  std::vector<uint8_t> is_set(types * types, 0);
+  for (int k = 0; k < types; k++) {
+    EllgranLawParameters &p = parameters[k * types + k];
+    check(ellgran_law_parameters_default(&p));
+    p.youngs_modulus = youngs_modulus[k + 1];
+    p.poissons_ratio = poissons_ratio[k + 1];
+    is_set[k * types + k] = 1;
+  }
+  EllgranLaws *elastic = NULL;
+  check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &elastic));
+  EllgranMixture mixture = ELLGRAN_INIT(EllgranMixture);
   for (int i = 1; i <= types; i++)
-    for (int j = 1; j <= types; j++) shares[i * (types + 1) + j] = compliance[i] / (compliance[i] + compliance[j]);
+    for (int j = 1; j <= types; j++) {
+      check(ellgran_laws_mixture(elastic, i, j, &mixture));
+      shares[i * (types + 1) + j] = mixture.share_i;
+    }
+  ellgran_laws_free(elastic);
 }
 
 bool EllgranContact::matches(const char *kind, const char *name) const

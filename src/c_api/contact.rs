@@ -12,7 +12,6 @@ use crate::contact::one_contact::{geometry, one_contact_or_gap};
 use crate::contact::{
     one_contact, prepare_body, Body, ContactForces, HistoryLayout, Laws, OneContact, Particle, Step,
 };
-use crate::force::hertz_factors::contact_ellipse;
 use crate::vector::Vector3;
 use crate::walls::{geometry_with_plane, one_contact_with_plane};
 use libc::size_t;
@@ -225,14 +224,7 @@ impl History {
 
 /// `of_ellipse`: the geometry for the semi-axes of the contact ellipse, where there is one and it is wanted.
 pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> EllgranContactForce {
-    let contact_semi_axes = of_ellipse.map_or([0.0; 2], |g| {
-        // a b = Re delta F1^2/F2 (the paper's Eq. (2), corrected), Re = 1/(2 sqrt(A B)).
-        let e = contact_ellipse(g.curvature_b / g.curvature_a);
-        let effective_radius = 0.5 / (g.curvature_a * g.curvature_b).sqrt();
-        let product = effective_radius * g.penetration * e.f1 * e.f1 / e.f2;
-        let a = (product / e.axis_ratio).sqrt();
-        [a, a * e.axis_ratio]
-    });
+    let contact_semi_axes = of_ellipse.map_or([0.0; 2], OneContact::contact_semi_axes);
     EllgranContactForce {
         size: size_of::<EllgranContactForce>(),
         force: f.force.to_array(),
@@ -322,7 +314,7 @@ pub(super) fn contact_of_two(
     let law = laws.get(i.kind as usize, j.kind as usize);
     let of_ellipse = found
         .as_ref()
-        .filter(|_| wanted.ellipse && !law.kinds.linear);
+        .filter(|_| wanted.ellipse && law.kinds.normal.elliptical);
     let result = forces.map_or_else(no_force, |f| force_of(of_ellipse, &f));
     let found = found.as_ref().map(EllgranContactGeometry::from);
     if let Some(found) = &found {
@@ -483,7 +475,7 @@ pub unsafe extern "C" fn ellgran_contact_plane(
                 .map_err(|ratio| hale_failure(bi.identifier, None, ratio.0))?;
         let law = laws.get(i.kind as usize, wall_type);
         let (found, result) = match &contact {
-            Some((g, f)) => (*g, force_of((!law.kinds.linear).then_some(g), f)),
+            Some((g, f)) => (*g, force_of(law.kinds.normal.elliptical.then_some(g), f)),
             None => (
                 geometry_with_plane(&i, &plane, law.constants.share_i),
                 no_force(),

@@ -27,7 +27,8 @@ pub unsafe trait Growing: Copy {
     const FIRST_SIZE: usize;
 }
 
-/// `growing!(EllgranBody)` for a struct whose first version this is.
+/// `growing!(EllgranBody)` for a struct whose first version this is; `growing!(EllgranLawParameters, tangential_damping)` for
+/// one whose first version ended with this field.
 macro_rules! growing {
     ($name:ident) => {
         const _: () = assert!(core::mem::offset_of!($name, size) == 0);
@@ -36,6 +37,15 @@ macro_rules! growing {
         unsafe impl crate::c_api::growing::Growing for $name {
             const NAME: &'static str = stringify!($name);
             const FIRST_SIZE: usize = size_of::<$name>();
+        }
+    };
+    // The last field of the first version is a double.
+    ($name:ident, $last:ident) => {
+        const _: () = assert!(core::mem::offset_of!($name, size) == 0);
+        // SAFETY: as above.
+        unsafe impl crate::c_api::growing::Growing for $name {
+            const NAME: &'static str = stringify!($name);
+            const FIRST_SIZE: usize = core::mem::offset_of!($name, $last) + size_of::<f64>();
         }
     };
 }

@@ -28,6 +28,7 @@ pub mod plane;
 pub mod recorded;
 pub mod rigid_wall;
 pub mod servo;
+pub mod solid;
 pub mod staged;
 pub mod status;
 pub mod stiffness;

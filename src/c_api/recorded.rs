@@ -77,7 +77,7 @@ pub unsafe extern "C" fn ellgran_recorded_contact(
             geometry.write(&EllgranContactGeometry::from(&record.geometry));
         }
         if let Some(mut force) = force {
-            let of_ellipse = (!record.linear).then_some(&record.geometry);
+            let of_ellipse = record.elliptical.then_some(&record.geometry);
             force.write(&force_of(of_ellipse, &record.forces));
         }
         Ok(())

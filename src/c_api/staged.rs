@@ -225,7 +225,7 @@ impl EllgranStagedContact {
 
 /// The effective mass, where the law reads it.
 fn checked_mass(law: &PairLaw, effective_mass: f64) -> Result<f64, Failure> {
-    if !law.kinds.restitution || (0.0..=LARGEST_MASS).contains(&effective_mass) {
+    if !law.kinds.normal.restitution || (0.0..=LARGEST_MASS).contains(&effective_mass) {
         Ok(effective_mass)
     } else {
         Err(Failure::new(
@@ -437,6 +437,36 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
         let contact = unsafe { required(staged, "staged") }?.known()?;
         let out = unsafe { required_mut(radius, "radius") }?;
         *out = contact.equivalent_radius();
+        Ok(())
+    })
+}
+
+/// Normal and tangential stiffness of a circular contact with the same elastic normal force, force/length, for laws written for
+/// spheres: `4/3 E* sqrt(R delta)` and `8 G* sqrt(R delta)` with the radius `R` of `ellgran_staged_equivalent_radius` and the
+/// moduli of `ellgran_laws_mixture`; 0 for a law without a material.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_circular_stiffness(
+    staged: *const EllgranStagedContact,
+    laws: *const EllgranLaws,
+    type_i: i32,
+    type_j: i32,
+    normal: *mut f64,
+    tangential: *mut f64,
+) -> i32 {
+    at_border("ellgran_staged_circular_stiffness", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let contact = unsafe { required(staged, "staged") }?.known()?;
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let normal = unsafe { required_mut(normal, "normal") }?;
+        let tangential = unsafe { required_mut(tangential, "tangential") }?;
+        let law = laws.get(
+            check_type(laws, type_i, "type_i")?,
+            check_type(laws, type_j, "type_j")?,
+        );
+        [*normal, *tangential] = contact.circular_stiffness(law);
         Ok(())
     })
 }

@@ -121,13 +121,12 @@ pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) ->
 
 /// Angular velocity of a solid ellipsoid with angular momentum `l`, both in the world frame.
 pub fn angular_velocity(body: &Ellipsoid, mass: f64, l: Vector3) -> Vector3 {
-    let a = body.semi_axes;
-    let (x, y, z) = (a.x * a.x, a.y * a.y, a.z * a.z);
     let five_over_mass = 5.0 / mass;
+    let across = body.squares_across();
     let inverse_inertia = Vector3::new(
-        five_over_mass / (y + z),
-        five_over_mass / (x + z),
-        five_over_mass / (x + y),
+        five_over_mass / across.x,
+        five_over_mass / across.y,
+        five_over_mass / across.z,
     );
     body.to_world(inverse_inertia.componentwise(body.to_body(l)))
 }

@@ -31,7 +31,7 @@ pub fn elastic_energy(laws: &Laws, i: &Particle, j: &Particle) -> Result<f64, Ha
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
-    let (kinds, constants) = (&law.kinds, &law.constants);
+    let (kinds, constants) = (&law.kinds.normal, &law.constants.normal);
     let determinant = m.determinant();
     let normal = normal_force(
         kinds,

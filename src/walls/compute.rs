@@ -106,7 +106,7 @@ pub fn compute_wall(
         // Hale's form was tried before anything was written.
         let Ok(mut f) = c.contact.whole_force(
             law,
-            law.constants.friction,
+            law.constants.tangential.friction,
             effective_mass(i),
             input.step,
             &mut past,

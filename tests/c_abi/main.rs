@@ -16,6 +16,7 @@ mod kept_history;
 mod list_changes;
 mod lists;
 mod many_contacts;
+mod materials;
 mod measures;
 mod motion;
 mod null_pointers;

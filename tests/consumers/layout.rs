@@ -85,6 +85,9 @@ fn claims() -> Claims {
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
         }
+        EllgranMixture {
+            size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,
+        }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,
             unchanged, keep_history, record_contacts, touching, history,

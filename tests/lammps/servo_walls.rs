@@ -70,7 +70,7 @@ fn both_versions_a_lid_presses_one_ball() {
             ..Grain::sphere(5e-3, [0.0, 0.0, 5e-3])
         };
         // ten times as long as the lid takes to its place, and as the ball swings
-        let steps = 30_000;
+        let steps = 90_000;
         let deck = Deck {
             fixes: vec![
                 format!("fix floor all wall/gran/ellipsoid {law} zplane 0 NULL"),

@@ -10,6 +10,7 @@ mod engine_forces;
 mod header;
 mod install;
 mod lammps;
+mod law_tables;
 mod library;
 mod liggghts;
 mod liggghts_make_auto;
