@@ -31,9 +31,10 @@ constexpr int WRITER_LENGTH = 32;
 /// |---|---|
 /// | 1 | energy dissipated by viscosity, time since the fix was made, energy dissipated by friction, work of the wall |
 /// | 2 | -2; the four of version 1; velocity of the region (3), rate of its rotation |
+/// | 3 | -3; as version 2; displacement (3) and angle of a motion by variables, state of the servo |
 ///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 2;
+constexpr int WALL_FORMAT = 3;
 
 }
 

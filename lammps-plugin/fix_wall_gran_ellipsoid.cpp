@@ -29,11 +29,13 @@ namespace {
 
 const char CALLER[] = "Fix wall/gran/ellipsoid";
 const char SYNTAX[] =
-    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] <wall> [motion ...] [contacts], "
+    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] [material ...] <wall> [motion ...] "
+    "[contacts] [vtk N file], "
     "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or mesh FILE [scale s] [turn "
     "angle ax ay az] [move x y z]";
 const char MOTIONS[] =
-    "wiggle dim amplitude period, shear dim velocity, velocity vx vy vz, rotate px py pz ax ay az period";
+    "wiggle dim amplitude period, shear dim velocity, velocity vx vy vz, rotate px py pz ax ay az period, omega px py pz ax ay "
+    "az rate, servo ax ay az target speed [area A] [gain g]";
 
 constexpr double TWO_PI = 6.283185307179586476925286766559;
 
@@ -41,7 +43,8 @@ constexpr double TWO_PI = 6.283185307179586476925286766559;
 constexpr int CONTACT_COLUMNS = 21;
 
 // Global values in the restart file: see ellgran_restart_format.h.
-constexpr int NUMBER_OF_STATES = 9;
+constexpr int NUMBER_WITH_REGION = 9;
+constexpr int NUMBER_OF_STATES = NUMBER_WITH_REGION + 4 + WallServo::NUMBER_OF_STATES;
 
 double dot(const double *a, const double *b)
 {
@@ -59,13 +62,14 @@ void quaternion_of(const double *axis, double angle, double *q)
 }    // namespace
 
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), wall(nullptr), dimension(-1),
-    plane_slots{-1, -1}, is_cylinder(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
-    amplitude(0.0), period(1.0), shear_velocity(0.0), velocity{}, rotation_point{}, rotation_axis{}, rotation_period(1.0),
+    Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), wall(nullptr), wall_type(1), dimension(-1),
+    plane_slots{-1, -1}, is_cylinder(false), is_mesh(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
+    amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
+    varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), memory_length(0),
-    contact_memory(nullptr), tells_contacts(false), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
-    work_of_walls(0.0), power_of_walls(0.0), output_here{}, output_all{}, summed(true)
+    contact_memory(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -82,8 +86,11 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   memory_length = static_cast<int>(ellgran_wall_memory_length(wall, laws));
 
   scalar_flag = vector_flag = 1;
-  extscalar = extvector = 1;
+  extscalar = 1;
+  extvector = -1;
   size_vector = NUMBER_OF_OUTPUTS;
+  extlist = new int[NUMBER_OF_OUTPUTS];
+  for (int k = 0; k < NUMBER_OF_OUTPUTS; k++) extlist[k] = (k < NUMBER_OF_SUMS) ? 1 : 0;
   global_freq = 1;
   energy_global_flag = 1;
   create_attribute = 1;
@@ -110,6 +117,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
   atom->delete_callback(id, Atom::GROW);
   if (restart_peratom) atom->delete_callback(id, Atom::RESTART);
   memory->destroy(contact_memory);
+  delete[] extlist;
   ellgran_wall_free(wall);
   ellgran_laws_free(laws);
   ellgran_workspace_free(workspace);
@@ -118,7 +126,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
     modify->delete_fix(id_step_velocity);
 }
 
-/* The words of the fix are the law of the contact itself: both sides have these constants. */
+/* The words of the fix are the law of the contact itself: both sides have these constants, but for a material of the wall. */
 
 int FixWallGranEllipsoid::parse_law(int narg, char **arg)
 {
@@ -128,10 +136,19 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
   if (ellgran_law_parameters_parse(narg - 3, arg + 3, &consumed, &given) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 
-  const std::size_t pairs = static_cast<std::size_t>(atom->ntypes) * atom->ntypes;
-  const std::vector<EllgranLawParameters> parameters(pairs, given);
-  const std::vector<uint8_t> is_set(pairs, 1);
-  if (ellgran_laws_new(atom->ntypes, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START,
+  std::size_t of_material = 0;
+  EllgranLawParameters of_wall = ELLGRAN_INIT(EllgranLawParameters);
+  check_words(ellgran_wall_material_parse(&given, narg - 3 - consumed, arg + 3 + consumed, &of_material, &of_wall));
+  consumed += of_material;
+
+  // The library mixes what is not set from the two on the diagonal.
+  wall_type = atom->ntypes + 1;
+  const auto types = static_cast<std::size_t>(wall_type);
+  std::vector<EllgranLawParameters> parameters(types * types, given);
+  parameters.back() = of_wall;
+  std::vector<uint8_t> is_set(types * types, 0);
+  for (std::size_t k = 0; k < types; k++) is_set[k * types + k] = 1;
+  if (ellgran_laws_new(wall_type, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START,
                        &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   int32_t i = 0, j = 0;
@@ -248,6 +265,7 @@ int FixWallGranEllipsoid::parse_mesh(int iarg, int narg, char **arg)
   require_values("mesh", 1, iarg, narg);
   const char *const file = arg[iarg + 1];
   double scale = 1.0, quaternion[4] = {1.0, 0.0, 0.0, 0.0}, translation[3] = {};
+  is_mesh = true;
   iarg += 2;
   while (iarg < narg) {
     const std::string word = arg[iarg];
@@ -296,23 +314,45 @@ int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
       iarg++;
       continue;
     }
-    const int values = (word == "wiggle" || word == "velocity") ? 3 : (word == "shear") ? 2 : (word == "rotate") ? 7 : 0;
+    if (word == "vtk") {
+      require_values("vtk", 2, iarg, narg);
+      parse_triangle_file(arg + iarg);
+      iarg += 3;
+      continue;
+    }
+    if (region_moves && (word == "servo" || word == "omega"))
+      error->all(FLERR, "{} {}: region {} moves by itself: take '{}' away", CALLER, id, region_id, word);
+    if (word == "servo") {
+      if (servo) error->all(FLERR, "{} {}: servo is given twice", CALLER, id);
+      int consumed = 0;
+      servo = std::make_unique<WallServo>(lmp, std::string(CALLER) + " " + id, narg - iarg - 1, arg + iarg + 1, consumed);
+      check_servo();
+      iarg += 1 + consumed;
+      continue;
+    }
+    const int values = (word == "wiggle" || word == "velocity") ? 3
+        : (word == "shear")                                     ? 2
+        : (word == "rotate" || word == "omega")                 ? 7
+                                                                : 0;
     if (values == 0)
       error->all(FLERR, "{} {}: unknown word '{}' after the wall: {}; motion = {}", CALLER, id, word, SYNTAX, MOTIONS);
     require_values(word.c_str(), values, iarg, narg);
-    if (wiggles || shears || (moves && word != "rotate") || (rotates && word != "velocity"))
-      error->all(FLERR, "{} {}: a wall can wiggle or shear or move, once; velocity and rotate may go together", CALLER, id);
+    const bool turns = word == "rotate" || word == "omega";
+    if (wiggles || shears || (moves && !turns) || (rotates && word != "velocity"))
+      error->all(FLERR,
+                 "{} {}: a wall can wiggle or shear or move, once; velocity may go together with rotate or omega, and servo with each",
+                 CALLER, id);
     if (region_moves)
       error->all(FLERR, "{} {}: region {} has a motion of its own: remove '{}'", CALLER, id, region_id, word);
     if (word == "wiggle")
       parse_wiggle(arg + iarg);
     else if (word == "shear")
       parse_shear(arg + iarg);
-    else if (word == "rotate")
+    else if (turns)
       parse_rotate(arg + iarg);
     else {
       moves = true;
-      for (int k = 0; k < 3; k++) velocity[k] = number("velocity", arg[iarg + 1 + k]);
+      for (int k = 0; k < 3; k++) velocity[k].read(lmp, std::string(CALLER) + " " + id, "velocity", arg[iarg + 1 + k]);
     }
     iarg += 1 + values;
   }
@@ -347,19 +387,53 @@ void FixWallGranEllipsoid::parse_shear(char **arg)
     error->all(FLERR, "{} {}: a cylinder can shear along its axis only: use velocity or rotate", CALLER, id);
 }
 
+/* The words of rotate, which has a period, and of omega, which has an angular velocity. */
+
 void FixWallGranEllipsoid::parse_rotate(char **arg)
 {
   rotates = true;
+  const char *const word = arg[0];
   for (int k = 0; k < 3; k++) {
-    rotation_point[k] = number("rotate", arg[1 + k]);
-    rotation_axis[k] = number("rotate", arg[4 + k]);
+    rotation_point[k] = number(word, arg[1 + k]);
+    rotation_axis[k] = number(word, arg[4 + k]);
   }
-  rotation_period = number("rotate", arg[7]);
   const double length = std::sqrt(dot(rotation_axis, rotation_axis));
-  if (!(length > 0.0)) error->all(FLERR, "{} {}: rotate needs an axis other than 0 0 0", CALLER, id);
+  if (!(length > 0.0)) error->all(FLERR, "{} {}: {} needs an axis other than 0 0 0", CALLER, id, word);
   for (double &component : rotation_axis) component /= length;
+  if (std::strcmp(word, "omega") == 0) {
+    rotation_rate.read(lmp, std::string(CALLER) + " " + id, "omega", arg[7]);
+    return;
+  }
+  if (utils::strmatch(arg[7], "^v_"))
+    error->all(FLERR, "{} {}: the period of rotate is a number: use omega, whose angular velocity may be {}", CALLER, id, arg[7]);
+  const double rotation_period = number(word, arg[7]);
   if (rotation_period == 0.0)
     error->all(FLERR, "{} {}: rotate period {} must not be 0", CALLER, id, arg[7]);
+  rotation_rate.set(TWO_PI / rotation_period);
+}
+
+/* A pair of planes would move as one, and a plane that presses away from the grains would leave for ever. */
+
+void FixWallGranEllipsoid::check_servo() const
+{
+  if (plane_slots[0] >= 0 && plane_slots[1] >= 0)
+    error->all(FLERR, "{} {}: servo moves one plane: give NULL in the place of the other, and another fix to that", CALLER, id);
+  const double side = (plane_slots[0] >= 0) ? 1.0 : (plane_slots[1] >= 0) ? -1.0 : 0.0;
+  if (side != 0.0 && side * servo->direction()[dimension] < 0.0)
+    error->all(FLERR, "{} {}: servo must press towards the grains, and these are on the other side of the plane: turn its direction",
+               CALLER, id);
+}
+
+void FixWallGranEllipsoid::parse_triangle_file(char **arg)
+{
+  if (!is_mesh) error->all(FLERR, "{} {}: vtk shows triangles: it goes with a mesh", CALLER, id);
+  if (triangle_file_every > 0) error->all(FLERR, "{} {}: vtk is given twice", CALLER, id);
+  triangle_file_every = utils::inumeric(FLERR, arg[1], false, lmp);
+  triangle_file = arg[2];
+  if (triangle_file_every <= 0)
+    error->all(FLERR, "{} {}: vtk {} must be a number of steps greater than 0", CALLER, id, arg[1]);
+  if (triangle_file.find('*') == std::string::npos)
+    error->all(FLERR, "{} {}: vtk file {} needs a '*', which becomes the step", CALLER, id, triangle_file);
 }
 
 /* A wall has no images: it must not depend on a coordinate that repeats. */
@@ -390,7 +464,10 @@ void FixWallGranEllipsoid::init()
     error->all(FLERR, "{} {}: region {} does not exist any more", CALLER, id, region_id);
   atoms.require_shapes(groupbit);
   refuse_styles(lmp, CALLER, memory_length > 0);
-  if ((wiggles || moves || rotates) && input->command && std::strcmp(input->command, "rerun") == 0)
+  for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
+  rotation_rate.require_variable(lmp);
+  if (servo) servo->require_variables();
+  if ((wiggles || moves || rotates || servo) && input->command && std::strcmp(input->command, "rerun") == 0)
     error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
   place_step_velocity_fix();
 
@@ -443,6 +520,28 @@ double FixWallGranEllipsoid::time_passed() const
   return time_then + static_cast<double>(last_step - step_then) * time_step;
 }
 
+bool FixWallGranEllipsoid::varies() const
+{
+  return velocity[0].is_variable() || velocity[1].is_variable() || velocity[2].is_variable() || rotation_rate.is_variable();
+}
+
+/* Over a step the wall has the mean of the velocities at its two ends. */
+
+void FixWallGranEllipsoid::follow_variables(bool time_passes)
+{
+  if (!varies()) return;
+  modify->clearstep_compute();
+  const auto follow = [&](const NumberOrVariable &given, double &now, double &mean, double &way) {
+    const double before = now;
+    now = given.value(lmp);
+    mean = time_passes ? 0.5 * (before + now) : now;
+    if (time_passes) way += mean * time_step;
+  };
+  for (int k = 0; k < 3; k++) follow(velocity[k], velocity_now[k], mean_velocity[k], varied_displacement[k]);
+  follow(rotation_rate, rate_now, mean_rate, varied_angle);
+  modify->addstep_compute(update->ntimestep + 1);
+}
+
 EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
 {
   EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
@@ -458,15 +557,25 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
         : amplitude * rate * std::sin(phase);
   }
   if (shears) motion.velocity[motion_axis] = shear_velocity;
+  follow_variables(time_passes);
+  const bool by_variables = varies();
   if (moves)
     for (int k = 0; k < 3; k++) {
-      motion.displacement[k] = velocity[k] * time;
-      motion.velocity[k] = velocity[k];
+      motion.displacement[k] = by_variables ? varied_displacement[k] : velocity[k].constant() * time;
+      motion.velocity[k] = by_variables ? mean_velocity[k] : velocity[k].constant();
     }
+  if (servo) {
+    if (time_passes) servo->advance(update->dt);
+    for (int k = 0; k < 3; k++) {
+      motion.displacement[k] += servo->displacement() * servo->direction()[k];
+      motion.velocity[k] += servo->velocity() * servo->direction()[k];
+    }
+  }
   if (rotates) {
-    const double rate = TWO_PI / rotation_period;
+    const double rate = by_variables ? mean_rate : rotation_rate.constant();
+    const double angle = by_variables ? varied_angle : rate * time;
     // whole turns are none
-    quaternion_of(rotation_axis, std::remainder(rate * time, TWO_PI), motion.quaternion);
+    quaternion_of(rotation_axis, std::remainder(angle, TWO_PI), motion.quaternion);
     for (int k = 0; k < 3; k++) {
       motion.origin[k] = rotation_point[k];
       motion.angular_velocity[k] = rate * rotation_axis[k];
@@ -498,11 +607,8 @@ void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool tim
   }
 }
 
-/* Half of the work of a force is done with the velocity to which it has led. */
-
 void FixWallGranEllipsoid::post_integrate()
 {
-  work_of_walls += 0.5 * update->dt * power_of_walls;
   if (!tallies.inelastic_loads) return;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
@@ -514,7 +620,7 @@ void FixWallGranEllipsoid::post_integrate()
 
 void FixWallGranEllipsoid::post_force(int)
 {
-  std::fill_n(output_here, static_cast<int>(NUMBER_OF_OUTPUTS), 0.0);
+  std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
   summed = false;
   find_contact_masses();
 
@@ -522,7 +628,14 @@ void FixWallGranEllipsoid::post_force(int)
   const bool time_passes = update->setupflag == 0 && update->whichflag != 2;
   follow_time(time_passes);
   const EllgranWallMotion motion = motion_now(time_passes);
+  std::copy_n(motion.displacement, 3, displacement);
+  std::copy_n(motion.velocity, 3, wall_velocity);
+  // Half of the work of a force is done with the velocity to which it has led.
+  if (time_passes)
+    work_of_walls -= 0.5 * update->dt * (dot(load_force, motion.velocity) + dot(load_torque, motion.angular_velocity));
   EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
+  const bool writes_triangles = triangle_file_every > 0 && update->ntimestep % triangle_file_every == 0;
+  check(ellgran_wall_record_triangles(wall, writes_triangles ? 1 : 0));
   inelastic_loads.resize(12 * static_cast<std::size_t>(atom->nlocal));
   tallies.inelastic_loads = (atom->nlocal > 0) ? inelastic_loads.data() : nullptr;
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
@@ -535,11 +648,12 @@ void FixWallGranEllipsoid::post_force(int)
     EllgranParticles particles = atoms.view();
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
-    const int wall_type = 1;    // every pair of types has the law of this fix
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));
   }
   if (tells_contacts) tell_contacts();
+  if (writes_triangles) write_triangle_file(motion);
+  if (servo) servo->follow(load, update->dt, time_passes);
 
   // Friction has dissipated the work of the tangential forces less what the contacts hold of it.
   if (step.advance_history)
@@ -547,15 +661,16 @@ void FixWallGranEllipsoid::post_force(int)
   else
     tallies.tangential_work = friction + tallies.tangential_elastic_energy;
 
-  power_of_walls = -load.power;
-  if (step.advance_history) work_of_walls += 0.5 * step.time_step * power_of_walls;
+  if (step.advance_history) work_of_walls -= 0.5 * step.time_step * load.power;
+  std::copy_n(load.force, 3, load_force);
+  std::copy_n(load.torque, 3, load_torque);
 
   for (int k = 0; k < 2; k++)
     if (plane_slots[k] >= 0 && atom->nlocal > 0)
       check(ellgran_wall_part_force(wall, plane_slots[k], output_here + (k == 0 ? FORCE_LO : FORCE_HI)));
   std::copy_n(load.force, 3, output_here + FORCE);
   std::copy_n(load.torque, 3, output_here + TORQUE);
-  output_here[POWER] = power_of_walls;
+  output_here[POWER] = -load.power;
   output_here[NORMAL_ELASTIC] = tallies.normal_elastic_energy;
   output_here[TANGENTIAL_ELASTIC] = tallies.tangential_elastic_energy;
   output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
@@ -591,6 +706,20 @@ void FixWallGranEllipsoid::tell_contacts()
   array_local = contact_rows.data();
 }
 
+/* The loads of all ranks, written by the first. */
+
+void FixWallGranEllipsoid::write_triangle_file(const EllgranWallMotion &motion)
+{
+  const std::size_t count = 4 * ellgran_wall_triangle_count(wall);
+  std::vector<double> loads(count, 0.0), sums(count, 0.0);
+  if (atom->nlocal > 0) check(ellgran_wall_triangle_loads(wall, loads.data()));
+  MPI_Reduce(loads.data(), sums.data(), static_cast<int>(count), MPI_DOUBLE, MPI_SUM, 0, world);
+  if (comm->me != 0) return;
+  std::string file = triangle_file;
+  file.replace(file.find('*'), 1, std::to_string(update->ntimestep));
+  check(ellgran_wall_write_triangle_loads(wall, &motion, sums.data(), file.c_str()));
+}
+
 void FixWallGranEllipsoid::find_contact_masses()
 {
   if (!fix_rigid || ellgran_laws_uses_mass(laws) == 0) {
@@ -611,7 +740,7 @@ void FixWallGranEllipsoid::find_contact_masses()
 void FixWallGranEllipsoid::sum_output()
 {
   if (summed) return;
-  MPI_Allreduce(output_here, output_all, NUMBER_OF_OUTPUTS, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(output_here, output_all, NUMBER_OF_SUMS, MPI_DOUBLE, MPI_SUM, world);
   summed = true;
 }
 
@@ -623,6 +752,12 @@ double FixWallGranEllipsoid::compute_scalar()
 
 double FixWallGranEllipsoid::compute_vector(int k)
 {
+  if (k >= SERVO_FORCE) {
+    if (!servo) return 0.0;
+    return (k == SERVO_FORCE) ? servo->force() : servo->target();
+  }
+  if (k >= VELOCITY) return wall_velocity[k - VELOCITY];
+  if (k >= DISPLACEMENT) return displacement[k - DISPLACEMENT];
   sum_output();
   return output_all[k];
 }
@@ -708,8 +843,12 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
   double sums[3] = {0.0, 0.0, 0.0};
   MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[NUMBER_OF_STATES] = {-EllgranRestart::WALL_FORMAT, sums[0], time_passed(), sums[1], sums[2],
-                                             region_velocity[0], region_velocity[1], region_velocity[2], region_rate};
+    double values[NUMBER_OF_STATES] = {-EllgranRestart::WALL_FORMAT, sums[0], time_passed(),
+                                       sums[1],            sums[2],           region_velocity[0],
+                                       region_velocity[1], region_velocity[2], region_rate};
+    double *const of_motion = std::copy_n(varied_displacement, 3, values + NUMBER_WITH_REGION);
+    of_motion[0] = varied_angle;
+    if (servo) servo->pack(of_motion + 1);
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
@@ -727,8 +866,9 @@ void FixWallGranEllipsoid::restart(char *buffer)
                "the ellgran that wrote the file, or give the fix another ID and lose what its contacts remember",
                CALLER, id, format, ellgran_version(), EllgranRestart::WALL_FORMAT);
   const bool has_region = format >= 2;
+  const bool has_motion = format >= 3;
   if (has_region)
-    std::memcpy(values, buffer + sizeof(mark), sizeof(values));
+    std::memcpy(values, buffer + sizeof(mark), ((has_motion ? NUMBER_OF_STATES : NUMBER_WITH_REGION) - 1) * sizeof(double));
   else
     std::memcpy(values, buffer, 4 * sizeof(double));
   time_then = values[1];
@@ -736,6 +876,12 @@ void FixWallGranEllipsoid::restart(char *buffer)
   if (has_region) {
     std::copy_n(values + 4, 3, region_velocity);
     region_rate = values[7];
+  }
+  if (has_motion) {
+    const double *const of_motion = values + NUMBER_WITH_REGION - 1;
+    std::copy_n(of_motion, 3, varied_displacement);
+    varied_angle = of_motion[3];
+    if (servo) servo->unpack(of_motion + 4);
   }
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];

@@ -14,8 +14,11 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 #include "fix.h"
 
 #include "ellgran_atoms.h"
+#include "ellgran_number_or_variable.h"
 #include "ellgran_region.h"
+#include "ellgran_wall_servo.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -60,18 +63,25 @@ class FixWallGranEllipsoid : public Fix {
   EllgranLaws *laws;
   EllgranWorkspace *workspace;
   EllgranWall *wall;
+  int wall_type;               // behind the types of atoms
 
   int dimension;               // of the normal of planes, or of the axis of a cylinder; -1 for other walls
   int plane_slots[2];          // part of the lower and of the upper plane; -1: there is none
-  bool is_cylinder;
+  bool is_cylinder, is_mesh;
   std::string region_id;       // empty: no region
 
-  // The motion: at most one of wiggle and shear, velocity, and rotation, which may go together
+  // The motion: at most one of wiggle and shear, velocity, and rotation, which may go together; and a servo
   bool wiggles, shears, rotates, moves;
   int motion_axis;
   double amplitude, period, shear_velocity;
-  double velocity[3];
-  double rotation_point[3], rotation_axis[3], rotation_period;
+  NumberOrVariable velocity[3], rotation_rate;
+  double rotation_point[3], rotation_axis[3];
+  std::unique_ptr<WallServo> servo;    // nullptr: none
+
+  // Motion by variables: how far it went, the values of now, and the mean ones over the last step
+  double varied_displacement[3], varied_angle;
+  double velocity_now[3], rate_now;
+  double mean_velocity[3], mean_rate;
 
   // Motion of a region: pose of the last step, and the velocities over the step
   bool pose_is_known;
@@ -95,6 +105,10 @@ class FixWallGranEllipsoid : public Fix {
   std::vector<double> contact_values;
   std::vector<double *> contact_rows;
 
+  // The file of the triangles' loads: every so many steps, 0 for none
+  int triangle_file_every;
+  std::string triangle_file;
+
   // Masses of the rigid bodies that atoms are in
   class Fix *fix_rigid;
   std::vector<double> contact_masses;
@@ -113,13 +127,21 @@ class FixWallGranEllipsoid : public Fix {
     FORCE,
     TORQUE = FORCE + 3,
     POWER = TORQUE + 3,
+    NUMBER_OF_SUMS,
+    // the same on all ranks
+    DISPLACEMENT = NUMBER_OF_SUMS,
+    VELOCITY = DISPLACEMENT + 3,
+    SERVO_FORCE = VELOCITY + 3,
+    SERVO_TARGET,
     NUMBER_OF_OUTPUTS
   };
   // Energies dissipated and work of the walls since the fix was made, this rank's share, and the loads that dissipate
   EllgranTallies tallies;
   std::vector<double> inelastic_loads;
-  double friction, work_of_walls, power_of_walls;
-  double output_here[NUMBER_OF_OUTPUTS], output_all[NUMBER_OF_OUTPUTS];
+  double friction, work_of_walls;
+  double load_force[3], load_torque[3];    // on the wall, at the end of the last step
+  double output_here[NUMBER_OF_SUMS], output_all[NUMBER_OF_SUMS];
+  double displacement[3], wall_velocity[3];
   bool summed;
 
   int parse_law(int narg, char **arg);
@@ -132,6 +154,8 @@ class FixWallGranEllipsoid : public Fix {
   void parse_wiggle(char **arg);
   void parse_shear(char **arg);
   void parse_rotate(char **arg);
+  void parse_triangle_file(char **arg);
+  void check_servo() const;
   [[nodiscard]] double number(const char *keyword, const char *word) const;
   void require_values(const char *keyword, int count, int iarg, int narg) const;
   void check(int32_t status) const;
@@ -140,9 +164,12 @@ class FixWallGranEllipsoid : public Fix {
   int axis_word(const char *keyword, const char *word) const;
   void follow_time(bool passes);
   [[nodiscard]] double time_passed() const;
+  [[nodiscard]] bool varies() const;
+  void follow_variables(bool time_passes);
   [[nodiscard]] EllgranWallMotion motion_now(bool time_passes);
   void add_region_motion(EllgranWallMotion &motion, bool time_passes);
   void tell_contacts();
+  void write_triangle_file(const EllgranWallMotion &motion);
   void place_step_velocity_fix();
   void find_contact_masses();
   void sum_output();

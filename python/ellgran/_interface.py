@@ -6,26 +6,6 @@ Generated from include/ellgran.h, do not edit; `cargo xtask header` writes it.
 import ctypes
 from typing import Any, Dict, List, Tuple
 
-ELLGRAN_NORMAL_HERTZ = 0
-ELLGRAN_NORMAL_NFD = 1
-ELLGRAN_NORMAL_LSD = 2
-ELLGRAN_FACTORS_EXACT = 0
-ELLGRAN_FACTORS_HALE = 1
-ELLGRAN_DAMPING_NONE = 0
-ELLGRAN_DAMPING_RESTITUTION = 1
-ELLGRAN_DAMPING_RELAXATION = 2
-ELLGRAN_CLOSURE_ENERGY = 0
-ELLGRAN_CLOSURE_SURFACE = 1
-ELLGRAN_CLOSURE_BRILLIANTOV = 2
-ELLGRAN_UNLOADING_TING = 0
-ELLGRAN_UNLOADING_FIRST_ORDER = 1
-ELLGRAN_TANGENTIAL_NONE = 0
-ELLGRAN_TANGENTIAL_TFD = 1
-ELLGRAN_TANGENTIAL_MINDLIN = 2
-ELLGRAN_TANGENTIAL_LINEAR = 3
-ELLGRAN_DISPLACEMENT_TOTAL = 0
-ELLGRAN_DISPLACEMENT_INCREMENTAL = 1
-ELLGRAN_DISPLACEMENT_RESCALED = 2
 ELLGRAN_OPTION_NO_WARM_START = 1
 ELLGRAN_SIDE_OF_CENTRE = 0
 ELLGRAN_SIDE_INSIDE = 1
@@ -184,29 +164,14 @@ class EllgranStagedGeometry(ctypes.Structure):
     ]
 
 
-class EllgranLawParameters(ctypes.Structure):
+class EllgranMixture(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
-        ("normal", ctypes.c_int32),
-        ("damping", ctypes.c_int32),
-        ("tangential", ctypes.c_int32),
-        ("closure", ctypes.c_int32),
-        ("unloading", ctypes.c_int32),
-        ("factors", ctypes.c_int32),
-        ("displacement", ctypes.c_int32),
-        ("conservative", ctypes.c_int32),
-        ("limit_force", ctypes.c_int32),
-        ("youngs_modulus", ctypes.c_double),
-        ("poissons_ratio", ctypes.c_double),
-        ("shear_viscosity", ctypes.c_double),
-        ("bulk_viscosity", ctypes.c_double),
-        ("relaxation_time", ctypes.c_double),
-        ("restitution", ctypes.c_double),
-        ("normal_stiffness", ctypes.c_double),
-        ("normal_damping", ctypes.c_double),
-        ("friction", ctypes.c_double),
-        ("tangential_stiffness", ctypes.c_double),
-        ("tangential_damping", ctypes.c_double),
+        ("effective_modulus", ctypes.c_double),
+        ("effective_shear_modulus", ctypes.c_double),
+        ("normal_relaxation_time", ctypes.c_double),
+        ("tangential_relaxation_time", ctypes.c_double),
+        ("share_i", ctypes.c_double),
     ]
 
 
@@ -349,6 +314,8 @@ class EllgranWallLoad(ctypes.Structure):
         ("torque", ctypes.c_double * 3),
         ("power", ctypes.c_double),
         ("contact_count", ctypes.c_int64),
+        ("stiffness", ctypes.c_double),
+        ("damping", ctypes.c_double),
     ]
 
 
@@ -365,6 +332,17 @@ class EllgranRecordedWallContact(ctypes.Structure):
         ("force", ctypes.c_double * 3),
         ("torque", ctypes.c_double * 3),
         ("elastic_energy", ctypes.c_double * 2),
+    ]
+
+
+class EllgranServo(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("target", ctypes.c_double),
+        ("gain", ctypes.c_double),
+        ("largest_speed", ctypes.c_double),
+        ("steady_velocity", ctypes.c_double),
+        ("velocity", ctypes.c_double),
     ]
 
 
@@ -418,6 +396,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_remember_wall_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p]),
     "ellgran_law_parameters_default": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_law_parameters_parse": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_material_parse": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_new": (ctypes.c_int32, [ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p]),
     "ellgran_laws_with_friction": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_with_restitution": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
@@ -459,6 +438,11 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
     "ellgran_wall_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_wall_recorded": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_wall_record_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
+    "ellgran_wall_triangle_count": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "ellgran_wall_triangle_loads": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_write_triangle_loads": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_servo_follow": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double]),
     "ellgran_volumes": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_moments_of_inertia": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),

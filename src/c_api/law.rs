@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Laws: parameters, the words of a deck, and the table of all pairs of types.
 
-use super::growing::{growing, GivenArray, Output};
+use super::growing::{given, growing, GivenArray, Output};
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
@@ -142,17 +142,7 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
 ) -> i32 {
     at_border("ellgran_law_parameters_parse", || {
         // SAFETY: promised by the caller.
-        let pointers = unsafe { slice(words, word_count, "words") }?;
-        let mut texts = Vec::with_capacity(word_count);
-        for (k, &pointer) in pointers.iter().enumerate() {
-            // SAFETY: promised by the caller; checked for NULL.
-            unsafe { required(pointer, &format!("words[{k}]")) }?;
-            // SAFETY: as above, and the text ends with NUL.
-            let text = unsafe { CStr::from_ptr(pointer) };
-            texts.push(text.to_str().map_err(|_| {
-                Failure::new(ELLGRAN_ERROR_TEXT, format!("words[{k}] is not UTF-8"))
-            })?);
-        }
+        let texts = unsafe { given_words(words, word_count) }?;
         // SAFETY: promised by the caller.
         let mut out = unsafe { Output::new(parameters, "parameters") }?;
         let (p, read) = syntax::parse(&texts).map_err(law_failure)?;
@@ -170,6 +160,59 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
         out.write(&EllgranLawParameters::from(&p));
         Ok(())
     })
+}
+
+/// Reads the material of a wall: `material E nu` with the law `hertz`, `material E nu eta1 eta2` with `nfd`, `material rigid` with
+/// either, from the first word on.
+///
+/// `wall` becomes the wall's side of the contact with grains of the law `grain`: for `ellgran_laws_new` the parameters of a type of its
+/// own, which is mixed with the grain's where the pair of the two is not set. The number of words read goes to `consumed`. Where the
+/// first word is another one, `wall` becomes `grain`, and no word is read.
+///
+/// # Safety
+/// `words` points to `word_count` strings that end with NUL; the other pointers are NULL or valid, `consumed` and `wall` for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_material_parse(
+    grain: *const EllgranLawParameters,
+    word_count: size_t,
+    words: *const *const c_char,
+    consumed: *mut size_t,
+    wall: *mut EllgranLawParameters,
+) -> i32 {
+    at_border("ellgran_wall_material_parse", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let grain = unsafe { given(grain, "grain") }?.to_core()?;
+        let texts = unsafe { given_words(words, word_count) }?;
+        let consumed = unsafe { required_mut(consumed, "consumed") }?;
+        let mut out = unsafe { Output::new(wall, "wall") }?;
+        let (p, read) = syntax::parse_wall_material(&grain, &texts).map_err(law_failure)?;
+        *consumed = read;
+        out.write(&EllgranLawParameters::from(&p));
+        Ok(())
+    })
+}
+
+/// # Safety
+/// `words` points to `word_count` strings that end with NUL, for the lifetime that the caller gives them.
+unsafe fn given_words<'a>(
+    words: *const *const c_char,
+    word_count: size_t,
+) -> Result<Vec<&'a str>, Failure> {
+    // SAFETY: promised by the caller.
+    let pointers = unsafe { slice(words, word_count, "words") }?;
+    let mut texts = Vec::with_capacity(word_count);
+    for (k, &pointer) in pointers.iter().enumerate() {
+        // SAFETY: promised by the caller; checked for NULL.
+        unsafe { required(pointer, &format!("words[{k}]")) }?;
+        // SAFETY: as above, and the text ends with NUL.
+        let text = unsafe { CStr::from_ptr(pointer) };
+        texts.push(
+            text.to_str().map_err(|_| {
+                Failure::new(ELLGRAN_ERROR_TEXT, format!("words[{k}] is not UTF-8"))
+            })?,
+        );
+    }
+    Ok(texts)
 }
 
 /// Builds the laws of a scene with `type_count` types, counted from 1.

@@ -18,8 +18,8 @@ use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
-    compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
-    WallOutput, WrongMemory,
+    compute_wall, stl, write_triangle_loads, End, Mesh, Motion, ShapeParameters, Side,
+    TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongMemory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -105,6 +105,11 @@ pub struct EllgranWallLoad {
     pub power: f64,
     /// Number of contacts.
     pub contact_count: i64,
+    /// Sum over the contacts of a bound of their stiffness in any direction, force/length, friction without slip included: by at most
+    /// that the force changes with a displacement of the wall.
+    pub stiffness: f64,
+    /// The same of their damping, force x time/length.
+    pub damping: f64,
 }
 
 growing!(EllgranWallLoad);
@@ -575,6 +580,8 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 torque: found.torque.to_array(),
                 power: found.power,
                 contact_count: found.contacts as i64,
+                stiffness: found.stiffness,
+                damping: found.damping,
             });
         }
         Ok(())
@@ -673,6 +680,93 @@ pub unsafe extern "C" fn ellgran_wall_recorded(
             elastic_energy: [f.elastic_energy, f.tangential_energy],
         });
         Ok(())
+    })
+}
+
+/// Whether `ellgran_compute_wall` records the loads of triangles, which `ellgran_wall_triangle_loads` then gives.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_record_triangles(wall: *mut EllgranWall, record: i32) -> i32 {
+    at_border("ellgran_wall_record_triangles", || {
+        // SAFETY: promised by the caller.
+        unsafe { required_mut(wall, "wall") }?
+            .wall
+            .records_triangles = record != 0;
+        Ok(())
+    })
+}
+
+/// Number of triangles of all parts of a wall; 0 for NULL.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_triangle_count(wall: *const EllgranWall) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.triangles().count())
+}
+
+/// What acted on each triangle in the last call of `ellgran_compute_wall`, to `loads`, [`ellgran_wall_triangle_count`][4], in the order in
+/// which triangles were added: the force on it, world frame, and the sum of the forces that press on its plane, each from
+/// the side of its particle. A contact counts with the triangle that is deepest in the particle. Zeros where the last call did not
+/// record them. Loads of ranks add.
+///
+/// # Safety
+/// The pointers are NULL or valid; `loads` has four doubles for each triangle.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_triangle_loads(
+    wall: *const EllgranWall,
+    loads: *mut f64,
+) -> i32 {
+    at_border("ellgran_wall_triangle_loads", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        let count = wall.triangles().count();
+        let out = unsafe { slice_mut(loads.cast::<[f64; 4]>(), count, "loads") }?;
+        out.fill([0.0; 4]);
+        for (out, load) in out.iter_mut().zip(wall.triangle_loads()) {
+            let [x, y, z] = load.force.to_array();
+            *out = [x, y, z, load.pressing];
+        }
+        Ok(())
+    })
+}
+
+/// Writes the triangles of a wall, where `motion` has brought them (NULL: where they were described), and these loads of them
+/// ([`ellgran_wall_triangle_count`][4], as `ellgran_wall_triangle_loads` gives them) to a file of the legacy VTK format, which ParaView
+/// reads: for each triangle `force`, `area`, `normal_stress`, positive where particles press, and `shear_stress`, the magnitude of
+/// the force in its plane over its area. The call writes a file and allocates.
+///
+/// # Safety
+/// The pointers are NULL or valid; `loads` has four doubles for each triangle; `path` ends with NUL.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_write_triangle_loads(
+    wall: *const EllgranWall,
+    motion: *const EllgranWallMotion,
+    loads: *const f64,
+    path: *const c_char,
+) -> i32 {
+    at_border("ellgran_wall_write_triangle_loads", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        let path = unsafe { text(path, "path") }?;
+        let motion = if motion.is_null() {
+            Motion::REST
+        } else {
+            unsafe { given(motion, "motion") }?.to_core()?
+        };
+        let triangles: Vec<_> = wall.triangles().copied().collect();
+        let loads = unsafe { slice(loads.cast::<[f64; 4]>(), triangles.len(), "loads") }?;
+        let loads: Vec<TriangleLoad> = loads
+            .iter()
+            .map(|[x, y, z, pressing]| TriangleLoad {
+                force: Vector3::new(*x, *y, *z),
+                pressing: *pressing,
+            })
+            .collect();
+        write_triangle_loads(path.as_ref(), &triangles, &motion, &loads).map_err(wrong)
     })
 }
 

@@ -107,6 +107,29 @@ impl PairLaw {
         })
     }
 
+    /// Bounds of the stiffness (force/length) and of the damping (force x time/length) of a contact in any direction, friction
+    /// without slip included: the normal stiffness that it has, times what the tangential compliance `C_n (kappa0 - kappa1 beta)`,
+    /// `beta` from 0 to 1, can make of it. The effective mass is read by `damping restitution` alone.
+    pub fn largest_springs(&self, normal_stiffness: f64, effective_mass: f64) -> (f64, f64) {
+        let (k, c) = (&self.kinds, &self.constants.tangential);
+        let normal_damping =
+            k.normal
+                .dashpot(&self.constants.normal, normal_stiffness, effective_mass);
+        let (stiffness, damping) = match k.tangential.law {
+            Tangential::None => (0.0, 0.0),
+            Tangential::Linear => (c.stiffness, c.damping),
+            Tangential::Tfd | Tangential::Mindlin => {
+                let least = c.kappa0.min(c.kappa0 - c.kappa1);
+                let viscous = c.tau0.max(c.tau0 - c.tau1).max(0.0);
+                (
+                    normal_stiffness / least,
+                    normal_stiffness * viscous / (least * least),
+                )
+            }
+        };
+        (normal_stiffness.max(stiffness), normal_damping.max(damping))
+    }
+
     /// Another coefficient of restitution.
     ///
     /// # Errors

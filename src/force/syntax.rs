@@ -4,7 +4,10 @@
 //! `<normal> [damping ...] [tangential ...] [keywords]`: the tables of choices in [`super::parameters`], [`super::damping`]
 //! and [`super::tangential`] have the words, and which constants follow them.
 
-use super::parameters::{Constant, FactorForm, Keyword, LawParameters, ParameterError, KEYWORDS};
+use super::parameters::{
+    Constant, FactorForm, Keyword, LawParameters, Normal, ParameterError, KEYWORDS,
+    LARGEST_CONSTANT,
+};
 
 struct Words<'a> {
     words: &'a [&'a str],
@@ -144,4 +147,52 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
     }
     p.validate()?;
     Ok((p, w.position))
+}
+
+/// Reads the material of a wall, `material ...` in the words of the normal law, or `material rigid`: the parameters of the
+/// wall's side of a contact, to be mixed with those of the grain's side, `grain`, of which all else is taken.
+///
+/// ```text
+///   hertz: material E nu    nfd: material E nu eta1 eta2    either: material rigid
+/// ```
+///
+/// `rigid` is a modulus so large that the wall's compliance is below the rounding of the grain's. Returns the parameters and the
+/// number of words read; without the word `material` these are `grain` and 0.
+///
+/// # Errors
+/// A word that is missing, not a number or out of range, or a law without a material (`lsd`).
+pub fn parse_wall_material(
+    grain: &LawParameters,
+    words: &[&str],
+) -> Result<(LawParameters, usize), ParameterError> {
+    if words.first() != Some(&"material") {
+        return Ok((*grain, 0));
+    }
+    let (law, what) = match grain.normal {
+        Normal::Hertz => ("material' with 'hertz", "E nu, or by rigid"),
+        Normal::Nfd => ("material' with 'nfd", "E nu eta1 eta2, or by rigid"),
+        Normal::Lsd => {
+            return Err(ParameterError(
+                "'material' goes with hertz and nfd: the constants of lsd are those of the contact, wall included"
+                    .into(),
+            ))
+        }
+    };
+    let mut w = Words { words, position: 1 };
+    let mut wall = *grain;
+    if words.get(1) == Some(&"rigid") {
+        w.position += 1;
+        wall.youngs_modulus = LARGEST_CONSTANT;
+        (wall.shear_viscosity, wall.bulk_viscosity) = (0.0, 0.0);
+        return Ok((wall, w.position));
+    }
+    wall.youngs_modulus = w.number(law, what)?;
+    wall.poissons_ratio = w.number(law, what)?;
+    if grain.normal == Normal::Nfd {
+        wall.shear_viscosity = w.number(law, what)?;
+        wall.bulk_viscosity = w.number(law, what)?;
+    }
+    wall.validate()
+        .map_err(|e| ParameterError(format!("material of the wall: {e}")))?;
+    Ok((wall, w.position))
 }

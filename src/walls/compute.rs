@@ -3,11 +3,13 @@
 
 use super::contacts::{FoundContact, Frame, Places, WrongMemory};
 use super::motion::Motion;
-use super::wall::{RecordedWallContact, Wall, WallLoad};
+use super::shape::Shape;
+use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::particle::{self, Particle};
 use crate::contact::staged::Past;
 use crate::contact::{HistoryLayout, Laws, Step};
 use crate::force::PairLaw;
+use crate::geometry::triangles::Triangle;
 use crate::tallies::{Contribution, Tallies};
 use crate::vector::Vector3;
 
@@ -77,12 +79,20 @@ pub fn compute_wall(
     }
     let parts = wall.part_count();
     let Wall {
+        parts: own_parts,
         found,
         part_forces,
         contacts,
         records_contacts,
+        triangle_loads,
+        records_triangles,
         ..
     } = wall;
+    triangle_loads.clear();
+    if *records_triangles {
+        let triangles = own_parts.iter().map(|p| p.triangles().len()).sum();
+        triangle_loads.resize(triangles, TriangleLoad::default());
+    }
     part_forces.clear();
     part_forces.resize(parts, Vector3::ZERO);
     contacts.clear();
@@ -126,6 +136,12 @@ pub fn compute_wall(
         load.force = load.force + f.force;
         load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
         part_forces[c.part] = part_forces[c.part] + f.force;
+        let (stiffness, damping) = law.largest_springs(f.stiffness, effective_mass(i));
+        load.stiffness += stiffness;
+        load.damping += damping;
+        if *records_triangles {
+            add_to_triangle(own_parts, triangle_loads, &c, f.force, motion);
+        }
         if let Some(t) = tallies.as_deref_mut() {
             t.pairs += 1;
             let time = input.step.elapsed();
@@ -161,6 +177,34 @@ pub fn compute_wall(
     found.remember(output.memory, output.acts_on);
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
+}
+
+/// Adds a force on the wall to the triangle of its contact, if it has one.
+fn add_to_triangle(
+    parts: &[Box<dyn Shape>],
+    loads: &mut [TriangleLoad],
+    c: &FoundContact,
+    force: Vector3,
+    motion: &Motion,
+) {
+    let Some(corners) = parts
+        .get(c.part)
+        .and_then(|p| p.triangles().get(c.triangle))
+    else {
+        return;
+    };
+    let before: usize = parts[..c.part].iter().map(|p| p.triangles().len()).sum();
+    let load = &mut loads[before + c.triangle];
+    load.force = load.force + force;
+    let normal = triangle_normal(corners);
+    let along = force.dot(motion.to_world(normal));
+    load.pressing -= along * c.surface.normal.dot(normal).signum();
+}
+
+/// Unit normal of a triangle by the right-hand rule; zero for one without area.
+pub(super) fn triangle_normal(corners: &Triangle) -> Vector3 {
+    let [a, b, c] = *corners;
+    (b - a).cross(c - a).direction().unwrap_or(Vector3::ZERO)
 }
 
 /// The mass of a particle against a wall that nothing moves.

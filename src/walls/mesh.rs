@@ -156,4 +156,8 @@ impl Shape for Mesh {
             touch_near(grain, &self.triangles, search, found);
         }
     }
+
+    fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
 }

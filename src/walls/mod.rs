@@ -16,9 +16,11 @@ mod motion;
 mod one_plane;
 mod plane;
 mod rim;
+mod servo;
 mod shape;
 mod sphere;
 pub mod stl;
+mod triangle_file;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
@@ -28,8 +30,10 @@ pub use memory::MemoryLayout;
 pub use mesh::Mesh;
 pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
+pub use servo::{Servo, ServoLoad};
 pub use shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
-pub use wall::{RecordedWallContact, Wall, WallLoad};
+pub use triangle_file::write_triangle_loads;
+pub use wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 
 /// Adds the parts of a shape, or says what is wrong.
 type Constructor = fn(&ShapeParameters, &mut Vec<Box<dyn Shape>>) -> Result<(), String>;

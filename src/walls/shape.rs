@@ -2,7 +2,7 @@
 //! What a shape of a wall is, and what describes one.
 
 use crate::contact::staged::WallSurface;
-use crate::geometry::triangles::TriangleSearch;
+use crate::geometry::triangles::{Triangle, TriangleSearch};
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 use core::fmt::Debug;
@@ -55,6 +55,11 @@ pub trait Shape: Debug + Send + Sync {
     /// Calls `found` with the surface at every contact of a body, deepest first where there are several. The velocity of the
     /// surface is that in the frame of the wall: zero unless the shape itself moves.
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>);
+
+    /// Its triangles; none for a surface that is not made of them, or that an engine lends.
+    fn triangles(&self) -> &[Triangle] {
+        &[]
+    }
 }
 
 /// Memory for the searches of all shapes, kept between calls.
@@ -65,7 +70,7 @@ pub struct Search {
     /// Triangles near a body, by their index in the mesh.
     pub near: Vec<u32>,
     /// Their corners.
-    pub corners: Vec<crate::geometry::triangles::Triangle>,
+    pub corners: Vec<Triangle>,
 }
 
 /// On which side of a surface the particles are.

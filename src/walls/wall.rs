@@ -8,6 +8,7 @@ use super::mesh::Mesh;
 use super::motion::Motion;
 use super::shape::{Ball, Shape};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
+use crate::geometry::triangles::Triangle;
 use crate::vector::Vector3;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
@@ -26,6 +27,19 @@ pub struct Wall {
     pub(super) contacts: Vec<RecordedWallContact>,
     /// Whether a call records its contacts.
     pub records_contacts: bool,
+    /// What acted on each triangle in the last call that recorded it.
+    pub(super) triangle_loads: Vec<TriangleLoad>,
+    /// Whether a call records the loads of triangles.
+    pub records_triangles: bool,
+}
+
+/// What the particles do to one triangle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TriangleLoad {
+    /// Force on the triangle, world frame.
+    pub force: Vector3,
+    /// Sum of the forces that press on its plane, each from the side of its particle: pressure on the two sides adds up.
+    pub pressing: f64,
 }
 
 /// What the particles do to a wall in one call.
@@ -39,6 +53,11 @@ pub struct WallLoad {
     pub power: f64,
     /// Number of contacts.
     pub contacts: usize,
+    /// Sum over the contacts of a bound of the stiffness, force/length ([`crate::force::PairLaw::largest_springs`]): the wall
+    /// feels at most that in any direction in which it is displaced.
+    pub stiffness: f64,
+    /// The same of the damping, force x time/length.
+    pub damping: f64,
 }
 
 /// One contact as it acted.
@@ -179,6 +198,16 @@ impl Wall {
     /// Force on each part in the last call, world frame.
     pub fn part_forces(&self) -> &[Vector3] {
         &self.part_forces
+    }
+
+    /// The triangles of all parts, one part after the other, in the frame of the wall.
+    pub fn triangles(&self) -> impl Iterator<Item = &Triangle> {
+        self.parts.iter().flat_map(|p| p.triangles())
+    }
+
+    /// What acted on each of the triangles in the last call, if it recorded that; else empty.
+    pub fn triangle_loads(&self) -> &[TriangleLoad] {
+        &self.triangle_loads
     }
 
     /// The contacts of the last call, if it recorded them.

@@ -17,6 +17,7 @@ use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::plane::EllgranPlane;
 use ellgran::c_api::recorded::EllgranContactPlace;
 use ellgran::c_api::rigid_wall::*;
+use ellgran::c_api::servo::EllgranServo;
 use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::EllgranContactStiffness;
@@ -122,7 +123,8 @@ fn claims() -> Claims {
         EllgranPlane { size, point, normal, velocity }
         EllgranWallShape { size, name, point, axis, radii, bounds, ends, side, unused }
         EllgranWallMotion { size, origin, displacement, quaternion, velocity, angular_velocity }
-        EllgranWallLoad { size, force, torque, power, contact_count }
+        EllgranWallLoad { size, force, torque, power, contact_count, stiffness, damping }
+        EllgranServo { size, target, gain, largest_speed, steady_velocity, velocity }
         EllgranRecordedWallContact {
             size, particle, part, point, normal, penetration, normal_force, tangential_force, force, torque, elastic_energy,
         }

@@ -62,6 +62,68 @@ fn both_versions_the_hopper_empties_when_its_gate_is_gone() {
     assert!(rows.iter().all(|r| r["Atoms"] == first), "grains are lost");
 }
 
+/// Servo walls hold a given stress to 1 % through a triaxial test; a dense packing has a peak of its strength and dilates, a loose
+/// one contracts first and has none.
+#[test]
+fn both_versions_triaxial_compression_of_a_dense_and_a_loose_packing() {
+    let engine = Engine::from_environment();
+    let stress = 2000.0;
+    let curve = |packing: &str| {
+        let variables = [
+            ("packing", packing),
+            ("cells", "6"),
+            ("compact", "5000"),
+            ("shear", "8000"),
+        ];
+        let rows = rows(&engine, "triaxial.lmp", &variables, 1);
+        let rows: Vec<_> = rows
+            .into_iter()
+            .filter(|r| r.contains_key("v_strain"))
+            .collect();
+        let off = rows
+            .iter()
+            .map(|r| (r["v_lateral"] / stress - 1.0).abs())
+            .fold(0.0, f64::max);
+        let (peak, at) = rows.iter().fold((0.0, 0.0), |best, r| {
+            if r["v_ratio"] > best.0 {
+                (r["v_ratio"], r["v_strain"])
+            } else {
+                best
+            }
+        });
+        let last = rows.last().unwrap();
+        let least = rows
+            .iter()
+            .map(|r| r["v_dilation"])
+            .fold(f64::INFINITY, f64::min);
+        println!(
+            "{packing}: solid fraction {:.3}, lateral stress off by {off:.1e}, ratio {peak:.2} at strain {at:.3}, {:.2} at the end; volume \
+             {least:+.3} at its least, {:+.3} at the end",
+            rows[0]["v_solid"], last["v_ratio"], last["v_dilation"]
+        );
+        assert!(off < 0.01, "{packing}: the lateral stress is off by {off}");
+        (
+            rows[0]["v_solid"],
+            peak,
+            at,
+            last["v_ratio"],
+            last["v_dilation"],
+        )
+    };
+    let (dense, loose) = (curve("dense"), curve("loose"));
+    assert!(dense.0 > loose.0 + 0.05, "the same solid fraction");
+    assert!(dense.1 > 1.2 * dense.3 && dense.2 < 0.1, "no peak");
+    assert!(dense.4 > 0.05, "no dilation");
+    assert!(
+        loose.1 < 1.15 * loose.3 && loose.2 > 0.1,
+        "a peak of the loose packing"
+    );
+    assert!(loose.4 < -0.01, "the loose packing does not contract");
+    // both come to the same strength
+    assert!(dense.1 > 1.3 * loose.1);
+    assert!((dense.3 / loose.3 - 1.0).abs() < 0.25);
+}
+
 #[test]
 fn both_versions_a_poured_heap_has_an_angle() {
     let engine = Engine::from_environment();

@@ -11,7 +11,7 @@ use crate::shapes::{length, sub, unit, Random, Vector};
 
 const LAW: &str = "hertz 1e7 0.3 tangential mindlin 0.5";
 
-type Triangle = [Vector; 3];
+pub type Triangle = [Vector; 3];
 
 fn ascii(triangles: &[Triangle]) -> Vec<u8> {
     let mut text = String::from("solid wall\n");
@@ -25,7 +25,7 @@ fn ascii(triangles: &[Triangle]) -> Vec<u8> {
     (text + "endsolid wall\n").into_bytes()
 }
 
-fn binary(triangles: &[Triangle]) -> Vec<u8> {
+pub fn binary(triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = vec![0u8; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for t in triangles {
@@ -39,7 +39,7 @@ fn binary(triangles: &[Triangle]) -> Vec<u8> {
 }
 
 /// A square of `cells` by `cells`, two triangles each, at `at` along axis `normal`, from -1 to 1 across.
-fn square(normal: usize, at: f64, cells: usize) -> Vec<Triangle> {
+pub fn square(normal: usize, at: f64, cells: usize) -> Vec<Triangle> {
     let corner = |i: usize, j: usize| {
         let mut p = [0.0; 3];
         p[normal] = at;

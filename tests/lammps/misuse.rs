@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Does every misuse stop the run with a message that names what is wrong?
 
-use crate::harness::{attempt, Deck, Engine, Grain, Scene};
+use crate::harness::{attempt, attempt_in, fresh_directory, Deck, Engine, Grain, Outcome, Scene};
 
 const LAW: &str = "hertz 1e7 0.3";
 
@@ -25,6 +25,10 @@ fn refused(name: &str, scene: &Scene, deck: &Deck, words: &[&str]) {
         deck,
         1,
     );
+    refused_with(name, &outcome, words);
+}
+
+fn refused_with(name: &str, outcome: &Outcome, words: &[&str]) {
     let errors: Vec<&str> = outcome
         .output
         .lines()
@@ -371,10 +375,127 @@ fn both_versions_walls() {
             &["once"],
         ),
         ("hertz 1e7 0.3 zplane -5 NULL contact", &["contact"]),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL omega 0 0 0 0 0 0 1",
+            &["omega", "axis"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL rotate 0 0 0 0 0 1 v_t",
+            &["rotate", "omega", "v_t"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL velocity 0 0 v_nowhere",
+            &["velocity", "v_nowhere", "exist"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5",
+            &["servo", "5 values"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 0 5 1",
+            &["servo", "direction"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 -5 1",
+            &["servo", "target", "-5"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 0",
+            &["servo", "speed", "0"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 gain 2",
+            &["servo", "gain", "2"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 area 0",
+            &["servo", "area", "0"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 area",
+            &["servo", "area", "value"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 v_nowhere 1",
+            &["servo", "v_nowhere", "exist"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 5 servo 0 0 1 5 1",
+            &["servo", "NULL"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 -1 5 1",
+            &["servo", "other side"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 servo 0 0 1 5 1",
+            &["servo", "twice"],
+        ),
+        (
+            "hertz 1e7 0.3 material zplane -5 NULL",
+            &["material", "E nu"],
+        ),
+        (
+            "hertz 1e7 0.3 material 1e9 0.7 zplane -5 NULL",
+            &["material", "0.7"],
+        ),
+        (
+            "nfd 1e7 0.3 1 1 material 1e9 0.3 zplane -5 NULL",
+            &["material", "eta1 eta2"],
+        ),
+        (
+            "lsd 1e4 1 material rigid zplane -5 NULL",
+            &["material", "lsd"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL vtk 10 file.*",
+            &["vtk", "mesh"],
+        ),
     ];
     for (words, expected) in cases {
         refused(&format!("wall {words}"), &scene, &wall(words), expected);
     }
+    let mesh = |name: &str, variables: &[&str], words: &str, expected: &[&str]| {
+        let directory = fresh_directory(&format!("misuse_mesh_{}", name.replace(' ', "_")));
+        let triangle = crate::mesh_walls::square(2, -5.0, 1);
+        std::fs::write(
+            directory.join("wall.stl"),
+            crate::mesh_walls::binary(&triangle),
+        )
+        .unwrap();
+        let mut deck = wall(&format!("hertz 1e7 0.3 mesh wall.stl {words}"));
+        deck.fixes
+            .splice(0..0, variables.iter().map(|v| v.to_string()));
+        let engine = Engine::from_environment();
+        let outcome = attempt_in(&engine, directory, &scene, &deck, 1);
+        refused_with(name, &outcome, expected);
+    };
+    mesh("vtk step", &[], "vtk 0 wall.*.vtk", &["vtk", "0"]);
+    mesh("vtk name", &[], "vtk 10 wall.vtk", &["wall.vtk", "'*'"]);
+    mesh(
+        "vtk place",
+        &[],
+        "vtk 10 nowhere/w.*.vtk",
+        &["nowhere/w.0.vtk"],
+    );
+    mesh(
+        "target below 0",
+        &["variable t equal 1-2"],
+        "servo 0 0 1 v_t 1",
+        &["servo", "target", "-1"],
+    );
+    mesh(
+        "variable of atoms",
+        &["variable t atom x"],
+        "servo 0 0 1 v_t 1",
+        &["servo", "v_t", "equal"],
+    );
+    mesh(
+        "rate without end",
+        &["variable t equal exp(1000)"],
+        "omega 0 0 0 0 0 1 v_t",
+        &["omega", "v_t", "finite"],
+    );
     let regions: &[(&[&str], &[&str])] = &[
         (
             &["region r prism -5 5 -5 5 -5 5 0 0 0"],

@@ -221,3 +221,91 @@ fn both_versions_a_turntable_carries_a_grain() {
     println!("in the second turn it moved by {moved:.1e} m, from its place {out:.1e} m; axis along the table {turned:.9}");
     assert!(moved < 2e-5 && out < 5e-5 && turned > 1.0 - 1e-4);
 }
+
+/// A wall that follows variables is the wall that moves by the same law in numbers.
+#[test]
+fn both_versions_walls_follow_variables() {
+    let engine = Engine::from_environment();
+    let wall = |words: &str| format!("fix shell all wall/gran/ellipsoid {LAW} {words}");
+    let drum = "region drum";
+    let region = "region drum cylinder x 0 0 0.03 -0.02 0.02".to_string();
+    let rate = format!("variable rate equal 2*PI/{PERIOD}");
+    // the time of the run, in the decks' time step
+    let clock = "variable t equal step*dt".to_string();
+    let swing = "variable v equal 0.002*2*PI/0.05*sin(2*PI*v_t/0.05)".to_string();
+    for (name, before, by_variables, by_numbers, bound, part) in [
+        (
+            "velocity",
+            vec!["variable v equal 0.02".to_string()],
+            format!("{drum} velocity 0 v_v -0.01"),
+            format!("{drum} velocity 0 0.02 -0.01"),
+            1e-10,
+            1000,
+        ),
+        (
+            "omega",
+            vec![],
+            format!(
+                "{drum} omega 0 0 0 1 0 0 {:.17}",
+                2.0 * std::f64::consts::PI / PERIOD
+            ),
+            format!("{drum} rotate 0 0 0 1 0 0 {PERIOD}"),
+            1e-10,
+            1000,
+        ),
+        (
+            "omega by a variable",
+            vec![rate],
+            format!("{drum} velocity 0 0.02 0 omega 0 0 0 1 0 0 v_rate"),
+            format!("{drum} velocity 0 0.02 0 rotate 0 0 0 1 0 0 {PERIOD}"),
+            1e-9,
+            1000,
+        ),
+        (
+            "wiggle",
+            vec![clock, swing],
+            format!("{drum} velocity 0 0 v_v"),
+            format!("{drum} wiggle z 0.002 0.05"),
+            // the trapezoidal rule is off by 1e-9 m, and collisions amplify that: a shorter run
+            1e-6,
+            400,
+        ),
+    ] {
+        let decks = [by_variables, by_numbers].map(|words| {
+            let mut walls = before.clone();
+            walls.extend([region.clone(), wall(&words)]);
+            let mut deck = deck(&walls, 2 * part);
+            // a run in parts is another run than a whole one with viscosity: both are made of two
+            deck.runs = vec![
+                format!("run {part}"),
+                "write_restart middle.restart".into(),
+                format!("run {part}"),
+            ];
+            deck.thermo_every = part;
+            deck.thermo_columns = "step f_shell[21] f_shell[22] f_shell[23] f_shell[25]".into();
+            deck
+        });
+        let scene = load();
+        let wanted = run(&engine, "wall_numbers", &scene, &decks[1], 1);
+        let directory = crate::harness::fresh_directory("wall_variables");
+        let got = attempt_in(&engine, directory.clone(), &scene, &decks[0], 1).succeeded();
+        let mut rest = decks[0].clone();
+        rest.source = vec!["read_restart middle.restart".into()];
+        rest.pair.clear();
+        rest.runs.truncate(1);
+        let rest = attempt_in(&engine, directory, &scene, &rest, 2).succeeded();
+        for (how, outcome) in [("whole", &got), ("restarted", &rest)] {
+            let (position, velocity) = largest_difference(outcome.last(), wanted.last());
+            println!("{name}, {how}: {position:.1e} m, {velocity:.1e} m/s");
+            assert!(position < bound && velocity < 1e4 * bound, "{name}, {how}");
+            let (a, b) = (outcome.thermo(), wanted.thermo());
+            for (key, value) in b.last().unwrap() {
+                assert!(
+                    (a.last().unwrap()[key] - value).abs() < bound,
+                    "{name}, {how}: {key}"
+                );
+            }
+        }
+        assert!(largest_difference(wanted.last(), wanted.first()).0 > 1e-3);
+    }
+}
