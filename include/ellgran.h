@@ -291,7 +291,7 @@ typedef struct EllgranBody {
   /*
    Type, counted from 1.
    */
-  int32_t kind;
+  int32_t particle_type;
   /*
    What to call it in a message.
    */

@@ -7,7 +7,6 @@
 #include "atom_vec_hybrid.h"
 #include "error.h"
 #include "force.h"
-#include "math_const.h"
 #include "math_extra.h"
 #include "update.h"
 
@@ -224,7 +223,7 @@ std::vector<EllgranBody> EllgranAtoms::smallest_grains() const
     grain.quaternion[0] = 1.0;
     std::copy_n(row, 3, grain.semi_axes);
     grain.mass = row[3];
-    grain.kind = type;
+    grain.particle_type = type;
     grain.identifier = type;
   }
   return grains;
@@ -241,7 +240,10 @@ std::string EllgranAtoms::implausible_masses() const
   for (int i = 0; i < atom->nlocal; i++) {
     const double *axes = semi_axes(found, i);
     if (!axes) continue;
-    const double volume = 4.0 / 3.0 * MathConst::MY_PI * axes[0] * axes[1] * axes[2];
+    double volume = 0.0;
+    if (ellgran_volumes(1, axes, &volume) != ELLGRAN_SUCCESS)
+      error->one(FLERR, "{}: particle {} of type {}: {}", caller, static_cast<long long>(atom->tag[i]), atom->type[i],
+                 ellgran_last_error());
     const double density = atom->rmass[i] / volume;
     const int type = atom->type[i];
     least[type] = std::min(least[type], density);
@@ -371,15 +373,15 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass, const double *velocit
   }
   for (int k = 0; k < 4; k++) body.quaternion[k] = quaternion[k];
   body.mass = contact_mass;
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
 
   // LAMMPS keeps angular momentum; the principal moments are those of a solid ellipsoid, as in
   // fix nve/asphere.
-  const double fifth = 0.2 * atom->rmass[i];
-  double moments[3] = {fifth * (axes[1] * axes[1] + axes[2] * axes[2]),
-                       fifth * (axes[0] * axes[0] + axes[2] * axes[2]),
-                       fifth * (axes[0] * axes[0] + axes[1] * axes[1])};
+  double moments[3];
+  if (ellgran_moments_of_inertia(1, axes, &atom->rmass[i], moments) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: particle {} of type {}: {}", caller, static_cast<long long>(atom->tag[i]), atom->type[i],
+               ellgran_last_error());
   double to_world[4] = {quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
   double momentum[3] = {angular_momentum[0], angular_momentum[1], angular_momentum[2]};
   MathExtra::mq_to_omega(momentum, to_world, moments, body.angular_velocity);

@@ -49,10 +49,10 @@ void angular_momentum_of(const EllgranBody &body, double mass, double *omega, do
   MathExtra::qnormalize(quaternion);
   MathExtra::quat_to_mat(quaternion, rotation);
   MathExtra::transpose_matvec(rotation, omega, own);
-  const double *a = body.semi_axes;
-  own[0] *= 0.2 * mass * (a[1] * a[1] + a[2] * a[2]);
-  own[1] *= 0.2 * mass * (a[0] * a[0] + a[2] * a[2]);
-  own[2] *= 0.2 * mass * (a[0] * a[0] + a[1] * a[1]);
+  // The body was prepared with these semi-axes: they are in their range.
+  double moments[3] = {0.0, 0.0, 0.0};
+  ellgran_moments_of_inertia(1, body.semi_axes, &mass, moments);
+  for (int k = 0; k < 3; k++) own[k] *= moments[k];
   MathExtra::matvec(rotation, own, momentum);
 }
 

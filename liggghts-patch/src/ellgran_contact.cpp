@@ -13,6 +13,7 @@
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
+#include "fix_ellgran_restart_format.h"
 #include "fix_wall_gran.h"
 #include "force.h"
 #include "global_properties.h"
@@ -138,7 +139,7 @@ EllgranBody EllgranContact::ellipsoid(int i) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   check_blockiness(i);
   return body;
@@ -166,7 +167,7 @@ EllgranBody EllgranContact::sphere(int i, double radius) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   return body;
 }
@@ -197,17 +198,32 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
 {
   if (lmp->force->nktv2p != 1.0)
     lmp->error->all(FLERR, "ellgran: this unit style has a pressure that is not force per area; use units si, cgs or lj");
+  FixEllgranRestartFormat::add(lmp);
   registry.registerProperty("youngsModulus", &MODEL_PARAMS::createYoungsModulus);
   registry.registerProperty("poissonsRatio", &MODEL_PARAMS::createPoissonsRatio);
   registry.connect("youngsModulus", youngs_modulus, caller);
   registry.connect("poissonsRatio", poissons_ratio, caller);
   types = registry.max_type();
   shares.assign((types + 1) * (types + 1), 0.5);
-  std::vector<double> compliance(types + 1);
-  for (int k = 1; k <= types; k++)
-    compliance[k] = (1.0 - poissons_ratio[k] * poissons_ratio[k]) / youngs_modulus[k];
+  // elastic laws, whatever normal model there is
+  std::vector<EllgranLawParameters> parameters(types * types, ELLGRAN_INIT(EllgranLawParameters));
+  std::vector<uint8_t> is_set(types * types, 0);
+  for (int k = 0; k < types; k++) {
+    EllgranLawParameters &p = parameters[k * types + k];
+    check(ellgran_law_parameters_default(&p));
+    p.youngs_modulus = youngs_modulus[k + 1];
+    p.poissons_ratio = poissons_ratio[k + 1];
+    is_set[k * types + k] = 1;
+  }
+  EllgranLaws *elastic = NULL;
+  check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &elastic));
+  EllgranMixture mixture = ELLGRAN_INIT(EllgranMixture);
   for (int i = 1; i <= types; i++)
-    for (int j = 1; j <= types; j++) shares[i * (types + 1) + j] = compliance[i] / (compliance[i] + compliance[j]);
+    for (int j = 1; j <= types; j++) {
+      check(ellgran_laws_mixture(elastic, i, j, &mixture));
+      shares[i * (types + 1) + j] = mixture.share_i;
+    }
+  ellgran_laws_free(elastic);
 }
 
 bool EllgranContact::matches(const char *kind, const char *name) const

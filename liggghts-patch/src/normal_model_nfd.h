@@ -11,7 +11,6 @@ NORMAL_MODEL(NFD,nfd,41)
 #ifndef NORMAL_MODEL_NFD_H_
 #define NORMAL_MODEL_NFD_H_
 
-#include <cmath>
 #include "atom.h"
 #include "contact_models.h"
 #include "ellgran_contact.h"
@@ -40,8 +39,6 @@ public:
       shear(NULL),
       bulk(NULL),
       restitution(NULL),
-      Geff(NULL),
-      Yeff(NULL),
       rolls(false),
       conservative(true),
       ting(true),
@@ -85,10 +82,6 @@ public:
       registry.connect("viscosityShear", shear, "model nfd");
       registry.connect("viscosityBulk", bulk, "model nfd");
     }
-    registry.registerProperty("Geff", &MODEL_PARAMS::createGeff);
-    registry.connect("Geff", Geff, "model nfd");
-    registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff);
-    registry.connect("Yeff", Yeff, "model nfd");
     contact->check_models();
     rolls = !contact->matches("rolling_friction", "off");
     contact->needs_equivalent_radius = rolls;
@@ -122,11 +115,8 @@ public:
     if (rolls || !contact->tangential_is_tfd) {
       // for LIGGGHTS' own rolling and tangential models: the stiffnesses of a circular contact with the same elastic force, as
       // model hertz has them
-      double radius = 0.0;
-      contact->check(ellgran_staged_equivalent_radius(contact->staged, &radius));
-      const double root = sqrt(radius * sidata.deltan);
-      sidata.kn = 4.0 / 3.0 * Yeff[sidata.itype][sidata.jtype] * root;
-      sidata.kt = 8.0 * Geff[sidata.itype][sidata.jtype] * root;
+      contact->check(ellgran_staged_circular_stiffness(contact->staged, contact->laws, sidata.itype, sidata.jtype,
+                                                       &sidata.kn, &sidata.kt));
     }
     sidata.gamman = 0.0;
     sidata.gammat = 0.0;
@@ -155,7 +145,7 @@ private:
   ContactModelBase *model;
   EllgranContact *contact;
   double *shear, *bulk;
-  double **restitution, **Geff, **Yeff;
+  double **restitution;
   bool rolls;  // a rolling model reads kn, and reff under surface ellipsoid
   bool conservative, ting, limit_force, damping_is_restitution, elastic_potential, dissipated_energy;
 };

@@ -9,20 +9,20 @@ from typing import Any, Dict, List, Tuple
 ELLGRAN_NORMAL_HERTZ = 0
 ELLGRAN_NORMAL_NFD = 1
 ELLGRAN_NORMAL_LSD = 2
+ELLGRAN_FACTORS_EXACT = 0
+ELLGRAN_FACTORS_HALE = 1
 ELLGRAN_DAMPING_NONE = 0
 ELLGRAN_DAMPING_RESTITUTION = 1
 ELLGRAN_DAMPING_RELAXATION = 2
-ELLGRAN_TANGENTIAL_NONE = 0
-ELLGRAN_TANGENTIAL_TFD = 1
-ELLGRAN_TANGENTIAL_MINDLIN = 2
-ELLGRAN_TANGENTIAL_LINEAR = 3
 ELLGRAN_CLOSURE_ENERGY = 0
 ELLGRAN_CLOSURE_SURFACE = 1
 ELLGRAN_CLOSURE_BRILLIANTOV = 2
 ELLGRAN_UNLOADING_TING = 0
 ELLGRAN_UNLOADING_FIRST_ORDER = 1
-ELLGRAN_FACTORS_EXACT = 0
-ELLGRAN_FACTORS_HALE = 1
+ELLGRAN_TANGENTIAL_NONE = 0
+ELLGRAN_TANGENTIAL_TFD = 1
+ELLGRAN_TANGENTIAL_MINDLIN = 2
+ELLGRAN_TANGENTIAL_LINEAR = 3
 ELLGRAN_DISPLACEMENT_TOTAL = 0
 ELLGRAN_DISPLACEMENT_INCREMENTAL = 1
 ELLGRAN_DISPLACEMENT_RESCALED = 2
@@ -55,7 +55,7 @@ class EllgranBody(ctypes.Structure):
         ("velocity", ctypes.c_double * 3),
         ("angular_velocity", ctypes.c_double * 3),
         ("mass", ctypes.c_double),
-        ("kind", ctypes.c_int32),
+        ("particle_type", ctypes.c_int32),
         ("identifier", ctypes.c_int64),
     ]
 
@@ -121,6 +121,17 @@ class EllgranLentTriangles(ctypes.Structure):
         ("particle_count", ctypes.c_size_t),
         ("near_starts", ctypes.c_void_p),
         ("near", ctypes.c_void_p),
+    ]
+
+
+class EllgranMixture(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("effective_modulus", ctypes.c_double),
+        ("effective_shear_modulus", ctypes.c_double),
+        ("normal_relaxation_time", ctypes.c_double),
+        ("tangential_relaxation_time", ctypes.c_double),
+        ("share_i", ctypes.c_double),
     ]
 
 
@@ -410,6 +421,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_laws_new": (ctypes.c_int32, [ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p]),
     "ellgran_laws_with_friction": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_with_restitution": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_laws_mixture": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p]),
     "ellgran_laws_create_energy": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_free": (None, [ctypes.c_void_p]),
     "ellgran_laws_history_length": (ctypes.c_int32, [ctypes.c_void_p]),
@@ -447,6 +459,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
     "ellgran_wall_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_wall_recorded": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_volumes": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_moments_of_inertia": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_staged_free": (None, [ctypes.c_void_p]),
     "ellgran_staged_prepare": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
@@ -454,6 +468,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_staged_pair": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_wall": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p]),
     "ellgran_staged_equivalent_radius": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_staged_circular_stiffness": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_section_area": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_normal": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_double, ctypes.c_void_p]),
     "ellgran_staged_tangential": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),

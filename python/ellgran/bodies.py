@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _interface
 from ._arrays import in_place, pointer
-from ._library import sized
+from ._library import call, sized
 
 Floats = NDArray[np.float64]
 
@@ -124,7 +124,9 @@ class Bodies:
     @property
     def volumes(self) -> Floats:
         """Volumes of the ellipsoids, shape (n,), length^3."""
-        return np.asarray(4.0 / 3.0 * np.pi * self.semi_axes.prod(axis=1))
+        volumes = np.empty(len(self))
+        call("ellgran_volumes", len(self), pointer(self.semi_axes), pointer(volumes))
+        return volumes
 
     @property
     def rotations(self) -> Floats:
@@ -141,8 +143,11 @@ class Bodies:
     @property
     def inertia(self) -> Floats:
         """Principal moments of inertia of solid ellipsoids, shape (n, 3), mass x length^2."""
-        squares = self.semi_axes**2
-        return np.asarray(self.masses[:, None] / 5.0 * (squares.sum(axis=1, keepdims=True) - squares))
+        moments = np.empty((len(self), 3))
+        call(
+            "ellgran_moments_of_inertia", len(self), pointer(self.semi_axes), pointer(self.masses), pointer(moments)
+        )
+        return moments
 
     @property
     def quaternions_xyzw(self) -> Floats:

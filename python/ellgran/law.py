@@ -11,6 +11,12 @@ from . import _interface
 from ._library import call, library, sized
 
 
+#: The constants of a law: the fields of the struct that are numbers, as the library's table has them.
+_CONSTANTS = frozenset(
+    name for name, kind in _interface.EllgranLawParameters._fields_ if kind is ctypes.c_double
+)
+
+
 class Law:
     """The law of one material, in the words that follow ``I J`` in LAMMPS' ``pair_coeff``.
 
@@ -27,23 +33,9 @@ class Law:
 
     Notes
     -----
-    Constants are attributes: ``youngs_modulus``, ``poissons_ratio``, ``shear_viscosity``, ``bulk_viscosity``,
-    ``relaxation_time``, ``restitution``, ``normal_stiffness``, ``normal_damping``, ``friction``, ``tangential_stiffness``,
-    ``tangential_damping``, as in ``EllgranLawParameters`` of ellgran.h. A constant that the law does not have
-    is 0, ``restitution`` 1.
+    Constants are attributes, named as in ``EllgranLawParameters`` of ellgran.h: ``youngs_modulus``, ``poissons_ratio``,
+    ``friction`` and so on. A constant that the law does not have is 0, ``restitution`` 1.
     """
-
-    youngs_modulus: float
-    poissons_ratio: float
-    shear_viscosity: float
-    bulk_viscosity: float
-    relaxation_time: float
-    restitution: float
-    normal_stiffness: float
-    normal_damping: float
-    friction: float
-    tangential_stiffness: float
-    tangential_damping: float
 
     def __init__(self, words: str) -> None:
         texts = words.split()
@@ -61,7 +53,7 @@ class Law:
         self.words: str = " ".join(texts)
 
     def __getattr__(self, name: str) -> float:
-        if name in Law.__annotations__:
+        if name in _CONSTANTS:
             return float(getattr(self._parameters, name))
         raise AttributeError(f"Law has no '{name}'")
 
@@ -86,10 +78,10 @@ class Mixture:
     effective_modulus : float
         E*, pressure: ``1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j``.
     effective_shear_modulus : float
-        G*, pressure: ``1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j``; 0 without a tangential law.
+        G*, pressure: ``1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j``.
     normal_relaxation_time, tangential_relaxation_time : float
         A_n and A_t (of a circular contact), time: the ratio of dashpot and spring. 0 for damping by a coefficient of
-        restitution, which has none.
+        restitution, which has none; A_t without a tangential law.
     """
 
     effective_modulus: float
@@ -170,33 +162,16 @@ class Laws:
         return text.value.decode()
 
     def mixture(self, i: int = 1, j: int = 1) -> Mixture:
-        """E*, G* and relaxation times between types `i` and `j`; not for the linear law, which has no moduli.
-
-        They are read off the library's own springs and dashpots at the contact of two unit spheres: ``2 E* a`` and ``8 G* a``
-        with the radius ``a`` of the contact.
-        """
-        import numpy as np
-
-        from .bodies import Bodies
-        from .contact_arrays import contacts, stiffnesses
-
-        kinds = [self.materials[k - 1]._parameters.normal for k in (i, j)]
-        if _interface.ELLGRAN_NORMAL_LSD in kinds:
-            raise ValueError(f"types {i} and {j}: the linear law lsd has no moduli")
-        depth = 1e-4
-        spheres = Bodies([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0 - depth]], 1.0, types=[i, j], masses=1.0)
-        pair = np.array([[0, 1]], dtype=np.int32)
-        radius = contacts(self, spheres, pair, quantities=["contact_semi_axes"]).contact_semi_axes[0, 0]
-        springs = stiffnesses(self, spheres, pair)
-        normal, tangential = springs.normal_stiffness[0], springs.tangential_stiffness[0, 0]
-        restitution = self.materials[i - 1]._parameters.damping == _interface.ELLGRAN_DAMPING_RESTITUTION
+        """E*, G* and relaxation times between types `i` and `j`; not for the linear law, which has no moduli."""
+        mixed = sized(_interface.EllgranMixture)
+        call("ellgran_laws_mixture", self._pointer, i, j, ctypes.byref(mixed))
+        if mixed.effective_modulus == 0.0:
+            raise ValueError(f"types {i} and {j}: the law '{self.describe(i, j)}' has no moduli")
         return Mixture(
-            effective_modulus=float(normal / (2.0 * radius)),
-            effective_shear_modulus=float(tangential / (8.0 * radius)),
-            normal_relaxation_time=0.0 if restitution else float(springs.normal_damping[0] / normal),
-            tangential_relaxation_time=(
-                float(springs.tangential_damping[0, 0] / tangential) if tangential > 0.0 else 0.0
-            ),
+            effective_modulus=mixed.effective_modulus,
+            effective_shear_modulus=mixed.effective_shear_modulus,
+            normal_relaxation_time=mixed.normal_relaxation_time,
+            tangential_relaxation_time=mixed.tangential_relaxation_time,
         )
 
     def __repr__(self) -> str:

@@ -7,110 +7,65 @@ use super::status::{
     ELLGRAN_ERROR_LAW, ELLGRAN_ERROR_TEXT,
 };
 use crate::contact::Laws;
+use crate::force::parameters::with_parameters;
 use crate::force::syntax;
-use crate::force::{
-    Closure, Damping, Displacement, FactorForm, LawParameters, Material, Normal, ParameterError,
-    Tangential, Unloading,
-};
-use libc::{c_char, size_t};
+use crate::force::{Choice, LawParameters, ParameterError};
+use core::ffi::c_char;
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Normal law: elastic, from E and nu.
-pub const ELLGRAN_NORMAL_HERTZ: i32 = 0;
-/// Normal law: viscoelastic, from E, nu, eta1, eta2.
-pub const ELLGRAN_NORMAL_NFD: i32 = 1;
-/// Normal law: linear spring and dashpot.
-pub const ELLGRAN_NORMAL_LSD: i32 = 2;
-/// No damping of the `hertz` law.
-pub const ELLGRAN_DAMPING_NONE: i32 = 0;
-/// Damping that gives a coefficient of restitution.
-pub const ELLGRAN_DAMPING_RESTITUTION: i32 = 1;
-/// Damping by a relaxation time A_n.
-pub const ELLGRAN_DAMPING_RELAXATION: i32 = 2;
-/// No tangential force.
-pub const ELLGRAN_TANGENTIAL_NONE: i32 = 0;
-/// Partial slip.
-pub const ELLGRAN_TANGENTIAL_TFD: i32 = 1;
-/// No slip below the Coulomb limit.
-pub const ELLGRAN_TANGENTIAL_MINDLIN: i32 = 2;
-/// Constant stiffness below the Coulomb limit.
-pub const ELLGRAN_TANGENTIAL_LINEAR: i32 = 3;
-/// A_n from the dissipation of the strain-rate field.
-pub const ELLGRAN_CLOSURE_ENERGY: i32 = 0;
-/// A_n from the surface strains.
-pub const ELLGRAN_CLOSURE_SURFACE: i32 = 1;
-/// A_n after Brilliantov et al. 1996.
-pub const ELLGRAN_CLOSURE_BRILLIANTOV: i32 = 2;
-/// Receding contact after Ting.
-pub const ELLGRAN_UNLOADING_TING: i32 = 0;
-/// First-order law throughout.
-pub const ELLGRAN_UNLOADING_FIRST_ORDER: i32 = 1;
-/// Exact Hertz factors.
-pub const ELLGRAN_FACTORS_EXACT: i32 = 0;
-/// Hale's closed form.
-pub const ELLGRAN_FACTORS_HALE: i32 = 1;
-/// The tangential displacement since first touch is remembered: the published form, which can create energy.
-pub const ELLGRAN_DISPLACEMENT_TOTAL: i32 = 0;
-/// The tangential force is remembered; can create energy.
-pub const ELLGRAN_DISPLACEMENT_INCREMENTAL: i32 = 1;
-/// The tangential force and its energy are remembered, and no energy is created. The default.
-pub const ELLGRAN_DISPLACEMENT_RESCALED: i32 = 2;
+pub use crate::force::damping::numbers::*;
+pub use crate::force::parameters::numbers::*;
+pub use crate::force::tangential::numbers::*;
+
 /// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
 /// ellipsoids then search anew every step.
 pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 
-/// The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
-/// units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
-/// 1e20.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct EllgranLawParameters {
-    /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
-    /// ELLGRAN_NORMAL_*
-    pub normal: i32,
-    /// ELLGRAN_DAMPING_*
-    pub damping: i32,
-    /// ELLGRAN_TANGENTIAL_*
-    pub tangential: i32,
-    /// ELLGRAN_CLOSURE_*
-    pub closure: i32,
-    /// ELLGRAN_UNLOADING_*
-    pub unloading: i32,
-    /// ELLGRAN_FACTORS_*
-    pub factors: i32,
-    /// ELLGRAN_DISPLACEMENT_*
-    pub displacement: i32,
-    /// 1: force and torques are the complete gradient of the elastic energy; 0: the force acts along the normal alone.
-    pub conservative: i32,
-    /// 1: an attractive normal force is cut off.
-    pub limit_force: i32,
-    /// Young's modulus E, pressure.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio nu.
-    pub poissons_ratio: f64,
-    /// Shear viscosity eta1, pressure x time.
-    pub shear_viscosity: f64,
-    /// Bulk viscosity eta2, pressure x time.
-    pub bulk_viscosity: f64,
-    /// A_n of ELLGRAN_DAMPING_RELAXATION, time.
-    pub relaxation_time: f64,
-    /// e of ELLGRAN_DAMPING_RESTITUTION.
-    pub restitution: f64,
-    /// kn of the linear law, force/length.
-    pub normal_stiffness: f64,
-    /// cn of the linear law, force x time/length.
-    pub normal_damping: f64,
-    /// Coefficient of friction mu.
-    pub friction: f64,
-    /// kt of ELLGRAN_TANGENTIAL_LINEAR, force/length.
-    pub tangential_stiffness: f64,
-    /// ct of ELLGRAN_TANGENTIAL_LINEAR, force x time/length.
-    pub tangential_damping: f64,
-}
+/// The struct of the table of parameters: its size, the choices by their numbers, the switches, the constants.
+macro_rules! law_parameters {
+    (
+        $(#[$about:meta])*
+        choices { $( $(#[$choice_doc:meta])* $choice:ident: $type:ident = $default:ident; )+ }
+        switches { $( $(#[$switch_doc:meta])* $switch:ident = $on:literal; )+ }
+        constants { $( $(#[$doc:meta])* $constant:ident = $($column:tt),+; )+ }
+    ) => {
+        $(#[$about])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug)]
+        pub struct EllgranLawParameters {
+            /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+            pub size: usize,
+            $( $(#[$choice_doc])* pub $choice: i32, )+
+            $( $(#[$switch_doc])* pub $switch: i32, )+
+            $( $(#[$doc])* pub $constant: f64, )+
+        }
 
-growing!(EllgranLawParameters);
+        impl From<&LawParameters> for EllgranLawParameters {
+            fn from(p: &LawParameters) -> Self {
+                EllgranLawParameters {
+                    size: size_of::<EllgranLawParameters>(),
+                    $( $choice: p.$choice.number(), )+
+                    $( $switch: p.$switch as i32, )+
+                    $( $constant: p.$constant, )+
+                }
+            }
+        }
+
+        impl EllgranLawParameters {
+            pub(super) fn to_core(self) -> Result<LawParameters, Failure> {
+                Ok(LawParameters {
+                    $( $choice: chosen(stringify!($choice), self.$choice)?, )+
+                    $( $switch: switched(stringify!($switch), self.$switch)?, )+
+                    $( $constant: self.$constant, )+
+                })
+            }
+        }
+    };
+}
+with_parameters!(law_parameters);
+
+growing!(EllgranLawParameters, tangential_damping);
 
 /// The laws between all types of a scene. Opaque, immutable.
 pub struct EllgranLaws {
@@ -127,136 +82,23 @@ impl EllgranLaws {
     }
 }
 
-impl From<&LawParameters> for EllgranLawParameters {
-    fn from(p: &LawParameters) -> Self {
-        EllgranLawParameters {
-            size: size_of::<EllgranLawParameters>(),
-            normal: match p.normal {
-                Normal::Hertz => ELLGRAN_NORMAL_HERTZ,
-                Normal::Nfd => ELLGRAN_NORMAL_NFD,
-                Normal::Lsd => ELLGRAN_NORMAL_LSD,
-            },
-            damping: match p.damping {
-                Damping::None => ELLGRAN_DAMPING_NONE,
-                Damping::Restitution => ELLGRAN_DAMPING_RESTITUTION,
-                Damping::Relaxation => ELLGRAN_DAMPING_RELAXATION,
-            },
-            tangential: match p.tangential {
-                Tangential::None => ELLGRAN_TANGENTIAL_NONE,
-                Tangential::Tfd => ELLGRAN_TANGENTIAL_TFD,
-                Tangential::Mindlin => ELLGRAN_TANGENTIAL_MINDLIN,
-                Tangential::Linear => ELLGRAN_TANGENTIAL_LINEAR,
-            },
-            closure: match p.closure {
-                Closure::Energy => ELLGRAN_CLOSURE_ENERGY,
-                Closure::Surface => ELLGRAN_CLOSURE_SURFACE,
-                Closure::Brilliantov => ELLGRAN_CLOSURE_BRILLIANTOV,
-            },
-            unloading: match p.unloading {
-                Unloading::Ting => ELLGRAN_UNLOADING_TING,
-                Unloading::FirstOrder => ELLGRAN_UNLOADING_FIRST_ORDER,
-            },
-            factors: match p.factors {
-                FactorForm::Exact => ELLGRAN_FACTORS_EXACT,
-                FactorForm::Hale => ELLGRAN_FACTORS_HALE,
-            },
-            displacement: match p.displacement {
-                Displacement::Total => ELLGRAN_DISPLACEMENT_TOTAL,
-                Displacement::Incremental => ELLGRAN_DISPLACEMENT_INCREMENTAL,
-                Displacement::Rescaled => ELLGRAN_DISPLACEMENT_RESCALED,
-            },
-            conservative: p.conservative as i32,
-            limit_force: p.limit_force as i32,
-            youngs_modulus: p.material.youngs_modulus,
-            poissons_ratio: p.material.poissons_ratio,
-            shear_viscosity: p.material.shear_viscosity,
-            bulk_viscosity: p.material.bulk_viscosity,
-            relaxation_time: p.relaxation_time,
-            restitution: p.restitution,
-            normal_stiffness: p.normal_stiffness,
-            normal_damping: p.normal_damping,
-            friction: p.friction,
-            tangential_stiffness: p.tangential_stiffness,
-            tangential_damping: p.tangential_damping,
-        }
-    }
+fn unknown(name: &str, value: i32) -> Failure {
+    Failure::new(
+        ELLGRAN_ERROR_ARGUMENT,
+        format!("{name} = {value} is none of its constants"),
+    )
 }
 
-fn choose<T: Copy>(name: &str, value: i32, choices: &[T]) -> Result<T, Failure> {
-    usize::try_from(value)
-        .ok()
-        .and_then(|k| choices.get(k).copied())
-        .ok_or_else(|| {
-            Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!("{name} = {value} is none of its constants"),
-            )
-        })
+/// The choice with this number.
+fn chosen<C: Choice>(name: &str, value: i32) -> Result<C, Failure> {
+    C::of_number(value).ok_or_else(|| unknown(name, value))
 }
 
-impl EllgranLawParameters {
-    pub(super) fn to_core(self) -> Result<LawParameters, Failure> {
-        Ok(LawParameters {
-            normal: choose(
-                "normal",
-                self.normal,
-                &[Normal::Hertz, Normal::Nfd, Normal::Lsd],
-            )?,
-            damping: choose(
-                "damping",
-                self.damping,
-                &[Damping::None, Damping::Restitution, Damping::Relaxation],
-            )?,
-            closure: choose(
-                "closure",
-                self.closure,
-                &[Closure::Energy, Closure::Surface, Closure::Brilliantov],
-            )?,
-            unloading: choose(
-                "unloading",
-                self.unloading,
-                &[Unloading::Ting, Unloading::FirstOrder],
-            )?,
-            tangential: choose(
-                "tangential",
-                self.tangential,
-                &[
-                    Tangential::None,
-                    Tangential::Tfd,
-                    Tangential::Mindlin,
-                    Tangential::Linear,
-                ],
-            )?,
-            displacement: choose(
-                "displacement",
-                self.displacement,
-                &[
-                    Displacement::Total,
-                    Displacement::Incremental,
-                    Displacement::Rescaled,
-                ],
-            )?,
-            factors: choose(
-                "factors",
-                self.factors,
-                &[FactorForm::Exact, FactorForm::Hale],
-            )?,
-            conservative: choose("conservative", self.conservative, &[false, true])?,
-            limit_force: choose("limit_force", self.limit_force, &[false, true])?,
-            material: Material {
-                youngs_modulus: self.youngs_modulus,
-                poissons_ratio: self.poissons_ratio,
-                shear_viscosity: self.shear_viscosity,
-                bulk_viscosity: self.bulk_viscosity,
-            },
-            relaxation_time: self.relaxation_time,
-            restitution: self.restitution,
-            normal_stiffness: self.normal_stiffness,
-            normal_damping: self.normal_damping,
-            friction: self.friction,
-            tangential_stiffness: self.tangential_stiffness,
-            tangential_damping: self.tangential_damping,
-        })
+fn switched(name: &str, value: i32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(unknown(name, value)),
     }
 }
 
@@ -283,10 +125,8 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 
 /// Reads the words of a deck that choose a law (what follows `I J` in LAMMPS' `pair_coeff`) and checks the constants.
 ///
-/// `hertz E nu | nfd E nu eta1 eta2 | lsd kn cn`, then in any order `damping none | restitution e | relaxation A_n`,
-/// `tangential none | tfd mu | mindlin mu | linear kt ct mu`, `closure energy|surface|brilliantov`,
-/// `unloading ting|first_order`, `displacement total|incremental|rescaled`, `factors exact|hale`,
-/// `conservative yes|no`, `limit_force yes|no`.
+/// The normal law comes first, with its constants; then in any order a keyword with its word and the constants of that, such as
+/// `nfd 3e6 0.3 200 200 tangential tfd 0.5`. Without any word the message of the error has all that can be given.
 ///
 /// With `consumed` not NULL, reading ends at the first word that is none of these, and the number of words read is
 /// written; with NULL such a word is an error.
@@ -295,9 +135,9 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 /// `words` points to `word_count` strings that end with NUL; `consumed` and `parameters` are NULL or valid for writes.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_law_parameters_parse(
-    word_count: size_t,
+    word_count: usize,
     words: *const *const c_char,
-    consumed: *mut size_t,
+    consumed: *mut usize,
     parameters: *mut EllgranLawParameters,
 ) -> i32 {
     at_border("ellgran_law_parameters_parse", || {
@@ -435,6 +275,59 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
     })
 }
 
+/// What the contact of two types has, as their materials mix.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranMixture {
+    /// `sizeof(EllgranMixture)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// E*, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
+    pub effective_modulus: f64,
+    /// G*, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
+    pub effective_shear_modulus: f64,
+    /// A_n, time: the ratio of normal dashpot and spring while the bodies approach; 0 where there is none, as with damping by a
+    /// coefficient of restitution and for a law without a material.
+    pub normal_relaxation_time: f64,
+    /// A_t of a circular contact, time: the ratio of tangential dashpot and spring without slip; 0 without a tangential law that
+    /// takes its stiffness from the material.
+    pub tangential_relaxation_time: f64,
+    /// Share of the body of the first type in the penetration, by compliance; 0.5 for a law without a material.
+    pub share_i: f64,
+}
+
+growing!(EllgranMixture);
+
+/// Moduli, relaxation times and the share in the penetration of a pair of types.
+///
+/// # Safety
+/// `laws` is NULL or valid; `mixture` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_mixture(
+    laws: *const EllgranLaws,
+    type_i: i32,
+    type_j: i32,
+    mixture: *mut EllgranMixture,
+) -> i32 {
+    at_border("ellgran_laws_mixture", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        let mut out = unsafe { Output::new(mixture, "mixture") }?;
+        let law = laws.get(
+            check_type(laws, type_i, "type_i")?,
+            check_type(laws, type_j, "type_j")?,
+        );
+        out.write(&EllgranMixture {
+            size: size_of::<EllgranMixture>(),
+            effective_modulus: law.effective_modulus(),
+            effective_shear_modulus: law.effective_shear_modulus(),
+            normal_relaxation_time: law.normal_relaxation_time(),
+            tangential_relaxation_time: law.tangential_relaxation_time(),
+            share_i: law.constants.share_i,
+        });
+        Ok(())
+    })
+}
+
 /// Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
 /// `mindlin`, without viscosity or damping. Writes the first such pair of types, or twice 0.
 ///
@@ -535,7 +428,7 @@ pub unsafe extern "C" fn ellgran_laws_describe(
     type_i: i32,
     type_j: i32,
     buffer: *mut c_char,
-    capacity: size_t,
+    capacity: usize,
 ) -> i32 {
     at_border("ellgran_laws_describe", || {
         // SAFETY: promised by the caller.

@@ -27,6 +27,7 @@ pub mod particles;
 pub mod plane;
 pub mod recorded;
 pub mod rigid_wall;
+pub mod solid;
 pub mod staged;
 pub mod status;
 pub mod stiffness;

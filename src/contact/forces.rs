@@ -6,7 +6,7 @@ use crate::force::conservative::{
     NormalResponse,
 };
 use crate::force::{
-    normal_force, tangential_force, Factors, LawConstants, LawKinds, Tangential, TangentialForce,
+    normal_force, tangential_force, Factors, LawConstants, LawKinds, TangentialForce,
 };
 use crate::geometry::curvature::inverse_weingarten;
 use crate::real::Real;
@@ -155,6 +155,13 @@ struct InFrame<T> {
 
 impl<T: Real> InFrame<T> {
     #[inline(always)]
+    fn none(zero: T) -> Self {
+        InFrame {
+            tangential: Vector2::new(zero, zero),
+            normal: zero,
+        }
+    }
+    #[inline(always)]
     fn of(w: Vector3<T>, x: &Contact<T>) -> Self {
         InFrame {
             tangential: x.tangent.components(w),
@@ -209,6 +216,222 @@ fn quarter_turn<T: Real>(a: Vector2<T>) -> Vector2<T> {
     Vector2::new(-a.v, a.u)
 }
 
+/// The motion of two bodies in the frame of their contact.
+#[derive(Clone, Copy)]
+struct Motion<T> {
+    /// Velocity of the centre of `j` relative to that of `i`.
+    relative: InFrame<T>,
+    /// Angular velocities.
+    omega_i: InFrame<T>,
+    omega_j: InFrame<T>,
+    /// Rate of penetration, positive while the bodies approach.
+    rate: T,
+}
+
+impl<T: Real> Motion<T> {
+    /// Of two bodies at rest, for a kernel that reads no velocities.
+    #[inline(always)]
+    fn none(zero: T) -> Self {
+        let still = InFrame::none(zero);
+        Motion {
+            relative: still,
+            omega_i: still,
+            omega_j: still,
+            rate: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn of<const WALL: bool>(x: &Contact<T>) -> Self {
+        let relative = InFrame::of(x.j.velocity - x.i.velocity, x);
+        let omega_i = InFrame::of(x.i.omega, x);
+        let omega_j = if WALL {
+            InFrame::none(x.penetration.constant(0.0))
+        } else {
+            InFrame::of(x.j.omega, x)
+        };
+        // Any point between the witnesses has the same velocity along n: they lie on one line along n.
+        let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
+        let rate = if WALL {
+            approach
+        } else {
+            approach + area(omega_j.tangential, x.j.witness)
+        };
+        Motion {
+            relative,
+            omega_i,
+            omega_j,
+            rate,
+        }
+    }
+}
+
+/// What the bodies feel, in the frame of the contact.
+#[derive(Clone, Copy)]
+struct Load<T> {
+    /// Force on `j`.
+    force: InFrame<T>,
+    /// Torques about the centres; that on a wall stays zero.
+    torque_i: InFrame<T>,
+    torque_j: InFrame<T>,
+}
+
+impl<T: Real> Load<T> {
+    /// A normal force, at the witnesses.
+    #[inline(always)]
+    fn along_normal<const WALL: bool>(x: &Contact<T>, force: T) -> Self {
+        let zero = x.penetration.constant(0.0);
+        Load {
+            force: InFrame {
+                tangential: Vector2::new(zero, zero),
+                normal: force,
+            },
+            torque_i: InFrame {
+                tangential: quarter_turn(x.i.witness) * force,
+                normal: zero,
+            },
+            torque_j: if WALL {
+                InFrame::none(zero)
+            } else {
+                InFrame {
+                    tangential: quarter_turn(x.j.witness) * force,
+                    normal: zero,
+                }
+            },
+        }
+    }
+
+    /// Adds the terms by which force and torques are the complete gradient of the elastic energy.
+    #[inline(always)]
+    fn add_gradient<const WALL: bool>(
+        &mut self,
+        x: &Contact<T>,
+        curvature: Symmetric2<T>,
+        factors: &Factors<T>,
+        elastic_energy: T,
+    ) {
+        let zero = x.penetration.constant(0.0);
+        let p = curvature_gradient(curvature, factors);
+        let body_i = x.i.for_gradient();
+        let gradient_i = body_gradient(p, &body_i);
+        let minus = -elastic_energy;
+        if WALL {
+            // The wall holds the normal where it is.
+            let held = NormalResponse::exactly(Vector2::new(zero, zero));
+            let own = additional_torque(&body_i, &gradient_i, &held);
+            self.torque_i = self.torque_i.plus(minus, own);
+            return;
+        }
+        let body_j = x.j.for_gradient();
+        let gradient_j = body_gradient(p, &body_j);
+        let gamma = gradient_i.gamma + gradient_j.gamma;
+        let response = match x.inverse_hessian {
+            Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
+            None => normal_response(
+                body_i.inverse_weingarten + body_j.inverse_weingarten,
+                x.penetration,
+                gamma,
+            ),
+        };
+        self.force.tangential = response.lambda * minus;
+        let own_i = additional_torque(&body_i, &gradient_i, &response);
+        let own_j = additional_torque(&body_j, &gradient_j, &response);
+        self.torque_i = self.torque_i.plus(minus, own_i);
+        self.torque_j = self.torque_j.plus(minus, own_j);
+    }
+
+    /// Adds a tangential force at the contact point, `r_i` and `r_j` from the centres.
+    #[inline(always)]
+    fn add_tangential<const WALL: bool>(
+        &mut self,
+        force: Vector2<T>,
+        r_i: InFrame<T>,
+        r_j: InFrame<T>,
+    ) {
+        let one = r_i.normal.constant(1.0);
+        // r x t of a tangential t.
+        let turned = quarter_turn(force);
+        let own_i = (turned * r_i.normal, area(r_i.tangential, force));
+        self.torque_i = self.torque_i.plus(-one, own_i);
+        if !WALL {
+            let own_j = (turned * r_j.normal, area(r_j.tangential, force));
+            self.torque_j = self.torque_j.plus(one, own_j);
+        }
+        self.force.tangential = self.force.tangential + force;
+    }
+}
+
+/// How the contact turned within the step.
+#[derive(Clone, Copy)]
+struct Turn<T> {
+    /// The normal of the last step.
+    before: InFrame<T>,
+    /// Half the turn of the pair about the normal, as the tangent of the angle.
+    spin: T,
+}
+
+impl<T: Real> Turn<T> {
+    #[inline(always)]
+    fn of(x: &Contact<T>, motion: &Motion<T>, remembered: &Remembered<T>) -> Self {
+        // A turn beyond a few radians says no more than that the step is far too long; its tangent would outgrow the rest.
+        let limit = x.penetration.constant(10.0);
+        let spin = (motion.omega_i.normal + motion.omega_j.normal) * remembered.time * 0.5;
+        let spin = spin.min(limit).max(-limit);
+        let before = InFrame::of(remembered.normal, x);
+        Turn { before, spin }
+    }
+
+    /// Tangential velocity of `j` relative to `i` at the contact point, at the half step.
+    ///
+    /// The velocities are those that brought the bodies here from where they were a step ago: they belong to the half step.
+    /// Normal and lever arms are turned back by half a step, or a rotation of the pair as a whole, and the normal approach,
+    /// would leak into the tangential displacement (Vyas et al. 2024).
+    #[inline(always)]
+    fn velocity_at_half_step<const WALL: bool>(
+        &self,
+        motion: &Motion<T>,
+        r_i: InFrame<T>,
+        r_j: InFrame<T>,
+    ) -> Vector2<T> {
+        let half = self.spin.constant(0.5);
+        let one = self.spin.constant(1.0);
+        // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
+        let half_before = self.before.tangential * half;
+        let half_turn = InFrame {
+            tangential: Vector2::new(half_before.v, -half_before.u),
+            normal: self.spin * half,
+        };
+        let turned_i = half_turn.cross_subtract(r_i, r_i);
+        let mut relative = motion.omega_i.cross_subtract(turned_i, motion.relative);
+        if !WALL {
+            let turned_j = half_turn.cross_subtract(r_j, r_j);
+            relative = motion.omega_j.cross_add(turned_j, relative);
+        }
+        let middle_square = half_before.dot(half_before) + one;
+        let along =
+            (half_before.dot(relative.tangential) + relative.normal) * middle_square.reciprocal();
+        half_before.scale_add(-along, relative.tangential)
+    }
+
+    /// The tangential memory of the last step, in the tangent basis of now: it turns with the normal and with the pair's spin
+    /// about it, and keeps its length.
+    #[inline(always)]
+    fn carry(&self, x: &Contact<T>, memory: Vector3<T>) -> Vector2<T> {
+        let one = self.spin.constant(1.0);
+        // The least rotation from one normal to the other, exactly: anything less drifts with the step.
+        let memory = InFrame::of(memory, x);
+        let leaning = memory.normal / (self.before.normal + 1.0).max(one.constant(1e-12));
+        let turned = self
+            .before
+            .tangential
+            .scale_add(-leaning, memory.tangential);
+        let turned = quarter_turn(turned).scale_add(self.spin, turned);
+        // The rotation between the normals keeps the length; that about the normal, by the tangent of its angle, does not.
+        let keep = self.spin.multiply_add(self.spin, one).reciprocal_sqrt();
+        turned * keep
+    }
+}
+
 /// The law of one contact, in the frame of its tangent basis and normal: there most products with the normal and with
 /// the witnesses have no terms at all.
 ///
@@ -231,46 +454,18 @@ pub fn contact_forces<
     remembered: &Remembered<T>,
 ) -> ContactForces<T> {
     let zero = x.penetration.constant(0.0);
-    let one = x.penetration.constant(1.0);
-    let none = Vector2::new(zero, zero);
-
-    // Velocity of the centre of j relative to that of i, and the angular velocities.
-    let still = InFrame {
-        tangential: none,
-        normal: zero,
-    };
-    let (relative, omega_i, omega_j) = if RATE {
-        (
-            InFrame::of(x.j.velocity - x.i.velocity, x),
-            InFrame::of(x.i.omega, x),
-            if WALL {
-                still
-            } else {
-                InFrame::of(x.j.omega, x)
-            },
-        )
+    let motion = if RATE {
+        Motion::of::<WALL>(x)
     } else {
-        (still, still, still)
+        Motion::none(zero)
     };
-    // Any point between the witnesses has the same velocity along n: they lie on one line along n.
-    let rate = if RATE {
-        let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
-        if WALL {
-            approach
-        } else {
-            approach + area(omega_j.tangential, x.j.witness)
-        }
-    } else {
-        zero
-    };
-
-    let determinant = curvature.determinant();
+    let rate = motion.rate;
     let normal = normal_force(
-        kinds,
-        c,
+        &kinds.normal,
+        &c.normal,
         x.penetration,
         rate,
-        determinant,
+        curvature.determinant(),
         factors,
         x.effective_mass,
     );
@@ -282,55 +477,13 @@ pub fn contact_forces<
         normal: x.i.h - share,
     };
     let r_j = InFrame {
-        tangential: x.j.witness * -one,
+        tangential: x.j.witness * -zero.constant(1.0),
         normal: x.penetration - share - x.j.h,
     };
 
-    let mut force = InFrame {
-        tangential: none,
-        normal: normal.force,
-    };
-    let mut torque_i = InFrame {
-        tangential: quarter_turn(x.i.witness) * normal.force,
-        normal: zero,
-    };
-    let mut torque_j = if WALL {
-        still
-    } else {
-        InFrame {
-            tangential: quarter_turn(x.j.witness) * normal.force,
-            normal: zero,
-        }
-    };
-
+    let mut load = Load::along_normal::<WALL>(x, normal.force);
     if CONSERVATIVE && kinds.conservative {
-        let p = curvature_gradient(curvature, factors);
-        let body_i = x.i.for_gradient();
-        let gradient_i = body_gradient(p, &body_i);
-        let minus = -normal.elastic_energy;
-        if WALL {
-            // The wall holds the normal where it is.
-            let held = NormalResponse::exactly(Vector2::new(zero, zero));
-            let own = additional_torque(&body_i, &gradient_i, &held);
-            torque_i = torque_i.plus(minus, own);
-        } else {
-            let body_j = x.j.for_gradient();
-            let gradient_j = body_gradient(p, &body_j);
-            let gamma = gradient_i.gamma + gradient_j.gamma;
-            let response = match x.inverse_hessian {
-                Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
-                None => normal_response(
-                    body_i.inverse_weingarten + body_j.inverse_weingarten,
-                    x.penetration,
-                    gamma,
-                ),
-            };
-            force.tangential = response.lambda * minus;
-            let own_i = additional_torque(&body_i, &gradient_i, &response);
-            let own_j = additional_torque(&body_j, &gradient_j, &response);
-            torque_i = torque_i.plus(minus, own_i);
-            torque_j = torque_j.plus(minus, own_j);
-        }
+        load.add_gradient::<WALL>(x, curvature, factors, normal.elastic_energy);
     }
 
     let null = Vector3::new(zero, zero, zero);
@@ -353,49 +506,19 @@ pub fn contact_forces<
         tangential_power: zero,
     };
 
-    if FRICTION && !matches!(kinds.tangential, Tangential::None) {
-        // The velocities are those that brought the bodies here from where they were a step ago: they belong to the
-        // half step. Normal and lever arms are turned back by half a step, or a rotation of the pair as a whole, and
-        // the normal approach, would leak into the tangential displacement (Vyas et al. 2024).
-        let half = zero.constant(0.5);
-        // A turn beyond a few radians says no more than that the step is far too long; its tangent would outgrow the rest.
-        let spin = (omega_i.normal + omega_j.normal) * remembered.time * 0.5;
-        let spin = spin.min(zero.constant(10.0)).max(zero.constant(-10.0));
-        let before = InFrame::of(remembered.normal, x);
-        // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
-        let half_before = before.tangential * half;
-        let half_turn = InFrame {
-            tangential: Vector2::new(half_before.v, -half_before.u),
-            normal: spin * half,
-        };
-        let mut relative = omega_i.cross_subtract(half_turn.cross_subtract(r_i, r_i), relative);
-        if !WALL {
-            relative = omega_j.cross_add(half_turn.cross_subtract(r_j, r_j), relative);
-        }
-        let middle_square = half_before.dot(half_before) + one;
-        let along =
-            (half_before.dot(relative.tangential) + relative.normal) * middle_square.reciprocal();
-        let velocity = half_before.scale_add(-along, relative.tangential);
+    if FRICTION && kinds.tangential.any() {
+        let turn = Turn::of(x, &motion, remembered);
+        let velocity = turn.velocity_at_half_step::<WALL>(&motion, r_i, r_j);
         // A contact that began within this step slid only since then.
         let since = (x.penetration / rate.max(zero.constant(1e-300))).min(remembered.time);
         let time = T::select(remembered.continued, remembered.time, since);
-
-        // The memory turns with the normal and with the pair's spin about it, and keeps its length.
-        // The least rotation from one normal to the other, exactly: anything less drifts with the step.
-        let memory = InFrame::of(remembered.memory, x);
-        let leaning = memory.normal / (before.normal + 1.0).max(zero.constant(1e-12));
-        let turned = before.tangential.scale_add(-leaning, memory.tangential);
-        let turned = quarter_turn(turned).scale_add(spin, turned);
-        // The rotation between the normals keeps the length; that about the normal, by the tangent of its angle, does not.
-        let keep = spin.multiply_add(spin, one).reciprocal_sqrt();
-        let turned = turned * keep;
         let t: TangentialForce<T> = tangential_force(
-            kinds,
-            c,
-            &normal,
+            &kinds.tangential,
+            &c.tangential,
+            (normal.force, normal.stiffness),
             factors,
             curvature,
-            turned,
+            turn.carry(x, remembered.memory),
             remembered.energy,
             // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
             // step before.
@@ -403,24 +526,7 @@ pub fn contact_forces<
             velocity * time,
             velocity,
         );
-        // r x t of a tangential t.
-        torque_i = torque_i.plus(
-            -one,
-            (
-                quarter_turn(t.force) * r_i.normal,
-                area(r_i.tangential, t.force),
-            ),
-        );
-        if !WALL {
-            torque_j = torque_j.plus(
-                one,
-                (
-                    quarter_turn(t.force) * r_j.normal,
-                    area(r_j.tangential, t.force),
-                ),
-            );
-        }
-        force.tangential = force.tangential + t.force;
+        load.add_tangential::<WALL>(t.force, r_i, r_j);
         result.tangential_force = x.tangent.vector(t.force);
         result.memory = x.tangent.vector(t.memory);
         result.displacement = x.tangent.vector(t.displacement);
@@ -431,10 +537,10 @@ pub fn contact_forces<
         result.viscous_power = result.viscous_power - viscous.dot(velocity);
         result.tangential_power = -(t.elastic_force.dot(velocity));
     }
-    result.force = force.to_world(x);
-    result.torque_i = torque_i.to_world(x);
+    result.force = load.force.to_world(x);
+    result.torque_i = load.torque_i.to_world(x);
     if !WALL {
-        result.torque_j = torque_j.to_world(x);
+        result.torque_j = load.torque_j.to_world(x);
     }
     result
 }

@@ -35,10 +35,10 @@ impl Features {
     fn of(table: &[PairLaw]) -> Features {
         let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
         Features {
-            friction: any(&|l| l.kinds.tangential != Tangential::None),
-            viscous: any(&|l| l.kinds.relaxation || l.kinds.restitution),
+            friction: any(&|l| l.kinds.tangential.any()),
+            viscous: any(&|l| l.kinds.normal.relaxation || l.kinds.normal.restitution),
             conservative: any(&|l| l.kinds.conservative),
-            mass: any(&|l| l.kinds.restitution),
+            mass: any(&|l| l.kinds.normal.restitution),
             hale: any(&|l| l.kinds.hale),
         }
     }
@@ -81,13 +81,15 @@ impl Laws {
             }
         }
         let features = Features::of(&table);
-        let rescaled = table.iter().any(|l| {
-            l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Rescaled
-        });
+        let remembers = |displacement: Displacement| {
+            let some = |l: &PairLaw| {
+                l.kinds.tangential.any() && l.kinds.tangential.displacement == displacement
+            };
+            table.iter().any(some)
+        };
+        let rescaled = remembers(Displacement::Rescaled);
         let mut layout = HistoryLayout::new(cached_normal, features.friction, rescaled);
-        layout.of_displacements = table.iter().any(|l| {
-            l.kinds.tangential != Tangential::None && l.kinds.displacement == Displacement::Total
-        });
+        layout.of_displacements = remembers(Displacement::Total);
         Ok(Laws {
             types,
             table,
@@ -116,9 +118,9 @@ impl Laws {
                     Number(mu)
                 )));
             }
-            law.constants.friction = mu;
+            law.constants.tangential.friction = mu;
             if mu == 0.0 {
-                law.kinds.tangential = Tangential::None;
+                law.kinds.tangential.law = Tangential::None;
             }
         }
         laws.features = Features::of(&laws.table);

@@ -5,10 +5,9 @@
 use super::forces::{relative_curvature_matrix, ContactForces};
 use super::history::{cached_normal, forget, Step};
 use super::laws::Laws;
-use super::pair::{
-    checked_factors, contact_of, normal_before, through_law, touch_spheres, HaleRatio, Pair,
-};
+use super::pair::{contact_of, hale_holds, law_of_pair, touch_spheres, HaleRatio, Pair};
 use super::particle::Particle;
+use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::contact_search::gap;
 use crate::geometry::{relative_curvature, ContactSearch};
 use crate::vector::Vector3;
@@ -34,6 +33,19 @@ pub struct OneContact {
     pub curvature_b: f64,
     /// Unit vector along the major semi-axis of the contact ellipse.
     pub major_direction: Vector3,
+}
+
+impl OneContact {
+    /// Semi-axes `a >= b` of the contact ellipse at the elastic force of Hertz, length: `a b = Re delta F1^2/F2` (the paper's
+    /// Eq. (2), corrected), `Re = 1/(2 sqrt(A B))`. Only of bodies that touch, and of no meaning with a law that reads no
+    /// curvatures.
+    pub fn contact_semi_axes(&self) -> [f64; 2] {
+        let e = contact_ellipse(self.curvature_b / self.curvature_a);
+        let effective_radius = 0.5 / (self.curvature_a * self.curvature_b).sqrt();
+        let product = effective_radius * self.penetration * e.f1 * e.f1 / e.f2;
+        let a = (product / e.axis_ratio).sqrt();
+        [a, a * e.axis_ratio]
+    }
 }
 
 pub(crate) fn geometry_of(
@@ -117,7 +129,10 @@ pub fn one_contact_or_gap(
     Ok(match compute(laws, i, j, step, touching, history)? {
         Ok((geometry, forces)) => (geometry, Some(forces)),
         Err(normal) => {
-            let share_i = laws.get(i.kind as usize, j.kind as usize).constants.share_i;
+            let share_i = laws
+                .get(i.particle_type as usize, j.particle_type as usize)
+                .constants
+                .share_i;
             (geometry_apart(i, j, share_i, normal), None)
         }
     })
@@ -135,8 +150,7 @@ fn compute(
     history: &mut [f64],
 ) -> Result<ContactOrPlane, HaleRatio> {
     let layout = laws.layout();
-    let law = laws.get(i.kind as usize, j.kind as usize);
-    let d = j.position - i.position;
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let cached = cached_normal(&layout, history);
     let found = match Pair::of(i, j, cached) {
         Pair::Touching(found) => found,
@@ -151,11 +165,18 @@ fn compute(
             return Ok(Err(normal));
         }
     };
-    let x = contact_of(&found, i, j);
-    let factors = checked_factors(law, x.curvature())?;
-    let before = normal_before(cached, i, j, d, found.normal, step);
-    let f = through_law::<true, true, true, false>(
-        law, &factors, &x, &layout, history, *touching, before, step,
+    if law.kinds.hale {
+        hale_holds(contact_of(&found, i, j).curvature())?;
+    }
+    let f = law_of_pair::<true, true, true>(
+        law,
+        &found,
+        [i, j],
+        &layout,
+        history,
+        *touching,
+        cached,
+        step,
     );
     *touching = true;
     Ok(Ok((geometry_of(&found, i, j, law.constants.share_i), f)))

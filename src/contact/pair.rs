@@ -4,7 +4,7 @@
 use super::forces::{contact_forces, Contact, ContactForces, Surface};
 use super::history::{recall, remember, HistoryLayout, Step};
 use super::particle::{effective_mass, Particle};
-use crate::force::{hertz_factors, Factors, PairLaw, Tangential};
+use crate::force::{hertz_factors, Factors, PairLaw};
 use crate::geometry::{search, ContactSearch, Ellipsoid, Outcome, Support};
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
@@ -50,17 +50,16 @@ pub(crate) fn touch_spheres(
 /// Hertz factors of one contact in the form that the law asks for.
 #[inline(always)]
 pub(crate) fn factors_for(law: &PairLaw, curvature: Symmetric2) -> Factors {
-    if law.kinds.linear {
+    if !law.kinds.normal.elliptical {
         return Factors {
             phi: 1.0,
             sigma: 0.0,
         };
     }
     let (trace, determinant) = (curvature.trace(), curvature.determinant());
-    let sigma = law.kinds.conservative
-        || !matches!(law.kinds.tangential, Tangential::None | Tangential::Linear);
+    let sigma = law.kinds.conservative || law.kinds.tangential.law.needs_material();
     if law.kinds.hale {
-        // The caller made sure that the form does not break; were it to, the exact one stands in.
+        // The caller has checked that Hale's form is defined here; if it were not, the exact factors would be used.
         if let Some(f) = hertz_factors::hale(trace, determinant, sigma) {
             return f;
         }
@@ -185,6 +184,29 @@ impl Pair {
     }
 }
 
+/// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered: the one
+/// sequence of geometry, factors, memory and force for single pairs. `cached` is the normal in the history, if there is one.
+/// Whether Hale's form holds is for the caller to ask ([`checked_factors`], [`hale_holds`]).
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    law: &PairLaw,
+    found: &ContactSearch,
+    [i, j]: [&Particle; 2],
+    layout: &HistoryLayout,
+    history: &mut [f64],
+    touched: bool,
+    cached: Option<Vector3>,
+    step: &Step,
+) -> ContactForces {
+    let x = contact_of(found, i, j);
+    let factors = factors_for(law, x.curvature());
+    let before = normal_before(cached, i, j, found.normal, step);
+    through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+        law, &factors, &x, layout, history, touched, before, step,
+    )
+}
+
 /// The law of a touching pair, from what is remembered of it to what is to be remembered. `touched` says whether it touched at
 /// the last step, `before` which normal it had then.
 #[inline(always)]
@@ -219,17 +241,17 @@ pub(crate) fn through_law<
 
 /// The normal at the last step. For two spheres it follows from the motion, so that they need not remember it.
 #[inline(always)]
-pub(crate) fn normal_before(
+fn normal_before(
     cached: Option<Vector3>,
     i: &Particle,
     j: &Particle,
-    d: Vector3,
     now: Vector3,
     step: &Step,
 ) -> Vector3 {
     match cached {
         Some(n) => n,
         None if i.sphere && j.sphere && step.advance_history => {
+            let d = j.position - i.position;
             let before = d - (j.velocity - i.velocity) * step.time_step;
             if before.norm_squared() > LEAST_SQUARE {
                 before.normalised()

@@ -5,8 +5,8 @@ use super::forces::Contact;
 use super::laws::Laws;
 use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
 use super::particle::Particle;
-use crate::force::parameters::{LawParameters, Normal};
-use crate::force::{normal_force, tangential_stiffness, Factors, PairLaw};
+pub use crate::force::normal::Collision;
+use crate::force::{normal_force, tangential_stiffness, Factors, LawParameters, PairLaw};
 use crate::geometry::contact_search::closest;
 use crate::geometry::relative_curvature;
 use crate::vector::{Symmetric2, Vector3};
@@ -121,13 +121,7 @@ fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
     let arm_j = x.normal * (x.penetration - share - x.j.h) - x.tangent.vector(x.j.witness);
     let mut sum = [[0.0; 3]; 3];
     for (body, arm) in [(i, arm_i), (j, arm_j)] {
-        // Principal moments of a solid ellipsoid.
-        let a = body.body.semi_axes;
-        let moments = [
-            a.y * a.y + a.z * a.z,
-            a.x * a.x + a.z * a.z,
-            a.x * a.x + a.y * a.y,
-        ];
+        let moments = body.body.squares_across().to_array();
         let levers = frame.map(|e| body.body.to_body(arm.cross(e)).to_array());
         for (p, row) in sum.iter_mut().enumerate() {
             for (q, entry) in row.iter_mut().enumerate() {
@@ -154,6 +148,31 @@ fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
 ///
 /// # Errors
 /// Only with `factors hale`.
+///
+/// # Example
+/// Two spheres of radius 1 mm (SI units) that overlap by 10 micrometres: Hertz' stiffness `2 E* sqrt(R delta)`.
+/// ```
+/// use ellgran::contact::{prepare_body, stability::contact_stiffness, Body, Laws};
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let sphere = |z: f64| Body {
+///     position: [0.0, 0.0, z],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [1e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1e-5,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let (i, j) = (prepare_body(&sphere(0.0), Some(1))?, prepare_body(&sphere(1.99e-3), Some(1))?);
+/// let found = contact_stiffness(&laws, &i, &j).expect("exact factors").expect("they touch");
+/// let modulus = 1e7 / (2.0 * (1.0 - 0.3f64.powi(2)));
+/// let expected = 2.0 * modulus * (0.5e-3f64 * 1e-5).sqrt();
+/// assert!((found.normal_stiffness / expected - 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn contact_stiffness(
     laws: &Laws,
     i: &Particle,
@@ -162,23 +181,23 @@ pub fn contact_stiffness(
     let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(None);
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
     let normal = at_rest(law, &factors, &x, m, x.penetration);
-    let (stiffness, damping) =
-        tangential_stiffness(&law.kinds, &law.constants, normal, &factors, m);
+    let (stiffness, damping) = tangential_stiffness(
+        &law.kinds.tangential,
+        &law.constants.tangential,
+        normal,
+        &factors,
+        m,
+    );
     let c = &law.constants;
-    let normal_damping = if law.kinds.linear {
-        c.normal_damping
-    } else if law.kinds.relaxation {
-        c.normal_damping * normal
-    } else if law.kinds.restitution {
-        c.restitution * (x.effective_mass * normal / 1.5).sqrt()
-    } else {
-        0.0
-    };
+    let normal_damping = law
+        .kinds
+        .normal
+        .dashpot(&c.normal, normal, x.effective_mass);
     let mobility = mobility(&x, i, j, c.share_i);
     let critical_step = critical_step(
         mobility,
@@ -204,8 +223,8 @@ pub fn contact_stiffness(
 /// Normal stiffness at a penetration, the bodies at rest.
 fn at_rest(law: &PairLaw, factors: &Factors, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
     normal_force(
-        &law.kinds,
-        &law.constants,
+        &law.kinds.normal,
+        &law.constants.normal,
         penetration,
         0.0,
         m.determinant(),
@@ -239,18 +258,6 @@ fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
     stable
 }
 
-/// `T v/delta_max` of an elastic Hertzian collision, `(4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)`.
-const HERTZ_TIME: f64 = 2.943_275_1;
-
-/// How long an elastic collision lasts, and how deep it goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Collision {
-    /// From first touch to the end of the contact, time; infinite where nothing can move.
-    pub time: f64,
-    /// Largest penetration, length; infinite where nothing can move.
-    pub penetration: f64,
-}
-
 /// The elastic collision in which the bodies meet with the normal, the curvatures and the mobility that they have here (apart or
 /// touching) at this speed along the normal: for a central impact that of Hertz (Landau and Lifshitz, Theory of Elasticity,
 /// section 9), half an oscillation for the linear law. Damping makes it longer and less deep.
@@ -269,7 +276,7 @@ pub fn collision(
     } else {
         closest(&i.body, &j.body, d, None::<Vector3>)
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
@@ -279,33 +286,20 @@ pub fn collision(
         ..x
     };
     let inverse_mass = mobility(&touching, i, j, law.constants.share_i).0[2][2];
-    if law.kinds.linear {
-        let frequency = (inverse_mass * law.constants.normal_stiffness).sqrt();
-        return Ok(Collision {
-            time: core::f64::consts::PI / frequency,
-            penetration: speed / frequency,
-        });
-    }
-    // F = k delta^(3/2), and dF/d(delta) at 1 is 3/2 k.
-    let k = at_rest(law, &factors, &x, m, 1.0) / 1.5;
-    let deepest = (1.25 * speed * speed / (inverse_mass * k)).powf(0.4);
-    Ok(Collision {
-        time: HERTZ_TIME * deepest / speed,
-        penetration: deepest,
-    })
+    let stiffness = at_rest(law, &factors, &x, m, 1.0);
+    let formula = law.kinds.normal.formula;
+    Ok(formula.collision(stiffness, inverse_mass, speed))
 }
 
 /// Rayleigh's time of a grain, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)`: how long a surface wave takes from pole to pole of a
 /// sphere of the grain's least semi-axis `r`, `rho` the density of the solid grain (C. Thornton and C.W. Randall, in
 /// Micromechanics of Granular Materials, Elsevier 1988). Infinite for the linear law, which has no material.
 pub fn rayleigh_time(parameters: &LawParameters, grain: &Particle) -> f64 {
-    if parameters.normal == Normal::Lsd {
+    if !parameters.normal.has_material() {
         return f64::INFINITY;
     }
-    let a = grain.body.semi_axes;
-    let volume = 4.0 / 3.0 * core::f64::consts::PI * a.x * a.y * a.z;
-    let density = 1.0 / (grain.inverse_mass * volume);
-    let material = &parameters.material;
+    let density = 1.0 / (grain.inverse_mass * grain.body.volume());
+    let material = &parameters.material();
     core::f64::consts::PI
         * grain.body.smallest_semi_axis()
         * (density / material.shear_modulus()).sqrt()

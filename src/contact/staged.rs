@@ -59,8 +59,9 @@ pub struct StagedContact {
 }
 
 impl StagedContact {
-    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most pairs do
-    /// not touch). `cached_normal` is the normal of the last step, not a unit vector if there is none, and is written.
+    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most
+    /// pairs do not touch). `cached_normal` is the normal of the last step, or not a unit vector if there was no last step;
+    /// it is written.
     pub fn of_pair(
         i: &Particle,
         j: &Particle,
@@ -151,6 +152,17 @@ impl StagedContact {
         0.5 / determinant.sqrt() * phi * phi * self.share.value * self.share.value
     }
 
+    /// Normal and tangential stiffness of a circular contact with the same elastic normal force, force/length:
+    /// `4/3 E* sqrt(R delta)` and `8 G* sqrt(R delta)` with the [equivalent radius](Self::equivalent_radius), for laws written
+    /// for spheres; zero for a law without a material.
+    pub fn circular_stiffness(&self, law: &PairLaw) -> [f64; 2] {
+        let root = (self.equivalent_radius() * self.x.penetration).sqrt();
+        [
+            4.0 / 3.0 * law.effective_modulus() * root,
+            8.0 * law.effective_shear_modulus() * root,
+        ]
+    }
+
     /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
     /// spheres that of the circle in which they intersect, and twice the contact area of Hertz.
     pub fn section_area(&self) -> f64 {
@@ -167,7 +179,7 @@ impl StagedContact {
         effective_mass: f64,
     ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
-        law.kinds.tangential = Tangential::None;
+        law.kinds.tangential.law = Tangential::None;
         let x = Contact {
             effective_mass,
             ..self.x
@@ -243,9 +255,9 @@ impl StagedContact {
         step: &Step,
         past: &mut Past,
     ) -> Result<ContactForces, HaleRatio> {
-        law.constants.friction = friction;
+        law.constants.tangential.friction = friction;
         if !(friction > 0.0) {
-            law.kinds.tangential = Tangential::None;
+            law.kinds.tangential.law = Tangential::None;
         }
         let x = Contact {
             effective_mass,

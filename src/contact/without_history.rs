@@ -27,11 +27,11 @@ pub fn elastic_energy(laws: &Laws, i: &Particle, j: &Particle) -> Result<f64, Ha
     let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(0.0);
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
-    let (kinds, constants) = (&law.kinds, &law.constants);
+    let (kinds, constants) = (&law.kinds.normal, &law.constants.normal);
     let determinant = m.determinant();
     let normal = normal_force(
         kinds,

@@ -2,8 +2,38 @@
 //! Coefficients of normal damping: the relaxation time `A_n` of NFD by three closures, and the damping that gives a
 //! coefficient of restitution (docs/theory.md, sections 3 and 6).
 
+use super::choice::choices;
 use super::material::Material;
-use super::parameters::Closure;
+
+choices! {
+    /// Damping of the `hertz` normal law.
+    Damping {
+        /// No damping of the `hertz` law.
+        None = 0, "none", ELLGRAN_DAMPING_NONE, [];
+        /// Damping that gives central impacts a coefficient of restitution, at any speed.
+        Restitution = 1, "restitution", ELLGRAN_DAMPING_RESTITUTION, [restitution];
+        /// Damping by a relaxation time A_n: the form of `nfd` with the coefficient given.
+        Relaxation = 2, "relaxation", ELLGRAN_DAMPING_RELAXATION, [relaxation_time];
+    }
+
+    /// How `A_n` follows from the viscosities (docs/theory.md, section 3).
+    Closure {
+        /// A_n from the dissipation of the quasi-static strain-rate field.
+        Energy = 0, "energy", ELLGRAN_CLOSURE_ENERGY, [];
+        /// A_n from the surface strains of Hertz' solution.
+        Surface = 1, "surface", ELLGRAN_CLOSURE_SURFACE, [];
+        /// A_n after Brilliantov et al. 1996.
+        Brilliantov = 2, "brilliantov", ELLGRAN_CLOSURE_BRILLIANTOV, [];
+    }
+
+    /// The viscoelastic force while the overlap shrinks.
+    Unloading {
+        /// Receding contact after Ting: `F_H(max(delta + A_n d(delta)/dt, 0))`, never attractive.
+        Ting = 0, "ting", ELLGRAN_UNLOADING_TING, [];
+        /// First-order law throughout.
+        FirstOrder = 1, "first_order", ELLGRAN_UNLOADING_FIRST_ORDER, [];
+    }
+}
 
 /// Normal relaxation time `A_n` (time) of one material. All closures give `tau` for `eta_i = tau E_i`.
 ///

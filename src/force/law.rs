@@ -1,62 +1,31 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A law resolved before the run: which terms it has, and the constants of a pair of types.
 
-use super::damping::{
-    normal_relaxation_time, restitution_coefficient, tangential_relaxation_numbers,
-};
-use super::parameters::{
-    check_restitution, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError,
-    Tangential, Unloading,
-};
+use super::damping::{restitution_coefficient, Damping};
+use super::normal::{NormalConstants, NormalKinds};
+use super::parameters::{Constant, FactorForm, LawParameters, Normal, ParameterError};
+use super::tangential::{self, Tangential, TangentialConstants, TangentialKinds};
 
 /// Which terms a law has: the choices that select a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKinds {
-    /// Linear spring instead of Hertz.
-    pub linear: bool,
+    /// Of the normal law.
+    pub normal: NormalKinds,
     /// Hale's factors instead of the exact ones.
     pub hale: bool,
-    /// A relaxation time is not zero.
-    pub relaxation: bool,
-    /// Ting's receding contact.
-    pub ting: bool,
-    /// Damping with a coefficient of restitution; the only term that reads masses.
-    pub restitution: bool,
-    /// Attraction is cut off.
-    pub limit_force: bool,
     /// The complete gradient of the elastic energy.
     pub conservative: bool,
-    /// Tangential law.
-    pub tangential: Tangential,
-    /// What is kept of the tangential displacement.
-    pub displacement: Displacement,
-    /// The tangential law has a viscous part.
-    pub tangential_viscous: bool,
+    /// Of the tangential law.
+    pub tangential: TangentialKinds,
 }
 
 /// The constants of a pair of types.
 #[derive(Clone, Copy, Debug)]
 pub struct LawConstants<T = f64> {
-    /// `4/3 E*` for Hertz; `kn` for the linear spring.
-    pub normal_stiffness: T,
-    /// `A_n` (time) for a relaxation; `cn` for the linear spring.
-    pub normal_damping: T,
-    /// `alpha` of [`restitution_coefficient`].
-    pub restitution: T,
-    /// `mu`.
-    pub friction: T,
-    /// `kappa0`: the tangential compliance is `C_n (kappa0 - kappa1 beta)`.
-    pub kappa0: T,
-    /// `kappa1`.
-    pub kappa1: T,
-    /// `tau0`: `A_t (kappa0 - kappa1 beta) = tau0 - tau1 beta`, time.
-    pub tau0: T,
-    /// `tau1`.
-    pub tau1: T,
-    /// `kt` of `linear`.
-    pub tangential_stiffness: T,
-    /// `ct` of `linear`.
-    pub tangential_damping: T,
+    /// Of the normal law.
+    pub normal: NormalConstants<T>,
+    /// Of the tangential law.
+    pub tangential: TangentialConstants<T>,
     /// Share of body `i` in the penetration, `c_i/(c_i + c_j)`.
     pub share_i: T,
 }
@@ -70,114 +39,71 @@ pub struct PairLaw {
     pub constants: LawConstants,
     /// The damping that was asked for.
     pub damping: Damping,
+    /// `E*`, pressure; 0 for a law without a material.
+    effective_modulus: f64,
+    /// `G*`, pressure; 0 for a law without a material.
+    effective_shear_modulus: f64,
 }
 
 impl PairLaw {
     /// The law between a body with parameters `i` and one with parameters `j`; twice the same for a pair that was
-    /// given as such. Moduli mix in series (`E*`, `G*`, `A_n` weighted by compliance), spring constants too; friction,
-    /// restitution and the dashpots of the linear law mix by geometric mean, as in LAMMPS.
+    /// given as such. Moduli mix in series (`E*`, `G*`, `A_n` weighted by compliance), the other constants as the table in
+    /// [`super::parameters`] says: spring constants in series; friction, restitution and dashpots by geometric mean, as in
+    /// LAMMPS.
     ///
     /// # Errors
     /// Parameters out of range, or laws of different kinds, which cannot be mixed.
     pub fn resolve(i: &LawParameters, j: &LawParameters) -> Result<PairLaw, ParameterError> {
         i.validate()?;
         j.validate()?;
-        let same = |p: &LawParameters| {
-            (
-                (p.normal, p.damping, p.tangential),
-                (p.displacement, p.unloading, p.factors),
-                (p.conservative, p.limit_force),
-                (p.normal == Normal::Nfd).then_some(p.closure),
-            )
+        let chosen = |p: &LawParameters| LawParameters {
+            // Of no meaning to the others.
+            closure: if p.normal == Normal::Nfd {
+                p.closure
+            } else {
+                LawParameters::default().closure
+            },
+            ..p.without_constants()
         };
-        if same(i) != same(j) {
+        if chosen(i) != chosen(j) {
             return Err(ParameterError(
                 "the laws or keywords of the two types differ and cannot be mixed; give the pair its own coefficients"
                     .into(),
             ));
         }
-        let harmonic = |a: f64, b: f64| {
-            if a + b > 0.0 {
-                2.0 * a * b / (a + b)
-            } else {
-                0.0
-            }
+        let mixed = LawParameters::mixed(i, j);
+        let normal = i.normal.resolve(i, j, &mixed);
+        let constants = LawConstants {
+            normal: normal.constants,
+            tangential: tangential_constants(i, j, &mixed),
+            share_i: normal.share_i,
         };
-        let geometric = |a: f64, b: f64| if a == b { a } else { (a * b).sqrt() };
-        let linear = i.normal == Normal::Lsd;
-        let mut c = LawConstants {
-            normal_stiffness: harmonic(i.normal_stiffness, j.normal_stiffness),
-            normal_damping: geometric(i.normal_damping, j.normal_damping),
-            restitution: 0.0,
-            friction: geometric(i.friction, j.friction),
-            kappa0: 1.0,
-            kappa1: 0.0,
-            tau0: 0.0,
-            tau1: 0.0,
-            tangential_stiffness: harmonic(i.tangential_stiffness, j.tangential_stiffness),
-            tangential_damping: geometric(i.tangential_damping, j.tangential_damping),
-            share_i: 0.5,
-        };
-        if !linear {
-            let (ci, cj) = (
-                i.material.normal_compliance(),
-                j.material.normal_compliance(),
-            );
-            c.normal_stiffness = 4.0 / 3.0 / (ci + cj);
-            c.share_i = ci / (ci + cj);
-            let relaxation = |p: &LawParameters| match (p.normal, p.damping) {
-                (Normal::Nfd, _) => normal_relaxation_time(&p.material, p.closure),
-                (_, Damping::Relaxation) => p.relaxation_time,
-                _ => 0.0,
-            };
-            c.normal_damping = (relaxation(i) * ci + relaxation(j) * cj) / (ci + cj);
-            // Compliances of the two bodies add; each is (1 - nu beta)/G against (1 - nu)/G for the normal one.
-            let (gi, gj) = (i.material.shear_modulus(), j.material.shear_modulus());
-            let (ni, nj) = (i.material.poissons_ratio, j.material.poissons_ratio);
-            let normal = (1.0 - ni) / gi + (1.0 - nj) / gj;
-            c.kappa0 = (1.0 / gi + 1.0 / gj) / normal;
-            c.kappa1 = (ni / gi + nj / gj) / normal;
-            let tangential = |p: &LawParameters| match (p.normal, p.damping) {
-                (Normal::Nfd, _) => tangential_relaxation_numbers(&p.material, p.closure),
-                // One relaxation time for all deformation: proportional viscosity.
-                (_, Damping::Relaxation) => (
-                    p.relaxation_time,
-                    p.relaxation_time * p.material.poissons_ratio,
-                ),
-                _ => (0.0, 0.0),
-            };
-            let (ti, tj) = (tangential(i), tangential(j));
-            c.tau0 = (ti.0 / gi + tj.0 / gj) / normal;
-            c.tau1 = (ti.1 / gi + tj.1 / gj) / normal;
-        }
-        if i.damping == Damping::Restitution {
-            c.restitution =
-                restitution_coefficient(geometric(i.restitution, j.restitution), i.limit_force);
-        }
-        let tangential_viscous = match i.tangential {
-            Tangential::None => false,
-            Tangential::Linear => c.tangential_damping > 0.0,
-            _ => c.tau0 != 0.0 || c.tau1 != 0.0,
-        };
+        let kinds = NormalKinds::of(i, i.normal.formula(), &constants.normal);
+        let (effective_modulus, effective_shear_modulus) = effective_moduli(i, j);
+        let c = &constants.tangential;
         Ok(PairLaw {
             kinds: LawKinds {
-                linear,
-                hale: !linear && i.factors == FactorForm::Hale,
-                relaxation: c.normal_damping > 0.0,
-                ting: !linear && i.unloading == Unloading::Ting,
-                restitution: c.restitution > 0.0,
-                limit_force: i.limit_force,
-                conservative: !linear && i.conservative,
-                tangential: if c.friction > 0.0 {
-                    i.tangential
-                } else {
-                    Tangential::None
+                normal: kinds,
+                hale: kinds.elliptical && i.factors == FactorForm::Hale,
+                conservative: kinds.elliptical && i.conservative,
+                tangential: TangentialKinds {
+                    law: if c.friction > 0.0 {
+                        i.tangential
+                    } else {
+                        Tangential::None
+                    },
+                    displacement: i.displacement,
+                    viscous: if i.tangential.needs_material() {
+                        c.tau0 != 0.0 || c.tau1 != 0.0
+                    } else {
+                        i.tangential != Tangential::None && c.damping > 0.0
+                    },
                 },
-                displacement: i.displacement,
-                tangential_viscous,
             },
-            constants: c,
+            constants,
             damping: i.damping,
+            effective_modulus,
+            effective_shear_modulus,
         })
     }
 
@@ -191,56 +117,56 @@ impl PairLaw {
                 "the law has no 'damping restitution', which goes with hertz".into(),
             ));
         }
-        check_restitution(e)?;
-        self.constants.restitution = restitution_coefficient(e, self.kinds.limit_force);
-        self.kinds.restitution = self.constants.restitution > 0.0;
+        Constant::named("restitution").check(e)?;
+        let c = &mut self.constants.normal;
+        c.restitution = restitution_coefficient(e, self.kinds.normal.limit_force);
+        self.kinds.normal.restitution = c.restitution > 0.0;
         Ok(())
     }
 
     /// Whether a cycle of normal and tangential displacement can give work while nothing in the law takes any: a tangential
     /// law whose stiffness changes with the contact, with another `displacement` than `rescaled`, and no viscosity.
     pub fn can_create_energy(&self) -> bool {
-        let k = &self.kinds;
-        matches!(k.tangential, Tangential::Tfd | Tangential::Mindlin)
-            && k.displacement != Displacement::Rescaled
-            && !k.relaxation
-            && !k.restitution
-            && !k.tangential_viscous
+        let normal = &self.kinds.normal;
+        self.kinds.tangential.can_create_energy() && !normal.relaxation && !normal.restitution
+    }
+
+    /// `E*`, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
+    pub fn effective_modulus(&self) -> f64 {
+        self.effective_modulus
+    }
+
+    /// `G*`, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
+    pub fn effective_shear_modulus(&self) -> f64 {
+        self.effective_shear_modulus
+    }
+
+    /// `A_n`, time: the ratio of dashpot and spring while the bodies approach; 0 for a law that has none, as for damping by a
+    /// coefficient of restitution and for a law without a material.
+    pub fn normal_relaxation_time(&self) -> f64 {
+        if self.kinds.normal.elliptical {
+            self.constants.normal.damping
+        } else {
+            0.0
+        }
+    }
+
+    /// `A_t` of a circular contact, time: the ratio of tangential dashpot and spring without slip; 0 without a tangential law,
+    /// and for one that does not take its stiffness from the material.
+    pub fn tangential_relaxation_time(&self) -> f64 {
+        let c = &self.constants.tangential;
+        if self.kinds.tangential.law.needs_material() {
+            (c.tau0 - 0.5 * c.tau1) / (c.kappa0 - 0.5 * c.kappa1)
+        } else {
+            0.0
+        }
     }
 
     /// One line: the terms and the constants.
     pub fn describe(&self) -> String {
         let (k, c) = (&self.kinds, &self.constants);
-        let mut text = if k.linear {
-            format!("lsd kn {} cn {}", c.normal_stiffness, c.normal_damping)
-        } else {
-            format!("hertz E* {}", 0.75 * c.normal_stiffness)
-        };
-        if !k.linear && k.relaxation {
-            let unloading = if k.ting { "ting" } else { "first_order" };
-            text += &format!(" A_n {} unloading {unloading}", c.normal_damping);
-        }
-        if k.restitution {
-            text += &format!(" restitution alpha {}", c.restitution);
-        }
-        match k.tangential {
-            Tangential::None => {}
-            Tangential::Tfd => text += &format!(" tfd mu {}", c.friction),
-            Tangential::Mindlin => text += &format!(" mindlin mu {}", c.friction),
-            Tangential::Linear => {
-                text += &format!(
-                    " linear kt {} ct {} mu {}",
-                    c.tangential_stiffness, c.tangential_damping, c.friction
-                );
-            }
-        }
-        if k.tangential != Tangential::None {
-            text += match k.displacement {
-                Displacement::Total => " displacement total",
-                Displacement::Incremental => " displacement incremental",
-                Displacement::Rescaled => "",
-            };
-        }
+        let mut text =
+            k.normal.describe(&c.normal) + &tangential::describe(&k.tangential, &c.tangential);
         if k.hale {
             text += " factors hale";
         }
@@ -249,4 +175,49 @@ impl PairLaw {
         }
         text
     }
+}
+
+/// The tangential compliances of two bodies add; each is `(1 - nu beta)/G` against `(1 - nu)/G` for the normal one. Without a
+/// material the compliance is not read.
+fn tangential_constants(
+    i: &LawParameters,
+    j: &LawParameters,
+    mixed: &LawParameters,
+) -> TangentialConstants {
+    let mut c = TangentialConstants {
+        friction: mixed.friction,
+        kappa0: 1.0,
+        kappa1: 0.0,
+        tau0: 0.0,
+        tau1: 0.0,
+        stiffness: mixed.tangential_stiffness,
+        damping: mixed.tangential_damping,
+    };
+    if i.normal.has_material() {
+        let (gi, gj) = (i.material().shear_modulus(), j.material().shear_modulus());
+        let (ni, nj) = (i.poissons_ratio, j.poissons_ratio);
+        let normal = (1.0 - ni) / gi + (1.0 - nj) / gj;
+        c.kappa0 = (1.0 / gi + 1.0 / gj) / normal;
+        c.kappa1 = (ni / gi + nj / gj) / normal;
+        let (ti, tj) = (
+            i.normal.tangential_relaxation(i),
+            j.normal.tangential_relaxation(j),
+        );
+        c.tau0 = (ti.0 / gi + tj.0 / gj) / normal;
+        c.tau1 = (ti.1 / gi + tj.1 / gj) / normal;
+    }
+    c
+}
+
+/// `E*` and `G*`.
+fn effective_moduli(i: &LawParameters, j: &LawParameters) -> (f64, f64) {
+    if !i.normal.has_material() {
+        return (0.0, 0.0);
+    }
+    let (mi, mj) = (i.material(), j.material());
+    (
+        1.0 / (mi.normal_compliance() + mj.normal_compliance()),
+        1.0 / ((2.0 - mi.poissons_ratio) / mi.shear_modulus()
+            + (2.0 - mj.poissons_ratio) / mj.shear_modulus()),
+    )
 }

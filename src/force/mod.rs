@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From material constants to laws, and from laws to force (docs/theory.md, sections 2 to 5 and 7). No contact search.
 
-pub mod conservative;
+pub mod choice;
+pub(crate) mod conservative;
 pub mod damping;
 pub mod elliptic_integrals;
 pub mod hertz_factors;
@@ -12,12 +13,14 @@ pub mod parameters;
 pub mod syntax;
 pub mod tangential;
 
+pub use choice::Choice;
+pub use damping::{Closure, Damping, Unloading};
 pub use hertz_factors::Factors;
 pub use law::{LawConstants, LawKinds, PairLaw};
 pub use material::Material;
-pub use normal::{normal_force, NormalForce};
-pub use parameters::{
-    Closure, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential,
-    Unloading,
+pub use normal::{normal_force, NormalConstants, NormalForce, NormalKinds};
+pub use parameters::{FactorForm, LawParameters, Normal, ParameterError};
+pub use tangential::{
+    tangential_force, tangential_stiffness, Displacement, Tangential, TangentialConstants,
+    TangentialForce, TangentialKinds,
 };
-pub use tangential::{tangential_force, tangential_stiffness, TangentialForce};

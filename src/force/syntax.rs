@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The words of an input deck that choose a law: what follows `I J` in `pair_coeff`, or the fix style of a wall.
 //!
-//! ```text
-//! <normal> [damping ...] [tangential ...] [keywords]
-//!   normal:      hertz E nu | nfd E nu eta1 eta2 | lsd kn cn
-//!   damping:     damping restitution e | damping relaxation A_n | damping none
-//!   tangential:  tangential none | tfd mu | mindlin mu | linear kt ct mu
-//!   keywords:    closure energy|surface|brilliantov    unloading ting|first_order    displacement total|incremental|rescaled
-//!                factors exact|hale    conservative yes|no    limit_force yes|no
-//! ```
+//! `<normal> [damping ...] [tangential ...] [keywords]`: the tables of choices in [`super::parameters`], [`super::damping`]
+//! and [`super::tangential`] have the words, and which constants follow them.
 
-use super::parameters::{
-    Closure, Damping, Displacement, FactorForm, LawParameters, Normal, ParameterError, Tangential,
-    Unloading,
-};
+use super::parameters::{Constant, FactorForm, Keyword, LawParameters, ParameterError, KEYWORDS};
 
 struct Words<'a> {
     words: &'a [&'a str],
@@ -40,78 +31,61 @@ impl<'a> Words<'a> {
         })
     }
 
-    fn choice<T: Copy>(&mut self, after: &str, choices: &[(&str, T)]) -> Result<T, ParameterError> {
-        let names: Vec<&str> = choices.iter().map(|c| c.0).collect();
-        let word = self.next(after, &names.join("|"))?;
-        choices
-            .iter()
-            .find(|c| c.0 == word)
-            .map(|c| c.1)
-            .ok_or_else(|| {
-                ParameterError(format!(
-                    "unknown word '{word}' after '{after}': expected {}",
-                    names.join("|")
-                ))
-            })
+    /// The word of a choice, and the constants that follow it.
+    fn choice(
+        &mut self,
+        after: &str,
+        keyword: &Keyword,
+        p: &mut LawParameters,
+    ) -> Result<(), ParameterError> {
+        let words = (keyword.words)().join("|");
+        let word = self.next(after, &words)?;
+        let follow = (keyword.choose)(p, word).ok_or_else(|| {
+            ParameterError(format!(
+                "unknown word '{word}' after '{after}': expected {words}"
+            ))
+        })?;
+        // The first choice has no keyword before it.
+        let before = if keyword.name == KEYWORDS[0].name {
+            word.to_owned()
+        } else {
+            format!("{} {word}", keyword.name)
+        };
+        let constants: Vec<&Constant> = follow.iter().map(|c| Constant::named(c)).collect();
+        let symbols: Vec<&str> = constants.iter().map(|c| c.symbol).collect();
+        for constant in &constants {
+            *(constant.of)(p) = self.number(&before, &symbols.join(" "))?;
+        }
+        Ok(())
     }
 }
 
-const NORMAL_LAWS: [(&str, Normal); 3] = [
-    ("hertz", Normal::Hertz),
-    ("nfd", Normal::Nfd),
-    ("lsd", Normal::Lsd),
-];
-const DAMPINGS: [(&str, Damping); 3] = [
-    ("none", Damping::None),
-    ("restitution", Damping::Restitution),
-    ("relaxation", Damping::Relaxation),
-];
-const TANGENTIAL_LAWS: [(&str, Tangential); 4] = [
-    ("none", Tangential::None),
-    ("tfd", Tangential::Tfd),
-    ("mindlin", Tangential::Mindlin),
-    ("linear", Tangential::Linear),
-];
-const CLOSURES: [(&str, Closure); 3] = [
-    ("energy", Closure::Energy),
-    ("surface", Closure::Surface),
-    ("brilliantov", Closure::Brilliantov),
-];
-const UNLOADINGS: [(&str, Unloading); 2] = [
-    ("ting", Unloading::Ting),
-    ("first_order", Unloading::FirstOrder),
-];
-const DISPLACEMENTS: [(&str, Displacement); 3] = [
-    ("total", Displacement::Total),
-    ("incremental", Displacement::Incremental),
-    ("rescaled", Displacement::Rescaled),
-];
-const FACTORS: [(&str, FactorForm); 2] = [("exact", FactorForm::Exact), ("hale", FactorForm::Hale)];
-const YES_NO: [(&str, bool); 2] = [("yes", true), ("no", false)];
-
 /// The keyword that a word belongs behind, if there is one: `tangential` for `tfd`.
 fn keyword_of(word: &str) -> Option<&'static str> {
-    fn has<T>(choices: &[(&str, T)], word: &str) -> bool {
-        choices.iter().any(|(name, _)| *name == word)
+    let mut with_it = KEYWORDS[1..].iter().filter(|k| (k.words)().contains(&word));
+    // A word that belongs behind several of them, such as `none`, tells nothing.
+    match (with_it.next(), with_it.next()) {
+        (Some(keyword), None) => Some(keyword.name),
+        _ => None,
     }
-    // `none` belongs behind two of them and tells nothing.
-    if word == "none" {
-        None
-    } else if has(&TANGENTIAL_LAWS, word) {
-        Some("tangential")
-    } else if has(&DAMPINGS, word) {
-        Some("damping")
-    } else if has(&CLOSURES, word) {
-        Some("closure")
-    } else if has(&UNLOADINGS, word) {
-        Some("unloading")
-    } else if has(&DISPLACEMENTS, word) {
-        Some("displacement")
-    } else if has(&FACTORS, word) {
-        Some("factors")
-    } else {
-        None
-    }
+}
+
+/// All that can be given, on one line: `hertz E nu | nfd E nu eta1 eta2 | ...; damping none | restitution e | ...`.
+fn summary() -> String {
+    let of = |keyword: &Keyword| {
+        let words = (keyword.words)().into_iter().map(|word| {
+            let follow = (keyword.choose)(&mut LawParameters::default(), word).unwrap_or_default();
+            let symbols = follow.iter().map(|c| Constant::named(c).symbol);
+            core::iter::once(word)
+                .chain(symbols)
+                .collect::<Vec<_>>()
+                .join(" ")
+        });
+        words.collect::<Vec<_>>().join(" | ")
+    };
+    let (first, others) = KEYWORDS.split_first().expect("there is a normal law");
+    let others = others.iter().map(|k| format!("; {} {}", k.name, of(k)));
+    of(first) + &others.collect::<String>()
 }
 
 /// Reads the words of a law up to the first that is not one of its keywords, and checks the constants.
@@ -121,106 +95,53 @@ fn keyword_of(word: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// A word that is missing, unknown where a choice is due, not a number, given twice, out of range, or that lacks the keyword
-/// it belongs behind; the message names it.
+/// it belongs behind; the message names it. Without any word the message has all that can be given.
+///
+/// # Example
+/// Viscoelastic grains of 10 MPa with friction (SI units):
+/// ```
+/// let words = ["nfd", "1e7", "0.3", "200", "200", "tangential", "tfd", "0.5", "zplane"];
+/// let (parameters, read) = ellgran::force::syntax::parse(&words)?;
+/// assert_eq!(read, 8); // "zplane" is no word of a law
+/// assert_eq!((parameters.youngs_modulus, parameters.friction), (1e7, 0.5));
+/// # Ok::<(), ellgran::force::ParameterError>(())
+/// ```
 pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
+    if words.is_empty() {
+        return Err(ParameterError(format!(
+            "a normal law is missing: {}",
+            summary()
+        )));
+    }
     let mut p = LawParameters::default();
     let mut w = Words { words, position: 0 };
-    p.normal = w.choice("the normal law", &NORMAL_LAWS)?;
-    match p.normal {
-        Normal::Hertz | Normal::Nfd => {
-            let name = words[0];
-            let all = if p.normal == Normal::Nfd {
-                "E nu eta1 eta2"
-            } else {
-                "E nu"
-            };
-            p.material.youngs_modulus = w.number(name, all)?;
-            p.material.poissons_ratio = w.number(name, all)?;
-            if p.normal == Normal::Nfd {
-                p.material.shear_viscosity = w.number(name, all)?;
-                p.material.bulk_viscosity = w.number(name, all)?;
-            }
-        }
-        Normal::Lsd => {
-            p.normal_stiffness = w.number("lsd", "kn cn")?;
-            p.normal_damping = w.number("lsd", "kn cn")?;
-        }
-    }
+    w.choice("the normal law", &KEYWORDS[0], &mut p)?;
     let mut seen: Vec<&str> = Vec::new();
-    let mut conservative = None;
     while let Some(&word) = words.get(w.position) {
-        let known = [
-            "damping",
-            "tangential",
-            "closure",
-            "unloading",
-            "displacement",
-            "factors",
-            "conservative",
-            "limit_force",
-        ];
-        if !known.contains(&word) {
-            match keyword_of(word) {
-                Some(keyword) => {
-                    return Err(ParameterError(format!(
-                        "unknown word '{word}': did you mean '{keyword} {word}'?"
-                    )))
-                }
-                None if NORMAL_LAWS.iter().any(|(name, _)| *name == word) => {
-                    return Err(ParameterError(format!(
-                        "'{word}' after '{}': there is one normal law, and it comes first",
-                        words[0]
-                    )))
-                }
-                None => break,
+        let Some(keyword) = KEYWORDS[1..].iter().find(|k| k.name == word) else {
+            if let Some(keyword) = keyword_of(word) {
+                return Err(ParameterError(format!(
+                    "unknown word '{word}': did you mean '{keyword} {word}'?"
+                )));
             }
-        }
+            if (KEYWORDS[0].words)().contains(&word) {
+                return Err(ParameterError(format!(
+                    "'{word}' after '{}': there is one normal law, and it comes first",
+                    words[0]
+                )));
+            }
+            break;
+        };
         if seen.contains(&word) {
             return Err(ParameterError(format!("'{word}' is given twice")));
         }
         seen.push(word);
         w.position += 1;
-        match word {
-            "damping" => {
-                p.damping = w.choice(word, &DAMPINGS)?;
-                match p.damping {
-                    Damping::None => {}
-                    Damping::Restitution => p.restitution = w.number("damping restitution", "e")?,
-                    Damping::Relaxation => {
-                        p.relaxation_time = w.number("damping relaxation", "A_n")?
-                    }
-                }
-            }
-            "tangential" => {
-                p.tangential = w.choice(word, &TANGENTIAL_LAWS)?;
-                match p.tangential {
-                    Tangential::None => {}
-                    Tangential::Tfd => p.friction = w.number("tangential tfd", "mu")?,
-                    Tangential::Mindlin => p.friction = w.number("tangential mindlin", "mu")?,
-                    Tangential::Linear => {
-                        p.tangential_stiffness = w.number("tangential linear", "kt ct mu")?;
-                        p.tangential_damping = w.number("tangential linear", "kt ct mu")?;
-                        p.friction = w.number("tangential linear", "kt ct mu")?;
-                    }
-                }
-            }
-            "closure" => {
-                p.closure = w.choice(word, &CLOSURES)?;
-            }
-            "unloading" => {
-                p.unloading = w.choice(word, &UNLOADINGS)?;
-            }
-            "displacement" => {
-                p.displacement = w.choice(word, &DISPLACEMENTS)?;
-            }
-            "factors" => {
-                p.factors = w.choice(word, &FACTORS)?;
-            }
-            "conservative" => conservative = Some(w.choice(word, &YES_NO)?),
-            _ => p.limit_force = w.choice(word, &YES_NO)?,
-        }
+        w.choice(word, keyword, &mut p)?;
     }
-    p.conservative = conservative.unwrap_or(p.factors != FactorForm::Hale);
+    if !seen.contains(&"conservative") {
+        p.conservative = p.factors != FactorForm::Hale;
+    }
     p.validate()?;
     Ok((p, w.position))
 }

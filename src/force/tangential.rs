@@ -27,12 +27,133 @@
 //!   takes `(2 w - f) |zeta|^2/2 dc` less work than `E` grows, with `f = |F|/|zeta|`, `E = w zeta.C zeta` and `c` the
 //!   compliance along `zeta`. The energy that is remembered falls by so much. A displacement along one line loses nothing.
 
+use super::choice::{choices, resolved_constants, Choice};
 use super::hertz_factors::Factors;
-use super::law::{LawConstants, LawKinds};
-use super::normal::NormalForce;
-use super::parameters::{Displacement, Tangential};
 use crate::real::Real;
 use crate::vector::{Symmetric2, Vector2};
+
+choices! {
+    /// Tangential law.
+    Tangential {
+        /// No tangential force, no tangential history.
+        None = 0, "none", ELLGRAN_TANGENTIAL_NONE, [];
+        /// Partial slip after Cattaneo and Mindlin, with the compliance of the contact ellipse.
+        Tfd = 1, "tfd", ELLGRAN_TANGENTIAL_TFD, [friction];
+        /// The no-slip stiffness of the contact ellipse up to the Coulomb limit.
+        Mindlin = 2, "mindlin", ELLGRAN_TANGENTIAL_MINDLIN, [friction];
+        /// A constant stiffness and damping up to the Coulomb limit.
+        Linear = 3, "linear", ELLGRAN_TANGENTIAL_LINEAR, [tangential_stiffness, tangential_damping, friction];
+    }
+
+    /// What is kept of the tangential displacement while the contact grows and shrinks.
+    Displacement {
+        /// The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
+        /// published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
+        /// while it is deep.
+        Total = 0, "total", ELLGRAN_DISPLACEMENT_TOTAL, [];
+        /// The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy: what was loaded while the contact was
+        /// deep gives more when it is unloaded while it is shallow.
+        Incremental = 1, "incremental", ELLGRAN_DISPLACEMENT_INCREMENTAL, [];
+        /// The tangential force and its energy are remembered, reduced where the contact would otherwise hold more energy than
+        /// it took, as with the stiffness while the contact shrinks: no cycle creates energy. The same as `total` while the
+        /// normal force is steady. The default.
+        Rescaled = 2, "rescaled", ELLGRAN_DISPLACEMENT_RESCALED, [];
+    }
+}
+
+impl Tangential {
+    /// Whether it takes its stiffness from the elastic constants of the material, and from the contact ellipse of now.
+    #[inline(always)]
+    pub fn needs_material(self) -> bool {
+        match self {
+            Tangential::Tfd | Tangential::Mindlin => true,
+            Tangential::None | Tangential::Linear => false,
+        }
+    }
+
+    /// For a law under which slip begins at the rim of the contact: `|zeta|` at which all of it slides, over Coulomb's limit
+    /// `mu F_n`. `None`: no slip below that limit.
+    #[inline(always)]
+    fn sliding(self) -> Option<f64> {
+        match self {
+            Tangential::Tfd => Some(1.5),
+            Tangential::None | Tangential::Mindlin | Tangential::Linear => None,
+        }
+    }
+
+    /// The force along `zeta` of a contact that slips partially, at `s = |zeta|` over that at which all of it slides.
+    #[inline(always)]
+    fn partial_slip<T: Real>(self, s: T, clip: T) -> Slip<T> {
+        match self {
+            Tangential::Tfd => Slip::of_cattaneo_and_mindlin(s, clip),
+            Tangential::None | Tangential::Mindlin | Tangential::Linear => Slip::none(clip),
+        }
+    }
+}
+
+/// Which terms the tangential law has: the choices that select a kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TangentialKinds {
+    /// The law.
+    pub law: Tangential,
+    /// What is kept of the displacement.
+    pub displacement: Displacement,
+    /// Whether it has a viscous part.
+    pub viscous: bool,
+}
+
+impl TangentialKinds {
+    /// Whether there is a tangential force.
+    #[inline(always)]
+    pub fn any(&self) -> bool {
+        !matches!(self.law, Tangential::None)
+    }
+
+    /// Whether a cycle of normal and tangential displacement can give work: the stiffness changes with the contact, and
+    /// what is remembered is not reduced.
+    pub fn can_create_energy(&self) -> bool {
+        self.law.needs_material() && self.displacement != Displacement::Rescaled && !self.viscous
+    }
+}
+
+resolved_constants! {
+    $
+    /// The constants of a pair of types that the tangential law reads.
+    TangentialConstants, tangential_constants {
+        /// `mu`.
+        friction,
+        /// `kappa0`: the tangential compliance is `C_n (kappa0 - kappa1 beta)`.
+        kappa0,
+        /// `kappa1`.
+        kappa1,
+        /// `tau0`: `A_t (kappa0 - kappa1 beta) = tau0 - tau1 beta`, time.
+        tau0,
+        /// `tau1`.
+        tau1,
+        /// `kt` of `linear`.
+        stiffness,
+        /// `ct` of `linear`.
+        damping,
+    }
+}
+
+/// One term: the law with its constants and its choices, for the line that describes a law.
+pub fn describe(kinds: &TangentialKinds, c: &TangentialConstants) -> String {
+    if !kinds.any() {
+        return String::new();
+    }
+    let (word, mu) = (kinds.law.word(), c.friction);
+    let law = if kinds.law.needs_material() {
+        format!(" {word} mu {mu}")
+    } else {
+        format!(" {word} kt {} ct {} mu {mu}", c.stiffness, c.damping)
+    };
+    law + match kinds.displacement {
+        Displacement::Total => " displacement total",
+        Displacement::Incremental => " displacement incremental",
+        Displacement::Rescaled => "",
+    }
+}
 
 /// The tangential force of one contact.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +172,7 @@ pub struct TangentialForce<T = f64> {
 
 /// Tangential force.
 ///
+/// - `normal_force`, `normal_stiffness`: those of the contact of now ([`super::NormalForce`]).
 /// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_energy`: its elastic energy at the
 ///   last step (only `displacement rescaled`; 0 for a new contact).
 /// - `passes`: whether time passes. Where none does, as when a run starts, nothing slips and nothing is given up: memory and
@@ -61,9 +183,9 @@ pub struct TangentialForce<T = f64> {
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 pub fn tangential_force<T: Real>(
-    kinds: &LawKinds,
-    c: &LawConstants<T>,
-    normal: &NormalForce<T>,
+    kinds: &TangentialKinds,
+    c: &TangentialConstants<T>,
+    (normal_force, normal_stiffness): (T, T),
     factors: &Factors<T>,
     curvature: Symmetric2<T>,
     memory: Vector2<T>,
@@ -72,16 +194,16 @@ pub fn tangential_force<T: Real>(
     increment: Vector2<T>,
     velocity: Vector2<T>,
 ) -> TangentialForce<T> {
-    let zero = normal.force.constant(0.0);
-    let one = normal.force.constant(1.0);
-    let tiny = normal.force.constant(1e-300);
-    let least = normal.force.constant(1e-290);
-    let limit = c.friction * normal.force.max(zero);
+    let zero = normal_force.constant(0.0);
+    let one = normal_force.constant(1.0);
+    let tiny = normal_force.constant(1e-300);
+    let least = normal_force.constant(1e-290);
+    let limit = c.friction * normal_force.max(zero);
 
     // Stiffness matrix C^-1 and its inverse, and the compliance's viscous companion.
-    let linear = matches!(kinds.tangential, Tangential::Linear);
+    let linear = !kinds.law.needs_material();
     let (stiffness, compliance, kappa_inverse) = if linear {
-        let k = c.tangential_stiffness;
+        let k = c.stiffness;
         let inverse = one / k.max(tiny);
         (
             Symmetric2::new(k, zero, k),
@@ -92,20 +214,23 @@ pub fn tangential_force<T: Real>(
         let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
         let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
         (
-            inverse * normal.stiffness,
-            kappa * normal.stiffness.max(tiny).reciprocal(),
+            inverse * normal_stiffness,
+            kappa * normal_stiffness.max(tiny).reciprocal(),
             inverse,
         )
     };
 
-    let tfd = matches!(kinds.tangential, Tangential::Tfd);
-    let most = if tfd { limit * 1.5 } else { limit };
+    let law = kinds.law;
+    let most = match law.sliding() {
+        Some(over_limit) => limit * over_limit,
+        None => limit,
+    };
     // The stiffness of `linear` does not change: nothing of it is ever given up.
     let gives_up = !linear && matches!(kinds.displacement, Displacement::Rescaled);
     // What is kept of the memory, and the compliance along it.
     let (kept, compliance_before) = if gives_up {
         // A cone that shrank clips only once the displacement of this step is added: coming back, it may have left the cone.
-        let (_, slip) = on_the_cone(memory, most, tfd);
+        let (_, slip) = on_the_cone(memory, most, law);
         let energy = memory.dot(compliance.apply(memory));
         let ratio = remembered_energy * (energy * slip.work).max(tiny).reciprocal();
         let along = energy * memory.dot(memory).max(least).reciprocal();
@@ -119,18 +244,18 @@ pub fn tangential_force<T: Real>(
         Displacement::Total => stiffness.apply(memory + increment),
         _ => kept + stiffness.apply(increment),
     };
-    let (zeta, slip) = on_the_cone(trial, most, tfd);
+    let (zeta, slip) = on_the_cone(trial, most, law);
     let root = slip.root;
 
     let elastic = zeta * slip.factor;
     let mut force = elastic;
-    if kinds.tangential_viscous {
+    if kinds.viscous {
         let viscous = if linear {
-            velocity * c.tangential_damping
+            velocity * c.damping
         } else {
             let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
             kappa_inverse.apply(tau.apply(kappa_inverse.apply(velocity)))
-                * (normal.stiffness * root)
+                * (normal_stiffness * root)
         };
         force = force + viscous;
         let square = force.dot(force);
@@ -144,7 +269,7 @@ pub fn tangential_force<T: Real>(
     };
     let energy = displacement.dot(zeta);
     let mut held = energy * slip.work;
-    if gives_up && tfd {
+    if gives_up && law.sliding().is_some() {
         let (old, new) = (kept.dot(kept), zeta.dot(zeta));
         let turned = (energy * new.max(least).reciprocal() - compliance_before).max(zero);
         let excess = slip.work * 2.0 - slip.factor;
@@ -173,20 +298,17 @@ pub fn tangential_force<T: Real>(
 /// Stiffness and damping matrix of a contact that has not slipped, in the tangent basis, for its normal stiffness; zero for
 /// a law without a tangential part.
 pub fn tangential_stiffness(
-    kinds: &LawKinds,
-    c: &LawConstants,
+    kinds: &TangentialKinds,
+    c: &TangentialConstants,
     normal_stiffness: f64,
     factors: &Factors,
     curvature: Symmetric2,
 ) -> (Symmetric2, Symmetric2) {
     let isotropic = |x: f64| Symmetric2::new(x, 0.0, x);
-    let (stiffness, damping) = match kinds.tangential {
+    let (stiffness, damping) = match kinds.law {
         Tangential::None => return (isotropic(0.0), isotropic(0.0)),
-        Tangential::Linear => (
-            isotropic(c.tangential_stiffness),
-            isotropic(c.tangential_damping),
-        ),
-        Tangential::Tfd | Tangential::Mindlin => {
+        law if !law.needs_material() => (isotropic(c.stiffness), isotropic(c.damping)),
+        _ => {
             let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
             let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
             let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
@@ -197,7 +319,7 @@ pub fn tangential_stiffness(
             (inverse * normal_stiffness, damping * normal_stiffness)
         }
     };
-    if kinds.tangential_viscous {
+    if kinds.viscous {
         (stiffness, damping)
     } else {
         (stiffness, isotropic(0.0))
@@ -209,7 +331,8 @@ pub fn tangential_stiffness(
 struct Slip<T> {
     /// What `zeta` was multiplied with to be there; below 1 while the contact slides.
     clip: T,
-    /// `sqrt(1 - s)`; 1 without partial slip.
+    /// What is left of the stiffness, `dF/d|zeta|`, which the viscous part goes with: `sqrt(1 - s)` for `tfd`; 1 without
+    /// partial slip.
     root: T,
     /// Elastic force over `zeta`.
     factor: T,
@@ -217,19 +340,11 @@ struct Slip<T> {
     work: T,
 }
 
-/// `zeta`, no longer than `most`: sliding, the elastic part stays on the cone.
-#[inline(always)]
-fn on_the_cone<T: Real>(zeta: Vector2<T>, most: T, tfd: bool) -> (Vector2<T>, Slip<T>) {
-    let one = most.constant(1.0);
-    let square = zeta.dot(zeta);
-    let inverse_size = square.max(most.constant(1e-290)).reciprocal_sqrt();
-    let size = square * inverse_size;
-    let slides = most.less(size);
-    let clip = T::select(slides, most * inverse_size, one);
-    let slip = if tfd {
-        // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
-        let inverse_most = most.max(most.constant(1e-300)).reciprocal();
-        let s = T::select(slides, one, (size * inverse_most).min(one));
+impl<T: Real> Slip<T> {
+    /// `F = mu F_n [1 - (1 - s)^(3/2)]`.
+    #[inline(always)]
+    fn of_cattaneo_and_mindlin(s: T, clip: T) -> Self {
+        let one = s.constant(1.0);
         let r = (one - s).sqrt();
         // [1 - (1-s)^(3/2)]/s and the work, without cancellation at s -> 0 (r -> 1).
         let next = r + 1.0;
@@ -240,13 +355,37 @@ fn on_the_cone<T: Real>(zeta: Vector2<T>, most: T, tfd: bool) -> (Vector2<T>, Sl
             factor: (r * next + 1.0) * inverse * (2.0 / 3.0),
             work: (((r * 0.4 + 0.8) * r + 1.2) * r + 0.6) * (inverse * inverse) * (2.0 / 3.0),
         }
-    } else {
+    }
+
+    /// No slip below Coulomb's limit.
+    #[inline(always)]
+    fn none(clip: T) -> Self {
+        let one = clip.constant(1.0);
         Slip {
             clip,
             root: one,
             factor: one,
             work: one * 0.5,
         }
+    }
+}
+
+/// `zeta`, no longer than `most`: sliding, the elastic part stays on the cone.
+#[inline(always)]
+fn on_the_cone<T: Real>(zeta: Vector2<T>, most: T, law: Tangential) -> (Vector2<T>, Slip<T>) {
+    let one = most.constant(1.0);
+    let square = zeta.dot(zeta);
+    let inverse_size = square.max(most.constant(1e-290)).reciprocal_sqrt();
+    let size = square * inverse_size;
+    let slides = most.less(size);
+    let clip = T::select(slides, most * inverse_size, one);
+    let slip = if law.sliding().is_some() {
+        // Exactly 1 while sliding: the viscous part goes with sqrt(1 - s), which would make 1e-8 of a rounding.
+        let inverse_most = most.max(most.constant(1e-300)).reciprocal();
+        let s = T::select(slides, one, (size * inverse_most).min(one));
+        law.partial_slip(s, clip)
+    } else {
+        Slip::none(clip)
     };
     (zeta * clip, slip)
 }

@@ -81,6 +81,25 @@ impl Ellipsoid<f64> {
         })
     }
 
+    /// Volume.
+    pub fn volume(&self) -> f64 {
+        let a = self.semi_axes;
+        4.0 / 3.0 * core::f64::consts::PI * a.x * a.y * a.z
+    }
+
+    /// Sums of the squares of the two semi-axes across each body axis, length^2: five times the principal moments of inertia
+    /// of a solid ellipsoid over its mass.
+    pub fn squares_across(&self) -> Vector3 {
+        let a = self.semi_axes;
+        let (x, y, z) = (a.x * a.x, a.y * a.y, a.z * a.z);
+        Vector3::new(y + z, x + z, x + y)
+    }
+
+    /// Principal moments of inertia of a solid ellipsoid about its body axes, mass x length^2.
+    pub fn moments_of_inertia(&self, mass: f64) -> Vector3 {
+        self.squares_across() * (0.2 * mass)
+    }
+
     /// The largest semi-axis: radius of the bounding sphere.
     pub fn bounding_radius(&self) -> f64 {
         let a = self.semi_axes;

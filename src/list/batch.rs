@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
 //!
-//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar path,
-//! which has the safeguards.
+//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar
+//! path, which has the safeguards.
 
 use super::batches::{LaneBits, Numbers};
 use super::records::Record;
@@ -14,7 +14,11 @@ use crate::contact::lane_search::{search, search_spheres, select3, separating_pl
 use crate::force::hertz_factors::{
     fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
 };
-use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
+use crate::force::normal::normal_constants;
+use crate::force::tangential::tangential_constants;
+use crate::force::{
+    Factors, LawConstants, LawKinds, NormalConstants, PairLaw, TangentialConstants,
+};
 use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
@@ -155,21 +159,34 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
     apart
 }
 
-macro_rules! load_constants {
-    ($registers:expr, $laws:expr, $only:expr, $($field:ident),*) => {
+/// A number of the law in each lane.
+macro_rules! load_constant {
+    ($registers:expr, $laws:expr, $only:expr, $($field:ident).+) => {
         if let Some(law) = $only {
-            let c = &law.constants;
-            LawConstants { $($field: Lanes::splat($registers, c.$field)),* }
+            Lanes::splat($registers, law.constants.$($field).+)
         } else {
-            LawConstants {
-                $($field: {
-                    let mut numbers = [0.0; MOST_LANES];
-                    for k in 0..S::LANES {
-                        numbers[k] = $laws[k].constants.$field;
-                    }
-                    Lanes::load($registers, &numbers)
-                }),*
+            let mut numbers = [0.0; MOST_LANES];
+            for k in 0..S::LANES {
+                numbers[k] = $laws[k].constants.$($field).+;
             }
+            Lanes::load($registers, &numbers)
+        }
+    };
+}
+
+/// The constants of a part of the law, whose name and whose fields come last.
+macro_rules! load_part {
+    ($registers:expr, $laws:expr, $only:expr, $part:ident, $name:ident, $($field:ident),+) => {
+        $name { $($field: load_constant!($registers, $laws, $only, $part.$field)),+ }
+    };
+}
+
+macro_rules! load_constants {
+    ($registers:expr, $laws:expr, $only:expr) => {
+        LawConstants {
+            normal: normal_constants!(load_part, $registers, $laws, $only, normal,),
+            tangential: tangential_constants!(load_part, $registers, $laws, $only, tangential,),
+            share_i: load_constant!($registers, $laws, $only, share_i),
         }
     };
 }
@@ -232,23 +249,8 @@ pub(super) fn run<
         FRICTION || CONSERVATIVE,
     );
     let hard = registers.or(found.hard, beyond);
-    let constants = load_constants!(
-        registers,
-        batch.laws,
-        common.only_law,
-        normal_stiffness,
-        normal_damping,
-        restitution,
-        friction,
-        kappa0,
-        kappa1,
-        tau0,
-        tau1,
-        tangential_stiffness,
-        tangential_damping,
-        share_i
-    );
-    let effective_mass = if RATE && kinds.restitution {
+    let constants = load_constants!(registers, batch.laws, common.only_law);
+    let effective_mass = if RATE && kinds.normal.restitution {
         effective_mass(registers, batch.inverse_effective_mass)
     } else {
         zero
@@ -306,8 +308,9 @@ fn factors<S: Registers, K: Kind>(
 ) -> (Factors<Lanes<S>>, S::Mask) {
     let one = Lanes::splat(registers, 1.0);
     let none = registers.no_lane();
-    if K::SPHERES || kinds.linear {
-        let sigma = one * (if kinds.linear { 0.0 } else { 1.0 / 6.0 });
+    let elliptical = kinds.normal.elliptical;
+    if K::SPHERES || !elliptical {
+        let sigma = one * (if elliptical { 1.0 / 6.0 } else { 0.0 });
         return (Factors { phi: one, sigma }, none);
     }
     let (trace, determinant) = (curvature.trace(), curvature.determinant());

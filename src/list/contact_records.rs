@@ -17,8 +17,8 @@ pub struct ContactRecord {
     pub j: usize,
     /// Place of the neighbour in the row of the central particle.
     pub entry: usize,
-    /// Whether its law has no contact ellipse.
-    pub linear: bool,
+    /// Whether its law has a contact ellipse.
+    pub elliptical: bool,
     /// Where they touched.
     pub geometry: OneContact,
     /// What acted.
@@ -99,7 +99,7 @@ pub(super) fn of_lane(
         i,
         j,
         entry,
-        linear: law.kinds.linear,
+        elliptical: law.kinds.normal.elliptical,
         geometry: OneContact {
             touching: true,
             penetration,

@@ -5,7 +5,7 @@ use super::contact_records::{ContactRecord, ContactRecords};
 use super::rows::{Accumulators, NeighbourRows};
 use crate::contact::history::{cached_normal, forget};
 use crate::contact::one_contact::geometry_of;
-use crate::contact::pair::{contact_of, factors_for, normal_before, through_law, Pair};
+use crate::contact::pair::{law_of_pair, Pair};
 use crate::contact::particle::Particle;
 use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
 use crate::tallies::{Contribution, Tallies};
@@ -113,14 +113,20 @@ impl Pass<'_, '_, '_> {
                 return self.separated(place, normal.filter(|_| searched));
             }
         };
-        let law = self.laws.get(i.kind as usize, j.kind as usize);
+        let law = self
+            .laws
+            .get(i.particle_type as usize, j.particle_type as usize);
         let d = j.position - i.position;
-        let x = contact_of(&found, i, j);
-        let factors = factors_for(law, x.curvature());
-        let before = normal_before(cached, i, j, d, found.normal, &step);
         let (_, history) = self.memory(place);
-        let f = through_law::<FRICTION, RATE, CONSERVATIVE, false>(
-            law, &factors, &x, &layout, history, touched, before, &step,
+        let f = law_of_pair::<FRICTION, RATE, CONSERVATIVE>(
+            law,
+            &found,
+            [i, j],
+            &layout,
+            history,
+            touched,
+            cached,
+            &step,
         );
         self.deep_contacts += found.deep as u64;
         if let Some(recorded) = self.recorded.as_deref_mut() {
@@ -128,7 +134,7 @@ impl Pass<'_, '_, '_> {
                 i: place.i,
                 j: place.j,
                 entry: place.entry,
-                linear: law.kinds.linear,
+                elliptical: law.kinds.normal.elliptical,
                 geometry: geometry_of(&found, i, j, law.constants.share_i),
                 forces: f,
             });

@@ -96,7 +96,7 @@ pub fn compute_wall(
         // Hale's form was tried before anything was written.
         let Ok(mut f) = c.contact.whole_force(
             law,
-            law.constants.friction,
+            law.constants.tangential.friction,
             effective_mass(i),
             input.step,
             &mut past,
@@ -170,7 +170,7 @@ fn effective_mass(i: &Particle) -> f64 {
 
 /// The law of a particle's type and the wall's.
 fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
-    input.laws.get(i.kind as usize, input.wall_type)
+    input.laws.get(i.particle_type as usize, input.wall_type)
 }
 
 fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Past {

@@ -70,7 +70,7 @@ macro_rules! constants {
 fn claims() -> Claims {
     let mut claims = Claims::default();
     structures! { claims:
-        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, kind, identifier }
+        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, particle_type, identifier }
         EllgranContactGeometry {
             size, touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
             major_direction,
@@ -83,6 +83,9 @@ fn claims() -> Claims {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
+        }
+        EllgranMixture {
+            size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,
         }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,

@@ -33,8 +33,8 @@ fn contact(axis_ratio: f64, nu: f64) -> Elliptical {
     let curvature = Symmetric2::new(0.7, 0.0, 0.7 * ratio);
     let factors = exact(curvature.trace(), curvature.determinant(), true);
     let normal = normal_force(
-        &law.kinds,
-        &law.constants,
+        &law.kinds.normal,
+        &law.constants.normal,
         PENETRATION,
         0.0,
         curvature.determinant(),
@@ -62,9 +62,9 @@ impl Elliptical {
         [Vector2::new(small, 0.0), Vector2::new(0.0, small)].map(|xi| {
             let zero = Vector2::new(0.0, 0.0);
             let t = tangential_force(
-                &self.law.kinds,
-                &self.law.constants,
-                &self.normal,
+                &self.law.kinds.tangential,
+                &self.law.constants.tangential,
+                (self.normal.force, self.normal.stiffness),
                 &factors,
                 self.curvature,
                 zero,

@@ -25,8 +25,8 @@ fn rate_of(m: f64) -> (f64, impl Fn(&[f64; 2]) -> [f64; 2]) {
     let force = move |y: &[f64; 2]| {
         let factors = exact(trace, determinant, true);
         normal_force(
-            &law.kinds,
-            &law.constants,
+            &law.kinds.normal,
+            &law.constants.normal,
             y[0].max(0.0),
             y[1],
             determinant,

@@ -15,11 +15,11 @@ fn effective_modulus_and_relaxation_time_in_series() {
     let ci = (1.0 - 0.45f64.powi(2)) / 2e6;
     let cj = (1.0 - 0.15f64.powi(2)) / 9e7;
     let modulus = 1.0 / (ci + cj);
-    assert!((law.constants.normal_stiffness / (4.0 / 3.0 * modulus) - 1.0).abs() < 1e-14);
+    assert!((law.constants.normal.stiffness / (4.0 / 3.0 * modulus) - 1.0).abs() < 1e-14);
     let time =
-        |p: &ellgran::force::LawParameters| normal_relaxation_time(&p.material, Closure::Energy);
+        |p: &ellgran::force::LawParameters| normal_relaxation_time(&p.material(), Closure::Energy);
     let wanted = (time(&i) * ci + time(&j) * cj) / (ci + cj);
-    assert!((law.constants.normal_damping / wanted - 1.0).abs() < 1e-14);
+    assert!((law.constants.normal.damping / wanted - 1.0).abs() < 1e-14);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn tangential_compliances_of_the_two_bodies_add() {
         // C_k ~ (1 - nu beta)/G and C_n ~ (1 - nu)/G, with the same factor K/(2 pi a).
         let wanted = ((1.0 - 0.45 * beta) / gi + (1.0 - 0.15 * beta) / gj)
             / ((1.0 - 0.45) / gi + (1.0 - 0.15) / gj);
-        let got = law.constants.kappa0 - law.constants.kappa1 * beta;
+        let got = law.constants.tangential.kappa0 - law.constants.tangential.kappa1 * beta;
         assert!((got / wanted - 1.0).abs() < 1e-14, "beta {beta}");
     }
 }
@@ -41,10 +41,10 @@ fn tangential_relaxation_of_the_energy_closure_as_in_section_4() {
     let p = parameters(SOFT);
     let nu = 0.45;
     let (tau1, tau2) = (
-        p.material.shear_relaxation_time(),
-        p.material.bulk_relaxation_time(),
+        p.material().shear_relaxation_time(),
+        p.material().bulk_relaxation_time(),
     );
-    let (t0, t1) = tangential_relaxation_numbers(&p.material, Closure::Energy);
+    let (t0, t1) = tangential_relaxation_numbers(&p.material(), Closure::Energy);
     for beta in [0.5, 0.2, 0.8] {
         let wanted = tau1 * (3.0 - beta * (1.0 + 2.0 * nu - 2.0 * nu * nu))
             / (3.0 * (1.0 - beta * nu))
@@ -69,7 +69,7 @@ fn the_contact_point_divides_the_penetration_by_compliance() {
     let both = laws(&[SOFT, HARD]);
     let i = body([1.0; 3], Vector::zeros(), Rotation::identity());
     let mut j = body([1.0; 3], Vector::new(1.99, 0.0, 0.0), Rotation::identity());
-    j.kind = 2;
+    j.particle_type = 2;
     let felt = touch(&both, &i, &j).unwrap();
     let ci = (1.0 - 0.45f64.powi(2)) / 2e6;
     let cj = (1.0 - 0.15f64.powi(2)) / 9e7;

@@ -14,8 +14,8 @@ const NU: f64 = 0.3;
 
 fn normal(law: &PairLaw, curvature: Symmetric2) -> NormalForce {
     normal_force(
-        &law.kinds,
-        &law.constants,
+        &law.kinds.normal,
+        &law.constants.normal,
         PENETRATION,
         0.0,
         curvature.determinant(),
@@ -25,10 +25,11 @@ fn normal(law: &PairLaw, curvature: Symmetric2) -> NormalForce {
 }
 
 fn slide(law: &PairLaw, curvature: Symmetric2, xi: Vector2, velocity: Vector2) -> TangentialForce {
+    let n = normal(law, curvature);
     tangential_force(
-        &law.kinds,
-        &law.constants,
-        &normal(law, curvature),
+        &law.kinds.tangential,
+        &law.constants.tangential,
+        (n.force, n.stiffness),
         &exact(curvature.trace(), curvature.determinant(), true),
         curvature,
         xi,
@@ -218,9 +219,9 @@ fn the_default_is_the_published_form_at_a_steady_normal_force() {
                 let step = along * (path(k) - path(k - 1));
                 let call = |law: &PairLaw, memory, remembered| {
                     tangential_force(
-                        &law.kinds,
-                        &law.constants,
-                        &n,
+                        &law.kinds.tangential,
+                        &law.constants.tangential,
+                        (n.force, n.stiffness),
                         &factors,
                         m,
                         memory,
@@ -262,9 +263,9 @@ fn nothing_is_forgotten_where_no_time_passes() {
             let n = normal(&law, m);
             let call = |n: &NormalForce, memory, energy, passes, step| {
                 tangential_force(
-                    &law.kinds,
-                    &law.constants,
-                    n,
+                    &law.kinds.tangential,
+                    &law.constants.tangential,
+                    (n.force, n.stiffness),
                     &factors,
                     m,
                     memory,

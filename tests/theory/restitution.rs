@@ -22,8 +22,8 @@ fn restitution(deck: &str, m: f64, v: f64, end: End) -> f64 {
     let factors = exact(trace, determinant, true);
     let force = |y: &[f64; 2]| {
         normal_force(
-            &law.kinds,
-            &law.constants,
+            &law.kinds.normal,
+            &law.constants.normal,
             y[0].max(0.0),
             y[1],
             determinant,
@@ -34,8 +34,8 @@ fn restitution(deck: &str, m: f64, v: f64, end: End) -> f64 {
     };
     let rate = |y: &[f64; 2]| [y[1], -force(y) / m];
     // The contact time of the elastic collision, or of the spring.
-    let span = if law.kinds.linear {
-        std::f64::consts::PI * (m / law.constants.normal_stiffness).sqrt()
+    let span = if !law.kinds.normal.elliptical {
+        std::f64::consts::PI * (m / law.constants.normal.stiffness).sqrt()
     } else {
         let k = stiffness(deck);
         3.3 * (m * m / (k * k * v)).powf(0.2)
@@ -56,7 +56,16 @@ fn restitution(deck: &str, m: f64, v: f64, end: End) -> f64 {
 fn stiffness(deck: &str) -> f64 {
     let law = pair_law(deck);
     let factors = exact(2.0, 0.9, true);
-    normal_force(&law.kinds, &law.constants, 1.0, 0.0, 0.9, &factors, 1.0).elastic
+    normal_force(
+        &law.kinds.normal,
+        &law.constants.normal,
+        1.0,
+        0.0,
+        0.9,
+        &factors,
+        1.0,
+    )
+    .elastic
 }
 
 /// A deck whose damping is `b = (3/2) A (k/m)^(2/5) v^(1/5)`.
@@ -204,7 +213,7 @@ fn the_same_damping_rebounds_higher_without_attraction() {
             "hertz 1e6 0.25 damping restitution {e} limit_force no"
         ));
         let without = pair_law(&format!("hertz 1e6 0.25 damping restitution {higher}"));
-        let ratio = without.constants.restitution / law.constants.restitution;
+        let ratio = without.constants.normal.restitution / law.constants.normal.restitution;
         assert!((ratio - 1.0).abs() < 5e-3, "{e}: {ratio}");
     }
 }
@@ -293,8 +302,8 @@ fn off_centre(e: f64, m: f64, v: f64) -> f64 {
     let factors = exact(2.0, 0.9, true);
     let force = |y: &[f64; 2]| {
         normal_force(
-            &law.kinds,
-            &law.constants,
+            &law.kinds.normal,
+            &law.constants.normal,
             y[0].max(0.0),
             y[1],
             0.9,

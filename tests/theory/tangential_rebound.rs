@@ -16,8 +16,8 @@ fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
     let factors = exact(curvature.trace(), curvature.determinant(), true);
     let normal = |y: &[f64; 4]| {
         normal_force(
-            &law.kinds,
-            &law.constants,
+            &law.kinds.normal,
+            &law.constants.normal,
             y[0].max(0.0),
             y[1],
             curvature.determinant(),
@@ -31,9 +31,9 @@ fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
         let zero = Vector2::new(0.0, 0.0);
         let tangential = |memory: f64, increment: f64| {
             let t = tangential_force(
-                &law.kinds,
-                &law.constants,
-                &n,
+                &law.kinds.tangential,
+                &law.constants.tangential,
+                (n.force, n.stiffness),
                 &factors,
                 curvature,
                 Vector2::new(memory, 0.0),

@@ -5,6 +5,7 @@ use std::fs;
 
 use anyhow::{anyhow, bail, Context, Result};
 
+use crate::law_tables::c_items;
 use crate::progress::say;
 use crate::python_interface::python_interface;
 use crate::workspace;
@@ -13,7 +14,11 @@ pub fn header(check: bool) -> Result<()> {
     let root = workspace::root();
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml"))
         .map_err(|error| anyhow!("cbindgen.toml: {error}"))?;
+    let directory = tempfile::tempdir()?;
+    let tables = directory.path().join("law_tables.rs");
+    fs::write(&tables, c_items(&root)?)?;
     let bindings = cbindgen::Builder::new()
+        .with_src(&tables)
         .with_crate(&root)
         .with_config(config)
         .generate()
