@@ -60,14 +60,14 @@ fn the_system_libraries_are_those_that_rustc_names() {
     );
 }
 
-/// The fenced block that follows "System libraries:".
+/// The fenced block that follows "Link these system libraries with the static library:".
 #[test]
 #[cfg(target_os = "linux")]
 fn the_page_names_the_same_system_libraries() {
     let page = fs::read_to_string(root().join("docs/library.md")).expect("docs/library.md");
     let (_, after) = page
-        .split_once("System libraries:")
-        .expect("docs/library.md: 'System libraries:'");
+        .split_once("Link these system libraries with the static library:")
+        .expect("docs/library.md: no line on system libraries");
     assert_eq!(
         libraries(&all_blocks(after)[0].text),
         libraries(&installed().system_libraries),
