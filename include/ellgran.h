@@ -41,29 +41,19 @@ template <typename Type> inline Type init()
 #endif
 
 /*
- Normal law: elastic, from E and nu, with damping if asked for.
+ Normal law: elastic, from E and nu.
  */
 #define ELLGRAN_NORMAL_HERTZ 0
 
 /*
- Normal law: viscoelastic, from E, nu, eta1, eta2 and a closure.
+ Normal law: viscoelastic, from E, nu, eta1, eta2.
  */
 #define ELLGRAN_NORMAL_NFD 1
 
 /*
- Normal law: linear spring and dashpot, for comparison.
+ Normal law: linear spring and dashpot.
  */
 #define ELLGRAN_NORMAL_LSD 2
-
-/*
- Hertz factors exact to 1e-13.
- */
-#define ELLGRAN_FACTORS_EXACT 0
-
-/*
- Hale's closed form of the Hertz factors, the paper's Eq. (4), to reproduce the paper.
- */
-#define ELLGRAN_FACTORS_HALE 1
 
 /*
  No damping of the `hertz` law.
@@ -71,22 +61,42 @@ template <typename Type> inline Type init()
 #define ELLGRAN_DAMPING_NONE 0
 
 /*
- Damping that gives central impacts a coefficient of restitution, at any speed.
+ Damping that gives a coefficient of restitution.
  */
 #define ELLGRAN_DAMPING_RESTITUTION 1
 
 /*
- Damping by a relaxation time A_n: the form of `nfd` with the coefficient given.
+ Damping by a relaxation time A_n.
  */
 #define ELLGRAN_DAMPING_RELAXATION 2
 
 /*
- A_n from the dissipation of the quasi-static strain-rate field.
+ No tangential force.
+ */
+#define ELLGRAN_TANGENTIAL_NONE 0
+
+/*
+ Partial slip.
+ */
+#define ELLGRAN_TANGENTIAL_TFD 1
+
+/*
+ No slip below the Coulomb limit.
+ */
+#define ELLGRAN_TANGENTIAL_MINDLIN 2
+
+/*
+ Constant stiffness below the Coulomb limit.
+ */
+#define ELLGRAN_TANGENTIAL_LINEAR 3
+
+/*
+ A_n from the dissipation of the strain-rate field.
  */
 #define ELLGRAN_CLOSURE_ENERGY 0
 
 /*
- A_n from the surface strains of Hertz' solution.
+ A_n from the surface strains.
  */
 #define ELLGRAN_CLOSURE_SURFACE 1
 
@@ -96,7 +106,7 @@ template <typename Type> inline Type init()
 #define ELLGRAN_CLOSURE_BRILLIANTOV 2
 
 /*
- Receding contact after Ting: `F_H(max(delta + A_n d(delta)/dt, 0))`, never attractive.
+ Receding contact after Ting.
  */
 #define ELLGRAN_UNLOADING_TING 0
 
@@ -106,41 +116,27 @@ template <typename Type> inline Type init()
 #define ELLGRAN_UNLOADING_FIRST_ORDER 1
 
 /*
- No tangential force, no tangential history.
+ Exact Hertz factors.
  */
-#define ELLGRAN_TANGENTIAL_NONE 0
+#define ELLGRAN_FACTORS_EXACT 0
 
 /*
- Partial slip after Cattaneo and Mindlin, with the compliance of the contact ellipse.
+ Hale's closed form.
  */
-#define ELLGRAN_TANGENTIAL_TFD 1
+#define ELLGRAN_FACTORS_HALE 1
 
 /*
- The no-slip stiffness of the contact ellipse up to the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_MINDLIN 2
-
-/*
- A constant stiffness and damping up to the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_LINEAR 3
-
-/*
- The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
- published form. It can create energy: what was loaded while the contact was deep gives more when it is unloaded
- while it is shallow.
+ The tangential displacement since first touch is remembered: the published form, which can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy.
+ The tangential force is remembered; can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force and its energy are remembered, reduced where the contact would otherwise hold more energy than
- it took, as with the stiffness while the contact shrinks: no cycle creates energy. The same as `total` while the
- normal force is steady. The default.
+ The tangential force and its energy are remembered, and no energy is created. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -250,12 +246,6 @@ typedef struct EllgranStagedContact EllgranStagedContact;
  A rigid wall: parts of any shape that move as one. Opaque; belongs to one thread at a time.
  */
 typedef struct EllgranWall EllgranWall;
-
-/*
- Contacts found by one call, of a length that is not known before. Opaque; grows only when a particle has more contacts
- or triangles than any before it.
- */
-typedef struct EllgranWallContacts EllgranWallContacts;
 
 /*
  Memory that one thread of calls keeps from step to step. Opaque.
@@ -464,135 +454,45 @@ typedef struct EllgranContactForce {
 } EllgranContactForce;
 
 /*
- The laws and constants of one pair of types; for a pair given as I J both bodies are of this material. Plain
- data: may be copied and stored in restart files. Consistent units. Moduli and `normal_stiffness` are from 1e-50
- to 1e50, the other constants at most 1e50, a relaxation time at most 1e20.
+ Triangles that an engine keeps and moves itself, as they are in this step: one part of a wall, after its others.
  */
-typedef struct EllgranLawParameters {
+typedef struct EllgranLentTriangles {
   /*
-   `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+   `sizeof(EllgranLentTriangles)`; `ELLGRAN_INIT` sets it.
    */
   size_t size;
   /*
-   Normal law, ELLGRAN_NORMAL_*.
+   Number of triangles.
    */
-  int32_t normal;
+  size_t count;
   /*
-   Damping of the `hertz` law, ELLGRAN_DAMPING_*.
+   [count][3][3]: their corners; components up to 1e20.
    */
-  int32_t damping;
+  const double *corners;
   /*
-   Tangential law, ELLGRAN_TANGENTIAL_*.
+   [count][3][3]: velocities of the corners, up to 1e25; NULL for triangles at rest.
    */
-  int32_t tangential;
+  const double *velocities;
   /*
-   How the relaxation times of `nfd` follow from the viscosities, ELLGRAN_CLOSURE_*.
+   Number of particles that have a list of triangles near them, the first of all; the others are near none.
    */
-  int32_t closure;
+  size_t particle_count;
   /*
-   Receding contact of a law with a relaxation time, ELLGRAN_UNLOADING_*.
+   [particle_count + 1]: where in `near` the list of a particle begins; the last is the length of `near`.
    */
-  int32_t unloading;
+  const size_t *near_starts;
   /*
-   Form of the Hertz factors, ELLGRAN_FACTORS_*.
+   Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
+   free. The order in each list is that in which contacts are found.
    */
-  int32_t factors;
-  /*
-   What is kept of the tangential displacement, ELLGRAN_DISPLACEMENT_*.
-   */
-  int32_t displacement;
-  /*
-   Whether force and torques are the complete gradient of the elastic energy (docs/theory.md, section 7); else
-   the force acts along the normal alone.
-   */
-  int32_t conservative;
-  /*
-   Whether an attractive normal force is cut off.
-   */
-  int32_t limit_force;
-  /*
-   Young's modulus E, pressure.
-   */
-  double youngs_modulus;
-  /*
-   Poisson's ratio nu.
-   */
-  double poissons_ratio;
-  /*
-   Shear viscosity eta1, pressure x time.
-   */
-  double shear_viscosity;
-  /*
-   Bulk viscosity eta2, pressure x time.
-   */
-  double bulk_viscosity;
-  /*
-   A_n of `damping relaxation`, time.
-   */
-  double relaxation_time;
-  /*
-   e of `damping restitution`.
-   */
-  double restitution;
-  /*
-   kn of `lsd`, force/length.
-   */
-  double normal_stiffness;
-  /*
-   cn of `lsd`, force x time/length.
-   */
-  double normal_damping;
-  /*
-   Coefficient of friction mu.
-   */
-  double friction;
-  /*
-   kt of `tangential linear`, force/length.
-   */
-  double tangential_stiffness;
-  /*
-   ct of `tangential linear`, force x time/length.
-   */
-  double tangential_damping;
-} EllgranLawParameters;
-
-/*
- What the contact of two types has, as their materials mix.
- */
-typedef struct EllgranMixture {
-  /*
-   `sizeof(EllgranMixture)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   E*, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
-   */
-  double effective_modulus;
-  /*
-   G*, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
-   */
-  double effective_shear_modulus;
-  /*
-   A_n, time: the ratio of normal dashpot and spring while the bodies approach; 0 where there is none, as with damping by a
-   coefficient of restitution and for a law without a material.
-   */
-  double normal_relaxation_time;
-  /*
-   A_t of a circular contact, time: the ratio of tangential dashpot and spring without slip; 0 without a tangential law that
-   takes its stiffness from the material.
-   */
-  double tangential_relaxation_time;
-  /*
-   Share of the body of the first type in the penetration, by compliance; 0.5 for a law without a material.
-   */
-  double share_i;
-} EllgranMixture;
+  const uint32_t *near;
+} EllgranLentTriangles;
 
 /*
  Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 
  The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
- and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
+ and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the first `owned_count`. What is out of
  the range stated at a field is an error that names the particle and the value.
  */
 typedef struct EllgranParticles {
@@ -677,6 +577,201 @@ typedef struct EllgranParticles {
    */
   double *torques;
 } EllgranParticles;
+
+/*
+ Pose and motion of a wall. Zeros: at rest, where its shapes were described.
+ */
+typedef struct EllgranWallMotion {
+  /*
+   `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   The point about which the wall has turned, where it was when the shapes were described.
+   */
+  double origin[3];
+  /*
+   How far that point has moved since.
+   */
+  double displacement[3];
+  /*
+   Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
+   */
+  double quaternion[4];
+  /*
+   Velocity of the point: over a step, its displacement in the step by the time step.
+   */
+  double velocity[3];
+  /*
+   Angular velocity, world frame, likewise.
+   */
+  double angular_velocity[3];
+} EllgranWallMotion;
+
+/*
+ A contact that `ellgran_find_wall_contacts` found.
+ */
+typedef struct EllgranFoundWallContact {
+  /*
+   `sizeof(EllgranFoundWallContact)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Index of the particle.
+   */
+  size_t particle;
+  /*
+   Index of the wall's part.
+   */
+  size_t part;
+  /*
+   Index of the triangle of that part that stands for the contact; 0 where it has none.
+   */
+  size_t triangle;
+  /*
+   The point of the surface that lies deepest in the particle, world frame.
+   */
+  double point[3];
+  /*
+   Velocity of the surface there.
+   */
+  double velocity[3];
+  /*
+   1 if the contact goes on from one of the last step.
+   */
+  int32_t touched;
+  /*
+   1 if it begins anew in each step, since the memory has no room for as many contacts of one particle.
+   */
+  int32_t is_forgotten;
+  /*
+   Normal from the particle into the wall at the last step, if `touched`.
+   */
+  double last_normal[3];
+  /*
+   What the contact model keeps of it, `history_length` doubles, zeros for a new contact, to be changed in place; valid until the next
+   call with this wall. NULL if there are none.
+   */
+  double *history;
+} EllgranFoundWallContact;
+
+/*
+ Geometry of a contact in stages.
+ */
+typedef struct EllgranStagedGeometry {
+  /*
+   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   1 if the bodies touch; otherwise the rest is zero.
+   */
+  int32_t touching;
+  /*
+   Penetration: the smallest translation that separates the bodies.
+   */
+  double penetration;
+  /*
+   Unit normal from i to j, or into the wall.
+   */
+  double normal[3];
+  /*
+   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   */
+  double contact_point[3];
+} EllgranStagedGeometry;
+
+/*
+ The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
+ units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
+ 1e20.
+ */
+typedef struct EllgranLawParameters {
+  /*
+   `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   ELLGRAN_NORMAL_*
+   */
+  int32_t normal;
+  /*
+   ELLGRAN_DAMPING_*
+   */
+  int32_t damping;
+  /*
+   ELLGRAN_TANGENTIAL_*
+   */
+  int32_t tangential;
+  /*
+   ELLGRAN_CLOSURE_*
+   */
+  int32_t closure;
+  /*
+   ELLGRAN_UNLOADING_*
+   */
+  int32_t unloading;
+  /*
+   ELLGRAN_FACTORS_*
+   */
+  int32_t factors;
+  /*
+   ELLGRAN_DISPLACEMENT_*
+   */
+  int32_t displacement;
+  /*
+   1: force and torques are the complete gradient of the elastic energy; 0: the force acts along the normal alone.
+   */
+  int32_t conservative;
+  /*
+   1: an attractive normal force is cut off.
+   */
+  int32_t limit_force;
+  /*
+   Young's modulus E, pressure.
+   */
+  double youngs_modulus;
+  /*
+   Poisson's ratio nu.
+   */
+  double poissons_ratio;
+  /*
+   Shear viscosity eta1, pressure x time.
+   */
+  double shear_viscosity;
+  /*
+   Bulk viscosity eta2, pressure x time.
+   */
+  double bulk_viscosity;
+  /*
+   A_n of ELLGRAN_DAMPING_RELAXATION, time.
+   */
+  double relaxation_time;
+  /*
+   e of ELLGRAN_DAMPING_RESTITUTION.
+   */
+  double restitution;
+  /*
+   kn of the linear law, force/length.
+   */
+  double normal_stiffness;
+  /*
+   cn of the linear law, force x time/length.
+   */
+  double normal_damping;
+  /*
+   Coefficient of friction mu.
+   */
+  double friction;
+  /*
+   kt of ELLGRAN_TANGENTIAL_LINEAR, force/length.
+   */
+  double tangential_stiffness;
+  /*
+   ct of ELLGRAN_TANGENTIAL_LINEAR, force x time/length.
+   */
+  double tangential_damping;
+} EllgranLawParameters;
 
 /*
  Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
@@ -805,6 +900,84 @@ typedef struct EllgranStiffnessArrays {
 } EllgranStiffnessArrays;
 
 /*
+ Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
+
+ The arrays are read and written during a call and not kept after it. No two of them overlap.
+ */
+typedef struct EllgranMotion {
+  /*
+   `sizeof(EllgranMotion)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Number of bodies.
+   */
+  size_t count;
+  /*
+   Centres, [count][3]; written by `ellgran_start_step`.
+   */
+  double *positions;
+  /*
+   Velocities of the centres, [count][3]; written.
+   */
+  double *velocities;
+  /*
+   Angular momenta about the centres, [count][3]; written.
+   */
+  double *angular_momenta;
+  /*
+   Forces, [count][3].
+   */
+  const double *forces;
+  /*
+   Torques about the centres, [count][3].
+   */
+  const double *torques;
+  /*
+   Masses, [count], finite and greater than 0.
+   */
+  const double *masses;
+  /*
+   Index of each body into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error if it is to move.
+   NULL: the body's own index.
+   */
+  const int32_t *shape_indices;
+  /*
+   Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+   */
+  const double *semi_axes;
+  /*
+   Bytes from one entry of `semi_axes` to the next.
+   */
+  size_t semi_axes_stride;
+  /*
+   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
+   with length 1.
+   */
+  double *quaternions;
+  /*
+   Bytes from one entry of `quaternions` to the next.
+   */
+  size_t quaternions_stride;
+  /*
+   Group bits of each body, [count], or NULL: all bodies move.
+   */
+  const int32_t *masks;
+  /*
+   Bodies with `masks[i] & group_mask` not zero move.
+   */
+  int32_t group_mask;
+  /*
+   Bytes of an entry of `identifiers`: 4 or 8.
+   */
+  int32_t identifier_bytes;
+  /*
+   What to call a body in a message, [count] integers, or NULL: index + 1.
+   */
+  const void *identifiers;
+} EllgranMotion;
+
+/*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
  A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
@@ -865,7 +1038,7 @@ typedef struct EllgranNeighbourList {
    pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
    the workspace. 0: they may have. When in doubt, 0.
 
-   `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+   `ellgran_compute_wall` and calls for one contact in between do not count, a call that failed neither; in the first
    call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
    `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
    said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
@@ -1030,36 +1203,6 @@ typedef struct EllgranWallShape {
 } EllgranWallShape;
 
 /*
- Pose and motion of a wall. Zeros: at rest, where its shapes were described.
- */
-typedef struct EllgranWallMotion {
-  /*
-   `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   The point about which the wall has turned, where it was when the shapes were described.
-   */
-  double origin[3];
-  /*
-   How far that point has moved since.
-   */
-  double displacement[3];
-  /*
-   Rotation of the wall since then, (w, x, y, z), of any length; zeros: none.
-   */
-  double quaternion[4];
-  /*
-   Velocity of the point: over a step, its displacement in the step by the time step.
-   */
-  double velocity[3];
-  /*
-   Angular velocity, world frame, likewise.
-   */
-  double angular_velocity[3];
-} EllgranWallMotion;
-
-/*
  What the particles of a call do to a wall.
  */
 typedef struct EllgranWallLoad {
@@ -1134,32 +1277,6 @@ typedef struct EllgranRecordedWallContact {
    */
   double elastic_energy[2];
 } EllgranRecordedWallContact;
-
-/*
- Geometry of a contact in stages.
- */
-typedef struct EllgranStagedGeometry {
-  /*
-   `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   1 if the bodies touch; otherwise the rest is zero.
-   */
-  int32_t touching;
-  /*
-   Penetration: the smallest translation that separates the bodies.
-   */
-  double penetration;
-  /*
-   Unit normal from i to j, or into the wall.
-   */
-  double normal[3];
-  /*
-   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
-   */
-  double contact_point[3];
-} EllgranStagedGeometry;
 
 /*
  The surface of a wall where a body touches it.
@@ -1264,23 +1381,7 @@ typedef struct EllgranContactStiffness {
   double critical_step;
 } EllgranContactStiffness;
 
-/*
- Which triangle stands for a contact of an ellipsoid with a wall.
- */
-typedef struct EllgranWallContact {
-  /*
-   `sizeof(EllgranWallContact)`; `ELLGRAN_INIT` sets it.
-   */
-  size_t size;
-  /*
-   Index of the triangle that stands for the contact, 0 where there are none.
-   */
-  size_t triangle;
-  /*
-   Weights of that triangle's corners at the point of the surface; the velocity there is their mean so weighted.
-   */
-  double weights[3];
-} EllgranWallContact;
+
 
 
 
@@ -1354,6 +1455,91 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
+ Lends triangles to a wall in place of those before. Together they are one surface, that acts to both sides, as that of
+ `ellgran_wall_add_triangles`. They are copied; all are described in the place where the wall has not yet moved.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as `EllgranLentTriangles` states.
+ */
+int32_t ellgran_wall_lend_triangles(struct EllgranWall *wall,
+                                    const struct EllgranLentTriangles *triangles);
+
+/*
+ Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall, where a contact model of the
+ engine keeps `history_length` doubles of each contact; 0 for NULL and without a history.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_found_memory_length(const struct EllgranWall *wall,
+                                        size_t history_length);
+
+/*
+ Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
+ computes forces. `ellgran_wall_found` tells of each, `ellgran_staged_found` prepares it for the force,
+ and `ellgran_remember_wall_contacts` writes what their histories have become.
+
+ Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
+ `ellgran_compute_wall`. `memory` is [owned_count][`ellgran_wall_found_memory_length`] (NULL if that is 0), set to 0 by the caller
+ before a particle's first call, and is not written here. The histories are the engine's own: where the wall turns, it is the engine that turns
+ them.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_find_wall_contacts(struct EllgranWorkspace *workspace,
+                                   struct EllgranWall *wall,
+                                   const struct EllgranParticles *particles,
+                                   const int32_t *masks,
+                                   int32_t group_mask,
+                                   const struct EllgranWallMotion *motion,
+                                   size_t history_length,
+                                   const double *memory);
+
+/*
+ Number of contacts that were found last; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_found_count(const struct EllgranWall *wall);
+
+/*
+ One of the contacts that were found last, in the order of the particles.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_wall_found(struct EllgranWall *wall,
+                           size_t index,
+                           struct EllgranFoundWallContact *found);
+
+/*
+ First stage, a contact that `ellgran_find_wall_contacts` found; otherwise like `ellgran_staged_pair`.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_found(struct EllgranStagedContact *staged,
+                             const struct EllgranWall *wall,
+                             size_t index,
+                             double share_i,
+                             struct EllgranStagedGeometry *geometry);
+
+/*
+ Writes to `memory` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
+ are those of that call. Of particles that do not touch nothing is remembered any more.
+
+ # Safety
+ The pointers are NULL or valid; `memory` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
+ */
+int32_t ellgran_remember_wall_contacts(const struct EllgranWall *wall,
+                                       size_t owned_count,
+                                       const int32_t *masks,
+                                       int32_t group_mask,
+                                       double *memory);
+
+/*
  Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
  zero.
 
@@ -1365,8 +1551,10 @@ int32_t ellgran_law_parameters_default(struct EllgranLawParameters *parameters);
 /*
  Reads the words of a deck that choose a law (what follows `I J` in LAMMPS' `pair_coeff`) and checks the constants.
 
- The normal law comes first, with its constants; then in any order a keyword with its word and the constants of that, such as
- `nfd 3e6 0.3 200 200 tangential tfd 0.5`. Without any word the message of the error has all that can be given.
+ `hertz E nu | nfd E nu eta1 eta2 | lsd kn cn`, then in any order `damping none | restitution e | relaxation A_n`,
+ `tangential none | tfd mu | mindlin mu | linear kt ct mu`, `closure energy|surface|brilliantov`,
+ `unloading ting|first_order`, `displacement total|incremental|rescaled`, `factors exact|hale`,
+ `conservative yes|no`, `limit_force yes|no`.
 
  With `consumed` not NULL, reading ends at the first word that is none of these, and the number of words read is
  written; with NULL such a word is an error.
@@ -1421,17 +1609,6 @@ int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
 int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
                                       const double *restitution,
                                       struct EllgranLaws **result);
-
-/*
- Moduli, relaxation times and the share in the penetration of a pair of types.
-
- # Safety
- `laws` is NULL or valid; `mixture` is NULL or valid for writes.
- */
-int32_t ellgran_laws_mixture(const struct EllgranLaws *laws,
-                             int32_t type_i,
-                             int32_t type_j,
-                             struct EllgranMixture *mixture);
 
 /*
  Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
@@ -1576,6 +1753,30 @@ int32_t ellgran_rayleigh_times(size_t type_count,
                                double *times);
 
 /*
+ First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
+ end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, "Motion").
+
+ The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
+ moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
+ finite number, or it would turn by more than half a circle.
+
+ # Safety
+ `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_start_step(const struct EllgranWorkspace *workspace,
+                           const struct EllgranMotion *motion,
+                           double time_step);
+
+/*
+ Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
+
+ # Safety
+ The pointers are as stated in `EllgranMotion`.
+ */
+int32_t ellgran_finish_step(const struct EllgranMotion *motion,
+                            double time_step);
+
+/*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
  Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
@@ -1658,34 +1859,6 @@ size_t ellgran_workspace_bytes(const struct EllgranWorkspace *workspace);
  `workspace` is NULL or valid.
  */
 int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *workspace);
-
-/*
- Forces and torques between all owned particles and plane walls, added to the particles' arrays.
-
- Contacts follow the law between the particle's type and `wall_type`. `masks` ([owned_count], or NULL for all) and
- `group_mask` select particles: those with `masks[i] & group_mask` not zero. `touching` is [owned_count][wall_count] and
- `history` [owned_count][wall_count][history length] (both NULL if the history length is 0): set to 0 by the caller before a
- particle's first call, and to be carried along with the particle when its index changes. `wall_forces`,
- [wall_count][3] or NULL, receives the force on each wall, added to.
-
- All particles are checked first; on failure nothing is written.
-
- # Safety
- The pointers are as stated here and in `EllgranParticles` and `EllgranTallies`; `tallies` may be NULL.
- */
-int32_t ellgran_compute_planes(const struct EllgranLaws *laws,
-                               struct EllgranWorkspace *workspace,
-                               const struct EllgranParticles *particles,
-                               const int32_t *masks,
-                               int32_t group_mask,
-                               int32_t wall_type,
-                               size_t wall_count,
-                               const struct EllgranPlane *planes,
-                               int32_t *touching,
-                               double *history,
-                               const struct EllgranStep *step,
-                               double *wall_forces,
-                               struct EllgranTallies *tallies);
 
 /*
  Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
@@ -1870,28 +2043,6 @@ int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
                               struct EllgranRecordedWallContact *contact);
 
 /*
- Volumes of ellipsoids. `semi_axes` is [count][3], with the ranges of `EllgranBody`; `volumes` is [count].
-
- # Safety
- The pointers are NULL or have these lengths.
- */
-int32_t ellgran_volumes(size_t count,
-                        const double *semi_axes,
-                        double *volumes);
-
-/*
- Principal moments of inertia of solid ellipsoids about their body axes, mass x length^2. `semi_axes` is [count][3], with the
- ranges of `EllgranBody`, `masses` [count], INFINITY for a fixed body; `moments` is [count][3].
-
- # Safety
- The pointers are NULL or have these lengths.
- */
-int32_t ellgran_moments_of_inertia(size_t count,
-                                   const double *semi_axes,
-                                   const double *masses,
-                                   double *moments);
-
-/*
  Memory for the stages of a contact.
 
  # Safety
@@ -1968,21 +2119,6 @@ int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
  */
 int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *staged,
                                          double *radius);
-
-/*
- Normal and tangential stiffness of a circular contact with the same elastic normal force, force/length, for laws written for
- spheres: `4/3 E* sqrt(R delta)` and `8 G* sqrt(R delta)` with the radius `R` of `ellgran_staged_equivalent_radius` and the
- moduli of `ellgran_laws_mixture`; 0 for a law without a material.
-
- # Safety
- The pointers are NULL or valid.
- */
-int32_t ellgran_staged_circular_stiffness(const struct EllgranStagedContact *staged,
-                                          const struct EllgranLaws *laws,
-                                          int32_t type_i,
-                                          int32_t type_j,
-                                          double *normal,
-                                          double *tangential);
 
 /*
  Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,
@@ -2101,7 +2237,7 @@ int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
                               double *time);
 
 /*
- Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+ Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` over the half step
  that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 
  Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
@@ -2126,83 +2262,6 @@ uint32_t ellgran_abi_version(void);
  The library's version as text, such as `0.1.0`; static.
  */
 const char *ellgran_version(void);
-
-/*
- Memory for the contacts of a particle.
-
- # Safety
- `contacts` is NULL or valid for writes.
- */
-int32_t ellgran_wall_contacts_new(struct EllgranWallContacts **contacts);
-
-/*
- Frees what `ellgran_wall_contacts_new` gave; NULL is allowed.
-
- # Safety
- `contacts` is NULL or came from `ellgran_wall_contacts_new` and is not used again.
- */
-void ellgran_wall_contacts_free(struct EllgranWallContacts *contacts);
-
-/*
- Number of contacts of the last call; 0 for NULL.
-
- # Safety
- `contacts` is NULL or valid.
- */
-size_t ellgran_wall_contacts_count(const struct EllgranWallContacts *contacts);
-
-/*
- The contact of this index, of the last call: the wall's `surface`, whose velocity is zero and is the caller's to set,
- and, unless `contact` is NULL, the triangle.
-
- # Safety
- The pointers are NULL or valid.
- */
-int32_t ellgran_wall_contacts_get(const struct EllgranWallContacts *contacts,
-                                  size_t index,
-                                  struct EllgranWallContact *contact,
-                                  struct EllgranWallSurface *surface);
-
-/*
- The contact of an ellipsoid with a plane that acts to both sides: the side is that of the ellipsoid's centre.
-
- # Safety
- The pointers are NULL or valid; `point` and `normal` have 3 doubles.
- */
-int32_t ellgran_plane_contacts(struct EllgranWallContacts *contacts,
-                               const struct EllgranBody *body,
-                               const double *point,
-                               const double *normal);
-
-/*
- The contacts of an ellipsoid with a circular cylinder: from within, if its centre is - two, if both of its ends are beyond
- the wall - else from without.
-
- # Safety
- The pointers are NULL or valid; `point` (of the axis) and `axis` have 3 doubles.
- */
-int32_t ellgran_cylinder_contacts(struct EllgranWallContacts *contacts,
-                                  const struct EllgranBody *body,
-                                  const double *point,
-                                  const double *axis,
-                                  double radius);
-
-/*
- The contacts of an ellipsoid with a surface of triangles, each once: on a face, at an edge or at a corner. An edge or a
- corner is taken as flat in Hertz' law, with the normal that the contact has there. At a concave fold the faces act by
- their shares, of which each is a contact: force and energy are continuous at any angle, and many facets are the curved
- surface that they approach. A flat surface is one contact with the plane, in whatever pieces it comes.
-
- `corners` is [count][3][3]: all triangles near the ellipsoid, since an edge whose other triangle is missing counts as
- free.
-
- # Safety
- The pointers are NULL or valid; `corners` has `count * 9` doubles.
- */
-int32_t ellgran_triangle_contacts(struct EllgranWallContacts *contacts,
-                                  const struct EllgranBody *body,
-                                  size_t count,
-                                  const double *corners);
 
 /*
  Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is

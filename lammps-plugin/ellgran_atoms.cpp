@@ -319,6 +319,17 @@ void EllgranAtoms::unpack_shapes(int n, int first, const double *buffer)
   }
 }
 
+void EllgranAtoms::set_grain(int i, const double *axes, const double *quaternion, double mass)
+{
+  // The mass first: LAMMPS keeps moments of inertia of superellipsoids, and makes them of mass and shape.
+  atom->rmass[i] = mass;
+  auto *vec = const_cast<AtomVecEllipsoid *>(ellipsoid_style(atom->avec));
+  vec->set_shape(i, axes[0], axes[1], axes[2]);
+  const Shapes found = shapes();
+  std::copy_n(quaternion, 4, const_cast<double *>(entry(found.quaternions, found.stride, atom->ellipsoid[i])));
+  std::fill_n(atom->angmom[i], 3, 0.0);
+}
+
 EllgranParticles EllgranAtoms::view() const
 {
   const Shapes found = shapes();

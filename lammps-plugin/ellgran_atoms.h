@@ -56,6 +56,9 @@ class EllgranAtoms : protected Pointers {
 
   static constexpr int SHAPE_SIZE = 4;
 
+  /// Makes an owned atom, new or not, an ellipsoid at rest about its centre.
+  void set_grain(int i, const double *semi_axes, const double *quaternion, double mass);
+
   /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
   /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom). Velocity and
   /// angular momentum are those given, or the atom's own of now for nullptr.

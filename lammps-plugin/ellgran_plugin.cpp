@@ -4,7 +4,10 @@
 
 #include "lammpsplugin.h"
 
+#include "create_ellipsoids.h"
 #include "ellgran_class_layout.h"
+#include "fix_nve_ellipsoid.h"
+#include "fix_pour_ellipsoid.h"
 #include "fix_wall_gran_ellipsoid.h"
 #include "pair_gran_ellipsoid.h"
 
@@ -46,6 +49,21 @@ Pair *create_pair(LAMMPS *lmp)
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixWallGranEllipsoid(lmp, narg, arg);
+}
+
+Fix *create_integrator(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixNVEEllipsoid(lmp, narg, arg);
+}
+
+Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixPourEllipsoid(lmp, narg, arg);
+}
+
+Command *create_fill(LAMMPS *lmp)
+{
+  return new CreateEllipsoids(lmp);
 }
 
 // LAMMPS' classes as the headers describe them.
@@ -157,28 +175,37 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   require_same_lammps(lammps);
   tell_of_first_plugin(lammps);
 
-  // LAMMPS keeps these pointers for as long as the plugin is loaded.
-  static char pair_about[96], fix_about[96];
-  std::snprintf(pair_about, sizeof pair_about, "pair_style gran/ellipsoid, ellgran %s",
-                ellgran_version());
-  std::snprintf(fix_about, sizeof fix_about, "fix wall/gran/ellipsoid, ellgran %s",
-                ellgran_version());
+  const auto one = [](auto *function) { return reinterpret_cast<lammpsplugin_factory1 *>(function); };
+  const auto two = [](auto *function) { return reinterpret_cast<lammpsplugin_factory2 *>(function); };
+  const struct {
+    const char *kind, *name;
+    lammpsplugin_factory1 *creator;
+    lammpsplugin_factory2 *creator_with_words;
+  } styles[] = {
+      {"pair", "gran/ellipsoid", one(&create_pair), nullptr},
+      {"fix", "wall/gran/ellipsoid", nullptr, two(&create_fix)},
+      {"fix", "nve/ellipsoid", nullptr, two(&create_integrator)},
+      {"fix", "pour/ellipsoid", nullptr, two(&create_pour)},
+      {"command", "create_ellipsoids", one(&create_fill), nullptr},
+  };
 
-  lammpsplugin_t plugin{};
-  plugin.version = LAMMPS_VERSION;
-  plugin.author = "the ellgran developers";
-  plugin.handle = handle;
-  const auto register_style = reinterpret_cast<lammpsplugin_regfunc>(regfunc);
-
-  plugin.style = "pair";
-  plugin.name = "gran/ellipsoid";
-  plugin.info = pair_about;
-  plugin.creator.v1 = reinterpret_cast<lammpsplugin_factory1 *>(&create_pair);
-  register_style(&plugin, lmp);
-
-  plugin.style = "fix";
-  plugin.name = "wall/gran/ellipsoid";
-  plugin.info = fix_about;
-  plugin.creator.v2 = reinterpret_cast<lammpsplugin_factory2 *>(&create_fix);
-  register_style(&plugin, lmp);
+  // LAMMPS keeps the pointers for as long as the plugin is loaded.
+  static char about[sizeof styles / sizeof styles[0]][96];
+  char *text = about[0];
+  for (const auto &style : styles) {
+    std::snprintf(text, sizeof about[0], "%s %s, ellgran %s", style.kind, style.name, ellgran_version());
+    lammpsplugin_t plugin{};
+    plugin.version = LAMMPS_VERSION;
+    plugin.author = "the ellgran developers";
+    plugin.handle = handle;
+    plugin.style = style.kind;
+    plugin.name = style.name;
+    plugin.info = text;
+    if (style.creator)
+      plugin.creator.v1 = style.creator;
+    else
+      plugin.creator.v2 = style.creator_with_words;
+    reinterpret_cast<lammpsplugin_regfunc>(regfunc)(&plugin, lmp);
+    text += sizeof about[0];
+  }
 }

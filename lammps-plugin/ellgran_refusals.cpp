@@ -99,11 +99,9 @@ const Refusal FIXES[] = {
     {"wall/gran", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid'"},
     {"wall/gran/region", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid'"},
     {"pour", ALL, "what it inserts has no shape",
-     "add grains between runs: 'read_data ... add append', or 'create_atoms', 'set shape' and 'set "
-     "density'"},
+     "use 'fix pour/ellipsoid'; to add grains at once 'create_ellipsoids'"},
     {"deposit", ALL, "what it inserts has no shape",
-     "add grains between runs: 'read_data ... add append', or 'create_atoms', 'set shape' and 'set "
-     "density'"},
+     "use 'fix pour/ellipsoid'; to add grains at once 'create_ellipsoids'"},
     {"gcmc", ALL, "what it inserts has no shape", "remove it"},
     {"widom", ALL, "what it inserts has no shape", "remove it"},
     {"heat/flow", ALL, "contacts conduct no heat, and temperatures would stay", "remove it"},

@@ -5,6 +5,7 @@
 
 #include "domain.h"
 #include "error.h"
+#include "math_const.h"
 #include "modify.h"
 #include "update.h"
 #include "utils.h"
@@ -194,6 +195,38 @@ class Surfaces {
 void LAMMPS_NS::add_region(LAMMPS *lmp, const std::string &caller, Region *region, EllgranWall *wall)
 {
   Surfaces(lmp, caller, wall).add(region, false);
+}
+
+double LAMMPS_NS::volume_of_region(Region *region, const double *low, const double *high)
+{
+  const std::string style = region->style;
+  if (!region->interior || !region->bboxflag) return -1.0;
+  // Where a round region is cut off by the box, the formulas do not hold.
+  const double extent[2][3] = {{region->extent_xlo, region->extent_ylo, region->extent_zlo},
+                               {region->extent_xhi, region->extent_yhi, region->extent_zhi}};
+  bool cut[3];
+  for (int k = 0; k < 3; k++) cut[k] = extent[0][k] < low[k] || extent[1][k] > high[k];
+  const auto is_cut_across = [&cut](int along) { return cut[(along + 1) % 3] || cut[(along + 2) % 3]; };
+
+  if (style == "block") return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+  if (style == "sphere") {
+    const double radius = static_cast<RegSphere *>(region)->*member_of(SphereRadius());
+    return (cut[0] || is_cut_across(0)) ? -1.0 : 4.0 / 3.0 * MathConst::MY_PI * radius * radius * radius;
+  }
+  if (style == "cylinder") {
+    const auto *r = static_cast<RegCylinder *>(region);
+    const int along = r->*member_of(CylinderAxis()) - 'x';
+    const double radius = r->*member_of(CylinderRadius());
+    return is_cut_across(along) ? -1.0 : MathConst::MY_PI * radius * radius * (high[along] - low[along]);
+  }
+  if (style == "cone") {
+    const auto *r = static_cast<RegCone *>(region);
+    const int along = r->*member_of(ConeAxis()) - 'x';
+    const double a = r->*member_of(ConeRadiusLow()), b = r->*member_of(ConeRadiusHigh());
+    if (cut[along] || is_cut_across(along)) return -1.0;
+    return MathConst::MY_PI / 3.0 * (a * a + a * b + b * b) * (high[along] - low[along]);
+  }
+  return -1.0;
 }
 
 RegionPose LAMMPS_NS::region_pose(LAMMPS *lmp, Region *region)

@@ -17,6 +17,10 @@ namespace LAMMPS_NS {
 /// and names the region where it has none.
 void add_region(LAMMPS *lmp, const std::string &caller, class Region *region, EllgranWall *wall);
 
+/// Volume of a region that stays where it is, of a style with a formula: block, sphere, cylinder or cone, side in. What is
+/// endless ends at `low` and `high`, three coordinates each; -1 where there is no formula.
+[[nodiscard]] double volume_of_region(class Region *region, const double *low, const double *high);
+
 /// Where a region has moved to: rotation by `angle` about the axis through `point`, then displacement.
 struct RegionPose {
   double point[3], axis[3], angle, displacement[3];

@@ -500,6 +500,14 @@ void PairGranEllipsoid::find_largest_semi_axes()
   largest.assign(ntypes + 1, 0.0);
   MPI_Allreduce(mine.data(), largest.data(), ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
 
+  // Those that a fix will insert.
+  for (auto *fix : modify->get_fix_by_style("^pour/ellipsoid$"))
+    for (int type = 1; type <= ntypes; type++) {
+      int of_type = type;
+      if (const auto *axis = static_cast<const double *>(fix->extract("radius", of_type)))
+        largest[type] = std::max(largest[type], *axis);
+    }
+
   const double largest_of_all = *std::max_element(largest.begin(), largest.end());
   allowed = largest;
   for (double &axis : allowed) {

@@ -10,6 +10,7 @@
 //! - [`contact`]: one contact, with its history.
 //! - [`list`]: a whole neighbour list in one call, in vector registers ([`simd`]).
 //! - [`walls`]: rigid walls of any shape, in motion, against all particles.
+//! - [`motion`]: velocity Verlet for rigid ellipsoids, with the free rotation solved exactly.
 //! - [`tallies`]: energies, dissipation and virial of a call.
 //! - [`c_api`]: everything `extern "C"`.
 
@@ -22,6 +23,7 @@ pub mod force;
 pub mod geometry;
 pub mod list;
 mod message;
+pub mod motion;
 pub mod real;
 pub mod simd;
 pub mod tallies;

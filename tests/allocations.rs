@@ -14,7 +14,6 @@ use std::ptr::{null, null_mut};
 use ellgran::c_api::contact::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::*;
 use ellgran::c_api::rigid_wall::*;
 
 use scene::*;
@@ -104,55 +103,6 @@ fn a_neighbour_list_allocates_in_the_first_step_alone() {
         assert!(contacts > 500, "{contacts}");
         // SAFETY: valid.
         assert!(unsafe { ellgran_workspace_bytes(workspace.0) } > 0);
-    }
-}
-
-#[test]
-fn plane_walls_allocate_in_the_first_step_alone() {
-    const WALLS: usize = 3;
-    let walls = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.1, 1.0]].map(|normal| EllgranPlane {
-        size: size_of::<EllgranPlane>(),
-        point: [-0.6; 3],
-        normal,
-        velocity: [0.0; 3],
-    });
-    for decks in DECKS {
-        let laws = Laws::new(&decks);
-        let workspace = WorkspaceHandle::new();
-        let mut bodies = random_bodies(9);
-        let mut touching = [0; OWNED * WALLS];
-        let mut history = vec![0.0; OWNED * WALLS * laws.length()];
-        let mut tallies = no_tallies();
-        for n in 0..20 {
-            advance(&mut bodies, STEP.time_step);
-            let mut arrays = Arrays::new(&bodies, OWNED);
-            let particles = arrays.particles();
-            let bytes = allocated(|| {
-                // SAFETY: all arrays are valid.
-                ok(unsafe {
-                    ellgran_compute_planes(
-                        laws.0,
-                        workspace.0,
-                        &particles,
-                        null(),
-                        0,
-                        1,
-                        WALLS,
-                        walls.as_ptr(),
-                        touching.as_mut_ptr(),
-                        history.as_mut_ptr(),
-                        &STEP,
-                        null_mut(),
-                        &mut tallies,
-                    )
-                });
-            });
-            assert!(
-                n == 0 || bytes == 0,
-                "{bytes} bytes in step {n} of {decks:?}"
-            );
-        }
-        assert!(tallies.touching_count > 10.0);
     }
 }
 

@@ -53,8 +53,6 @@ void check_radius(LAMMPS *lmp, int i)
 }
 }
 
-const EllgranWallSurface *EllgranContact::acting_wall = NULL;
-
 EllgranContact *EllgranContact::take(LAMMPS *lmp, ContactModelBase *model)
 {
   EllgranContact *&entry = table()[model];

@@ -85,8 +85,8 @@ struct EllgranContact {
   // of the contact at hand, but for its forces
   EllgranContactReport geometry_report() const;
 
-  // surface of the wall that is acting, set by fix wall/gran/ellipsoid around the call of the contact model
-  static const EllgranWallSurface *acting_wall;
+  // all particles as the library reads them, checked
+  EllgranParticles particles() const;
 
 private:
   EllgranContact(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);
@@ -95,7 +95,6 @@ private:
   EllgranContact &operator=(const EllgranContact &);
 
   void check_blockiness(int i) const;
-  EllgranParticles particles() const;
   void build_list_laws();
   void warn_of_created_energy();
 

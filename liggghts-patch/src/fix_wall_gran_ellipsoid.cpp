@@ -3,25 +3,21 @@
 #include "fix_wall_gran_ellipsoid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 
 #include "atom.h"
-#include "contact_models.h"
 #include "comm.h"
 #include "compute_pair_gran_local.h"
+#include "contact_models.h"
 #include "ellgran_contact.h"
 #include "ellgran_local_output.h"
 #include "error.h"
 #include "fix_contact_history_mesh.h"
 #include "fix_contact_property_atom_wall.h"
 #include "fix_neighlist_mesh.h"
-#include "fix_property_atom.h"
 #include "force.h"
-#include "math_extra_liggghts.h"
-#include "math_extra_liggghts_nonspherical.h"
-#include "modify.h"
+#include "memory.h"
 #include "primitive_wall.h"
 #include "tri_mesh.h"
 #include "update.h"
@@ -33,11 +29,6 @@ using LIGGGHTS::ContactModels::SurfacesIntersectData;
 
 namespace {
 
-const int POINT = 1, NORMAL = 4, HISTORY = 7;
-// the most wall contacts that are remembered of one particle at a time
-const int MOST_CONTACTS = 8;
-// mark of a remembered contact that one of the new ones goes on from
-const double TAKEN = -1.0;
 // 'contact_area constant' among the modes of fix wall/gran
 const int CONTACT_AREA_CONSTANT = 1;
 
@@ -50,38 +41,48 @@ bool is(const char *word, const char *what)
 
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     FixWallGran(lmp, narg, arg),
-    kind_(MESH),
-    axis_(0),
-    found_(NULL),
+    wall_(NULL),
+    workspace_(NULL),
+    memory_length_(0),
+    memory_(NULL),
     crowded_(0),
     crowd_said_(false),
     row_(0)
 {
-  check(ellgran_wall_contacts_new(&found_));
+  check(ellgran_wall_new(&wall_));
+  check(ellgran_workspace_new(&workspace_));
   if (!impl->contact_match("surface", "ellipsoid"))
     error->fix_error(FLERR, this, "needs 'surface ellipsoid'; other surfaces have fix wall/gran");
   if (primitiveWall_) {
     // The words after 'primitive' were read and checked by fix wall/gran, which keeps them to itself.
     for (int k = 3; k + 4 < narg; k++) {
       if (!is(arg[k], "primitive")) continue;
-      const char *style = arg[k + 3];
-      axis_ = style[0] - 'x';
-      kind_ = is(style + 1, "plane") ? PLANE : CYLINDER;
-      const int count = kind_ == PLANE ? 1 : 3;
-      for (int m = 0; m < count; m++) parameters_[m] = force->numeric(FLERR, arg[k + 4 + m]);
+      double parameters[3] = {0.0, 0.0, 0.0};
+      for (int m = 0; m < (is(arg[k + 3] + 1, "plane") ? 1 : 3); m++)
+        parameters[m] = force->numeric(FLERR, arg[k + 4 + m]);
+      add_shape(arg[k + 3], parameters);
       break;
     }
+  } else {
+    const EllgranLentTriangles none = ELLGRAN_INIT(EllgranLentTriangles);
+    check(ellgran_wall_lend_triangles(wall_, &none));
   }
-  if (kind_ == CYLINDER && store_force_contact_stress_)
-    error->fix_error(FLERR, this,
-                     "a needle touches a primitive cylinder twice, and store_force_contact_stress (which fix continuum/weighted "
-                     "turns on) has room for one contact; use a mesh");
-  storage_name_ = std::string("contacts_") + id;
+  memory_length_ = ellgran_wall_found_memory_length(wall_, dnum_);
+  restart_peratom = 1;
+  create_attribute = 1;
+  grow_arrays(atom->nmax);
+  atom->add_callback(0);
+  atom->add_callback(1);
+  for (int i = 0; i < atom->nlocal; i++) set_arrays(i);
 }
 
 FixWallGranEllipsoid::~FixWallGranEllipsoid()
 {
-  ellgran_wall_contacts_free(found_);
+  atom->delete_callback(id, 0);
+  atom->delete_callback(id, 1);
+  memory->destroy(memory_);
+  ellgran_wall_free(wall_);
+  ellgran_workspace_free(workspace_);
 }
 
 void FixWallGranEllipsoid::check(int32_t status) const
@@ -92,99 +93,86 @@ void FixWallGranEllipsoid::check(int32_t status) const
   error->one(FLERR, message);
 }
 
-EllgranBody FixWallGranEllipsoid::body(int i) const
+void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters)
 {
-  EllgranBody body = ELLGRAN_INIT(EllgranBody);
-  vectorCopy3D(atom->x[i], body.position);
-  vectorCopy4D(atom->quaternion[i], body.quaternion);
-  vectorCopy3D(atom->shape[i], body.semi_axes);
-  body.mass = 1.0;
-  body.kind = atom->type[i];
-  body.identifier = atom->tag[i];
-  return body;
-}
-
-int FixWallGranEllipsoid::slots() const
-{
-  return kind_ == PLANE ? 1 : kind_ == CYLINDER ? 2 : MOST_CONTACTS;
-}
-
-int FixWallGranEllipsoid::slot_length() const
-{
-  return HISTORY + dnum_;
-}
-
-std::string FixWallGranEllipsoid::storage_name(int piece) const
-{
-  char number[16];
-  sprintf(number, "_%d", piece + 1);
-  return storage_name_ + number;
-}
-
-void FixWallGranEllipsoid::post_create()
-{
-  FixWallGran::post_create();
-  const int length = slots() * slot_length();
-  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++) {
-    const int count = std::min<int>(MOST_VALUES, length - from);
-    const std::string name = storage_name(piece);
-    std::vector<const char *> words;
-    words.push_back(name.c_str());
-    words.push_back("all");
-    words.push_back("property/atom");
-    words.push_back(name.c_str());
-    words.push_back(count > 1 ? "vector" : "vector_one_entry");
-    words.push_back("yes");
-    words.push_back("no");
-    words.push_back("no");
-    for (int k = 0; k < count; k++) words.push_back("0.");
-    modify->add_fix(words.size(), const_cast<char **>(&words[0]));
+  const int axis = style[0] - 'x';
+  const bool is_plane = is(style + 1, "plane");
+  if (!is_plane && store_force_contact_stress_)
+    error->fix_error(FLERR, this,
+                     "a needle touches a primitive cylinder twice, and store_force_contact_stress (which fix continuum/weighted "
+                     "turns on) has room for one contact; use a mesh");
+  EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
+  shape.name = is_plane ? "plane" : "cylinder";
+  shape.side = ELLGRAN_SIDE_OF_CENTRE;
+  shape.axis[axis] = 1.0;
+  if (is_plane)
+    shape.point[axis] = parameters[0];
+  else {
+    // LIGGGHTS gives the coordinates across a cylinder's axis in cyclic order
+    shape.radii[0] = parameters[0];
+    shape.point[(axis + 1) % 3] = parameters[1];
+    shape.point[(axis + 2) % 3] = parameters[2];
   }
-  find_storage();
+  vectorCopy3D(shape.point, point_);
+  check(ellgran_wall_add_shape(wall_, &shape));
 }
 
-void FixWallGranEllipsoid::find_storage()
+double FixWallGranEllipsoid::memory_usage()
 {
-  const int length = slots() * slot_length();
-  before_.assign(length, 0.0);
-  now_.assign(length, 0.0);
-  storage_.clear();
-  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
-    storage_.push_back(static_cast<FixPropertyAtom *>(
-        modify->find_fix_property(storage_name(piece).c_str(), "property/atom", "vector",
-                                  std::min<int>(MOST_VALUES, length - from), 0, style)));
+  return static_cast<double>(atom->nmax) * memory_length_ * sizeof(double);
 }
 
-void FixWallGranEllipsoid::load(int particle)
+void FixWallGranEllipsoid::grow_arrays(int count)
 {
-  const int length = before_.size();
-  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
-    vectorCopyN(storage_[piece]->array_atom[particle], &before_[from], std::min<int>(MOST_VALUES, length - from));
+  if (memory_length_ > 0) memory->grow(memory_, count, memory_length_, "wall/gran/ellipsoid:memory");
 }
 
-void FixWallGranEllipsoid::store(int particle)
+void FixWallGranEllipsoid::copy_arrays(int from, int to, int)
 {
-  const int length = before_.size();
-  for (int from = 0, piece = 0; from < length; from += MOST_VALUES, piece++)
-    vectorCopyN(&now_[from], storage_[piece]->array_atom[particle], std::min<int>(MOST_VALUES, length - from));
+  if (memory_length_ > 0) vectorCopyN(memory_[from], memory_[to], memory_length_);
 }
 
-void FixWallGranEllipsoid::pre_delete(bool unfixflag)
+void FixWallGranEllipsoid::set_arrays(int particle)
 {
-  if (unfixflag)
-    for (size_t piece = 0; piece < storage_.size(); piece++) modify->delete_fix(storage_[piece]->id);
-  FixWallGran::pre_delete(unfixflag);
+  if (memory_length_ > 0) vectorZeroizeN(memory_[particle], memory_length_);
 }
 
-void FixWallGranEllipsoid::init()
+int FixWallGranEllipsoid::pack_exchange(int particle, double *buffer)
 {
-  FixWallGran::init();
-  find_storage();
+  if (memory_length_ > 0) vectorCopyN(memory_[particle], buffer, memory_length_);
+  return memory_length_;
 }
 
-bool FixWallGranEllipsoid::acts_alone(const Contact &contact)
+int FixWallGranEllipsoid::unpack_exchange(int particle, double *buffer)
 {
-  return contact.surface.others_share == 0.0;
+  if (memory_length_ > 0) vectorCopyN(buffer, memory_[particle], memory_length_);
+  return memory_length_;
+}
+
+int FixWallGranEllipsoid::size_restart(int)
+{
+  return 1 + memory_length_;
+}
+
+int FixWallGranEllipsoid::maxsize_restart()
+{
+  return 1 + memory_length_;
+}
+
+int FixWallGranEllipsoid::pack_restart(int particle, double *buffer)
+{
+  buffer[0] = 1 + memory_length_;
+  return 1 + pack_exchange(particle, buffer + 1);
+}
+
+void FixWallGranEllipsoid::unpack_restart(int particle, int place)
+{
+  double *extra = atom->extra[particle];
+  for (int k = 0; k < place; k++) extra += static_cast<int>(*extra);
+  if (static_cast<int>(extra[0]) != 1 + memory_length_)
+    error->fix_error(FLERR, this,
+                     "the restart file keeps other values per contact: give the fix the models and the wall that it had, or another ID");
+  unpack_exchange(particle, extra + 1);
 }
 
 void FixWallGranEllipsoid::setup(int vflag)
@@ -217,47 +205,10 @@ void FixWallGranEllipsoid::say_crowded()
   if (comm->me != 0) return;
   char message[300];
   snprintf(message, sizeof(message),
-           "Fix %s (%s): particle %d has more than %d contacts with the wall; the %d deepest act, for any particle. "
-           "This is said once.",
-           id, style, particle, slots(), slots());
+           "Fix %s (%s): particle %d touches the wall in more places than are remembered; all act, but at some of "
+           "them friction begins anew in each step, for any particle. This is said once.",
+           id, style, particle);
   error->warning(FLERR, message);
-}
-
-bool FixWallGranEllipsoid::in_group(int particle) const
-{
-  return atom->mask[particle] & groupbit;
-}
-
-void FixWallGranEllipsoid::forget(int particle)
-{
-  if (!computeflag_) return;
-  std::fill(now_.begin(), now_.end(), 0.0);
-  store(particle);
-}
-
-// how deep the surface lies in the ellipsoid: the ellipsoid's extent along the normal less the distance of its centre
-double FixWallGranEllipsoid::depth(const EllgranBody &particle, const EllgranWallSurface &surface) const
-{
-  double normal[3], local[3], arm[3];
-  vectorCopy3D(surface.normal, normal);
-  vectorNormalize3D(normal);
-  MathExtraLiggghtsNonspherical::rotate_global2local(particle.quaternion, normal, local);
-  double extent = 0.0;
-  for (int k = 0; k < 3; k++) extent += particle.semi_axes[k] * local[k] * particle.semi_axes[k] * local[k];
-  vectorSubtract3D(particle.position, surface.point, arm);
-  return sqrt(extent) - vectorDot3D(arm, normal);
-}
-
-void FixWallGranEllipsoid::keep_deepest(int particle, std::vector<Contact> &contacts)
-{
-  // Of faces that share a contact any number act; those beyond the room for what is remembered find it with the others.
-  const std::vector<Contact>::iterator shared = std::stable_partition(contacts.begin(), contacts.end(), acts_alone);
-  if (shared - contacts.begin() <= slots()) return;
-  crowded_ = atom->tag[particle];
-  const EllgranBody grain = body(particle);
-  for (size_t c = 0; c < contacts.size(); c++) contacts[c].depth = depth(grain, contacts[c].surface);
-  std::stable_sort(contacts.begin(), shared, deeper);
-  contacts.erase(contacts.begin() + slots(), shared);
 }
 
 // LIGGGHTS stores the force of the first contact with a primitive wall or a triangle: this is that of a further one, as a needle has
@@ -271,137 +222,83 @@ void FixWallGranEllipsoid::store_again(int particle, int place, const double *fo
   }
 }
 
-// All contacts of a particle with the wall. Each finds what is remembered of it by where it was a step ago: a contact moves
-// from triangle to triangle, but it does not jump. Faces that share a contact may find the same: what is remembered belongs
-// to the contact as a whole, of which each face takes its share, so that friction goes on from one face to the next.
-void FixWallGranEllipsoid::act(int particle, std::vector<Contact> &contacts)
+// One contact. LIGGGHTS' own contact model computes its force and tells its outputs of it.
+void FixWallGranEllipsoid::act(EllgranContact &model, size_t index)
 {
-  const int length = slot_length();
-  keep_deepest(particle, contacts);
-  const int count = contacts.size();
-  const double *const x = atom->x[particle];
-  load(particle);
-  if (now_.size() < size_t(count) * length) now_.resize(count * length);
-  std::fill(now_.begin(), now_.end(), 0.0);
-  const bool stores = store_force_contact_ && update->ntimestep % store_force_contact_every_ == 0;
-  EllgranContact *const model = EllgranContact::of(this);
-  for (int c = 0; c < count; c++) {
-    const Contact &contact = contacts[c];
-    double point[3];
-    vectorSubtract3D(contact.surface.point, x, point);
-    int best = -1;
-    double least = HUGE_VAL;
-    for (int s = 0; s < slots(); s++) {
-      const double *const slot = &before_[s * length];
-      if (slot[0] == 0.0) continue;
-      if (slot[0] == TAKEN && acts_alone(contact)) continue;
-      if (vectorDot3D(&slot[NORMAL], contact.surface.normal) < 0.5) continue;
-      double way[3];
-      vectorSubtract3D(&slot[POINT], point, way);
-      const double distance = vectorMag3DSquared(way);
-      if (distance < least) {
-        least = distance;
-        best = s;
-      }
+  EllgranFoundWallContact contact = ELLGRAN_INIT(EllgranFoundWallContact);
+  check(ellgran_wall_found(wall_, index, &contact));
+  const int i = contact.particle;
+  if (contact.is_forgotten) crowded_ = atom->tag[i];
+  FixMeshSurface *fix_mesh = NULL;
+  TriMesh *mesh = NULL;
+  int number = 0, triangle = 0, mesh_index = 0;
+  if (is_mesh_wall()) {
+    triangle = near_[contact.triangle].place;
+    mesh_index = near_[contact.triangle].mesh;
+    fix_mesh = FixMesh_list_[mesh_index];
+    mesh = fix_mesh->triMesh();
+    number = mesh->id(triangle);
+    atom_type_wall_ = fix_mesh->atomTypeWall();
+    if (store_force_contact_) fix_wallforce_contact_ = fix_mesh->meshforceContact();
+    if (store_force_contact_stress_) fix_wallforce_contact_stress_ = fix_mesh->meshforceContactStress();
+    if (counts_contacts()) {
+      double *unused;
+      fix_mesh->contactHistory()->handleContact(i, number, unused, true, false);
     }
-    double *const slot = &now_[c * length];
-    if (best >= 0) {
-      vectorCopyN(&before_[best * length], slot, length);
-      before_[best * length] = TAKEN;
-    }
-    slot[0] = 1.0;
-    vectorCopy3D(point, &slot[POINT]);
-    vectorCopy3D(contact.surface.normal, &slot[NORMAL]);
   }
+  const int type = atom->type[i];
+  check(ellgran_staged_found(model.staged, wall_, index, model.share(type, atom_type_wall_), &model.geometry));
+  model.past.touched = contact.touched;
+  vectorCopy3D(contact.last_normal, model.past.normal);
 
-  for (int c = 0; c < count; c++) {
-    Contact &contact = contacts[c];
-    SurfacesIntersectData sidata;
-    sidata.is_wall = true;
-    sidata.i = particle;
-    sidata.itype = atom->type[particle];
-    sidata.jtype = atom_type_wall_;
-    sidata.contact_history = &now_[c * length + HISTORY];
-    sidata.computeflag = computeflag_;
-    sidata.shearupdate = shearupdate_;
-    sidata.radi = atom->radius[particle];
-    vectorSubtract3D(x, contact.surface.point, sidata.delta);
-    vectorCopy3D(contact.surface.point, sidata.contact_point);
-    FixMeshSurface *const fix_mesh = contact.mesh < n_FixMesh_ ? FixMesh_list_[contact.mesh] : NULL;
-    TriMesh *const mesh = fix_mesh ? fix_mesh->triMesh() : NULL;
-    sidata.fix_mesh = fix_mesh;
-    sidata.mesh = mesh;
-    if (fix_mesh) {
-      atom_type_wall_ = fix_mesh->atomTypeWall();
-      sidata.jtype = atom_type_wall_;
-    }
-    EllgranContact::acting_wall = &contact.surface;
-    if (impl->checkSurfaceIntersect(sidata)) {
-      sidata.is_non_spherical = true;
-      sidata.deltan = model->geometry.penetration;
-      if (fix_mesh && store_force_contact_) fix_wallforce_contact_ = fix_mesh->meshforceContact();
-      if (fix_mesh && store_force_contact_stress_) fix_wallforce_contact_stress_ = fix_mesh->meshforceContactStress();
-      const int triangle = mesh ? mesh->id(contact.triangle) : 0;
-      const int place = stores && computeflag_ ? fix_wallforce_contact_->has_partner(particle, triangle) : -1;
-      double force_before[3], torque_before[3];
-      vectorCopy3D(atom->f[particle], force_before);
-      vectorCopy3D(atom->torque[particle], torque_before);
-      const bool tells = cwl_ && addflag_ && (atom->mask[particle] & cwl_->groupbit);
-      if (counts_contacts() && mesh) {
-        double *unused;
-        fix_mesh->contactHistory()->handleContact(particle, mesh->id(contact.triangle), unused, true, false);
-      }
-      impl->compute_force(this, sidata, true, contact.surface.velocity, fix_mesh, contact.mesh, mesh, contact.triangle);
-      if (place >= 0) store_again(particle, place, force_before, torque_before);
-      if (tells) ellgran_write_geometry(cwl_, row_++, model->geometry_report());
-    } else
-      now_[c * length] = 0.0;
-    EllgranContact::acting_wall = NULL;
-  }
-  if (computeflag_) store(particle);
+  SurfacesIntersectData sidata;
+  sidata.is_wall = true;
+  sidata.is_non_spherical = true;
+  sidata.i = i;
+  sidata.itype = type;
+  sidata.jtype = atom_type_wall_;
+  sidata.contact_history = contact.history;
+  sidata.computeflag = computeflag_;
+  sidata.shearupdate = shearupdate_;
+  sidata.radi = atom->radius[i];
+  sidata.deltan = model.geometry.penetration;
+  vectorSubtract3D(atom->x[i], contact.point, sidata.delta);
+  vectorCopy3D(contact.point, sidata.contact_point);
+  sidata.fix_mesh = fix_mesh;
+  sidata.mesh = mesh;
+
+  const bool stores = store_force_contact_ && computeflag_ && update->ntimestep % store_force_contact_every_ == 0;
+  const int place = stores ? fix_wallforce_contact_->has_partner(i, number) : -1;
+  double force_before[3], torque_before[3];
+  vectorCopy3D(atom->f[i], force_before);
+  vectorCopy3D(atom->torque[i], torque_before);
+  const bool tells = cwl_ && addflag_ && (atom->mask[i] & cwl_->groupbit);
+  impl->compute_force(this, sidata, true, contact.velocity, fix_mesh, mesh_index, mesh, triangle);
+  if (place >= 0) store_again(i, place, force_before, torque_before);
+  if (tells) ellgran_write_geometry(cwl_, row_++, model.geometry_report());
+}
+
+// All contacts of all particles with the wall.
+void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
+{
+  EllgranContact *const model = EllgranContact::of(this);
+  const EllgranParticles particles = model->particles();
+  double *const remembered = memory_ ? memory_[0] : NULL;
+  check(ellgran_find_wall_contacts(workspace_, wall_, &particles, atom->mask, groupbit, motion, dnum_, remembered));
+  const size_t count = ellgran_wall_found_count(wall_);
+  for (size_t index = 0; index < count; index++) act(*model, index);
+  if (computeflag_) check(ellgran_remember_wall_contacts(wall_, atom->nlocal, atom->mask, groupbit, remembered));
 }
 
 void FixWallGranEllipsoid::post_force_primitive(int)
 {
-  int *neighbours;
-  const int count = primitiveWall_->getNeighbors(neighbours);
-  // LIGGGHTS gives the coordinates across a cylinder's axis in cyclic order
-  double point[3] = {0.0, 0.0, 0.0}, axis[3] = {0.0, 0.0, 0.0};
-  axis[axis_] = 1.0;
-  if (kind_ == PLANE)
-    point[axis_] = parameters_[0];
-  else {
-    point[(axis_ + 1) % 3] = parameters_[1];
-    point[(axis_ + 2) % 3] = parameters_[2];
-  }
-  std::vector<Contact> contacts;
-  for (int k = 0; k < count; k++) {
-    const int i = neighbours[k];
-    if (!in_group(i)) continue;
-    const EllgranBody particle = body(i);
-    if (kind_ == PLANE)
-      check(ellgran_plane_contacts(found_, &particle, point, axis));
-    else
-      check(ellgran_cylinder_contacts(found_, &particle, point, axis, parameters_[0]));
-    contacts.clear();
-    for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
-      Contact contact;
-      contact.surface = ELLGRAN_INIT(EllgranWallSurface);
-      check(ellgran_wall_contacts_get(found_, c, NULL, &contact.surface));
-      contact.mesh = contact.triangle = 0;
-      if (shear_ && shearAxis_ >= 0) {
-        double arm[3];
-        vectorSubtract3D(contact.surface.point, point, arm);
-        vectorCross3D(shearAxisVec_, arm, contact.surface.velocity);
-      } else if (shear_)
-        contact.surface.velocity[shearDim_] = vshear_;
-      contacts.push_back(contact);
-    }
-    if (contacts.empty())
-      forget(i);
-    else
-      act(i, contacts);
-  }
+  EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
+  if (shear_ && shearAxis_ >= 0) {
+    vectorCopy3D(point_, motion.origin);
+    vectorCopy3D(shearAxisVec_, motion.angular_velocity);
+  } else if (shear_)
+    motion.velocity[shearDim_] = vshear_;
+  act(&motion);
 }
 
 // LIGGGHTS counts the contacts with a mesh in its own history of them, and compute wall/gran/local makes room for as many.
@@ -410,72 +307,69 @@ bool FixWallGranEllipsoid::counts_contacts() const
   return computeflag_ && cwl_;
 }
 
-// Triangles near each particle, of all meshes together: meshes that meet are one surface.
-void FixWallGranEllipsoid::gather_near()
+// Triangles near particles, of all meshes together: meshes that meet are one surface.
+void FixWallGranEllipsoid::lend_triangles()
 {
-  const int nlocal = atom->nlocal;
-  if (near_.size() < size_t(nlocal)) near_.resize(nlocal);
-  for (int i = 0; i < nlocal; i++) near_[i].clear();
+  near_.clear();
   for (int m = 0; m < n_FixMesh_; m++) {
     TriMesh *const mesh = FixMesh_list_[m]->triMesh();
     FixNeighlistMesh *const list = FixMesh_list_[m]->meshNeighlist();
     const int triangles = mesh->sizeLocal() + mesh->sizeGhost();
     for (int t = 0; t < triangles; t++) {
-      const std::vector<int> &particles = list->get_contact_list(t);
-      if (particles.empty()) continue;
+      if (list->get_contact_list(t).empty()) continue;
       const Near triangle = {m, mesh->id(t), t};
-      for (size_t k = 0; k < particles.size(); k++)
-        if (particles[k] < nlocal && in_group(particles[k])) near_[particles[k]].push_back(triangle);
+      near_.push_back(triangle);
     }
   }
+  // in an order that does not depend on how the mesh is spread over ranks
+  std::sort(near_.begin(), near_.end());
+
+  const int nlocal = atom->nlocal;
+  starts_.assign(nlocal + 1, 0);
+  corners_.resize(9 * near_.size());
+  velocities_.assign(9 * near_.size(), 0.0);
+  for (size_t k = 0; k < near_.size(); k++) {
+    FixMeshSurface *const fix_mesh = FixMesh_list_[near_[k].mesh];
+    TriMesh *const mesh = fix_mesh->triMesh();
+    MultiVectorContainer<double, 3, 3> *const moving =
+        mesh->prop().getElementProperty<MultiVectorContainer<double, 3, 3> >("v");
+    for (int node = 0; node < 3; node++) {
+      mesh->node(near_[k].place, node, &corners_[9 * k + 3 * node]);
+      if (moving) vectorCopy3D(moving->begin()[near_[k].place][node], &velocities_[9 * k + 3 * node]);
+    }
+    const std::vector<int> &particles = fix_mesh->meshNeighlist()->get_contact_list(near_[k].place);
+    for (size_t n = 0; n < particles.size(); n++)
+      if (particles[n] < nlocal) starts_[particles[n] + 1]++;
+  }
+  for (int i = 0; i < nlocal; i++) starts_[i + 1] += starts_[i];
+  std::vector<size_t> next(starts_.begin(), starts_.end() - 1);
+  lists_.resize(starts_[nlocal]);
+  for (size_t k = 0; k < near_.size(); k++) {
+    const std::vector<int> &particles =
+        FixMesh_list_[near_[k].mesh]->meshNeighlist()->get_contact_list(near_[k].place);
+    for (size_t n = 0; n < particles.size(); n++)
+      if (particles[n] < nlocal) lists_[next[particles[n]]++] = k;
+  }
+
+  EllgranLentTriangles triangles = ELLGRAN_INIT(EllgranLentTriangles);
+  triangles.count = near_.size();
+  triangles.particle_count = nlocal;
+  triangles.near_starts = &starts_[0];
+  if (!near_.empty()) {
+    triangles.corners = &corners_[0];
+    triangles.velocities = &velocities_[0];
+  }
+  if (!lists_.empty()) triangles.near = &lists_[0];
+  check(ellgran_wall_lend_triangles(wall_, &triangles));
 }
 
 void FixWallGranEllipsoid::post_force_mesh(int)
 {
-  const int nlocal = atom->nlocal;
   row_ = 0;
   if (counts_contacts())
     for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->markAllContacts();
-  gather_near();
-  std::vector<double> corners;
-  std::vector<Contact> contacts;
-  for (int i = 0; i < nlocal; i++) {
-    if (!in_group(i)) continue;
-    contacts.clear();
-    std::vector<Near> &near = near_[i];
-    if (!near.empty()) {
-      // in an order that does not depend on how the mesh is spread over ranks
-      std::sort(near.begin(), near.end());
-      corners.resize(9 * near.size());
-      for (size_t k = 0; k < near.size(); k++) {
-        TriMesh *const mesh = FixMesh_list_[near[k].mesh]->triMesh();
-        for (int node = 0; node < 3; node++) mesh->node(near[k].place, node, &corners[9 * k + 3 * node]);
-      }
-      const EllgranBody particle = body(i);
-      check(ellgran_triangle_contacts(found_, &particle, near.size(), &corners[0]));
-      for (size_t c = 0; c < ellgran_wall_contacts_count(found_); c++) {
-        EllgranWallContact found = ELLGRAN_INIT(EllgranWallContact);
-        Contact contact;
-        contact.surface = ELLGRAN_INIT(EllgranWallSurface);
-        check(ellgran_wall_contacts_get(found_, c, &found, &contact.surface));
-        contact.mesh = near[found.triangle].mesh;
-        contact.triangle = near[found.triangle].place;
-        MultiVectorContainer<double, 3, 3> *const velocities =
-            FixMesh_list_[contact.mesh]->triMesh()->prop().getElementProperty<MultiVectorContainer<double, 3, 3> >("v");
-        if (velocities) {
-          double **const v = velocities->begin()[contact.triangle];
-          for (int k = 0; k < 3; k++)
-            contact.surface.velocity[k] =
-                found.weights[0] * v[0][k] + found.weights[1] * v[1][k] + found.weights[2] * v[2][k];
-        }
-        contacts.push_back(contact);
-      }
-    }
-    if (contacts.empty())
-      forget(i);
-    else
-      act(i, contacts);
-  }
+  lend_triangles();
+  act(NULL);
   if (counts_contacts())
     for (int m = 0; m < n_FixMesh_; m++) FixMesh_list_[m]->contactHistory()->cleanUpContacts();
 }

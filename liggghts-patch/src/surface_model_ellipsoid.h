@@ -35,7 +35,7 @@ public:
       SurfaceModelBase(lmp, hsetup, cmb),
       model(cmb),
       contact(EllgranContact::take(lmp, cmb)),
-      touched_offset(-1)
+      normal_offset(-1)
   {
     contact->owner = hsetup;
     if (!atom->superquadric_flag)
@@ -45,13 +45,12 @@ public:
       const FixWallGran *wall = dynamic_cast<FixWallGran *>(hsetup);
       if (!wall || strcmp(wall->style, "wall/gran/ellipsoid") != 0)
         error->all(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid, which takes the same words as fix wall/gran");
+    } else {
+      normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
+      hsetup->add_history_value("ellgran_normal_y", "1");
+      hsetup->add_history_value("ellgran_normal_z", "1");
     }
     contact->surface_is_ellipsoid = true;
-    normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
-    hsetup->add_history_value("ellgran_normal_y", "1");
-    hsetup->add_history_value("ellgran_normal_z", "1");
-    // the neighbour list has flags for it, a wall has none
-    if (cmb->is_wall()) touched_offset = hsetup->add_history_value("ellgran_touched", "0");
   }
 
   ~SurfaceModel() { EllgranContact::release(model); }
@@ -70,32 +69,20 @@ public:
     neighbor->register_contact_dist_factor(1.01);
   }
 
+  // of pairs: fix wall/gran/ellipsoid stages the contacts with walls itself
   inline bool checkSurfaceIntersect(SurfacesIntersectData &sidata)
   {
     sidata.is_non_spherical = true;
-    double *const history = sidata.contact_history;
-    double *const normal = &history[normal_offset];
+    double *const normal = &sidata.contact_history[normal_offset];
     vectorCopy3D(normal, contact->past.normal);
-    if (sidata.is_wall) {
-      contact->past.touched = history[touched_offset] != 0.0;
-      if (!EllgranContact::acting_wall)
-        error->one(FLERR, "surface ellipsoid needs fix wall/gran/ellipsoid");
-      const EllgranBody i = contact->ellipsoid(sidata.i);
-      contact->check(ellgran_staged_wall(contact->staged, &i, EllgranContact::acting_wall,
-                                         contact->share(sidata.itype, sidata.jtype), &contact->geometry));
-      if (contact->geometry.touching) vectorCopy3D(contact->geometry.normal, normal);
-    } else {
-      contact->past.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
-      contact->check(ellgran_staged_neighbours(contact->staged, sidata.i, sidata.j,
-                                               contact->share(sidata.itype, sidata.jtype), normal, &contact->geometry));
-    }
-    const bool touching = contact->geometry.touching;
-    if (touched_offset >= 0)
-      history[touched_offset] = touching;
-    else if (!touching)
+    contact->past.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
+    contact->check(ellgran_staged_neighbours(contact->staged, sidata.i, sidata.j,
+                                             contact->share(sidata.itype, sidata.jtype), normal, &contact->geometry));
+    if (!contact->geometry.touching) {
       *sidata.contact_flags &= ~(CONTACT_SURFACE_MODEL | CONTACT_NORMAL_MODEL | CONTACT_TANGENTIAL_MODEL);
-    if (!touching) return false;
-    if (sidata.contact_flags) *sidata.contact_flags |= CONTACT_SURFACE_MODEL;
+      return false;
+    }
+    *sidata.contact_flags |= CONTACT_SURFACE_MODEL;
     return true;
   }
 
@@ -117,7 +104,6 @@ public:
   inline void surfacesClose(SurfacesCloseData &scdata, ForceData &, ForceData &)
   {
     if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_SURFACE_MODEL;
-    if (scdata.contact_history && touched_offset >= 0) scdata.contact_history[touched_offset] = 0.0;
   }
 
   inline void endSurfacesIntersect(SurfacesIntersectData &sidata, TriMesh *, double *const force_i)
@@ -141,7 +127,7 @@ public:
 private:
   ContactModelBase *model;
   EllgranContact *contact;
-  int normal_offset, touched_offset;
+  int normal_offset;
 };
 
 }

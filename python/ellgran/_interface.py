@@ -112,29 +112,15 @@ class EllgranContactForce(ctypes.Structure):
     ]
 
 
-class EllgranLawParameters(ctypes.Structure):
+class EllgranLentTriangles(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
-        ("normal", ctypes.c_int32),
-        ("damping", ctypes.c_int32),
-        ("tangential", ctypes.c_int32),
-        ("closure", ctypes.c_int32),
-        ("unloading", ctypes.c_int32),
-        ("factors", ctypes.c_int32),
-        ("displacement", ctypes.c_int32),
-        ("conservative", ctypes.c_int32),
-        ("limit_force", ctypes.c_int32),
-        ("youngs_modulus", ctypes.c_double),
-        ("poissons_ratio", ctypes.c_double),
-        ("shear_viscosity", ctypes.c_double),
-        ("bulk_viscosity", ctypes.c_double),
-        ("relaxation_time", ctypes.c_double),
-        ("restitution", ctypes.c_double),
-        ("normal_stiffness", ctypes.c_double),
-        ("normal_damping", ctypes.c_double),
-        ("friction", ctypes.c_double),
-        ("tangential_stiffness", ctypes.c_double),
-        ("tangential_damping", ctypes.c_double),
+        ("count", ctypes.c_size_t),
+        ("corners", ctypes.c_void_p),
+        ("velocities", ctypes.c_void_p),
+        ("particle_count", ctypes.c_size_t),
+        ("near_starts", ctypes.c_void_p),
+        ("near", ctypes.c_void_p),
     ]
 
 
@@ -173,6 +159,68 @@ class EllgranParticles(ctypes.Structure):
     ]
 
 
+class EllgranWallMotion(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("origin", ctypes.c_double * 3),
+        ("displacement", ctypes.c_double * 3),
+        ("quaternion", ctypes.c_double * 4),
+        ("velocity", ctypes.c_double * 3),
+        ("angular_velocity", ctypes.c_double * 3),
+    ]
+
+
+class EllgranFoundWallContact(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("particle", ctypes.c_size_t),
+        ("part", ctypes.c_size_t),
+        ("triangle", ctypes.c_size_t),
+        ("point", ctypes.c_double * 3),
+        ("velocity", ctypes.c_double * 3),
+        ("touched", ctypes.c_int32),
+        ("is_forgotten", ctypes.c_int32),
+        ("last_normal", ctypes.c_double * 3),
+        ("history", ctypes.c_void_p),
+    ]
+
+
+class EllgranStagedGeometry(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("touching", ctypes.c_int32),
+        ("penetration", ctypes.c_double),
+        ("normal", ctypes.c_double * 3),
+        ("contact_point", ctypes.c_double * 3),
+    ]
+
+
+class EllgranLawParameters(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("normal", ctypes.c_int32),
+        ("damping", ctypes.c_int32),
+        ("tangential", ctypes.c_int32),
+        ("closure", ctypes.c_int32),
+        ("unloading", ctypes.c_int32),
+        ("factors", ctypes.c_int32),
+        ("displacement", ctypes.c_int32),
+        ("conservative", ctypes.c_int32),
+        ("limit_force", ctypes.c_int32),
+        ("youngs_modulus", ctypes.c_double),
+        ("poissons_ratio", ctypes.c_double),
+        ("shear_viscosity", ctypes.c_double),
+        ("bulk_viscosity", ctypes.c_double),
+        ("relaxation_time", ctypes.c_double),
+        ("restitution", ctypes.c_double),
+        ("normal_stiffness", ctypes.c_double),
+        ("normal_damping", ctypes.c_double),
+        ("friction", ctypes.c_double),
+        ("tangential_stiffness", ctypes.c_double),
+        ("tangential_damping", ctypes.c_double),
+    ]
+
+
 class EllgranContactArrays(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -208,6 +256,28 @@ class EllgranStiffnessArrays(ctypes.Structure):
         ("normal_damping", ctypes.c_void_p),
         ("tangential_damping", ctypes.c_void_p),
         ("critical_step", ctypes.c_void_p),
+    ]
+
+
+class EllgranMotion(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("count", ctypes.c_size_t),
+        ("positions", ctypes.c_void_p),
+        ("velocities", ctypes.c_void_p),
+        ("angular_momenta", ctypes.c_void_p),
+        ("forces", ctypes.c_void_p),
+        ("torques", ctypes.c_void_p),
+        ("masses", ctypes.c_void_p),
+        ("shape_indices", ctypes.c_void_p),
+        ("semi_axes", ctypes.c_void_p),
+        ("semi_axes_stride", ctypes.c_size_t),
+        ("quaternions", ctypes.c_void_p),
+        ("quaternions_stride", ctypes.c_size_t),
+        ("masks", ctypes.c_void_p),
+        ("group_mask", ctypes.c_int32),
+        ("identifier_bytes", ctypes.c_int32),
+        ("identifiers", ctypes.c_void_p),
     ]
 
 
@@ -272,17 +342,6 @@ class EllgranWallShape(ctypes.Structure):
     ]
 
 
-class EllgranWallMotion(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("origin", ctypes.c_double * 3),
-        ("displacement", ctypes.c_double * 3),
-        ("quaternion", ctypes.c_double * 4),
-        ("velocity", ctypes.c_double * 3),
-        ("angular_velocity", ctypes.c_double * 3),
-    ]
-
-
 class EllgranWallLoad(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -306,16 +365,6 @@ class EllgranRecordedWallContact(ctypes.Structure):
         ("force", ctypes.c_double * 3),
         ("torque", ctypes.c_double * 3),
         ("elastic_energy", ctypes.c_double * 2),
-    ]
-
-
-class EllgranStagedGeometry(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("touching", ctypes.c_int32),
-        ("penetration", ctypes.c_double),
-        ("normal", ctypes.c_double * 3),
-        ("contact_point", ctypes.c_double * 3),
     ]
 
 
@@ -354,20 +403,19 @@ class EllgranContactStiffness(ctypes.Structure):
     ]
 
 
-class EllgranWallContact(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("triangle", ctypes.c_size_t),
-        ("weights", ctypes.c_double * 3),
-    ]
-
-
 #: Result and argument types by function.
 FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_contact_geometry": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_contact_geometry_plane": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_contact": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_contact_plane": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_lend_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_found_memory_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_size_t]),
+    "ellgran_find_wall_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_wall_found_count": (ctypes.c_size_t, [ctypes.c_void_p]),
+    "ellgran_wall_found": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_staged_found": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_void_p]),
+    "ellgran_remember_wall_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p]),
     "ellgran_law_parameters_default": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_law_parameters_parse": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_new": (ctypes.c_int32, [ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_void_p]),
@@ -385,6 +433,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_pair_stiffnesses": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_pair_collisions": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_rayleigh_times": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_start_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]),
+    "ellgran_finish_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double]),
     "ellgran_compute_pairs": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_write_history": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_forget_history": (ctypes.c_int32, [ctypes.c_void_p]),
@@ -393,7 +443,6 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_workspace_instruction_set": (ctypes.c_char_p, [ctypes.c_void_p]),
     "ellgran_workspace_bytes": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_workspace_deep_contacts_count": (ctypes.c_int64, [ctypes.c_void_p]),
-    "ellgran_compute_planes": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_recorded_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_recorded_contact": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_recorded_find": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p]),
@@ -431,13 +480,6 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_tally_following_half_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_abi_version": (ctypes.c_uint32, []),
     "ellgran_version": (ctypes.c_char_p, []),
-    "ellgran_wall_contacts_new": (ctypes.c_int32, [ctypes.c_void_p]),
-    "ellgran_wall_contacts_free": (None, [ctypes.c_void_p]),
-    "ellgran_wall_contacts_count": (ctypes.c_size_t, [ctypes.c_void_p]),
-    "ellgran_wall_contacts_get": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
-    "ellgran_plane_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
-    "ellgran_cylinder_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]),
-    "ellgran_triangle_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_pair_gaps": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_pair_energies": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
 }

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """The arrays are what renderers take: size and pose of one known grain, measured in pictures of a packing."""
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -77,6 +80,93 @@ def test_matplotlib_draws_the_surfaces(packing):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     is_right(np.asarray(canvas.buffer_rgba()), packing, 1.5 * edge / WIDTH, (-0.25 * edge, -0.25 * edge))
+
+
+def seen_by_ovito(pipeline, packing):
+    """The picture from above, by OVITO's renderer that needs no graphics card; light from all sides leaves red red."""
+    from ovito.vis import TachyonRenderer, Viewport
+    from PySide6.QtGui import QImage
+
+    edge = packing.box.edges[0, 0]
+    # A camera that looks along -z; the field of view is half the height of the picture.
+    view = Viewport(
+        type=Viewport.Type.Ortho,
+        camera_pos=(0.5 * edge, 0.5 * edge, 10 * edge),
+        camera_dir=(0, 0, -1),
+        camera_up=(0, 1, 0),
+        fov=0.75 * edge,
+    )
+    light = TachyonRenderer(
+        ambient_occlusion_samples=4, ambient_occlusion_brightness=1.0, direct_light=False, antialiasing=False
+    )
+    pipeline.add_to_scene()
+    picture = view.render_image(size=(WIDTH, WIDTH), renderer=light).convertToFormat(QImage.Format.Format_RGBA8888)
+    pipeline.remove_from_scene()
+    # The picture owns its pixels.
+    return np.frombuffer(picture.constBits(), np.uint8).reshape(WIDTH, WIDTH, 4).copy()
+
+
+def test_ovito_renders_the_arrays(packing):
+    pytest.importorskip("ovito")
+    from ovito.data import DataCollection
+    from ovito.pipeline import Pipeline, StaticSource
+
+    data = DataCollection()
+    particles = data.create_particles(count=len(packing.bodies))
+    particles.create_property("Position", data=packing.bodies.positions)
+    particles.create_property("Orientation", data=packing.bodies.quaternions_xyzw)
+    particles.create_property("Aspherical Shape", data=packing.bodies.semi_axes)
+    colours = np.full((len(packing.bodies), 3), 0.5)
+    colours[0] = np.array(RED) / 255.0
+    particles.create_property("Color", data=colours)
+    picture = seen_by_ovito(Pipeline(source=StaticSource(data=data)), packing)
+    edge = packing.box.edges[0, 0]
+    is_right(picture, packing, 1.5 * edge / WIDTH, (-0.25 * edge, -0.25 * edge))
+
+
+# The names of the columns as LAMMPS writes them, and as `dump_modify colname` of the tutorial has them written.
+PLAIN = [f"c_quat[{k}]" for k in range(1, 5)] + [f"c_shape[{k}]" for k in range(1, 4)]
+KNOWN = ["quatw", "quati", "quatj", "quatk", "shapex", "shapey", "shapez"]
+
+
+def test_ovito_reads_the_dump_of_the_tutorial(packing, tmp_path):
+    """By itself with the columns' names of the tutorial: shapes are halved, and the order of the quaternion is right."""
+    pytest.importorskip("ovito")
+    from ovito.io import import_file
+
+    page = (Path(__file__).parents[2] / "docs" / "tutorials" / "spheres_to_ellipsoids.md").read_text()
+    renamed = dict(re.findall(r"colname (\S+) (\S+)", page))
+    assert renamed == dict(zip(PLAIN, KNOWN))
+    bodies = packing.bodies
+    rows = np.column_stack([bodies.positions, bodies.quaternions, 2.0 * bodies.semi_axes])
+    box = "\n".join(f"0 {edge:.17g}" for edge in np.diag(packing.box.edges))
+    with open(tmp_path / "grains.dump", "w") as file:
+        file.write(f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(rows)}\nITEM: BOX BOUNDS pp pp pp\n{box}\n")
+        file.write(f"ITEM: ATOMS id type x y z {' '.join(renamed[name] for name in PLAIN)}\n")
+        for k, row in enumerate(rows):
+            file.write(f"{k + 1} {1 + (k > 0)} {' '.join(format(x, '.17g') for x in row)}\n")
+    pipeline = import_file(str(tmp_path / "grains.dump"))
+    particles = pipeline.compute().particles
+    assert np.allclose(particles["Aspherical Shape"], bodies.semi_axes, rtol=1e-6)
+    signs = np.sign((particles["Orientation"] * bodies.quaternions_xyzw).sum(axis=1))
+    assert np.allclose(signs[:, None] * particles["Orientation"], bodies.quaternions_xyzw, atol=1e-6)
+
+    def coloured(frame, data):
+        data.particles_.create_property("Color", data=np.where(data.particles["Particle Type"][:, None] == 1, [1, 0, 0], 0.5))
+
+    pipeline.modifiers.append(coloured)
+    picture = seen_by_ovito(pipeline, packing)
+    edge = packing.box.edges[0, 0]
+    is_right(picture, packing, 1.5 * edge / WIDTH, (-0.25 * edge, -0.25 * edge))
+
+
+def test_pandas_takes_the_columns(packing):
+    pandas = pytest.importorskip("pandas")
+    contacts = packing.contacts("hertz 1e6 0.3")
+    table = pandas.DataFrame(contacts.columns())
+    assert len(table) == len(contacts.penetration)
+    assert (table["penetration"] == contacts.penetration).all()
+    assert (table[["force_x", "force_y", "force_z"]].to_numpy() == contacts.force).all()
 
 
 @pytest.mark.parametrize("how", ["surfaces", "tensor glyphs"])

@@ -4,7 +4,7 @@
 use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{hale_failure, history_failure, result_failure, EllgranStep};
-use super::planes::EllgranPlane;
+use super::plane::EllgranPlane;
 use super::status::{
     at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };

@@ -16,13 +16,15 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod contact;
+pub mod engine_walls;
 pub mod growing;
 mod huge_pages;
 pub mod law;
 pub mod many_contacts;
+pub mod motion;
 pub mod neighbour_list;
 pub mod particles;
-pub mod planes;
+pub mod plane;
 pub mod recorded;
 pub mod rigid_wall;
 pub mod solid;
@@ -31,5 +33,4 @@ pub mod status;
 pub mod stiffness;
 pub mod tallies;
 pub mod version;
-pub mod walls;
 pub mod without_history;

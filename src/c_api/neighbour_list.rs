@@ -58,7 +58,7 @@ pub struct EllgranNeighbourList {
     /// pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
     /// the workspace. 0: they may have. When in doubt, 0.
     ///
-    /// `ellgran_compute_planes` and calls for one contact in between do not count, a call that failed neither; in the first
+    /// `ellgran_compute_wall` and calls for one contact in between do not count, a call that failed neither; in the first
     /// call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
     /// `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
     /// said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their

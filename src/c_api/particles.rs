@@ -13,13 +13,12 @@ use crate::list::Rotation;
 use crate::list::{ParticleArrays, Workspace};
 use crate::message::Number;
 use crate::simd::InstructionSet;
-use crate::walls::MovingPlane;
 use libc::{c_char, c_void, size_t};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 ///
 /// The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
-/// and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_planes` the first `owned_count`. What is out of
+/// and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the first `owned_count`. What is out of
 /// the range stated at a field is an error that names the particle and the value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -93,8 +92,6 @@ growing!(EllgranStep);
 /// After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
-    /// The planes of the last call.
-    pub(super) planes: Vec<MovingPlane>,
     /// What the last list that was computed looked like.
     pub(super) last_list: Option<ListLook>,
     /// Set while a list is computed: still set after a panic, which leaves nothing to rely on.
@@ -129,7 +126,6 @@ pub unsafe extern "C" fn ellgran_workspace_new(workspace: *mut *mut EllgranWorks
         workspace.allocated = super::huge_pages::advise;
         *out = Box::into_raw(Box::new(EllgranWorkspace {
             workspace,
-            planes: Vec::new(),
             last_list: None,
             is_computing: false,
         }));

@@ -13,11 +13,13 @@ use super::status::{
 };
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::contact::Laws;
+use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
-    WallOutput,
+    WallOutput, WrongMemory,
 };
 use core::ffi::CStr;
 use libc::{c_char, size_t};
@@ -38,7 +40,9 @@ pub const ELLGRAN_END_CLOSED: i32 = 2;
 
 /// A rigid wall: parts of any shape that move as one. Opaque; belongs to one thread at a time.
 pub struct EllgranWall {
-    wall: Wall,
+    pub(super) wall: Wall,
+    /// What to call the particle of each contact that was found.
+    pub(super) names: Vec<i64>,
 }
 
 /// A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
@@ -135,7 +139,7 @@ pub struct EllgranRecordedWallContact {
 
 growing!(EllgranRecordedWallContact);
 
-fn wrong(what: impl Into<String>) -> Failure {
+pub(super) fn wrong(what: impl Into<String>) -> Failure {
     Failure::new(ELLGRAN_ERROR_ARGUMENT, what)
 }
 
@@ -223,7 +227,10 @@ pub unsafe extern "C" fn ellgran_wall_new(wall: *mut *mut EllgranWall) -> i32 {
     at_border("ellgran_wall_new", || {
         // SAFETY: promised by the caller.
         let out = unsafe { required_mut(wall, "wall") }?;
-        *out = Box::into_raw(Box::new(EllgranWall { wall: Wall::new() }));
+        *out = Box::into_raw(Box::new(EllgranWall {
+            wall: Wall::new(),
+            names: Vec::new(),
+        }));
         Ok(())
     })
 }
@@ -389,6 +396,80 @@ pub unsafe extern "C" fn ellgran_wall_memory_used(
     }
 }
 
+/// # Safety
+/// `motion` is NULL or valid.
+pub(super) unsafe fn motion_of(motion: *const EllgranWallMotion) -> Result<Motion, Failure> {
+    if motion.is_null() {
+        return Ok(Motion::REST);
+    }
+    // SAFETY: promised by the caller.
+    unsafe { given(motion, "motion") }?.to_core()
+}
+
+/// On which particles a wall acts.
+///
+/// # Safety
+/// `masks` is NULL or has `owned` entries, for the lifetime that the caller gives them.
+pub(super) unsafe fn chosen<'a>(
+    masks: *const i32,
+    group_mask: i32,
+    owned: usize,
+) -> Result<impl Fn(usize) -> bool + 'a, Failure> {
+    let mask = if masks.is_null() {
+        None
+    } else {
+        // SAFETY: promised by the caller.
+        Some(unsafe { slice(masks, owned, "masks") }?)
+    };
+    Ok(move |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0))
+}
+
+/// Finds the particles that may touch a wall, and prepares them in `workspace`.
+///
+/// # Safety
+/// The arrays are as `EllgranParticles` states.
+pub(super) unsafe fn prepare_near(
+    p: &EllgranParticles,
+    wall: &mut Wall,
+    workspace: &mut Workspace,
+    laws: Option<&Laws>,
+    motion: &Motion,
+    acts_on: &dyn Fn(usize) -> bool,
+) -> Result<(), Failure> {
+    let owned = p.owned_count;
+    // SAFETY: promised by the caller, for all of this function.
+    let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
+    if owned > 0 {
+        unsafe { required(p.semi_axes, "semi_axes") }?;
+        unsafe { required(p.quaternions, "quaternions") }?;
+    }
+    wall.find_near(motion, owned, |k| {
+        // SAFETY: `k` is one of the particles. One without a shape is looked at, and refused, with those near the wall.
+        let shape = unsafe { shape_of(p, k) };
+        let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
+            // NaN in any of them stays
+            let largest = if a >= b { a } else { b };
+            if largest >= c {
+                largest
+            } else {
+                c
+            }
+        });
+        acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
+    });
+    unsafe { prepare(p, owned, laws, workspace, Purpose::Chosen(wall.near())) }
+}
+
+/// The message of a memory that holds what no call has written.
+pub(super) fn memory_failure(p: &EllgranParticles, wrong: &WrongMemory) -> Failure {
+    history_failure(
+        identifier(p, wrong.particle),
+        None,
+        wrong.place,
+        wrong.value,
+    )
+}
+
 /// Forces and torques between all owned particles and a wall, added to the particles' arrays.
 ///
 /// Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
@@ -425,42 +506,12 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         let p = &*unsafe { given(particles, "particles") }?;
         let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
-        let motion = if motion.is_null() {
-            Motion::REST
-        } else {
-            unsafe { given(motion, "motion") }?.to_core()?
-        };
+        let motion = unsafe { motion_of(motion) }?;
         let mut of_load = unsafe { Output::optional(load, "load") }?;
         let owned = p.owned_count;
         let length = wall.memory(laws).length();
-        let mask = if masks.is_null() {
-            None
-        } else {
-            Some(unsafe { slice(masks, owned, "masks") }?)
-        };
-        let acts_on = |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0);
-        let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
-        if owned > 0 && (p.semi_axes.is_null() || p.quaternions.is_null()) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_NULL_POINTER,
-                "semi_axes and quaternions must not be NULL",
-            ));
-        }
-        wall.find_near(&motion, owned, |k| {
-            // SAFETY: the arrays are as the caller promises, and `k` is one of the particles. One without a shape is looked
-            // at, and refused, with those near the wall.
-            let shape = unsafe { shape_of(p, k) };
-            let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
-                // NaN in any of them stays
-                let largest = if a >= b { a } else { b };
-                if largest >= c {
-                    largest
-                } else {
-                    c
-                }
-            });
-            acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
-        });
+        let acts_on = unsafe { chosen(masks, group_mask, owned) }?;
+        unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on) }?;
         let mut output = WallOutput {
             acts_on: &acts_on,
             memory: unsafe { slice_mut(memory, owned * length, "memory") }?,
@@ -472,13 +523,10 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
             None => None,
         };
-        let chosen = Purpose::Chosen(wall.near());
-        unsafe { prepare(p, owned, Some(laws), workspace, chosen) }?;
         let input = WallInput {
             laws,
             wall_type,
             near: workspace.particles(),
-            particles: owned,
             motion: &motion,
             step: &step,
         };
@@ -487,11 +535,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 WallError::Hale { particle, ratio } => {
                     hale_failure(identifier(p, particle), None, ratio)
                 }
-                WallError::Memory {
-                    particle,
-                    place,
-                    value,
-                } => history_failure(identifier(p, particle), None, place, value),
+                WallError::Memory(wrong) => memory_failure(p, &wrong),
             })?;
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
             // SAFETY: promised by the caller.

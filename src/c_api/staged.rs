@@ -176,8 +176,8 @@ growing!(EllgranStagedPast);
 
 /// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
 pub struct EllgranStagedContact {
-    contact: Option<StagedContact>,
-    identifiers: (i64, Option<i64>),
+    pub(super) contact: Option<StagedContact>,
+    pub(super) identifiers: (i64, Option<i64>),
     /// The particles of a step, and what to call them.
     workspace: Workspace,
     names: Vec<i64>,
@@ -197,7 +197,12 @@ impl EllgranStagedContact {
         hale_failure(self.identifiers.0, self.identifiers.1, ratio.0)
     }
 
-    fn write(&self, centre_i: Vector3, share_i: f64, out: &mut Output<EllgranStagedGeometry>) {
+    pub(super) fn write(
+        &self,
+        centre_i: Vector3,
+        share_i: f64,
+        out: &mut Output<EllgranStagedGeometry>,
+    ) {
         let size = size_of::<EllgranStagedGeometry>();
         out.write(&match &self.contact {
             Some(contact) => EllgranStagedGeometry {
@@ -233,7 +238,7 @@ fn checked_mass(law: &PairLaw, effective_mass: f64) -> Result<f64, Failure> {
     }
 }
 
-fn checked_share(share_i: f64) -> Result<f64, Failure> {
+pub(super) fn checked_share(share_i: f64) -> Result<f64, Failure> {
     if (0.0..=1.0).contains(&share_i) {
         Ok(share_i)
     } else {

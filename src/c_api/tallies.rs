@@ -173,7 +173,7 @@ pub(super) unsafe fn add_preceding_half_step(
     Ok(())
 }
 
-/// Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_planes` over the half step
+/// Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` over the half step
 /// that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 ///
 /// Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that

@@ -73,6 +73,11 @@ impl BoxTree {
         }
     }
 
+    /// The box around all; `None` without any.
+    pub fn extent(&self) -> Option<&Extent> {
+        self.nodes.first().map(|node| &node.extent)
+    }
+
     /// Calls `found` with the index of each box that overlaps `extent`, until it answers false. `boxes` are those of `build`.
     pub fn visit(&self, boxes: &[Extent], extent: &Extent, mut found: impl FnMut(usize) -> bool) {
         let mut k = 0;

@@ -610,6 +610,21 @@ fn combine(corners: &Triangle, weights: [f64; 3]) -> Vector3 {
     corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
 }
 
+/// Barycentric coordinates of a point in the plane of a triangle: the weights of the corners of which it is the mean. A third each
+/// where the corners are on a line.
+pub fn barycentric_weights(t: &Triangle, p: Vector3) -> [f64; 3] {
+    let (u, v, w) = (t[1] - t[0], t[2] - t[0], p - t[0]);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(v), v.norm_squared());
+    let determinant = uu * vv - uv * uv;
+    if !(determinant > 0.0) {
+        return [1.0 / 3.0; 3];
+    }
+    let (a, b) = (w.dot(u), w.dot(v));
+    let second = (a * vv - b * uv) / determinant;
+    let third = (b * uu - a * uv) / determinant;
+    [1.0 - second - third, second, third]
+}
+
 /// Weights of the corners of a triangle in the plane at its point nearest to the origin.
 fn nearest_to_origin(corners: [Vector2; 3]) -> [f64; 3] {
     let cross = |a: Vector2, b: Vector2| a.u * b.v - a.v * b.u;

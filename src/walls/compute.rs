@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contacts of all particles with a wall: force, torque, energies, and what is remembered of them.
 
-use super::memory::MemoryLayout;
+use super::contacts::{FoundContact, Frame, Places, WrongMemory};
 use super::motion::Motion;
 use super::wall::{RecordedWallContact, Wall, WallLoad};
 use crate::contact::particle::{self, Particle};
-use crate::contact::staged::{Past, StagedContact};
-use crate::contact::{Laws, Step};
+use crate::contact::staged::Past;
+use crate::contact::{HistoryLayout, Laws, Step};
+use crate::force::PairLaw;
 use crate::tallies::{Contribution, Tallies};
+use crate::vector::Vector3;
 
 /// What a call is given.
 pub struct WallInput<'a> {
@@ -17,8 +19,6 @@ pub struct WallInput<'a> {
     pub wall_type: usize,
     /// The particles that may touch ([`Wall::near`]), in that order.
     pub near: &'a [Particle],
-    /// Number of all particles.
-    pub particles: usize,
     /// Where the wall is and how it moves.
     pub motion: &'a Motion,
     /// The step.
@@ -48,14 +48,7 @@ pub enum WallError {
         ratio: f64,
     },
     /// A memory that holds a number which no call has written.
-    Memory {
-        /// The particle's index.
-        particle: usize,
-        /// Place in the particle's memory.
-        place: usize,
-        /// What stands there.
-        value: f64,
-    },
+    Memory(WrongMemory),
 }
 
 /// All particles against a wall.
@@ -68,141 +61,104 @@ pub fn compute_wall(
     output: &mut WallOutput<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<WallLoad, WallError> {
+    let of_laws = input.laws.layout();
     let layout = wall.memory(input.laws);
-    let length = layout.length();
-    check(wall, input, output, &layout)?;
+    let places = Places {
+        near: input.near,
+        motion: input.motion,
+        step: input.step,
+        frame: Frame::Wall,
+    };
+    wall.find_contacts(&places, layout, Some(&of_laws), output.memory)
+        .map_err(WallError::Memory)?;
+    check_factors(wall, input)?;
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
     }
+    let parts = wall.part_count();
     let Wall {
-        parts,
-        search,
         found,
-        before,
-        near,
         part_forces,
         contacts,
         records_contacts,
+        ..
     } = wall;
     part_forces.clear();
-    part_forces.resize(parts.len(), crate::vector::Vector3::ZERO);
+    part_forces.resize(parts, Vector3::ZERO);
     contacts.clear();
-    before.clear();
-    before.resize(layout.records * layout.record, 0.0);
     let motion = input.motion;
     let mut load = WallLoad::default();
-    let mut next = 0;
-    for k in 0..input.particles {
-        let memory = &mut output.memory[k * length..(k + 1) * length];
-        if near.get(next) != Some(&k) {
-            // far away: nothing is remembered any more
-            if memory.first().is_some_and(|count| *count != 0.0) && (output.acts_on)(k) {
-                memory.fill(0.0);
-            }
+    for index in 0..found.all().len() {
+        let c = found.all()[index];
+        let (k, i) = (c.particle, &input.near[c.near]);
+        let law = law_of(input, i);
+        let mut past = recalled(&of_laws, &c, found.history(index));
+        // Hale's form was tried before anything was written.
+        let Ok(mut f) = c.contact.whole_force(
+            law,
+            law.constants.tangential.friction,
+            effective_mass(i),
+            input.step,
+            &mut past,
+        ) else {
             continue;
+        };
+        write_history(&of_laws, &c, &past, found.history(index));
+        for v in [
+            &mut f.force,
+            &mut f.torque_i,
+            &mut f.tangential_force,
+            &mut f.contact_point,
+            &mut f.viscous_force,
+            &mut f.frictional_force,
+        ] {
+            *v = motion.to_world(*v);
         }
-        let i = &input.near[next];
-        next += 1;
-        let seen = motion.seen_from_wall(i, input.step);
-        found.clear();
-        for (part, shape) in parts.iter().enumerate() {
-            if shape.may_touch(seen.position, seen.radius) {
-                shape.touch(&seen.body, seen.position, search, &mut |surface| {
-                    found.push((part, surface));
-                });
-            }
+        for (target, v) in [
+            (&mut output.forces[k], -f.force),
+            (&mut output.torques[k], f.torque_i),
+        ] {
+            target[0] += v.x;
+            target[1] += v.y;
+            target[2] += v.z;
         }
-        let records = layout.used(memory).max(1) - 1;
-        if length > 0 {
-            before[..records].copy_from_slice(&memory[1..1 + records]);
-            memory.fill(0.0);
+        load.contacts += 1;
+        load.force = load.force + f.force;
+        load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
+        part_forces[c.part] = part_forces[c.part] + f.force;
+        if let Some(t) = tallies.as_deref_mut() {
+            t.pairs += 1;
+            let time = input.step.elapsed();
+            t.add(
+                k,
+                None,
+                true,
+                &Contribution {
+                    normal_energy: f.elastic_energy,
+                    tangential_energy: f.tangential_energy,
+                    works: [time * f.viscous_power, time * f.tangential_power],
+                    d: f.contact_point,
+                    force: f.force,
+                    viscous_force: f.viscous_force,
+                    tangential_force: f.frictional_force,
+                    contact_point: f.contact_point,
+                    wall_velocity: motion.velocity_at(i.position + f.contact_point)
+                        + motion.to_world(c.surface.velocity),
+                },
+            );
         }
-        let law = input.laws.get(i.kind as usize, input.wall_type);
-        let mut remembered = 0;
-        for (part, surface) in found.iter() {
-            let Some(contact) = StagedContact::of_wall(&seen, surface) else {
-                continue;
-            };
-            let mut past = if length > 0 {
-                layout.recall(&mut before[..records], *part, surface, seen.position)
-            } else {
-                unremembered(&contact)
-            };
-            // Hale's form was tried before anything was written.
-            let Ok(mut f) = contact.whole_force(
-                law,
-                law.constants.tangential.friction,
-                effective_mass(&seen),
-                input.step,
-                &mut past,
-            ) else {
-                continue;
-            };
-            if remembered < layout.records {
-                let at = 1 + remembered * layout.record;
-                let record = &mut memory[at..at + layout.record];
-                layout.remember(record, *part, surface, seen.position, &past);
-                remembered += 1;
-                memory[0] = remembered as f64;
-            }
-            for v in [
-                &mut f.force,
-                &mut f.torque_i,
-                &mut f.tangential_force,
-                &mut f.contact_point,
-                &mut f.viscous_force,
-                &mut f.frictional_force,
-            ] {
-                *v = motion.to_world(*v);
-            }
-            for (target, v) in [
-                (&mut output.forces[k], -f.force),
-                (&mut output.torques[k], f.torque_i),
-            ] {
-                target[0] += v.x;
-                target[1] += v.y;
-                target[2] += v.z;
-            }
-            load.contacts += 1;
-            load.force = load.force + f.force;
-            load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
-            part_forces[*part] = part_forces[*part] + f.force;
-            if let Some(t) = tallies.as_deref_mut() {
-                t.pairs += 1;
-                let time = if input.step.advance_history {
-                    input.step.time_step
-                } else {
-                    0.0
-                };
-                t.add(
-                    k,
-                    None,
-                    true,
-                    &Contribution {
-                        normal_energy: f.elastic_energy,
-                        tangential_energy: f.tangential_energy,
-                        works: [time * f.viscous_power, time * f.tangential_power],
-                        d: f.contact_point,
-                        force: f.force,
-                        viscous_force: f.viscous_force,
-                        tangential_force: f.frictional_force,
-                        contact_point: f.contact_point,
-                        wall_velocity: motion.velocity_at(i.position + f.contact_point),
-                    },
-                );
-            }
-            if *records_contacts {
-                contacts.push(RecordedWallContact {
-                    particle: k,
-                    part: *part,
-                    normal: motion.to_world(surface.normal),
-                    point: i.position + f.contact_point,
-                    penetration: contact.penetration(),
-                    forces: f,
-                });
-            }
+        if *records_contacts {
+            contacts.push(RecordedWallContact {
+                particle: k,
+                part: c.part,
+                normal: c.world.normal,
+                point: i.position + f.contact_point,
+                penetration: c.contact.penetration(),
+                forces: f,
+            });
         }
     }
+    found.remember(output.memory, output.acts_on);
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
 }
@@ -212,59 +168,48 @@ fn effective_mass(i: &Particle) -> f64 {
     particle::effective_mass(i.inverse_mass, 0.0)
 }
 
-fn unremembered(contact: &StagedContact) -> Past {
+/// The law of a particle's type and the wall's.
+fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
+    input.laws.get(i.kind as usize, input.wall_type)
+}
+
+fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Past {
+    // without a tangential memory there is no history
+    let vector = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
     Past {
-        touched: false,
-        normal: contact.normal(),
-        memory: crate::vector::Vector3::ZERO,
-        energy: 0.0,
+        touched: c.last_normal.is_some(),
+        normal: c.last_normal.unwrap_or(c.contact.normal()),
+        memory: layout.memory.map_or(Vector3::ZERO, vector),
+        energy: layout.energy.map_or(0.0, |at| history[at]),
     }
 }
 
-/// Whether every contact can be computed.
-fn check(
-    wall: &mut Wall,
-    input: &WallInput<'_>,
-    output: &WallOutput<'_>,
-    layout: &MemoryLayout,
-) -> Result<(), WallError> {
-    let length = layout.length();
-    if length > 0 {
-        for k in &wall.near {
-            let memory = &output.memory[k * length..(k + 1) * length];
-            if let Some((place, value)) = layout.first_wrong(memory, wall.parts.len()) {
-                return Err(WallError::Memory {
-                    particle: *k,
-                    place,
-                    value,
-                });
-            }
-        }
+fn write_history(layout: &HistoryLayout, c: &FoundContact, past: &Past, history: &mut [f64]) {
+    let Some(at) = layout.memory else {
+        return;
+    };
+    history[at..at + 3].copy_from_slice(&past.memory.to_array());
+    if let Some(at) = layout.normal {
+        history[at..at + 3].copy_from_slice(&(-c.surface.normal).to_array());
     }
+    if let Some(at) = layout.energy {
+        history[at] = past.energy;
+    }
+}
+
+/// Whether Hale's form holds at every contact that was found.
+fn check_factors(wall: &Wall, input: &WallInput<'_>) -> Result<(), WallError> {
     if !input.laws.features().hale {
         return Ok(());
     }
-    let mut broken = None;
-    for (i, k) in input.near.iter().zip(&wall.near) {
-        let law = input.laws.get(i.kind as usize, input.wall_type);
-        let seen = input.motion.seen_from_wall(i, input.step);
-        for shape in &wall.parts {
-            shape.touch(
-                &seen.body,
-                seen.position,
-                &mut wall.search,
-                &mut |surface| {
-                    let contact = StagedContact::of_wall(&seen, &surface);
-                    let tried = contact.map(|c| c.normal_force(law, effective_mass(&seen)));
-                    if let (Some(Err(ratio)), None) = (tried, broken) {
-                        broken = Some((*k, ratio.0));
-                    }
-                },
-            );
+    for c in wall.found.all() {
+        let i = &input.near[c.near];
+        if let Err(ratio) = c.contact.normal_force(law_of(input, i), effective_mass(i)) {
+            return Err(WallError::Hale {
+                particle: c.particle,
+                ratio: ratio.0,
+            });
         }
     }
-    match broken {
-        None => Ok(()),
-        Some((particle, ratio)) => Err(WallError::Hale { particle, ratio }),
-    }
+    Ok(())
 }

@@ -3,14 +3,12 @@
 
 use super::plane::{flat, PlaneWall};
 use super::rim::Rim;
-use super::shape::{End, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
-use crate::geometry::Ellipsoid;
 use crate::message::Number;
-use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
@@ -153,19 +151,13 @@ impl Shape for ConvexSolid {
         1
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
-        self.side.may_touch(centre, radius)
-            && self.caps.iter().all(|cap| cap.may_touch(centre, radius))
+    fn may_touch(&self, ball: &Ball) -> bool {
+        self.side.may_touch(ball) && self.caps.iter().all(|cap| cap.may_touch(ball))
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        search: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
-        if self.caps.iter().any(|cap| !(cap.depth(body, centre) > 0.0)) {
+    fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
+        let Grain { body, centre, .. } = *grain;
+        if self.caps.iter().any(|cap| !(cap.depth(grain) > 0.0)) {
             return;
         }
         let mut is_behind_side = false;
@@ -176,21 +168,21 @@ impl Shape for ConvexSolid {
             return;
         }
         let mut least: Option<(f64, WallSurface)> = None;
-        let mut offer = |s: WallSurface| {
+        let mut offer = |s: WallSurface, _| {
             let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
                 least = Some((depth, s));
             }
         };
-        self.side.touch(body, centre, search, &mut offer);
+        self.side.touch(grain, search, &mut offer);
         for cap in &self.caps {
-            cap.touch(body, centre, search, &mut offer);
+            cap.touch(grain, search, &mut offer);
         }
         for rim in &self.rims {
-            rim.touch(body, centre, search, &mut offer);
+            rim.touch(grain, search, &mut offer);
         }
         if let Some((_, surface)) = least {
-            found(surface);
+            found(surface, 0);
         }
     }
 }
@@ -200,7 +192,8 @@ impl Shape for ConeWall {
         REMEMBERED
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+    fn may_touch(&self, ball: &Ball) -> bool {
+        let Ball { centre, radius, .. } = *ball;
         let cone = &self.cone;
         let offset = centre - cone.point;
         let along = cone.axis.dot(offset);
@@ -210,25 +203,12 @@ impl Shape for ConeWall {
         let across = (offset - cone.axis * along).norm();
         let outwards = across - cone.radius - cone.slope * along;
         let reach = radius * cone.slope.mul_add(cone.slope, 1.0).sqrt();
-        match self.side {
-            Side::Inside => !(outwards <= -reach),
-            Side::Outside => !(outwards >= reach),
-            Side::OfCentre => !(outwards.abs() >= reach),
-        }
+        self.side.may_touch(outwards, reach)
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        _: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
-        let within = match self.side {
-            Side::Inside => true,
-            Side::Outside => false,
-            Side::OfCentre => self.cone.has_within(centre),
-        };
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        let Grain { body, centre, .. } = *grain;
+        let within = self.side.is_within(|| self.cone.has_within(centre));
         touch_cone(body, centre, &self.cone, within, |c| {
             let on_surface = self.bounds[0] <= c.along && c.along <= self.bounds[1];
             if on_surface && c.curvature_radius > 0.0 {
@@ -237,12 +217,13 @@ impl Shape for ConeWall {
                 } else {
                     c.curvature_radius
                 };
-                found(WallSurface {
+                let surface = WallSurface {
                     direction: self.cone.axis.cross(c.normal).normalised(),
                     curvatures: [1.0 / signed, 0.0],
                     turning_radii: [signed, f64::INFINITY],
                     ..flat(c.point, c.normal)
-                });
+                };
+                found(surface, 0);
             }
         });
     }

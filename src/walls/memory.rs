@@ -6,15 +6,16 @@
 //! [ part ]            1 + index of the wall's part
 //! [ point x y z ]     the surface's deepest point, from the particle's centre
 //! [ normal x y z ]    from the particle into the wall
-//! [ ... ]             the tangential memory, as `HistoryLayout` says
+//! [ ... ]             the history of the contact model: the library's own as `HistoryLayout` says, or an engine's
 //! ```
 //!
-//! in the wall's frame; from `part` on as often as the wall's parts ask for. All zeros is "nothing remembered". A contact goes on from the one of the same part that was nearest
-//! to it, with a normal less than 60 degrees off: a contact moves over the surface, but it does not jump. Faces of a mesh that share a
-//! contact may go on from the same: what is remembered belongs to the contact as a whole, of which each face takes its
-//! share, so that friction goes on from one face to the next.
+//! in the wall's frame, but for an engine's history; from `part` on as often as the wall's parts ask for. All zeros is "nothing
+//! remembered". A contact goes on from the one of the same part that was nearest to it, with a normal less than 60 degrees off: a
+//! contact moves over the surface, but it does not jump. Faces of a mesh that share a contact may go on from the same: what is
+//! remembered belongs to the contact as a whole, of which each face takes its share, so that friction goes on from one face to the
+//! next.
 
-use crate::contact::staged::{Past, WallSurface};
+use crate::contact::staged::WallSurface;
 use crate::contact::HistoryLayout;
 use crate::vector::Vector3;
 
@@ -24,9 +25,10 @@ const HEAD: usize = 7;
 const TAKEN: f64 = -1.0;
 
 /// How the memory of one particle is laid out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MemoryLayout {
-    history: HistoryLayout,
+    /// Doubles of the contact model's history.
+    pub history: usize,
     /// Records of a particle.
     pub records: usize,
     /// Doubles of a record.
@@ -34,13 +36,12 @@ pub struct MemoryLayout {
 }
 
 impl MemoryLayout {
-    pub(super) fn new(history: HistoryLayout, records: usize) -> Self {
-        // Without a tangential memory there is nothing to remember.
-        let records = if history.memory.is_some() { records } else { 0 };
+    /// Without a history there is nothing to remember.
+    pub(super) fn new(history: usize, records: usize) -> Self {
         MemoryLayout {
             history,
-            records,
-            record: HEAD + history.length,
+            records: if history > 0 { records } else { 0 },
+            record: HEAD + history,
         }
     }
 
@@ -61,8 +62,14 @@ impl MemoryLayout {
         }
     }
 
-    /// The first number that no call has written: its place and its value.
-    pub(super) fn first_wrong(&self, memory: &[f64], parts: usize) -> Option<(usize, f64)> {
+    /// The first number that no call has written: its place and its value. `of_laws` is the layout of the library's own histories;
+    /// those of an engine are its own.
+    pub(super) fn first_wrong(
+        &self,
+        memory: &[f64],
+        parts: usize,
+        of_laws: Option<&HistoryLayout>,
+    ) -> Option<(usize, f64)> {
         let count = *memory.first()?;
         if !(count.fract() == 0.0 && (0.0..=self.records as f64).contains(&count)) {
             return Some((0, count));
@@ -77,32 +84,32 @@ impl MemoryLayout {
             if let Some(k) = (1..HEAD).find(|k| !record[*k].is_finite()) {
                 return Some((at + k, record[k]));
             }
-            if let Some((k, value)) = self.history.first_wrong(&record[HEAD..]) {
+            if let Some((k, value)) = of_laws.and_then(|l| l.first_wrong(&record[HEAD..])) {
                 return Some((at + HEAD + k, value));
             }
         }
         None
     }
 
-    /// What a contact of this step goes on from, among the records of the last step. A record that has been gone on from is
-    /// marked.
+    /// Copies to `history` what a contact of this step goes on from, among the records of the last step, and gives the normal
+    /// that it had; `None`, and zeros, for a new contact. A record that has been gone on from is marked.
     pub(super) fn recall(
         &self,
         before: &mut [f64],
         part: usize,
         surface: &WallSurface,
         centre: Vector3,
-    ) -> Past {
-        let normal = -surface.normal;
+        history: &mut [f64],
+    ) -> Option<Vector3> {
         let point = surface.point - centre;
         let alone = surface.share.value == 1.0;
+        let own = (part + 1) as f64;
         let mut best: Option<(f64, usize)> = None;
         for (index, record) in before.chunks_exact(self.record).enumerate() {
-            let own = (part + 1) as f64;
             if record[0] != own && (alone || record[0] != TAKEN - own) {
                 continue;
             }
-            if vector(&record[4..]).dot(normal) < 0.5 {
+            if vector(&record[4..]).dot(-surface.normal) < 0.5 {
                 continue;
             }
             let distance = (vector(&record[1..]) - point).norm_squared();
@@ -110,26 +117,12 @@ impl MemoryLayout {
                 best = Some((distance, index));
             }
         }
-        let Some((_, index)) = best else {
-            return Past {
-                touched: false,
-                normal,
-                memory: Vector3::ZERO,
-                energy: 0.0,
-            };
-        };
+        history.fill(0.0);
+        let (_, index) = best?;
         let record = &mut before[index * self.record..(index + 1) * self.record];
-        record[0] = TAKEN - (part + 1) as f64;
-        let history = &record[HEAD..];
-        Past {
-            touched: true,
-            normal: vector(&record[4..]),
-            memory: self
-                .history
-                .memory
-                .map_or(Vector3::ZERO, |at| vector(&history[at..])),
-            energy: self.history.energy.map_or(0.0, |at| history[at]),
-        }
+        record[0] = TAKEN - own;
+        history.copy_from_slice(&record[HEAD..]);
+        Some(vector(&record[4..]))
     }
 
     /// Writes the record of a contact.
@@ -139,21 +132,12 @@ impl MemoryLayout {
         part: usize,
         surface: &WallSurface,
         centre: Vector3,
-        past: &Past,
+        history: &[f64],
     ) {
         record[0] = (part + 1) as f64;
         record[1..4].copy_from_slice(&(surface.point - centre).to_array());
         record[4..7].copy_from_slice(&(-surface.normal).to_array());
-        let history = &mut record[HEAD..];
-        if let Some(at) = self.history.normal {
-            history[at..at + 3].copy_from_slice(&(-surface.normal).to_array());
-        }
-        if let Some(at) = self.history.memory {
-            history[at..at + 3].copy_from_slice(&past.memory.to_array());
-        }
-        if let Some(at) = self.history.energy {
-            history[at] = past.energy;
-        }
+        record[HEAD..].copy_from_slice(history);
     }
 }
 

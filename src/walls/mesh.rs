@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A surface of triangles as a wall. A body meets those whose boxes it meets, however many there are.
 
-use super::bounding_boxes::BoundingBoxes;
 use super::plane::flat;
-use super::shape::{Search, Shape};
+use super::shape::{Ball, Found, Grain, Search, Shape};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
+use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
-use crate::geometry::Ellipsoid;
 use crate::message::Numbers;
 use crate::vector::Vector3;
 
@@ -15,11 +14,12 @@ use crate::vector::Vector3;
 #[derive(Clone, Debug)]
 pub struct Mesh {
     triangles: Vec<Triangle>,
-    boxes: BoundingBoxes,
+    boxes: Vec<Extent>,
+    tree: BoxTree,
 }
 
 /// Contacts with the surface of one particle that are remembered.
-const REMEMBERED: usize = 8;
+pub(super) const REMEMBERED: usize = 8;
 
 impl Mesh {
     /// From the corners of its triangles.
@@ -33,26 +33,50 @@ impl Mesh {
         if u32::try_from(triangles.len()).is_err() {
             return Err("the mesh has more triangles than 2^32".into());
         }
-        for (index, corner) in triangles.iter().flatten().enumerate() {
-            let p = corner.to_array();
-            if !p.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
-                return Err(format!(
-                    "corner {} of triangle {} of the mesh is at {}: out of range",
-                    index % 3 + 1,
-                    index / 3 + 1,
-                    Numbers(&p)
-                ));
-            }
-        }
+        check_corners(&triangles)?;
+        let boxes: Vec<Extent> = triangles.iter().map(around).collect();
+        let mut tree = BoxTree::default();
+        tree.build(&boxes);
         Ok(Mesh {
-            boxes: BoundingBoxes::new(&triangles),
             triangles,
+            boxes,
+            tree,
         })
     }
 
     /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
+    }
+}
+
+/// Whether all corners are finite and not too far away.
+///
+/// # Errors
+/// The first that is not.
+pub(super) fn check_corners(triangles: &[Triangle]) -> Result<(), String> {
+    for (index, corner) in triangles.iter().flatten().enumerate() {
+        let p = corner.to_array();
+        if !p.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+            return Err(format!(
+                "corner {} of triangle {} of the mesh is at {}: out of range",
+                index % 3 + 1,
+                index / 3 + 1,
+                Numbers(&p)
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn around(triangle: &Triangle) -> Extent {
+    let corners = triangle.map(Vector3::to_array);
+    let bound = |best: fn(f64, f64) -> f64| {
+        core::array::from_fn(|k| best(best(corners[0][k], corners[1][k]), corners[2][k]))
+    };
+    Extent {
+        low: bound(f64::min),
+        high: bound(f64::max),
     }
 }
 
@@ -76,24 +100,38 @@ fn surface(c: &TriangleContact) -> WallSurface {
     }
 }
 
+/// The contacts of a particle with the triangles that `search.near` names, and which of them stands for each.
+pub(super) fn touch_near(
+    grain: &Grain<'_>,
+    triangles: &[Triangle],
+    search: &mut Search,
+    found: &mut Found<'_>,
+) {
+    search.corners.clear();
+    let near = search.near.iter().map(|t| triangles[*t as usize]);
+    search.corners.extend(near);
+    search
+        .triangles
+        .touch(grain.body, grain.centre, &search.corners);
+    for contact in search.triangles.contacts() {
+        found(surface(contact), search.near[contact.triangle] as usize);
+    }
+}
+
 impl Shape for Mesh {
     fn remembered(&self) -> usize {
         REMEMBERED
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
-        let (low, high) = self.boxes.whole();
-        let c = centre.to_array();
-        !(0..3).any(|k| c[k] + radius < low[k] || c[k] - radius > high[k])
+    fn may_touch(&self, ball: &Ball) -> bool {
+        let c = ball.centre.to_array();
+        !(self.tree.extent()).is_none_or(|Extent { low, high }| {
+            (0..3).any(|k| c[k] + ball.radius < low[k] || c[k] - ball.radius > high[k])
+        })
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        search: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
+    fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
+        let body = grain.body;
         // A little more than the body's own box: triangles that meet within a hundred-thousandth of its size count as joined.
         let margin = 1e-4 * body.smallest_semi_axis();
         let reach = [
@@ -102,19 +140,20 @@ impl Shape for Mesh {
             Vector3::new(0.0, 0.0, 1.0),
         ]
         .map(|e| body.support(e).h + margin);
-        let c = centre.to_array();
-        let low = core::array::from_fn(|k| c[k] - reach[k]);
-        let high = core::array::from_fn(|k| c[k] + reach[k]);
-        self.boxes.meeting(low, high, &mut search.near);
-        if search.near.is_empty() {
-            return;
-        }
-        search.corners.clear();
-        let near = search.near.iter().map(|t| self.triangles[*t as usize]);
-        search.corners.extend(near);
-        search.triangles.touch(body, centre, &search.corners);
-        for contact in search.triangles.contacts() {
-            found(surface(contact));
+        let c = grain.centre.to_array();
+        let extent = Extent {
+            low: core::array::from_fn(|k| c[k] - reach[k]),
+            high: core::array::from_fn(|k| c[k] + reach[k]),
+        };
+        search.near.clear();
+        self.tree.visit(&self.boxes, &extent, |triangle| {
+            search.near.push(triangle as u32);
+            true
+        });
+        // in the order of the triangles, whatever the tree is
+        search.near.sort_unstable();
+        if !search.near.is_empty() {
+            touch_near(grain, &self.triangles, search, found);
         }
     }
 }

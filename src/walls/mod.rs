@@ -1,32 +1,69 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Walls: rigid surfaces made of parts of any shape, in motion or at rest, against all particles in one call.
 //!
-//! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in the table of `table.rs`); all
+//! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in the table `SHAPES`); all
 //! else is common: the wall's frame and its motion (`motion.rs`), what is remembered of a contact from step to step
-//! (`memory.rs`), force, torque and energies (`compute.rs`).
+//! (`memory.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies (`compute.rs`), unless an
+//! engine's own contact model computes these.
 
-mod bounding_boxes;
 mod compute;
 mod cone;
+mod contacts;
+mod lent_triangles;
 mod memory;
 mod mesh;
 mod motion;
+mod one_plane;
 mod plane;
-pub mod planes;
 mod rim;
 mod shape;
 mod sphere;
 pub mod stl;
-mod table;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
+pub use contacts::{Contacts, FoundContact, Frame, Places, WrongMemory};
+pub use lent_triangles::LentTriangles;
 pub use memory::MemoryLayout;
 pub use mesh::Mesh;
 pub use motion::Motion;
-pub use planes::{
-    compute_planes, geometry_with_plane, one_contact_with_plane, MovingPlane, PlanesError,
-    WallArrays,
-};
-pub use shape::{End, Shape, ShapeParameters, Side};
+pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
+pub use shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 pub use wall::{RecordedWallContact, Wall, WallLoad};
+
+/// Adds the parts of a shape, or says what is wrong.
+type Constructor = fn(&ShapeParameters, &mut Vec<Box<dyn Shape>>) -> Result<(), String>;
+
+/// A new shape is a row here and its file.
+const SHAPES: [(&str, Constructor); 4] = [
+    ("plane", plane::add),
+    ("cylinder", cone::add_cylinder),
+    ("cone", cone::add_cone),
+    ("sphere", sphere::add),
+];
+
+/// The constructor of a name, or what there is.
+fn constructor(name: &str) -> Result<Constructor, String> {
+    SHAPES
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, make)| *make)
+        .ok_or_else(|| {
+            let names: Vec<&str> = SHAPES.iter().map(|(known, _)| *known).collect();
+            format!("wall shape '{name}' is not one of {}", names.join(", "))
+        })
+}
+
+impl Wall {
+    /// Adds the parts of a shape of the table ([`Shape`]).
+    ///
+    /// # Errors
+    /// An unknown name, or parameters that do not make such a shape.
+    pub fn add_shape(&mut self, name: &str, parameters: &ShapeParameters) -> Result<(), String> {
+        let make = constructor(name)?;
+        let mut parts = vec![];
+        make(parameters, &mut parts)?;
+        self.parts.append(&mut parts);
+        Ok(())
+    }
+}

@@ -6,9 +6,11 @@
 //! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
 //! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity.
 
+use crate::contact::staged::WallSurface;
 use crate::contact::Particle;
 use crate::contact::Step;
 use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::facet_shares::Share;
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 
@@ -88,6 +90,23 @@ impl Motion {
         match self.axes {
             None => p + self.displacement,
             Some(_) => self.to_world(p - self.origin) + self.centre(),
+        }
+    }
+
+    /// A surface of the wall's frame in the world, with its velocity there.
+    pub fn surface_to_world(&self, s: &WallSurface) -> WallSurface {
+        let point = self.point_to_world(s.point);
+        WallSurface {
+            point,
+            normal: self.to_world(s.normal),
+            direction: self.to_world(s.direction),
+            velocity: self.velocity_at(point) + self.to_world(s.velocity),
+            share: Share {
+                by_position: self.to_world(s.share.by_position),
+                by_rotation: self.to_world(s.share.by_rotation),
+                ..s.share
+            },
+            ..*s
         }
     }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A plane, or a disc of it, as a wall.
 
-use super::shape::{Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
-use crate::geometry::{touch_plane, Ellipsoid, Plane};
+use crate::geometry::{touch_plane, Plane};
 use crate::vector::{Tangent, Vector3};
 
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +29,8 @@ impl PlaneWall {
     }
 
     /// How deep a body lies behind the plane, on the side of its normal; 0 or less for one that does not reach it.
-    pub(super) fn depth(&self, body: &Ellipsoid, centre: Vector3) -> f64 {
-        touch_plane(body, centre, &self.plane).penetration
+    pub(super) fn depth(&self, grain: &Grain<'_>) -> f64 {
+        touch_plane(grain.body, grain.centre, &self.plane).penetration
     }
 }
 
@@ -68,23 +68,18 @@ impl Shape for PlaneWall {
         1
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
-        let height = self.plane.normal.dot(centre - self.plane.point);
-        let height = if self.both_sides {
-            height.abs()
+    fn may_touch(&self, ball: &Ball) -> bool {
+        let height = self.plane.normal.dot(ball.centre - self.plane.point);
+        let side = if self.both_sides {
+            Side::OfCentre
         } else {
-            height
+            Side::Outside
         };
-        !(height >= radius)
+        side.may_touch(height, ball.radius)
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        _: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        let Grain { body, centre, .. } = *grain;
         let mut plane = self.plane;
         if self.both_sides && plane.normal.dot(centre - plane.point) < 0.0 {
             plane.normal = -plane.normal;
@@ -93,7 +88,7 @@ impl Shape for PlaneWall {
         if contact.penetration > 0.0 {
             let point = centre + contact.support.point - contact.normal * contact.penetration;
             if self.radius == f64::INFINITY || (point - plane.point).norm() <= self.radius {
-                found(flat(point, plane.normal));
+                found(flat(point, plane.normal), 0);
             }
         }
     }

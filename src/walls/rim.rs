@@ -6,7 +6,7 @@
 //! and curvature are the same.
 
 use super::plane::flat;
-use super::shape::{Search, Shape};
+use super::shape::{Ball, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
 use crate::geometry::triangles::nearest_across;
 use crate::geometry::Ellipsoid;
@@ -83,24 +83,21 @@ impl Shape for Rim {
         2
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
+    fn may_touch(&self, ball: &Ball) -> bool {
+        let Ball { centre, radius, .. } = *ball;
         let offset = centre - self.centre;
         let along = self.axis.dot(offset);
         let across = (offset - self.axis * along).norm() - self.radius;
         !(across * across + along * along >= radius * radius)
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        _: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
-        let reach = body.bounding_radius();
-        if !self.may_touch(centre, reach) {
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        let Grain { body, centre, .. } = *grain;
+        let ball = grain.ball();
+        if !self.may_touch(&ball) {
             return;
         }
+        let reach = ball.radius;
         let offset = centre - self.centre;
         let x = offset - self.axis * self.axis.dot(offset);
         let distance = x.norm();
@@ -145,12 +142,13 @@ impl Shape for Rim {
                     let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
                     let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
                     if self.surfaces.iter().all(outermost) {
-                        found(WallSurface {
+                        let surface = WallSurface {
                             direction: self.axis.cross(p.radial),
                             curvatures: [out / self.radius, 0.0],
                             turning_radii: [self.radius / out, 0.0],
                             ..flat(centre + p.point, p.normal)
-                        });
+                        };
+                        found(surface, 0);
                     }
                 }
             }

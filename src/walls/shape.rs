@@ -7,23 +7,54 @@ use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 use core::fmt::Debug;
 
+/// A particle in the frame of a wall, before its axes are known.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    /// Index of the particle.
+    pub particle: usize,
+    /// Its centre.
+    pub centre: Vector3,
+    /// Radius of the ball about the centre that contains it.
+    pub radius: f64,
+}
+
+/// A particle in the frame of a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Grain<'a> {
+    /// Index of the particle.
+    pub particle: usize,
+    /// Its shape and axes.
+    pub body: &'a Ellipsoid,
+    /// Its centre.
+    pub centre: Vector3,
+}
+
+impl Grain<'_> {
+    /// The ball that contains it.
+    pub fn ball(&self) -> Ball {
+        Ball {
+            particle: self.particle,
+            centre: self.centre,
+            radius: self.body.bounding_radius(),
+        }
+    }
+}
+
+/// What is called with a surface that a particle touches, and the index of the triangle that stands for it; 0 where a shape has
+/// no triangles.
+pub type Found<'a> = dyn FnMut(WallSurface, usize) + 'a;
+
 /// A surface that ellipsoids touch, in the frame of its wall.
 pub trait Shape: Debug + Send + Sync {
     /// How many contacts of one particle are remembered at most; further ones act and start anew in each step.
     fn remembered(&self) -> usize;
 
-    /// False only if a body within the ball about `centre` cannot touch; cheap, and true where a number is not finite.
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool;
+    /// False only if a body within the ball cannot touch; cheap, and true where a number is not finite.
+    fn may_touch(&self, ball: &Ball) -> bool;
 
-    /// Calls `found` with the surface at every contact of a body, deepest first where there are several. The surface is at
-    /// rest.
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        search: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    );
+    /// Calls `found` with the surface at every contact of a body, deepest first where there are several. The velocity of the
+    /// surface is that in the frame of the wall: zero unless the shape itself moves.
+    fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>);
 }
 
 /// Memory for the searches of all shapes, kept between calls.
@@ -46,6 +77,26 @@ pub enum Side {
     Inside,
     /// Outside the shape; for a plane, on the side opposite to its normal.
     Outside,
+}
+
+impl Side {
+    /// Whether a particle is within the shape; `centre_is` says whether its centre is.
+    pub(super) fn is_within(self, centre_is: impl FnOnce() -> bool) -> bool {
+        match self {
+            Side::Inside => true,
+            Side::Outside => false,
+            Side::OfCentre => centre_is(),
+        }
+    }
+
+    /// Whether a ball of this radius may touch whose centre lies by `outwards` outside the surface; true for NaN.
+    pub(super) fn may_touch(self, outwards: f64, radius: f64) -> bool {
+        !match self {
+            Side::Inside => outwards <= -radius,
+            Side::Outside => outwards >= radius,
+            Side::OfCentre => outwards.abs() >= radius,
+        }
+    }
 }
 
 /// How a cylinder or cone ends.

@@ -7,7 +7,7 @@
 //! square of the largest semi-axis is the farthest point, and the first one below it, where the sum rises, the other maximum.
 
 use super::plane::flat;
-use super::shape::{Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::staged::WallSurface;
 use crate::geometry::ellipsoid::{LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::geometry::{search, Ellipsoid, Outcome};
@@ -54,33 +54,19 @@ impl Shape for SphereWall {
         2
     }
 
-    fn may_touch(&self, centre: Vector3, radius: f64) -> bool {
-        let outwards = (centre - self.centre).norm() - self.radius;
-        match self.side {
-            Side::Inside => !(outwards <= -radius),
-            Side::Outside => !(outwards >= radius),
-            Side::OfCentre => !(outwards.abs() >= radius),
-        }
+    fn may_touch(&self, ball: &Ball) -> bool {
+        let outwards = (ball.centre - self.centre).norm() - self.radius;
+        self.side.may_touch(outwards, ball.radius)
     }
 
-    fn touch(
-        &self,
-        body: &Ellipsoid,
-        centre: Vector3,
-        _: &mut Search,
-        found: &mut dyn FnMut(WallSurface),
-    ) {
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        let Grain { body, centre, .. } = *grain;
         let x = centre - self.centre;
-        let within = match self.side {
-            Side::Inside => true,
-            Side::Outside => false,
-            Side::OfCentre => x.norm() <= self.radius,
-        };
-        if within {
+        if self.side.is_within(|| x.norm() <= self.radius) {
             for point in farthest(body, x).into_iter().flatten() {
                 let distance = point.norm();
                 if distance > self.radius {
-                    found(self.surface(point * (1.0 / distance), true));
+                    found(self.surface(point * (1.0 / distance), true), 0);
                 }
             }
             return;
@@ -105,7 +91,7 @@ impl Shape for SphereWall {
             }
         };
         if let Some(outwards) = outwards {
-            found(self.surface(outwards, false));
+            found(self.surface(outwards, false), 0);
         }
     }
 }

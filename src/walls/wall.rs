@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
+use super::contacts::{Contacts, Places, WrongMemory};
+use super::lent_triangles::LentTriangles;
 use super::memory::MemoryLayout;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::shape::{Search, Shape, ShapeParameters};
-use super::table::constructor;
-use crate::contact::staged::WallSurface;
-use crate::contact::{ContactForces, Laws};
+use super::shape::{Ball, Shape};
+use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::vector::Vector3;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
 #[derive(Debug, Default)]
 pub struct Wall {
     pub(super) parts: Vec<Box<dyn Shape>>,
-    pub(super) search: Search,
-    /// Contacts of one particle: the part and its surface.
-    pub(super) found: Vec<(usize, WallSurface)>,
-    /// What was remembered of them at the last step.
-    pub(super) before: Vec<f64>,
+    /// The last part, of a wall to which an engine lends triangles.
+    pub(super) lent: Option<LentTriangles>,
     /// Particles that may touch.
     pub(super) near: Vec<usize>,
+    /// The contacts that were found last.
+    pub(super) found: Contacts,
     /// Force on each part in the last call, world frame.
     pub(super) part_forces: Vec<Vector3>,
     /// The contacts of the last call.
@@ -66,32 +65,36 @@ impl Wall {
         Wall::default()
     }
 
-    /// Adds the parts of a shape of the table ([`Shape`]).
-    ///
-    /// # Errors
-    /// An unknown name, or parameters that do not make such a shape.
-    pub fn add_shape(&mut self, name: &str, parameters: &ShapeParameters) -> Result<(), String> {
-        let make = constructor(name)?;
-        let mut parts = vec![];
-        make(parameters, &mut parts)?;
-        self.parts.append(&mut parts);
-        Ok(())
-    }
-
     /// Adds a surface of triangles.
     pub fn add_mesh(&mut self, mesh: Mesh) {
         self.parts.push(Box::new(mesh));
     }
 
-    /// How many parts there are.
-    pub fn part_count(&self) -> usize {
-        self.parts.len()
+    /// The triangles that an engine lends: from the first call on a part of the wall, after the others.
+    pub fn lent_triangles(&mut self) -> &mut LentTriangles {
+        self.lent.get_or_insert_default()
     }
 
-    /// How the memory of a particle is laid out.
+    /// The parts, one after the other.
+    pub(super) fn shapes(&self) -> impl Iterator<Item = &dyn Shape> {
+        let lent = self.lent.iter().map(|l| l as &dyn Shape);
+        self.parts.iter().map(|p| &**p).chain(lent)
+    }
+
+    /// How many parts there are.
+    pub fn part_count(&self) -> usize {
+        self.shapes().count()
+    }
+
+    /// How the memory of a particle is laid out, with the library's own contact laws.
     pub fn memory(&self, laws: &Laws) -> MemoryLayout {
-        let records = self.parts.iter().map(|p| p.remembered()).sum();
-        MemoryLayout::new(laws.layout(), records)
+        let layout = laws.layout();
+        self.memory_of(layout.memory.map_or(0, |_| layout.length))
+    }
+
+    /// The same, with a contact model that keeps `history` doubles of each contact.
+    pub fn memory_of(&self, history: usize) -> MemoryLayout {
+        MemoryLayout::new(history, self.shapes().map(Shape::remembered).sum())
     }
 
     /// Finds the particles that may touch: those of which `of` gives the centre and the largest semi-axis. Of the others it
@@ -102,22 +105,75 @@ impl Wall {
         particles: usize,
         of: impl Fn(usize) -> Option<(Vector3, f64)>,
     ) -> &[usize] {
-        self.near.clear();
-        self.near.reserve(particles);
-        for k in 0..particles {
-            if let Some((centre, radius)) = of(k) {
-                let centre = motion.point_to_wall(centre);
-                if self.parts.iter().any(|p| p.may_touch(centre, radius)) {
-                    self.near.push(k);
+        let mut near = core::mem::take(&mut self.near);
+        near.clear();
+        near.reserve(particles);
+        for particle in 0..particles {
+            if let Some((centre, radius)) = of(particle) {
+                let ball = Ball {
+                    particle,
+                    centre: motion.point_to_wall(centre),
+                    radius,
+                };
+                if self.shapes().any(|p| p.may_touch(&ball)) {
+                    near.push(particle);
                 }
             }
         }
+        self.near = near;
         &self.near
     }
 
     /// The particles that [`Wall::find_near`] found.
     pub fn near(&self) -> &[usize] {
         &self.near
+    }
+
+    /// Finds the contacts of the particles that may touch, and what each goes on from. `memory` is read alone; `of_laws` is the
+    /// layout of the library's own histories, `None` for those of an engine.
+    ///
+    /// # Errors
+    /// Before anything is found.
+    pub fn find_contacts(
+        &mut self,
+        places: &Places<'_>,
+        layout: MemoryLayout,
+        of_laws: Option<&HistoryLayout>,
+        memory: &[f64],
+    ) -> Result<(), WrongMemory> {
+        let length = layout.length();
+        let mut found = core::mem::take(&mut self.found);
+        found.start(layout);
+        if length > 0 {
+            let parts = self.part_count();
+            for &particle in &self.near {
+                let memory = &memory[particle * length..(particle + 1) * length];
+                if let Some((place, value)) = layout.first_wrong(memory, parts, of_laws) {
+                    self.found = found;
+                    return Err(WrongMemory {
+                        particle,
+                        place,
+                        value,
+                    });
+                }
+            }
+        }
+        for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
+            let memory = &memory[particle * length..(particle + 1) * length];
+            found.add(self.shapes(), places, i, (particle, near), memory);
+        }
+        self.found = found;
+        Ok(())
+    }
+
+    /// The contacts that were found last.
+    pub fn found(&self) -> &Contacts {
+        &self.found
+    }
+
+    /// The same, with their histories to be changed.
+    pub fn found_mut(&mut self) -> &mut Contacts {
+        &mut self.found
     }
 
     /// Force on each part in the last call, world frame.

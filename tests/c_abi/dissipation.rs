@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
-use ellgran::c_api::planes::{ellgran_compute_planes, EllgranPlane};
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 use ellgran::c_api::tallies::{ellgran_tally_following_half_step, EllgranTallies};
 
@@ -93,8 +93,8 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
     let time_step = TIME / steps as f64;
     let count = bodies.len();
     let mut list = List::near(&bodies, count, laws.length());
-    let mut touching = [0];
-    let mut history = vec![0.0; laws.length()];
+    let plane = WallHandle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+    let mut memory = plane.memory(&laws, count);
     let mut loads = vec![[0.0; 12]; count];
     let mut tallies = no_tallies();
     if halves {
@@ -115,7 +115,12 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
         // The plane starts at z = 0 and moves by its speed over the rate, as a sine.
         let phase = PLANE_RATE * n as f64 * time_step;
         let velocity = PLANE_SPEED.map(|v| v * phase.cos());
-        let mut wall_force = [0.0; 3];
+        let motion = EllgranWallMotion {
+            displacement: PLANE_SPEED.map(|v| v / PLANE_RATE * phase.sin()),
+            velocity,
+            ..REST
+        };
+        let mut load = NO_LOAD;
         // SAFETY: all arrays live to the end of the step.
         ok(unsafe {
             match partner {
@@ -127,31 +132,24 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
                     &step,
                     &mut tallies,
                 ),
-                Partner::Plane => ellgran_compute_planes(
+                Partner::Plane => ellgran_compute_wall(
                     laws.0,
                     workspace.0,
+                    plane.0,
                     &particles,
                     null(),
                     0,
                     1,
-                    1,
-                    &EllgranPlane {
-                        size: size_of::<EllgranPlane>(),
-                        point: PLANE_SPEED.map(|v| v / PLANE_RATE * phase.sin()),
-                        normal: [0.0, 0.0, 1.0],
-                        velocity,
-                    },
-                    touching.as_mut_ptr(),
-                    history.as_mut_ptr(),
+                    &motion,
+                    memory.as_mut_ptr(),
                     &step,
-                    wall_force.as_mut_ptr(),
+                    &mut load,
                     &mut tallies,
                 ),
             }
         });
-        let power: f64 = (0..3).map(|c| -wall_force[c] * velocity[c]).sum();
         let share = if n == 0 || n == steps { 0.5 } else { 1.0 };
-        wall += share * time_step * power;
+        wall -= share * time_step * load.power;
         if n > 0 {
             kick(&mut bodies, &arrays, 0.5 * time_step);
         }

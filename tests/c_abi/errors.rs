@@ -9,7 +9,8 @@ use ellgran::c_api::contact::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::*;
+use ellgran::c_api::plane::*;
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 
 use crate::scene::*;
@@ -507,9 +508,7 @@ struct Row {
     workspace: WorkspaceHandle,
     arrays: Arrays,
     list: List,
-    touching: [i32; 3],
-    history: [f64; 21],
-    wall_forces: [f64; 3],
+    memory: Vec<f64>,
 }
 
 impl Row {
@@ -525,9 +524,7 @@ impl Row {
             workspace: WorkspaceHandle::new(),
             arrays,
             list,
-            touching: [0; 3],
-            history: [0.0; 21],
-            wall_forces: [0.5; 3],
+            memory: vec![],
         }
     }
 
@@ -548,30 +545,32 @@ impl Row {
         }
     }
 
-    fn planes(
+    /// Against a plane at `x`, by its right.
+    fn plane(
         &mut self,
         change: impl Fn(&mut EllgranParticles),
-        plane: &EllgranPlane,
+        x: f64,
         kind: i32,
         step: &EllgranStep,
     ) -> i32 {
+        let wall = WallHandle::plane([x, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        self.memory = wall.memory(&self.laws, 3);
         let mut particles = self.arrays.particles();
         change(&mut particles);
         // SAFETY: all pointers are valid.
         unsafe {
-            ellgran_compute_planes(
+            ellgran_compute_wall(
                 self.laws.0,
                 self.workspace.0,
+                wall.0,
                 &particles,
                 null(),
                 0,
                 kind,
-                1,
-                plane,
-                self.touching.as_mut_ptr(),
-                self.history.as_mut_ptr(),
+                null(),
+                self.memory.as_mut_ptr(),
                 step,
-                self.wall_forces.as_mut_ptr(),
+                null_mut(),
                 null_mut(),
             )
         }
@@ -583,9 +582,7 @@ impl Row {
         assert_eq!(self.arrays.torques, [[0.5; 3]; 3]);
         assert_eq!(self.list.touching, [[0], [0]]);
         assert!(self.list.history.iter().flatten().all(|h| *h == 0.0));
-        assert_eq!(self.touching, [0; 3]);
-        assert_eq!(self.history, [0.0; 21]);
-        assert_eq!(self.wall_forces, [0.5; 3]);
+        assert!(self.memory.iter().all(|m| *m == 0.0));
     }
 }
 
@@ -605,7 +602,7 @@ fn a_bad_particle_of_a_list() {
         let mut row = Row::new(WITH_MASS, &bodies);
         fails(row.pairs(|_| (), &STEP), ELLGRAN_ERROR_PARTICLE, &words);
         fails(
-            row.planes(|_| (), &PLANE, 1, &STEP),
+            row.plane(|_| (), -0.9, 1, &STEP),
             ELLGRAN_ERROR_PARTICLE,
             &words,
         );
@@ -654,7 +651,7 @@ fn identifiers_in_messages() {
         let words = ["identifier_bytes", &bytes.to_string()];
         fails(row.pairs(other, &STEP), ELLGRAN_ERROR_ARGUMENT, &words);
         fails(
-            row.planes(other, &PLANE, 1, &STEP),
+            row.plane(other, -0.9, 1, &STEP),
             ELLGRAN_ERROR_ARGUMENT,
             &words,
         );
@@ -669,7 +666,7 @@ fn arguments_of_a_list() {
         let words = ["time_step", &step.time_step.to_string()];
         fails(row.pairs(|_| (), &step), ELLGRAN_ERROR_ARGUMENT, &words);
         fails(
-            row.planes(|_| (), &PLANE, 1, &step),
+            row.plane(|_| (), -0.9, 1, &step),
             ELLGRAN_ERROR_ARGUMENT,
             &words,
         );
@@ -679,17 +676,10 @@ fn arguments_of_a_list() {
         ELLGRAN_ERROR_ARGUMENT,
         &["owned_count", "4", "3"],
     );
-    for (plane, word) in wrong_planes() {
-        fails(
-            row.planes(|_| (), &plane, 1, &STEP),
-            ELLGRAN_ERROR_ARGUMENT,
-            &["plane", word],
-        );
-    }
     for kind in [0, -1, 2] {
         let words = ["wall_type", &kind.to_string()];
         fails(
-            row.planes(|_| (), &PLANE, kind, &STEP),
+            row.plane(|_| (), -0.9, kind, &STEP),
             ELLGRAN_ERROR_ARGUMENT,
             &words,
         );
@@ -735,21 +725,12 @@ fn a_list_where_hales_form_breaks() {
     let mut row = Row::new(HALE, &bodies);
     let words = ["particle 8", "particle 9", "factors exact"];
     fails(row.pairs(|_| (), &STEP), ELLGRAN_ERROR_HALE, &words);
-    let far = EllgranPlane {
-        point: [-10.0, 0.0, 0.0],
-        ..PLANE
-    };
-    ok(row.planes(|_| (), &far, 1, &STEP));
-    let near = EllgranPlane {
-        point: [-0.9, 0.0, 0.0],
-        normal: [1.0, 0.0, 0.0],
-        ..PLANE
-    };
+    ok(row.plane(|_| (), -10.0, 1, &STEP));
     let mut bodies = [sphere_at(0.0), needle_at(0.05), needle_at(3.89)];
     bodies[1].identifier = 8;
     row.arrays = Row::new(HALE, &bodies).arrays;
     fails(
-        row.planes(|_| (), &near, 1, &STEP),
+        row.plane(|_| (), -0.9, 1, &STEP),
         ELLGRAN_ERROR_HALE,
         &["particle 8", "wall"],
     );

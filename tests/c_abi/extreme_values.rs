@@ -5,13 +5,14 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
+use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::*;
+use ellgran::c_api::plane::*;
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
-use ellgran::c_api::walls::*;
 
 use crate::scene::*;
 
@@ -799,28 +800,44 @@ fn stages() {
 
 #[test]
 fn walls() {
-    let mut contacts = null_mut();
-    // SAFETY: all pointers are valid, here and below.
-    ok(unsafe { ellgran_wall_contacts_new(&mut contacts) });
     let [body, _] = pair_of(SHAPES[0]);
-    let all = |status: i32, x: f64, what: &str| {
+    let workspace = WorkspaceHandle::new();
+    // One number of a wall is extreme: an error that shows it, or contacts that are finite.
+    let check = |wall: &WallHandle, status: i32, x: f64, what: &str| {
         if status != 0 {
             assert_ne!(status, ELLGRAN_ERROR_PANIC, "{what}: {}", message());
             assert!(message().contains(&text(x)), "{what} {x:e}: {}", message());
             return;
         }
-        for k in 0..unsafe { ellgran_wall_contacts_count(contacts) } {
-            let mut contact = Untouched::<EllgranWallContact>::sized();
-            let mut surface = Untouched::<EllgranWallSurface>::sized();
-            let (p, q) = (contact.pointer(), surface.pointer());
-            ok(unsafe { ellgran_wall_contacts_get(contacts, k, p, q) });
-            let (c, s) = unsafe { (*p, *q) };
-            for v in [s.point, s.normal, s.direction, c.weights] {
-                finite(&v, &format!("{what} {x:e}"));
+        let mut arrays = Arrays::new(&[body], 1);
+        let particles = arrays.particles();
+        // SAFETY: all pointers are valid.
+        unsafe {
+            ok(ellgran_find_wall_contacts(
+                workspace.0,
+                wall.0,
+                &particles,
+                null(),
+                0,
+                null(),
+                0,
+                null(),
+            ));
+            for k in 0..ellgran_wall_found_count(wall.0) {
+                let mut found = Untouched::<EllgranFoundWallContact>::sized();
+                ok(ellgran_wall_found(wall.0, k, found.pointer()));
+                let c = *found.pointer();
+                for v in [c.point, c.velocity] {
+                    finite(&v, &format!("{what} {x:e}"));
+                }
             }
-            finite(&s.curvatures, what);
-            assert!(s.turning_radii.iter().all(|r| !r.is_nan()), "{what}");
         }
+    };
+    let add = |given: EllgranWallShape, x: f64, what: &str| {
+        let wall = WallHandle::new();
+        // SAFETY: all pointers are valid.
+        let status = unsafe { ellgran_wall_add_shape(wall.0, &given) };
+        check(&wall, status, x, what);
     };
     let triangles = [
         [[-5.0, -5.0, -0.7], [5.0, -5.0, -0.7], [0.0, 5.0, -0.7]],
@@ -830,32 +847,48 @@ fn walls() {
         for k in 0..6 {
             let mut given = [[0.0, 0.0, -0.7], [0.0, 0.1, 1.0]];
             given[k / 3][k % 3] = x;
-            let [point, direction] = given;
-            let (p, d) = (point.as_ptr(), direction.as_ptr());
-            all(
-                unsafe { ellgran_plane_contacts(contacts, &body, p, d) },
-                x,
-                "plane",
-            );
-            all(
-                unsafe { ellgran_cylinder_contacts(contacts, &body, p, d, 0.9) },
-                x,
-                "cylinder",
-            );
+            let [point, axis] = given;
+            for name in [c"plane", c"cylinder"] {
+                let one = EllgranWallShape {
+                    point,
+                    axis,
+                    radii: [0.9, 0.0],
+                    ..shape(name)
+                };
+                add(one, x, name.to_str().unwrap());
+            }
         }
-        let (p, d) = ([0.0; 3], [0.0, 0.0, 1.0]);
-        let status =
-            unsafe { ellgran_cylinder_contacts(contacts, &body, p.as_ptr(), d.as_ptr(), x) };
-        all(status, x, "radius");
-        for k in 0..18 {
-            let mut given = triangles;
-            given[k / 9][k / 3 % 3][k % 3] = x;
-            let corners = given.as_ptr().cast();
-            let status = unsafe { ellgran_triangle_contacts(contacts, &body, 2, corners) };
-            all(status, x, "triangles");
+        for name in [c"cylinder", c"sphere"] {
+            let one = EllgranWallShape {
+                radii: [x, 0.0],
+                ..shape(name)
+            };
+            add(one, x, "radius");
+        }
+        for k in 0..36 {
+            let (mut corners, mut velocities) = (triangles, [[[0.0; 3]; 3]; 2]);
+            let given = if k < 18 {
+                &mut corners
+            } else {
+                &mut velocities
+            };
+            given[k % 18 / 9][k / 3 % 3][k % 3] = x;
+            let wall = WallHandle::new();
+            let (starts, near) = ([0, 2], [0, 1]);
+            let lent = EllgranLentTriangles {
+                size: size_of::<EllgranLentTriangles>(),
+                count: 2,
+                corners: corners.as_ptr().cast(),
+                velocities: velocities.as_ptr().cast(),
+                particle_count: 1,
+                near_starts: starts.as_ptr(),
+                near: near.as_ptr(),
+            };
+            // SAFETY: all pointers are valid.
+            let status = unsafe { ellgran_wall_lend_triangles(wall.0, &lent) };
+            check(&wall, status, x, "triangles");
         }
     }
-    unsafe { ellgran_wall_contacts_free(contacts) };
 }
 
 #[test]

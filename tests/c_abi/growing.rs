@@ -8,7 +8,6 @@ use ellgran::c_api::growing::Growing;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::*;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
 use ellgran::c_api::tallies::EllgranTallies;
@@ -191,7 +190,7 @@ fn no_surface() -> EllgranWallSurface {
     }
 }
 
-/// A list of two spheres and a wall.
+/// A list of two spheres.
 struct Two {
     laws: Laws,
     workspace: WorkspaceHandle,
@@ -232,35 +231,10 @@ impl Two {
             )
         }
     }
-
-    /// Against `count` walls that stand one after the other in memory.
-    fn planes(&mut self, count: usize, planes: *const EllgranPlane) -> i32 {
-        let particles = self.arrays.particles();
-        let mut touching = vec![0; 2 * count];
-        let mut history = vec![0.0; 2 * count * self.laws.length()];
-        // SAFETY: the arrays are as long as the structs say.
-        unsafe {
-            ellgran_compute_planes(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                null(),
-                0,
-                1,
-                count,
-                planes,
-                touching.as_mut_ptr(),
-                history.as_mut_ptr(),
-                &STEP,
-                null_mut(),
-                null_mut(),
-            )
-        }
-    }
 }
 
 #[test]
-fn sizes_of_lists_walls_and_tallies_are_checked() {
+fn sizes_of_lists_and_tallies_are_checked() {
     let mut two = Two::new();
     refused::<EllgranParticles>("particles", |size| {
         two.pairs(|p, _| p.size = size, null_mut())
@@ -271,24 +245,6 @@ fn sizes_of_lists_walls_and_tallies_are_checked() {
         tallies.size = size;
         two.pairs(|_, _| (), &mut tallies)
     });
-    let mut plane = EllgranPlane {
-        size: 0,
-        point: [-0.9, 0.0, 0.0],
-        normal: [1.0, 0.0, 0.0],
-        velocity: [0.0; 3],
-    };
-    refused::<EllgranPlane>("planes[0]", |size| {
-        plane.size = size;
-        two.planes(1, &plane)
-    });
-    plane.size = size_of::<EllgranPlane>();
-    let mut planes = [plane; 3];
-    planes[2].size = 0;
-    fails(
-        two.planes(3, planes.as_ptr()),
-        ELLGRAN_ERROR_ARGUMENT,
-        &["planes[2]: size = 0"],
-    );
     assert!(two.arrays.forces.iter().flatten().all(|f| *f == 0.0));
 }
 
@@ -318,29 +274,4 @@ fn a_newer_struct_is_read_and_written_as_far_as_it_is_known() {
         }
         assert!(out.behind().iter().all(|b| *b == 0x5A));
     }
-}
-
-#[test]
-fn walls_of_a_newer_header_are_as_far_apart_as_it_says() {
-    let mut two = Two::new();
-    let plane = |x: f64, size| EllgranPlane {
-        size,
-        point: [x, 0.0, 0.0],
-        normal: [1.0, 0.0, 0.0],
-        velocity: [0.0; 3],
-    };
-    let own = size_of::<EllgranPlane>();
-    let here = [plane(-0.9, own), plane(-0.95, own)];
-    ok(two.planes(2, here.as_ptr()));
-    let expected = two.arrays.forces.clone();
-    assert!(expected[0][0] > 0.0);
-    two.arrays.forces.fill([0.0; 3]);
-    let size = own + NEWER;
-    let mut newer = Vec::new();
-    for x in [-0.9, -0.95] {
-        let one = Other::new(&plane(x, size), size, 0);
-        newer.extend_from_slice(&one.bytes[..size / 8]);
-    }
-    ok(two.planes(2, newer.as_ptr().cast()));
-    assert_eq!(two.arrays.forces, expected);
 }

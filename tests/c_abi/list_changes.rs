@@ -231,15 +231,10 @@ fn a_step_that_failed_can_be_repeated() {
 }
 
 #[test]
-fn planes_are_no_call_for_a_list() {
-    use ellgran::c_api::planes::*;
+fn walls_are_no_call_for_a_list() {
+    use ellgran::c_api::rigid_wall::*;
     let (mut scene, mut other) = (Scene::new(), Scene::new());
-    let plane = EllgranPlane {
-        size: size_of::<EllgranPlane>(),
-        point: [-0.9, 0.0, 0.0],
-        normal: [1.0, 0.0, 0.0],
-        velocity: [0.0; 3],
-    };
+    let plane = WallHandle::plane([-0.9, 0.0, 0.0], [1.0, 0.0, 0.0]);
     for step in 0..3 {
         let call = |_: &mut EllgranParticles, list: &mut EllgranNeighbourList| {
             (list.unchanged, list.keep_history) = (i32::from(step > 0), 1);
@@ -248,26 +243,26 @@ fn planes_are_no_call_for_a_list() {
         ok(other.call(call));
         let mut apart = Arrays::new(&[0.0, 1.5, 3.0].map(sphere_at), 3);
         let particles = apart.particles();
-        let (mut touching, mut history) = ([0; 3], [0.0; 21]);
+        let mut memory = plane.memory(&scene.laws, 3);
+        let mut load = NO_LOAD;
         // SAFETY: all arrays are valid.
         ok(unsafe {
-            ellgran_compute_planes(
+            ellgran_compute_wall(
                 scene.laws.0,
                 scene.workspace.0,
+                plane.0,
                 &particles,
                 null(),
                 0,
                 1,
-                1,
-                &plane,
-                touching.as_mut_ptr(),
-                history.as_mut_ptr(),
+                null(),
+                memory.as_mut_ptr(),
                 &STEP,
-                null_mut(),
+                &mut load,
                 null_mut(),
             )
         });
-        assert_eq!(touching, [1, 0, 0]);
+        assert_eq!(load.contact_count, 1);
         assert_eq!(scene.arrays.forces, other.arrays.forces, "step {step}");
     }
 }

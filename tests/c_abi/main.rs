@@ -6,6 +6,7 @@
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
+mod engine_walls;
 mod errors;
 mod extreme_values;
 mod friction;
@@ -17,6 +18,7 @@ mod lists;
 mod many_contacts;
 mod materials;
 mod measures;
+mod motion;
 mod null_pointers;
 mod paths;
 mod recorded;

@@ -8,7 +8,8 @@ use ellgran::c_api::contact::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::*;
+use ellgran::c_api::plane::*;
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 
 use crate::scene::*;
@@ -340,36 +341,31 @@ fn a_neighbour_list() {
 }
 
 #[test]
-fn plane_walls() {
+fn walls() {
     let mut x = Pair::new();
     let p = x.arrays.particles();
     let (l, w, s) = (x.laws.0, x.workspace.0, &STEP);
-    let mut touching = Untouched::<[i32; 2]>::new();
-    let mut history = Untouched::<[f64; 14]>::new();
-    let mut wall_forces = Untouched::<[f64; 3]>::new();
-    let (t, h) = (touching.pointer().cast(), history.pointer().cast());
-    let f: *mut f64 = wall_forces.pointer().cast();
-    let (m, z) = (null(), null_mut());
+    let wall = WallHandle::plane(PLANE.point, PLANE.normal);
+    let mut memory = wall.memory(&x.laws, 2);
+    let m = memory.as_mut_ptr();
+    let (n, z) = (null(), null_mut());
     // SAFETY: pointers are NULL or valid.
     unsafe {
-        let call = |l, w, p, planes, t, h, s| {
-            ellgran_compute_planes(l, w, p, m, 0, 1, 1, planes, t, h, s, f, z)
+        let call = |l, w, wall, p, m, s| {
+            ellgran_compute_wall(l, w, wall, p, null(), 0, 1, n, m, s, null_mut(), z)
         };
-        is_null(call(null(), w, &p, &PLANE, t, h, s), "laws");
-        is_null(call(l, null_mut(), &p, &PLANE, t, h, s), "workspace");
-        is_null(call(l, w, null(), &PLANE, t, h, s), "particles");
-        is_null(call(l, w, &p, null(), t, h, s), "planes");
-        is_null(call(l, w, &p, &PLANE, null_mut(), h, s), "touching");
-        is_null(call(l, w, &p, &PLANE, t, null_mut(), s), "history");
-        is_null(call(l, w, &p, &PLANE, t, h, null()), "step");
+        is_null(call(null(), w, wall.0, &p, m, s), "laws");
+        is_null(call(l, null_mut(), wall.0, &p, m, s), "workspace");
+        is_null(call(l, w, null_mut(), &p, m, s), "wall");
+        is_null(call(l, w, wall.0, null(), m, s), "particles");
+        is_null(call(l, w, wall.0, &p, null_mut(), s), "memory");
+        is_null(call(l, w, wall.0, &p, m, null()), "step");
         for (name, lose) in PARTICLE_POINTERS {
             let mut p = p;
             lose(&mut p);
-            is_null(call(l, w, &p, &PLANE, t, h, s), name);
+            is_null(call(l, w, wall.0, &p, m, s), name);
         }
     }
     x.check();
-    touching.check();
-    history.check();
-    wall_forces.check();
+    assert!(memory.iter().all(|m| *m == 0.0));
 }

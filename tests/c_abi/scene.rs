@@ -10,6 +10,7 @@ use ellgran::c_api::growing::Growing;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::*;
+use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 use ellgran::c_api::tallies::EllgranTallies;
 
@@ -95,6 +96,79 @@ impl Drop for Laws {
         unsafe { ellgran_laws_free(self.0) }
     }
 }
+
+/// A wall.
+pub struct WallHandle(pub *mut EllgranWall);
+
+impl WallHandle {
+    pub fn new() -> WallHandle {
+        let mut wall = ptr::null_mut();
+        // SAFETY: valid for writes.
+        ok(unsafe { ellgran_wall_new(&mut wall) });
+        WallHandle(wall)
+    }
+
+    /// A plane; the particles are on the side of its normal.
+    pub fn plane(point: [f64; 3], normal: [f64; 3]) -> WallHandle {
+        let wall = WallHandle::new();
+        let shape = EllgranWallShape {
+            point,
+            axis: normal,
+            side: ELLGRAN_SIDE_INSIDE,
+            ..shape(c"plane")
+        };
+        // SAFETY: valid pointers.
+        ok(unsafe { ellgran_wall_add_shape(wall.0, &shape) });
+        wall
+    }
+
+    /// What is remembered of these many particles at first.
+    pub fn memory(&self, laws: &Laws, particles: usize) -> Vec<f64> {
+        // SAFETY: valid pointers.
+        vec![0.0; particles * unsafe { ellgran_wall_memory_length(self.0, laws.0) }]
+    }
+}
+
+impl Drop for WallHandle {
+    fn drop(&mut self) {
+        // SAFETY: not used again.
+        unsafe { ellgran_wall_free(self.0) }
+    }
+}
+
+/// A shape at the origin along z of which nothing else is said.
+pub fn shape(name: &CStr) -> EllgranWallShape {
+    EllgranWallShape {
+        size: size_of::<EllgranWallShape>(),
+        name: name.as_ptr(),
+        point: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        radii: [0.0; 2],
+        bounds: [0.0; 2],
+        ends: [ELLGRAN_END_NONE; 2],
+        side: ELLGRAN_SIDE_OF_CENTRE,
+        unused: 0,
+    }
+}
+
+/// A wall at rest where it was described.
+pub const REST: EllgranWallMotion = EllgranWallMotion {
+    size: size_of::<EllgranWallMotion>(),
+    origin: [0.0; 3],
+    displacement: [0.0; 3],
+    quaternion: [0.0; 4],
+    velocity: [0.0; 3],
+    angular_velocity: [0.0; 3],
+};
+
+/// To be written by a call.
+pub const NO_LOAD: EllgranWallLoad = EllgranWallLoad {
+    size: size_of::<EllgranWallLoad>(),
+    force: [0.0; 3],
+    torque: [0.0; 3],
+    power: 0.0,
+    contact_count: 0,
+};
 
 pub struct WorkspaceHandle(pub *mut EllgranWorkspace);
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A contact in stages, and where a body touches walls: pointers, ranges, and the same numbers as the whole contact.
+//! A contact in stages: pointers, ranges, and the same numbers as the whole contact.
 
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
 use ellgran::c_api::law::{ellgran_laws_memory_offset, EllgranLaws};
 use ellgran::c_api::particles::*;
-use ellgran::c_api::planes::EllgranPlane;
+use ellgran::c_api::plane::EllgranPlane;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
-use ellgran::c_api::walls::*;
 
 use crate::scene::*;
 
@@ -37,56 +36,6 @@ impl Drop for Staged {
     fn drop(&mut self) {
         // SAFETY: made by ellgran_staged_new and not used again.
         unsafe { ellgran_staged_free(self.0) }
-    }
-}
-
-struct Contacts(*mut EllgranWallContacts);
-
-struct Found {
-    surface: EllgranWallSurface,
-    weights: [f64; 3],
-}
-
-impl Contacts {
-    fn new() -> Contacts {
-        let mut contacts = null_mut();
-        // SAFETY: valid for writes.
-        ok(unsafe { ellgran_wall_contacts_new(&mut contacts) });
-        Contacts(contacts)
-    }
-
-    fn all(&self) -> Vec<Found> {
-        // SAFETY: the pointers are valid, and what they point to is written on success.
-        unsafe {
-            let count = ellgran_wall_contacts_count(self.0);
-            let mut contact = Untouched::<EllgranWallContact>::sized();
-            let mut surface = Untouched::<EllgranWallSurface>::sized();
-            let (c, s) = (contact.pointer(), surface.pointer());
-            fails(
-                ellgran_wall_contacts_get(self.0, count, c, s),
-                ELLGRAN_ERROR_ARGUMENT,
-                &[&format!("index = {count}")],
-            );
-            contact.check();
-            surface.check();
-            (0..count)
-                .map(|k| {
-                    ok(ellgran_wall_contacts_get(self.0, k, null_mut(), s));
-                    ok(ellgran_wall_contacts_get(self.0, k, c, s));
-                    Found {
-                        surface: *s,
-                        weights: (*c).weights,
-                    }
-                })
-                .collect()
-        }
-    }
-}
-
-impl Drop for Contacts {
-    fn drop(&mut self) {
-        // SAFETY: made by ellgran_wall_contacts_new and not used again.
-        unsafe { ellgran_wall_contacts_free(self.0) }
     }
 }
 
@@ -533,135 +482,4 @@ fn a_wall_in_stages_is_a_plane() {
         let section = std::f64::consts::PI * k.penetration / (k.curvature_a * k.curvature_b).sqrt();
         assert!((area - section).abs() < 1e-12 * section, "{area} {section}");
     }
-}
-
-#[test]
-fn pointers_and_values_of_wall_contacts() {
-    let contacts = Contacts::new();
-    let c = contacts.0;
-    let body = sphere_at(0.0);
-    let (point, normal) = ([-0.9, 0.0, 0.0], [1.0, 0.0, 0.0]);
-    let (p, n) = (point.as_ptr(), normal.as_ptr());
-    let triangle = [[-0.9, -5.0, -5.0], [-0.9, 5.0, -5.0], [-0.9, 0.0, 9.0]];
-    let t: *const f64 = triangle.as_ptr().cast();
-    let z = null();
-    // SAFETY: pointers are NULL or valid.
-    unsafe {
-        is_null(ellgran_wall_contacts_new(null_mut()), "contacts");
-        is_null(ellgran_plane_contacts(null_mut(), &body, p, n), "contacts");
-        is_null(ellgran_plane_contacts(c, null(), p, n), "body");
-        is_null(ellgran_plane_contacts(c, &body, z, n), "point");
-        is_null(ellgran_plane_contacts(c, &body, p, z), "normal");
-        is_null(
-            ellgran_cylinder_contacts(null_mut(), &body, p, n, 1.0),
-            "contacts",
-        );
-        is_null(ellgran_cylinder_contacts(c, null(), p, n, 1.0), "body");
-        is_null(ellgran_cylinder_contacts(c, &body, z, n, 1.0), "point");
-        is_null(ellgran_cylinder_contacts(c, &body, p, z, 1.0), "axis");
-        is_null(
-            ellgran_triangle_contacts(null_mut(), &body, 1, t),
-            "contacts",
-        );
-        is_null(ellgran_triangle_contacts(c, null(), 1, t), "body");
-        is_null(ellgran_triangle_contacts(c, &body, 1, z), "corners");
-        assert_eq!(ellgran_wall_contacts_count(null()), 0);
-        let mut surface = Untouched::<EllgranWallSurface>::sized();
-        let s = surface.pointer();
-        is_null(
-            ellgran_wall_contacts_get(null(), 0, null_mut(), s),
-            "contacts",
-        );
-        is_null(
-            ellgran_wall_contacts_get(c, 0, null_mut(), null_mut()),
-            "surface",
-        );
-        ellgran_wall_contacts_free(null_mut());
-        let argument = ELLGRAN_ERROR_ARGUMENT;
-        let nan = [f64::NAN, 0.0, 0.0];
-        let none = [0.0; 3];
-        fails(
-            ellgran_plane_contacts(c, &body, nan.as_ptr(), n),
-            argument,
-            &["point", "NaN"],
-        );
-        fails(
-            ellgran_plane_contacts(c, &body, p, none.as_ptr()),
-            argument,
-            &["normal"],
-        );
-        fails(
-            ellgran_plane_contacts(c, &body, p, nan.as_ptr()),
-            argument,
-            &["normal", "NaN"],
-        );
-        fails(
-            ellgran_cylinder_contacts(c, &body, p, none.as_ptr(), 1.0),
-            argument,
-            &["axis"],
-        );
-        for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let words = ["radius", &radius.to_string()];
-            fails(
-                ellgran_cylinder_contacts(c, &body, p, n, radius),
-                argument,
-                &words,
-            );
-        }
-        let mut wrong = triangle;
-        wrong[2][1] = f64::NAN;
-        let status = ellgran_triangle_contacts(c, &body, 1, wrong.as_ptr().cast());
-        fails(status, argument, &["corners[0]", "NaN"]);
-        let mut bad = body;
-        bad.quaternion = [0.0; 4];
-        let words = ["particle 7", "quaternion"];
-        fails(
-            ellgran_plane_contacts(c, &bad, p, n),
-            ELLGRAN_ERROR_PARTICLE,
-            &words,
-        );
-        fails(
-            ellgran_triangle_contacts(c, &bad, 1, t),
-            ELLGRAN_ERROR_PARTICLE,
-            &words,
-        );
-    }
-    assert!(contacts.all().is_empty());
-}
-
-#[test]
-fn a_triangle_is_a_piece_of_its_plane() {
-    let (on_plane, on_triangle) = (Contacts::new(), Contacts::new());
-    let body = sphere_at(0.0);
-    let (point, normal) = ([-0.9, 0.0, 0.0], [1.0, 0.0, 0.0]);
-    let triangle = [[-0.9, -5.0, -5.0], [-0.9, 5.0, -5.0], [-0.9, 0.0, 9.0]];
-    // SAFETY: all pointers are valid.
-    unsafe {
-        ok(ellgran_plane_contacts(
-            on_plane.0,
-            &body,
-            point.as_ptr(),
-            normal.as_ptr(),
-        ));
-        ok(ellgran_triangle_contacts(
-            on_triangle.0,
-            &body,
-            1,
-            triangle.as_ptr().cast(),
-        ));
-    }
-    let (a, b) = (on_plane.all(), on_triangle.all());
-    assert_eq!((a.len(), b.len()), (1, 1));
-    close(a[0].surface.point, b[0].surface.point, 1.0);
-    close(a[0].surface.normal, b[0].surface.normal, 1.0);
-    let of_corners = [0, 1, 2].map(|k| {
-        (0..3)
-            .map(|m| b[0].weights[m] * triangle[m][k])
-            .sum::<f64>()
-    });
-    close(of_corners, b[0].surface.point, 1.0);
-    // And nothing is left of it when there is no contact.
-    // SAFETY: no corner is read.
-    ok(unsafe { ellgran_triangle_contacts(on_triangle.0, &body, 0, null()) });
-    assert!(on_triangle.all().is_empty());
 }

@@ -3,9 +3,10 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use crate::emulator;
-use crate::harness::{build, root, scratch, succeed, Language};
+use crate::harness::{build, installed, root, scratch, succeed, tool, Language};
 use crate::two_grains;
 
 fn source(name: &str) -> PathBuf {
@@ -81,6 +82,40 @@ fn two_grains_linked_statically() {
     );
     let printed = succeed(&mut emulator::program(&program));
     assert_same(&printed, &promised("two_grains.c"), "two_grains.c -static");
+}
+
+/// The contact of the C example, by the library linked as pkg-config says.
+#[test]
+#[cfg(unix)]
+fn one_contact_in_fortran() {
+    // A compiler for another machine is not asked for.
+    if std::env::var_os("CARGO_BUILD_TARGET").is_some() {
+        return;
+    }
+    let Some(gfortran) = tool("gfortran") else {
+        return;
+    };
+    let source = root().join("examples/fortran/one_contact.f90");
+    let program = scratch("fortran").join("program");
+    let installed = installed();
+    succeed(
+        Command::new(gfortran)
+            .args(["-std=f2018", "-Wall", "-Wextra", "-pedantic", "-Werror"])
+            // Where modules would go.
+            .current_dir(scratch("fortran modules"))
+            .arg(&source)
+            .arg("-o")
+            .arg(&program)
+            .arg(installed.prefix.join("lib").join("libellgran.a"))
+            .args(installed.system_libraries.split(' ')),
+    );
+    let text = succeed(&mut emulator::program(&program));
+    let source = fs::read_to_string(source).expect("an example");
+    let (_, said) = source.split_once("Prints: ").expect("what it prints");
+    assert_same(text.trim(), said.lines().next().unwrap(), "one_contact.f90");
+    // The same number as in C.
+    let c = fs::read_to_string(root().join("examples/c/one_contact.c")).expect("an example");
+    assert!(c.contains(said.lines().next().unwrap()));
 }
 
 #[test]

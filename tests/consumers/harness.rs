@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-use crate::prefix;
+use crate::prefix::{self, Place};
 
 pub const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-pedantic", "-Werror"];
 
@@ -92,7 +92,7 @@ fn install_and_move(target: &Path, system_libraries: &str) -> PathBuf {
         description: env!("CARGO_PKG_DESCRIPTION"),
         system_libraries,
     };
-    prefix::fill(&first, root(), &library, &package).expect("an install prefix");
+    prefix::fill(&Place::in_lib(&first), root(), &library, &package).expect("an install prefix");
     let moved = temporary().join("prefix");
     let _ = fs::remove_dir_all(&moved);
     fs::rename(first, &moved).expect("the prefix moves");

@@ -9,11 +9,12 @@ use std::path::Path;
 use std::process::Command;
 
 use ellgran::c_api::contact::{EllgranBody, EllgranContactForce, EllgranContactGeometry};
+use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::many_contacts::{EllgranContactArrays, EllgranStiffnessArrays};
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
-use ellgran::c_api::planes::EllgranPlane;
+use ellgran::c_api::plane::EllgranPlane;
 use ellgran::c_api::recorded::EllgranContactPlace;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
@@ -21,7 +22,6 @@ use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::EllgranContactStiffness;
 use ellgran::c_api::tallies::EllgranTallies;
 use ellgran::c_api::version::ELLGRAN_ABI_VERSION;
-use ellgran::c_api::walls::EllgranWallContact;
 
 use crate::emulator;
 use crate::harness::{
@@ -102,7 +102,10 @@ fn claims() -> Claims {
         }
         EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
         EllgranStagedPast { size, friction, touched, normal }
-        EllgranWallContact { size, triangle, weights }
+        EllgranLentTriangles { size, count, corners, velocities, particle_count, near_starts, near }
+        EllgranFoundWallContact {
+            size, particle, part, triangle, point, velocity, touched, is_forgotten, last_normal, history,
+        }
         EllgranContactStiffness {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
         }

@@ -12,24 +12,28 @@ use crate::emulator;
 use crate::harness::{
     compiler, declared_functions, installed, root, scratch, succeed, tool, Language,
 };
-use crate::prefix;
+use crate::prefix::{self, Place};
 
 /// A prefix with both libraries.
 fn shared() -> &'static Path {
     static PREFIX: OnceLock<PathBuf> = OnceLock::new();
     PREFIX.get_or_init(|| {
         let directory = scratch("shared-prefix");
-        let library = installed().prefix.join("lib").join("libellgran.a");
-        let package = prefix::Package {
-            version: env!("CARGO_PKG_VERSION"),
-            description: env!("CARGO_PKG_DESCRIPTION"),
-            system_libraries: &installed().system_libraries,
-        };
-        prefix::fill(&directory, root(), &library, &package).expect("an install prefix");
-        prefix::add_shared(&directory, root(), &package, compiler(Language::C99))
-            .expect("a shared library");
+        install(&Place::in_lib(&directory));
         directory
     })
+}
+
+/// Both libraries.
+fn install(place: &Place) {
+    let library = installed().prefix.join("lib").join("libellgran.a");
+    let package = prefix::Package {
+        version: env!("CARGO_PKG_VERSION"),
+        description: env!("CARGO_PKG_DESCRIPTION"),
+        system_libraries: &installed().system_libraries,
+    };
+    prefix::fill(place, root(), &library, &package).expect("an install prefix");
+    prefix::add_shared(place, root(), &package, compiler(Language::C99)).expect("a shared library");
 }
 
 /// A program that finds the library where it was linked.
@@ -99,6 +103,71 @@ fn a_pkg_config_project_links_it() {
     is_the_overlap(&run(&program));
     // It does need the library.
     crate::harness::fail(emulator::program(&program).env_remove("LD_LIBRARY_PATH"));
+}
+
+/// A system may have its libraries deeper in the prefix, as Debian has.
+#[test]
+fn projects_find_both_libraries_in_another_directory() {
+    let (Some(pkg_config), Some(cmake)) = (tool("pkg-config"), tool("cmake")) else {
+        return;
+    };
+    let directory = scratch("another libdir");
+    let libdir = Path::new("lib/this-machine");
+    install(&Place::new(&directory, libdir).expect("a relative directory"));
+    let lib = directory.join(libdir);
+    let source = root().join("tests/consumers/cmake");
+    let run = |program: &Path| {
+        is_the_overlap(&succeed(
+            emulator::program(program).env("LD_LIBRARY_PATH", &lib),
+        ));
+    };
+    for name in ["ellgran", "ellgran-shared"] {
+        let flags = succeed(
+            Command::new(&pkg_config)
+                .args(["--cflags", "--libs", name])
+                .env("PKG_CONFIG_PATH", lib.join("pkgconfig")),
+        );
+        let program = directory.join(name);
+        succeed(
+            compiler(Language::C99)
+                .arg(source.join("from_c.c"))
+                .arg("-o")
+                .arg(&program)
+                // A space of the directory's name is escaped.
+                .args(
+                    flags
+                        .replace("\\ ", "\0")
+                        .split_whitespace()
+                        .map(|f| f.replace('\0', " ")),
+                ),
+        );
+        run(&program);
+    }
+    for target in ["ellgran::ellgran", "ellgran::shared"] {
+        let build = directory.join(target.replace(':', "_"));
+        let mut configure = Command::new(&cmake);
+        configure.arg("-S").arg(&source).arg("-B").arg(&build);
+        configure.arg(format!("-DELLGRAN_TARGET={target}"));
+        let package = lib.join("cmake/ellgran");
+        configure.arg(format!("-Dellgran_DIR={}", package.display()));
+        for (variable, language) in [("C", Language::C99), ("CXX", Language::Cxx11)] {
+            let found = compiler(language);
+            let name = found.get_program().to_string_lossy();
+            configure.arg(format!("-DCMAKE_{variable}_COMPILER={name}"));
+        }
+        succeed(&mut configure);
+        succeed(Command::new(&cmake).arg("--build").arg(&build));
+        run(&build.join("from_c"));
+    }
+}
+
+#[test]
+fn a_directory_outside_the_prefix_is_refused() {
+    for libdir in ["/usr/lib", "../lib", ""] {
+        let refused = Place::new(Path::new("prefix"), Path::new(libdir)).err();
+        let said = refused.map(|error| error.to_string()).unwrap_or_default();
+        assert!(said.contains("relative to the prefix"), "{libdir}: {said}");
+    }
 }
 
 #[test]

@@ -61,3 +61,25 @@ fn both_versions_the_hopper_empties_when_its_gate_is_gone() {
     assert!(last < first - 10.0, "nothing flows");
     assert!(rows.iter().all(|r| r["Atoms"] == first), "grains are lost");
 }
+
+#[test]
+fn both_versions_a_poured_heap_has_an_angle() {
+    let engine = Engine::from_environment();
+    let rows = rows(
+        &engine,
+        "heap.lmp",
+        &[("pour", "15000"), ("rest", "5000")],
+        2,
+    );
+    let last = rows.last().unwrap();
+    println!(
+        "{} grains, angle {:.1} degrees",
+        last["Atoms"], last["v_angle"]
+    );
+    assert!(last["Atoms"] > 20.0);
+    assert!(
+        rows.iter()
+            .all(|r| r.get("f_pour").is_none_or(|n| *n <= last["Atoms"])),
+        "grains are lost"
+    );
+}

@@ -11,6 +11,7 @@ mod closures;
 mod compliance;
 mod critical_step;
 mod factor_fit;
+mod free_rotation;
 #[cfg(reference_pairs)]
 mod golden_pairs;
 mod hale;

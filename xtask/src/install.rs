@@ -8,41 +8,48 @@ use std::process::Command;
 
 use anyhow::{bail, Context, Result};
 
+use self::prefix::Place;
 use crate::progress::say;
 use crate::workspace::{cargo, root, target_directory};
 use crate::{library, process};
 
 #[derive(clap::Args)]
 pub struct Options {
-    /// Where lib/ and include/ are to be
+    /// Where lib/ and include/ are to be, as /usr/local
     #[arg(long)]
     prefix: PathBuf,
+    /// The directory of libraries below the prefix, as lib64 or lib/x86_64-linux-gnu
+    #[arg(long, default_value = "lib")]
+    libdir: PathBuf,
     /// The shared library libellgran.so too (Linux), linked by $CC or cc
     #[arg(long)]
     shared: bool,
 }
 
 pub fn install(options: &Options) -> Result<()> {
-    fill(&options.prefix, options.shared)?;
     let prefix = std::path::absolute(&options.prefix)?;
+    fill(&Place::new(&prefix, &options.libdir)?, options.shared)?;
+    let libraries = prefix.join(&options.libdir);
     say(format!(
-        "installed into {0}\n  pkg-config: PKG_CONFIG_PATH={0}/lib/pkgconfig\n  CMake:      -DCMAKE_PREFIX_PATH={0}",
-        prefix.display()
+        "installed into {}\n  pkg-config: PKG_CONFIG_PATH={}\n  CMake:      -Dellgran_DIR={}",
+        prefix.display(),
+        libraries.join("pkgconfig").display(),
+        libraries.join("cmake").join("ellgran").display()
     ));
     Ok(())
 }
 
 /// Without the shared library.
 pub fn into(prefix: &Path) -> Result<()> {
-    fill(prefix, false)
+    fill(&Place::in_lib(prefix), false)
 }
 
 /// With the shared library.
 pub fn with_shared(prefix: &Path) -> Result<()> {
-    fill(prefix, true)
+    fill(&Place::in_lib(prefix), true)
 }
 
-fn fill(prefix: &Path, shared: bool) -> Result<()> {
+fn fill(place: &Place, shared: bool) -> Result<()> {
     if shared && !cfg!(target_os = "linux") {
         bail!(
             "--shared is made for the linkers of Linux: leave it out, and link the static library"
@@ -70,10 +77,10 @@ fn fill(prefix: &Path, shared: bool) -> Result<()> {
         description: text("description")?,
         system_libraries: &system_libraries,
     };
-    prefix::fill(prefix, &root(), &library::library()?, &package)?;
+    prefix::fill(place, &root(), &library::library()?, &package)?;
     if shared {
         let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
-        prefix::add_shared(prefix, &root(), &package, Command::new(compiler))?;
+        prefix::add_shared(place, &root(), &package, Command::new(compiler))?;
     }
     Ok(())
 }

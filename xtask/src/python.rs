@@ -42,22 +42,32 @@ pub fn test(engine: Option<Engine>) -> Result<()> {
 
 fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
     let prefix = library()?;
-    // The oldest numpy that is supported has no wheel for a Python that came after it.
-    let oldest = match environment("requirements-oldest.txt") {
-        Ok(interpreter) => Some(interpreter),
-        Err(error) => {
-            say(format!(
-                "NOT TESTED: Python with the oldest numpy: {error:#}"
-            ));
-            None
+    for (title, interpreter, tests) in [
+        ("the oldest Python and numpy", oldest(), "tests"),
+        (
+            "OVITO",
+            environment("requirements-ovito.txt"),
+            "tests/test_pictures.py",
+        ),
+        ("", environment("requirements.txt"), "tests"),
+    ] {
+        // pytest fails where a filter leaves nothing.
+        if title == "OVITO" && filter.is_some_and(|words| !words.contains("ovito")) {
+            continue;
         }
-    };
-    let newest = environment("requirements.txt")?;
-    for interpreter in oldest.into_iter().chain([newest]) {
+        let interpreter = match interpreter {
+            Ok(interpreter) => interpreter,
+            // Not to be had for every Python and every machine.
+            Err(error) if !title.is_empty() => {
+                say(format!("NOT TESTED: Python with {title}: {error:#}"));
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         let mut command = in_environment(&interpreter, prefix.path());
         command
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
-            .arg(directory().join("tests"));
+            .arg(directory().join(tests));
         if let Some(words) = filter {
             command.args(["-k", words]);
         }
@@ -74,6 +84,38 @@ fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
 
 fn directory() -> PathBuf {
     root().join("python")
+}
+
+/// The oldest Python that the package takes with the oldest numpy that it takes; with a newer Python where the oldest is not to be had.
+fn oldest() -> Result<PathBuf> {
+    let file = directory().join("tests").join("requirements-oldest.txt");
+    match oldest_python() {
+        Some(python) => Ok(Environment::pinned_for(&python, &file)?.program("python")),
+        None => {
+            say(format!(
+                "NOT TESTED: Python {OLDEST}, which is not on PATH: the oldest numpy is tried with the Python that is there"
+            ));
+            Ok(Environment::pinned(&file)?.program("python"))
+        }
+    }
+}
+
+/// What `requires-python` in pyproject.toml says.
+const OLDEST: &str = "3.9";
+
+/// On PATH, or among those that pyenv keeps. A launcher that finds none of them, as pyenv leaves, does not answer.
+fn oldest_python() -> Option<PathBuf> {
+    let name = format!("python{OLDEST}");
+    let home = std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".pyenv"));
+    let pyenv = std::env::var_os("PYENV_ROOT").map(PathBuf::from).or(home);
+    let kept = pyenv.and_then(|root| std::fs::read_dir(root.join("versions")).ok());
+    let kept = kept.into_iter().flatten().flatten();
+    process::find_program(&name)
+        .into_iter()
+        .chain(kept.map(|version| version.path().join("bin").join(&name)))
+        .find(|python| {
+            process::output_of(Command::new(python).args(["-c", "import ensurepip, venv"])).is_ok()
+        })
 }
 
 /// A prefix with the shared library of this checkout.
@@ -99,4 +141,35 @@ fn in_environment(interpreter: &Path, prefix: &Path) -> Command {
 fn environment(requirements: &str) -> Result<PathBuf> {
     let file = directory().join("tests").join(requirements);
     Ok(Environment::pinned(&file)?.program("python"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_python_is_that_of_the_package() {
+        let text = std::fs::read_to_string(directory().join("pyproject.toml")).unwrap();
+        let line = format!("requires-python = \">={OLDEST}\"");
+        assert!(
+            text.lines().any(|l| l == line),
+            "pyproject.toml lacks {line}"
+        );
+    }
+
+    #[test]
+    fn the_oldest_numpy_is_that_of_the_package() {
+        let tried = directory().join("tests").join("requirements-oldest.txt");
+        let tried = std::fs::read_to_string(tried).unwrap();
+        let version = tried
+            .lines()
+            .find_map(|l| l.strip_prefix("numpy=="))
+            .unwrap();
+        let series = version.rsplit_once('.').unwrap().0;
+        let package = std::fs::read_to_string(directory().join("pyproject.toml")).unwrap();
+        assert!(
+            package.contains(&format!("\"numpy>={series}\"")),
+            "{series}"
+        );
+    }
 }

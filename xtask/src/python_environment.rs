@@ -42,9 +42,14 @@ impl Environment {
     /// The one with exactly what a requirements file names, wheels alone; made anew for another file or another Python.
     pub fn pinned(requirements: &Path) -> Result<Self> {
         setup::python()?;
+        Self::pinned_for(Path::new("python3"), requirements)
+    }
+
+    /// The same for another Python than the one of this machine.
+    pub fn pinned_for(python: &Path, requirements: &Path) -> Result<Self> {
         let wanted = std::fs::read_to_string(requirements)
             .with_context(|| format!("cannot read {}", requirements.display()))?;
-        let version = output_of(Command::new("python3").args([
+        let version = output_of(Command::new(python).args([
             "-c",
             "import sys, sysconfig; print(sys.version, sys.executable, sysconfig.get_platform())",
         ]))?;
@@ -64,7 +69,7 @@ impl Environment {
         let mut progress =
             Progress::start(format!("Installing what {} names", requirements.display()));
         let made = run_logged(
-            Command::new("python3")
+            Command::new(python)
                 .args(["-m", "venv", "--clear"])
                 .arg(&environment.directory),
             &log,

@@ -79,6 +79,13 @@ const PYTHON_NEEDS: &[Need] = &[Need {
     present: python_makes_environments,
 }];
 
+/// To build the example in Fortran.
+const FORTRAN_NEEDS: &[Need] = &[Need {
+    what: "gfortran",
+    package: "gfortran",
+    present: || find_program("gfortran").is_some(),
+}];
+
 /// To draw shaded pictures.
 const RENDERER_NEEDS: &[Need] = &[
     Need {
@@ -113,6 +120,11 @@ pub fn aarch64() -> Result<()> {
 /// The same for Python and its virtual environments.
 pub fn python() -> Result<()> {
     provide(PYTHON_NEEDS)
+}
+
+/// The same for Fortran.
+pub fn fortran() -> Result<()> {
+    provide(FORTRAN_NEEDS)
 }
 
 /// The same for the renderer.

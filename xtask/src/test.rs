@@ -55,7 +55,10 @@ pub fn test(options: &Options) -> Result<()> {
     let mut steps = Steps { done: Vec::new() };
     let steps = &mut steps;
     let filter: Vec<&str> = options.filter.as_deref().into_iter().collect();
-    steps.run("tools and headers", setup::setup)?;
+    steps.run("tools and headers", || {
+        setup::setup()?;
+        setup::fortran()
+    })?;
     if options.filter.is_none() {
         steps.run("format", || {
             run_open(cargo().args(["fmt", "--all", "--check"]))

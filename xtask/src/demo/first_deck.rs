@@ -11,8 +11,8 @@ use super::heap::{self, Picture};
 use super::table::Table;
 use crate::workspace;
 
-/// The first deck on the page.
-fn deck_of(page: &str) -> Option<&str> {
+/// The first deck on a page.
+pub fn deck_of(page: &str) -> Option<&str> {
     let (_, rest) = page.split_once("\n```lammps\n")?;
     Some(rest.split_once("```")?.0)
 }

@@ -5,7 +5,7 @@ pub mod chart;
 mod contacts;
 mod deck;
 mod engine;
-mod first_deck;
+pub mod first_deck;
 mod heap;
 mod heaps;
 mod liggghts;

@@ -4,7 +4,7 @@
 
 use std::ffi::OsStr;
 use std::io::{Error, Result};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
@@ -17,6 +17,43 @@ pub struct Package<'a> {
     pub description: &'a str,
     /// As rustc prints them: `-lpthread -lm` and so on.
     pub system_libraries: &'a str,
+}
+
+/// Where the files go: libraries into `prefix`/`libdir`, the header into `prefix`/include. `libdir` is relative, as `lib64` or
+/// `lib/x86_64-linux-gnu`: the prefix can be moved as a whole.
+pub struct Place<'a> {
+    pub prefix: &'a Path,
+    pub libdir: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    pub fn new(prefix: &'a Path, libdir: &'a Path) -> Result<Self> {
+        let plain = |part: Component| matches!(part, Component::Normal(_));
+        if libdir.components().count() == 0 || !libdir.components().all(plain) {
+            return Err(Error::other(format!(
+                "--libdir {}: give it relative to the prefix, as lib64",
+                libdir.display()
+            )));
+        }
+        Ok(Place { prefix, libdir })
+    }
+
+    /// The usual place of a prefix of one's own.
+    pub fn in_lib(prefix: &'a Path) -> Self {
+        Place {
+            prefix,
+            libdir: Path::new("lib"),
+        }
+    }
+
+    fn lib(&self) -> PathBuf {
+        self.prefix.join(self.libdir)
+    }
+
+    /// The way from a directory within the one of libraries, `deeper` levels, up to the prefix: `/../..`.
+    fn up(&self, deeper: usize) -> String {
+        "/..".repeat(self.libdir.components().count() + deeper)
+    }
 }
 
 /// The version of the binary interface, which names the shared library.
@@ -32,15 +69,15 @@ fn abi_version(header: &Path) -> Result<String> {
 /// the binary interface, `libellgran.so`, which points to it, and a pkg-config file. It shows the functions of the header
 /// and nothing else. `compiler` is a C compiler that links for the GNU or LLVM linker.
 pub fn add_shared(
-    prefix: &Path,
+    place: &Place,
     root: &Path,
     package: &Package,
     mut compiler: Command,
 ) -> Result<()> {
-    let lib = prefix.join("lib");
+    let lib = place.lib();
     let name = format!(
         "libellgran.so.{}",
-        abi_version(&prefix.join("include").join("ellgran.h"))?
+        abi_version(&place.prefix.join("include").join("ellgran.h"))?
     );
     let exports = root.join("packaging").join("exports.map");
     let option = |name: &str, value: &Path| {
@@ -77,22 +114,24 @@ pub fn add_shared(
         &[
             ("@VERSION@", package.version),
             ("@DESCRIPTION@", package.description),
+            ("@LIBDIR@", &place.libdir.to_string_lossy()),
+            ("@UP_TO_PREFIX@", &place.up(1)),
         ],
     )
 }
 
-/// Writes into `prefix` all that a consumer of the static library needs.
-pub fn fill(prefix: &Path, root: &Path, library: &Path, package: &Package) -> Result<()> {
-    let lib = prefix.join("lib");
+/// Writes all that a consumer of the static library needs.
+pub fn fill(place: &Place, root: &Path, library: &Path, package: &Package) -> Result<()> {
+    let lib = place.lib();
     let cmake = lib.join("cmake").join("ellgran");
     let header = root.join("include").join("ellgran.h");
     let templates = root.join("packaging");
     copy(library, &lib, "libellgran.a")?;
-    copy(&header, &prefix.join("include"), "ellgran.h")?;
-    for (directory, name) in [
-        (&lib.join("pkgconfig"), "ellgran.pc"),
-        (&cmake, "ellgran-config.cmake"),
-        (&cmake, "ellgran-config-version.cmake"),
+    copy(&header, &place.prefix.join("include"), "ellgran.h")?;
+    for (directory, name, depth) in [
+        (&lib.join("pkgconfig"), "ellgran.pc", 1),
+        (&cmake, "ellgran-config.cmake", 2),
+        (&cmake, "ellgran-config-version.cmake", 2),
     ] {
         let list: Vec<&str> = package.system_libraries.split_whitespace().collect();
         template(
@@ -103,6 +142,8 @@ pub fn fill(prefix: &Path, root: &Path, library: &Path, package: &Package) -> Re
                 ("@VERSION@", package.version),
                 ("@ABI_VERSION@", &abi_version(&header)?),
                 ("@DESCRIPTION@", package.description),
+                ("@LIBDIR@", &place.libdir.to_string_lossy()),
+                ("@UP_TO_PREFIX@", &place.up(depth)),
                 ("@SYSTEM_LIBRARIES@", package.system_libraries),
                 ("@SYSTEM_LIBRARIES_LIST@", &list.join(";")),
             ],

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Contacts of all particles with a wall, for engines that keep their meshes, and whose own contact models compute the forces.
+
+use super::growing::{given, growing, Output};
+use super::particles::{identifier, EllgranParticles, EllgranWorkspace};
+use super::rigid_wall::{
+    chosen, memory_failure, motion_of, prepare_near, wrong, EllgranWall, EllgranWallMotion,
+};
+use super::staged::{checked_share, EllgranStagedContact, EllgranStagedGeometry};
+use super::status::{at_border, required, required_mut, slice, slice_mut, Failure};
+use crate::contact::Step;
+use crate::vector::Vector3;
+use crate::walls::{FoundContact, Frame, Places, Wall};
+use libc::size_t;
+
+/// Triangles that an engine keeps and moves itself, as they are in this step: one part of a wall, after its others.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranLentTriangles {
+    /// `sizeof(EllgranLentTriangles)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Number of triangles.
+    pub count: size_t,
+    /// [count][3][3]: their corners; components up to 1e20.
+    pub corners: *const f64,
+    /// [count][3][3]: velocities of the corners, up to 1e25; NULL for triangles at rest.
+    pub velocities: *const f64,
+    /// Number of particles that have a list of triangles near them, the first of all; the others are near none.
+    pub particle_count: size_t,
+    /// [particle_count + 1]: where in `near` the list of a particle begins; the last is the length of `near`.
+    pub near_starts: *const size_t,
+    /// Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
+    /// free. The order in each list is that in which contacts are found.
+    pub near: *const u32,
+}
+
+growing!(EllgranLentTriangles);
+
+/// A contact that `ellgran_find_wall_contacts` found.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranFoundWallContact {
+    /// `sizeof(EllgranFoundWallContact)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Index of the particle.
+    pub particle: size_t,
+    /// Index of the wall's part.
+    pub part: size_t,
+    /// Index of the triangle of that part that stands for the contact; 0 where it has none.
+    pub triangle: size_t,
+    /// The point of the surface that lies deepest in the particle, world frame.
+    pub point: [f64; 3],
+    /// Velocity of the surface there.
+    pub velocity: [f64; 3],
+    /// 1 if the contact goes on from one of the last step.
+    pub touched: i32,
+    /// 1 if it begins anew in each step, since the memory has no room for as many contacts of one particle.
+    pub is_forgotten: i32,
+    /// Normal from the particle into the wall at the last step, if `touched`.
+    pub last_normal: [f64; 3],
+    /// What the contact model keeps of it, `history_length` doubles, zeros for a new contact, to be changed in place; valid until the next
+    /// call with this wall. NULL if there are none.
+    pub history: *mut f64,
+}
+
+growing!(EllgranFoundWallContact);
+
+/// Lends triangles to a wall in place of those before. Together they are one surface, that acts to both sides, as that of
+/// `ellgran_wall_add_triangles`. They are copied; all are described in the place where the wall has not yet moved.
+///
+/// # Safety
+/// The pointers are NULL or valid; the arrays are as `EllgranLentTriangles` states.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_lend_triangles(
+    wall: *mut EllgranWall,
+    triangles: *const EllgranLentTriangles,
+) -> i32 {
+    at_border("ellgran_wall_lend_triangles", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        let t = unsafe { given(triangles, "triangles") }?;
+        let of_corners = |pointer: *const f64, count, name| {
+            unsafe { slice(pointer.cast::<[[f64; 3]; 3]>(), count, name) }
+                .map(|all| all.iter().map(|t| t.map(Vector3::from_array)))
+        };
+        let corners = of_corners(t.corners, t.count, "corners")?;
+        let moving = if t.velocities.is_null() { 0 } else { t.count };
+        let velocities = of_corners(t.velocities, moving, "velocities")?;
+        let starts = match t.particle_count {
+            0 => &[],
+            count => unsafe { slice(t.near_starts, count + 1, "near_starts") }?,
+        };
+        let length = starts.last().copied().unwrap_or(0);
+        let near = unsafe { slice(t.near, length, "near") }?;
+        wall.lent_triangles()
+            .set(corners, velocities, starts, near)
+            .map_err(wrong)
+    })
+}
+
+/// Doubles that a caller keeps for each particle of what is remembered of its contacts with a wall, where a contact model of the
+/// engine keeps `history_length` doubles of each contact; 0 for NULL and without a history.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_found_memory_length(
+    wall: *const EllgranWall,
+    history_length: size_t,
+) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.memory_of(history_length).length())
+}
+
+/// Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
+/// computes forces. `ellgran_wall_found` tells of each, `ellgran_staged_found` prepares it for the force,
+/// and `ellgran_remember_wall_contacts` writes what their histories have become.
+///
+/// Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
+/// `ellgran_compute_wall`. `memory` is [owned_count][`ellgran_wall_found_memory_length`] (NULL if that is 0), set to 0 by the caller
+/// before a particle's first call, and is not written here. The histories are the engine's own: where the wall turns, it is the engine that turns
+/// them.
+///
+/// # Safety
+/// The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_find_wall_contacts(
+    workspace: *mut EllgranWorkspace,
+    wall: *mut EllgranWall,
+    particles: *const EllgranParticles,
+    masks: *const i32,
+    group_mask: i32,
+    motion: *const EllgranWallMotion,
+    history_length: size_t,
+    memory: *const f64,
+) -> i32 {
+    at_border("ellgran_find_wall_contacts", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
+        names.clear();
+        let p = &*unsafe { given(particles, "particles") }?;
+        let motion = unsafe { motion_of(motion) }?;
+        let acts_on = unsafe { chosen(masks, group_mask, p.owned_count) }?;
+        let layout = wall.memory_of(history_length);
+        let memory = unsafe { slice(memory, p.owned_count * layout.length(), "memory") }?;
+        unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on) }?;
+        let places = Places {
+            near: workspace.particles(),
+            motion: &motion,
+            // places alone are asked for
+            step: &Step {
+                time_step: 0.0,
+                advance_history: false,
+            },
+            frame: Frame::World,
+        };
+        wall.find_contacts(&places, layout, None, memory)
+            .map_err(|e| memory_failure(p, &e))?;
+        names.extend(wall.found().all().iter().map(|c| identifier(p, c.particle)));
+        Ok(())
+    })
+}
+
+/// Number of contacts that were found last; 0 for NULL.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_found_count(wall: *const EllgranWall) -> size_t {
+    // SAFETY: promised by the caller.
+    unsafe { wall.as_ref() }.map_or(0, |w| w.names.len())
+}
+
+fn contact(wall: &Wall, index: usize, count: usize) -> Result<&FoundContact, Failure> {
+    let all = wall.found().all().get(..count).unwrap_or(&[]);
+    all.get(index)
+        .ok_or_else(|| wrong(format!("index = {index} is not one of {count} contacts")))
+}
+
+/// One of the contacts that were found last, in the order of the particles.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_found(
+    wall: *mut EllgranWall,
+    index: size_t,
+    found: *mut EllgranFoundWallContact,
+) -> i32 {
+    at_border("ellgran_wall_found", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
+        let mut out = unsafe { Output::new(found, "found") }?;
+        let c = *contact(wall, index, names.len())?;
+        let history = wall.found_mut().history(index);
+        out.write(&EllgranFoundWallContact {
+            size: size_of::<EllgranFoundWallContact>(),
+            particle: c.particle,
+            part: c.part,
+            triangle: c.triangle,
+            point: c.world.point.to_array(),
+            velocity: c.world.velocity.to_array(),
+            touched: i32::from(c.last_normal.is_some()),
+            is_forgotten: i32::from(
+                !c.is_remembered && !history.is_empty() && c.surface.share.value == 1.0,
+            ),
+            last_normal: c.last_normal.unwrap_or_default().to_array(),
+            history: if history.is_empty() {
+                core::ptr::null_mut()
+            } else {
+                history.as_mut_ptr()
+            },
+        });
+        Ok(())
+    })
+}
+
+/// First stage, a contact that `ellgran_find_wall_contacts` found; otherwise like `ellgran_staged_pair`.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_found(
+    staged: *mut EllgranStagedContact,
+    wall: *const EllgranWall,
+    index: size_t,
+    share_i: f64,
+    geometry: *mut EllgranStagedGeometry,
+) -> i32 {
+    at_border("ellgran_staged_found", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let staged = unsafe { required_mut(staged, "staged") }?;
+        let EllgranWall { wall, names } = unsafe { required(wall, "wall") }?;
+        let mut out = unsafe { Output::new(geometry, "geometry") }?;
+        let share_i = checked_share(share_i)?;
+        let c = contact(wall, index, names.len())?;
+        staged.contact = Some(c.contact);
+        staged.identifiers = (names[index], None);
+        staged.write(c.position, share_i, &mut out);
+        Ok(())
+    })
+}
+
+/// Writes to `memory` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
+/// are those of that call. Of particles that do not touch nothing is remembered any more.
+///
+/// # Safety
+/// The pointers are NULL or valid; `memory` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_remember_wall_contacts(
+    wall: *const EllgranWall,
+    owned_count: size_t,
+    masks: *const i32,
+    group_mask: i32,
+    memory: *mut f64,
+) -> i32 {
+    at_border("ellgran_remember_wall_contacts", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let found = unsafe { required(wall, "wall") }?.wall.found();
+        let acts_on = unsafe { chosen(masks, group_mask, owned_count) }?;
+        let length = owned_count * found.memory_length();
+        if let Some(c) = found.all().last().filter(|c| c.particle >= owned_count) {
+            return Err(wrong(format!(
+                "owned_count = {owned_count}: there is a contact of particle {}",
+                c.particle
+            )));
+        }
+        found.remember(unsafe { slice_mut(memory, length, "memory") }?, &acts_on);
+        Ok(())
+    })
+}

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A step of an engine's ellipsoids under given forces: velocity Verlet.
+
+use super::growing::{given, growing};
+use super::particles::EllgranWorkspace;
+use super::status::{
+    at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_PARTICLE,
+};
+use crate::contact::ranges::LONGEST_TIME_STEP;
+use crate::message::Number;
+use crate::motion::{finish_step, start_step, Bodies, BodyArrays, Selection};
+use libc::{c_void, size_t};
+
+/// Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
+///
+/// The arrays are read and written during a call and not kept after it. No two of them overlap.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranMotion {
+    /// `sizeof(EllgranMotion)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// Number of bodies.
+    pub count: size_t,
+    /// Centres, [count][3]; written by `ellgran_start_step`.
+    pub positions: *mut f64,
+    /// Velocities of the centres, [count][3]; written.
+    pub velocities: *mut f64,
+    /// Angular momenta about the centres, [count][3]; written.
+    pub angular_momenta: *mut f64,
+    /// Forces, [count][3].
+    pub forces: *const f64,
+    /// Torques about the centres, [count][3].
+    pub torques: *const f64,
+    /// Masses, [count], finite and greater than 0.
+    pub masses: *const f64,
+    /// Index of each body into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error if it is to move.
+    /// NULL: the body's own index.
+    pub shape_indices: *const i32,
+    /// Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+    pub semi_axes: *const f64,
+    /// Bytes from one entry of `semi_axes` to the next.
+    pub semi_axes_stride: size_t,
+    /// Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
+    /// with length 1.
+    pub quaternions: *mut f64,
+    /// Bytes from one entry of `quaternions` to the next.
+    pub quaternions_stride: size_t,
+    /// Group bits of each body, [count], or NULL: all bodies move.
+    pub masks: *const i32,
+    /// Bodies with `masks[i] & group_mask` not zero move.
+    pub group_mask: i32,
+    /// Bytes of an entry of `identifiers`: 4 or 8.
+    pub identifier_bytes: i32,
+    /// What to call a body in a message, [count] integers, or NULL: index + 1.
+    pub identifiers: *const c_void,
+}
+
+growing!(EllgranMotion);
+
+/// Shapes and attitudes as the engine has them.
+struct Entries<'a> {
+    motion: &'a EllgranMotion,
+    indices: Option<&'a [i32]>,
+}
+
+impl Entries<'_> {
+    #[inline(always)]
+    fn entry(&self, k: usize) -> Option<usize> {
+        match self.indices {
+            None => Some(k),
+            Some(indices) => usize::try_from(indices[k]).ok(),
+        }
+    }
+
+    /// # Safety
+    /// There is such an entry.
+    #[inline(always)]
+    unsafe fn quaternion(&self, entry: usize) -> *mut [f64; 4] {
+        let offset = entry * self.motion.quaternions_stride;
+        // SAFETY: promised by the caller.
+        unsafe { self.motion.quaternions.byte_add(offset).cast() }
+    }
+}
+
+impl Bodies for Entries<'_> {
+    #[inline(always)]
+    fn shape(&self, k: usize) -> Option<([f64; 3], [f64; 4])> {
+        let entry = self.entry(k)?;
+        let offset = entry * self.motion.semi_axes_stride;
+        // SAFETY: by the contract of `EllgranMotion` there is an entry for every index that is named.
+        unsafe {
+            let semi_axes = self.motion.semi_axes.byte_add(offset).cast::<[f64; 3]>();
+            Some((
+                semi_axes.read_unaligned(),
+                self.quaternion(entry).read_unaligned(),
+            ))
+        }
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, k: usize, quaternion: [f64; 4]) {
+        if let Some(entry) = self.entry(k) {
+            // SAFETY: as above; nothing else of this call refers to the quaternions.
+            unsafe { self.quaternion(entry).write_unaligned(quaternion) }
+        }
+    }
+}
+
+fn identifier(motion: &EllgranMotion, k: usize) -> i64 {
+    if motion.identifiers.is_null() {
+        return k as i64 + 1;
+    }
+    // SAFETY: the array has `count` entries of `identifier_bytes` bytes, by the contract of the struct.
+    unsafe {
+        if motion.identifier_bytes == 8 {
+            motion.identifiers.cast::<i64>().add(k).read_unaligned()
+        } else {
+            i64::from(motion.identifiers.cast::<i32>().add(k).read_unaligned())
+        }
+    }
+}
+
+/// The arrays of a call, which its checks have passed.
+///
+/// # Safety
+/// The arrays are as [`EllgranMotion`] states.
+unsafe fn arrays(
+    motion: &EllgranMotion,
+    time_step: f64,
+) -> Result<(BodyArrays<'_, Entries<'_>>, Selection<'_>), Failure> {
+    if !(0.0..=LONGEST_TIME_STEP).contains(&time_step) {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "time_step = {} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}",
+                Number(time_step)
+            ),
+        ));
+    }
+    if motion.identifier_bytes != 4 && motion.identifier_bytes != 8 && !motion.identifiers.is_null()
+    {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "identifier_bytes = {} must be 4 or 8",
+                motion.identifier_bytes
+            ),
+        ));
+    }
+    let n = motion.count;
+    if n > 0 {
+        required_pointer(motion.semi_axes, "semi_axes")?;
+        required_pointer(motion.quaternions.cast_const(), "quaternions")?;
+    }
+    let rows = |pointer: *const f64, name: &str| {
+        // SAFETY: promised by the caller.
+        unsafe { slice(pointer.cast::<[f64; 3]>(), n, name) }
+    };
+    let written = |pointer: *mut f64, name: &str| {
+        // SAFETY: promised by the caller.
+        unsafe { slice_mut(pointer.cast::<[f64; 3]>(), n, name) }
+    };
+    let indices = if motion.shape_indices.is_null() {
+        None
+    } else {
+        // SAFETY: promised by the caller.
+        Some(unsafe { slice(motion.shape_indices, n, "shape_indices") }?)
+    };
+    let groups = if motion.masks.is_null() {
+        &[][..]
+    } else {
+        // SAFETY: promised by the caller.
+        unsafe { slice(motion.masks, n, "masks") }?
+    };
+    let selection = Selection {
+        groups,
+        bits: motion.group_mask,
+    };
+    let arrays = BodyArrays {
+        positions: written(motion.positions, "positions")?,
+        velocities: written(motion.velocities, "velocities")?,
+        angular_momenta: written(motion.angular_momenta, "angular_momenta")?,
+        forces: rows(motion.forces, "forces")?,
+        torques: rows(motion.torques, "torques")?,
+        // SAFETY: promised by the caller.
+        masses: unsafe { slice(motion.masses, n, "masses") }?,
+        bodies: Entries { motion, indices },
+    };
+    Ok((arrays, selection))
+}
+
+fn required_pointer(pointer: *const f64, name: &str) -> Result<(), Failure> {
+    // SAFETY: only asked whether it is NULL; the reference is not used.
+    unsafe { required(pointer, name) }.map(|_| ())
+}
+
+/// First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
+/// end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
+///
+/// The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
+/// moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
+/// finite number, or it would turn by more than half a circle.
+///
+/// # Safety
+/// `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_start_step(
+    workspace: *const EllgranWorkspace,
+    motion: *const EllgranMotion,
+    time_step: f64,
+) -> i32 {
+    at_border("ellgran_start_step", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let set = unsafe { required(workspace, "workspace") }?
+            .workspace
+            .instruction_set;
+        let motion = &*unsafe { given(motion, "motion") }?;
+        let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
+        start_step(set, &mut arrays, selection, time_step).map_err(|error| {
+            Failure::new(
+                ELLGRAN_ERROR_PARTICLE,
+                format!(
+                    "particle {}: {}",
+                    identifier(motion, error.body),
+                    error.what
+                ),
+            )
+        })
+    })
+}
+
+/// Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
+///
+/// # Safety
+/// The pointers are as stated in `EllgranMotion`.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_finish_step(motion: *const EllgranMotion, time_step: f64) -> i32 {
+    at_border("ellgran_finish_step", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let motion = &*unsafe { given(motion, "motion") }?;
+        let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
+        finish_step(&mut arrays, selection, time_step);
+        Ok(())
+    })
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A plane, as calls for one contact are given it.
+
+use super::growing::growing;
+use super::status::{Failure, ELLGRAN_ERROR_ARGUMENT};
+use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use crate::geometry::Plane;
+use crate::message::Numbers;
+use crate::vector::Vector3;
+use crate::walls::MovingPlane;
+use libc::size_t;
+
+/// A plane wall: a half-space.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranPlane {
+    /// `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
+    pub size: size_t,
+    /// A point of its surface; components up to 1e20.
+    pub point: [f64; 3],
+    /// Normal out of the wall, towards the particles; any length but zero.
+    pub normal: [f64; 3],
+    /// Velocity; components up to 1e25.
+    pub velocity: [f64; 3],
+}
+
+growing!(EllgranPlane);
+
+impl EllgranPlane {
+    pub(super) fn to_core(self) -> Result<MovingPlane, Failure> {
+        let fail = |what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what);
+        let normal = Vector3::from_array(self.normal)
+            .direction()
+            .ok_or_else(|| {
+                fail(format!(
+                    "plane: normal = {} has no direction",
+                    Numbers(&self.normal)
+                ))
+            })?;
+        Ok(MovingPlane {
+            plane: Plane {
+                point: ranges::vector(self.point, LARGEST_COORDINATE, "plane: point")
+                    .map_err(fail)?,
+                normal,
+            },
+            velocity: ranges::vector(self.velocity, LARGEST_VELOCITY, "plane: velocity")
+                .map_err(fail)?,
+        })
+    }
+}

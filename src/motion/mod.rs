@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The motion of rigid ellipsoids under given forces: velocity Verlet, with the free rotation solved exactly
+//! (docs/theory.md, section 8).
+
+mod free_rotation;
+mod velocity_verlet;
+
+pub use velocity_verlet::{finish_step, start_step, Bodies, BodyArrays, MotionError, Selection};

@@ -1,0 +1,476 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A step of velocity Verlet for an engine's ellipsoids, in lanes: half a kick and the way in [`start_step`], the other half of
+//! the kick, once the new forces are known, in [`finish_step`].
+//!
+//! Symplectic and reversible: the kicks and the free motion are each solved exactly.
+
+use super::free_rotation::{
+    body_velocity, half_angles, of_revolution, of_revolution_by_any_angle, of_three_moments,
+    Quaternion, LARGEST_EXPANDED_TURN, LARGEST_HALF_ANGLE,
+};
+use crate::geometry::ellipsoid::rotation_columns;
+use crate::message::Number;
+use crate::real::Real;
+use crate::simd::{InstructionSet, Lanes, Registers, Stage, MOST_LANES};
+use crate::vector::Vector3;
+
+/// Largest angle, radian, by which a body may turn in a step: a contact sees nothing of what is faster.
+const LARGEST_TURN: f64 = core::f64::consts::PI;
+
+/// More parts of a step than a turn of [`LARGEST_TURN`] needs.
+const MOST_PARTS: usize = 100_000;
+
+/// Shapes and attitudes of an engine's bodies.
+pub trait Bodies {
+    /// Semi-axes and quaternion `(w, x, y, z)`, body to world; `None` for what is no ellipsoid.
+    fn shape(&self, k: usize) -> Option<([f64; 3], [f64; 4])>;
+    /// A new quaternion for a body that has a shape.
+    fn turn(&mut self, k: usize, quaternion: [f64; 4]);
+}
+
+/// An engine's arrays of bodies, of the same length; world frame.
+pub struct BodyArrays<'a, B: Bodies> {
+    /// Centres.
+    pub positions: &'a mut [[f64; 3]],
+    /// Velocities of the centres.
+    pub velocities: &'a mut [[f64; 3]],
+    /// Angular momenta of solid ellipsoids about their centres.
+    pub angular_momenta: &'a mut [[f64; 3]],
+    /// Forces.
+    pub forces: &'a [[f64; 3]],
+    /// Torques about the centres.
+    pub torques: &'a [[f64; 3]],
+    /// Masses.
+    pub masses: &'a [f64],
+    /// Shapes and attitudes.
+    pub bodies: B,
+}
+
+/// Which bodies move: those whose number shares a bit with `bits`; all where there are no numbers.
+#[derive(Clone, Copy)]
+pub struct Selection<'a> {
+    /// A number for each body, or none at all.
+    pub groups: &'a [i32],
+    /// Bits of the groups that move.
+    pub bits: i32,
+}
+
+impl Selection<'_> {
+    #[inline(always)]
+    fn takes(&self, k: usize) -> bool {
+        self.groups
+            .get(k)
+            .is_none_or(|group| group & self.bits != 0)
+    }
+}
+
+/// A body that cannot be moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionError {
+    /// Its index.
+    pub body: usize,
+    /// What is wrong.
+    pub what: String,
+}
+
+/// Half a kick, then the way of a whole step: velocities and angular momenta become those of the half step, positions and
+/// quaternions those of the end of the step. Quaternions come out with length 1.
+///
+/// # Errors
+/// The first body, in the order of the arrays' chunks, that is no ellipsoid, whose mass is not a positive finite number, or
+/// that would turn by more than half a circle. Other bodies may have been moved then.
+pub fn start_step<B: Bodies>(
+    set: InstructionSet,
+    arrays: &mut BodyArrays<'_, B>,
+    selection: Selection<'_>,
+    time_step: f64,
+) -> Result<(), MotionError> {
+    let mut outcome = Ok(());
+    let turn = Turn {
+        arrays,
+        selection,
+        time_step,
+        outcome: &mut outcome,
+    };
+    if set == InstructionSet::Scalar {
+        turn.one_by_one();
+    } else {
+        set.run(turn);
+    }
+    outcome
+}
+
+/// The other half of the kick, with the forces of the end of the step.
+pub fn finish_step<B: Bodies>(
+    arrays: &mut BodyArrays<'_, B>,
+    selection: Selection<'_>,
+    time_step: f64,
+) {
+    for k in 0..arrays.same_length() {
+        if selection.takes(k) {
+            kick(arrays, k, 0.5 * time_step);
+        }
+    }
+}
+
+impl<B: Bodies> BodyArrays<'_, B> {
+    /// Cuts the arrays to the length of the first, so that one test of an index serves all of them.
+    #[inline(always)]
+    fn same_length(&mut self) -> usize {
+        let n = self.positions.len();
+        let velocities = core::mem::take(&mut self.velocities);
+        self.velocities = &mut velocities[..n];
+        let momenta = core::mem::take(&mut self.angular_momenta);
+        self.angular_momenta = &mut momenta[..n];
+        self.forces = &self.forces[..n];
+        self.torques = &self.torques[..n];
+        self.masses = &self.masses[..n];
+        n
+    }
+}
+
+/// Half a kick of one body.
+#[inline(always)]
+fn kick<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, time: f64) {
+    let over_mass = time / arrays.masses[k];
+    let (v, f) = (&mut arrays.velocities[k], &arrays.forces[k]);
+    let (l, t) = (&mut arrays.angular_momenta[k], &arrays.torques[k]);
+    for axis in 0..3 {
+        v[axis] += over_mass * f[axis];
+        l[axis] += time * t[axis];
+    }
+}
+
+/// See [`start_step`].
+struct Turn<'p, 'a, B: Bodies> {
+    arrays: &'p mut BodyArrays<'a, B>,
+    selection: Selection<'p>,
+    time_step: f64,
+    outcome: &'p mut Result<(), MotionError>,
+}
+
+/// Numbers of each body on its way into the lanes: angular momentum, quaternion, mass, semi-axes.
+const NUMBERS: usize = 11;
+
+/// Bodies on their way into the lanes, a row for each of their numbers.
+struct Chunk {
+    bodies: [usize; MOST_LANES],
+    length: usize,
+    rows: [[f64; MOST_LANES]; NUMBERS],
+}
+
+impl Chunk {
+    const EMPTY: Chunk = Chunk {
+        bodies: [0; MOST_LANES],
+        length: 0,
+        rows: [[0.0; MOST_LANES]; NUMBERS],
+    };
+
+    /// One body more.
+    #[inline(always)]
+    fn push(&mut self, body: usize, numbers: [f64; NUMBERS]) {
+        let lane = self.length % MOST_LANES;
+        self.bodies[lane] = body;
+        for (row, number) in self.rows.iter_mut().zip(numbers) {
+            row[lane] = number;
+        }
+        self.length = lane + 1;
+    }
+}
+
+impl<B: Bodies> Stage for Turn<'_, '_, B> {
+    #[inline(always)]
+    fn run<S: Registers>(mut self, registers: S) {
+        // A body of three different semi-axes costs more than one of revolution: they do not share registers.
+        let (mut of_revolution, mut triaxial) = (Chunk::EMPTY, Chunk::EMPTY);
+        for k in 0..self.arrays.same_length() {
+            if !self.selection.takes(k) {
+                continue;
+            }
+            let Some((a, q)) = self.move_centre(k) else {
+                return;
+            };
+            let is_triaxial = a[0] != a[1] && a[1] != a[2] && a[0] != a[2];
+            let chunk = if is_triaxial {
+                &mut triaxial
+            } else {
+                &mut of_revolution
+            };
+            let l = &self.arrays.angular_momenta[k];
+            let mass = self.arrays.masses[k];
+            chunk.push(
+                k,
+                [
+                    l[0], l[1], l[2], q[0], q[1], q[2], q[3], mass, a[0], a[1], a[2],
+                ],
+            );
+            if chunk.length == S::LANES && !self.turn(registers, chunk, is_triaxial) {
+                return;
+            }
+        }
+        for (chunk, is_triaxial) in [(&mut of_revolution, false), (&mut triaxial, true)] {
+            if chunk.length == 0 {
+                continue;
+            }
+            // Lanes without a body of their own repeat the first.
+            for row in &mut chunk.rows {
+                let first = row[0];
+                row[chunk.length..].fill(first);
+            }
+            if !self.turn(registers, chunk, is_triaxial) {
+                return;
+            }
+        }
+    }
+}
+
+impl<B: Bodies> Turn<'_, '_, B> {
+    fn one_by_one(mut self) {
+        for k in 0..self.arrays.same_length() {
+            if !self.selection.takes(k) {
+                continue;
+            }
+            let Some((a, q)) = self.move_centre(k) else {
+                return;
+            };
+            let (l, mass) = (self.arrays.angular_momenta[k], self.arrays.masses[k]);
+            if !self.turn_one(k, a, q, l, mass) {
+                return;
+            }
+        }
+    }
+
+    /// Half the kick, and the way of the centre. The shape and attitude, if there is one.
+    #[inline(always)]
+    fn move_centre(&mut self, k: usize) -> Option<([f64; 3], [f64; 4])> {
+        let shape = self.arrays.bodies.shape(k);
+        if shape.is_none() {
+            *self.outcome = Err(MotionError {
+                body: k,
+                what: "it has no shape: every body that is moved must be an ellipsoid".into(),
+            });
+            return None;
+        }
+        kick(self.arrays, k, 0.5 * self.time_step);
+        let (x, v) = (&mut self.arrays.positions[k], &self.arrays.velocities[k]);
+        for axis in 0..3 {
+            x[axis] += self.time_step * v[axis];
+        }
+        shape
+    }
+
+    /// Turns a chunk; whether all of its bodies can be.
+    #[inline(always)]
+    fn turn<S: Registers>(&mut self, registers: S, chunk: &mut Chunk, is_triaxial: bool) -> bool {
+        let row = |k: usize| Lanes::load(registers, &chunk.rows[k]);
+        let momentum = Vector3::new(row(0), row(1), row(2));
+        let (q, mass) = ([row(3), row(4), row(5), row(6)], row(7));
+        let a = [row(8), row(9), row(10)];
+        let (turned, good) = if is_triaxial {
+            in_expansion(registers, q, momentum, mass, a, self.time_step)
+        } else {
+            by_two_rotations(registers, q, momentum, mass, a, self.time_step)
+        };
+        let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        let unit = (square - 1.0).abs().less(square.constant(1e-12));
+        let good = registers.bits(registers.and(good, unit));
+        let mut new = [[0.0; MOST_LANES]; 4];
+        turned[0].store(&mut new[0]);
+        turned[1].store(&mut new[1]);
+        turned[2].store(&mut new[2]);
+        turned[3].store(&mut new[3]);
+        let length = chunk.length;
+        chunk.length = 0;
+        for lane in 0..length {
+            let k = chunk.bodies[lane];
+            if good >> lane & 1 != 0 {
+                let new = [new[0][lane], new[1][lane], new[2][lane], new[3][lane]];
+                self.arrays.bodies.turn(k, new);
+                continue;
+            }
+            let mut numbers = [0.0; NUMBERS];
+            for (number, row) in numbers.iter_mut().zip(&chunk.rows) {
+                *number = row[lane];
+            }
+            let [lx, ly, lz, w, x, y, z, mass, a, b, c] = numbers;
+            if !self.turn_one(k, [a, b, c], [w, x, y, z], [lx, ly, lz], mass) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Turns one body, by whatever angle; whether it can be.
+    #[cold]
+    fn turn_one(
+        &mut self,
+        k: usize,
+        semi_axes: [f64; 3],
+        q: [f64; 4],
+        momentum: [f64; 3],
+        mass: f64,
+    ) -> bool {
+        match turned(
+            q,
+            Vector3::from_array(momentum),
+            mass,
+            semi_axes,
+            self.time_step,
+        ) {
+            Ok(new) => {
+                self.arrays.bodies.turn(k, new);
+                true
+            }
+            Err(what) => {
+                *self.outcome = Err(MotionError { body: k, what });
+                false
+            }
+        }
+    }
+}
+
+/// A chunk of bodies of revolution, and where the result is exact to rounding.
+#[inline(always)]
+fn by_two_rotations<S: Registers>(
+    registers: S,
+    q: Quaternion<Lanes<S>>,
+    momentum: Vector3<Lanes<S>>,
+    mass: Lanes<S>,
+    a: [Lanes<S>; 3],
+    time: f64,
+) -> (Quaternion<Lanes<S>>, S::Mask) {
+    // The axis of revolution: the third where the first two semi-axes are the same, else the one that stands apart.
+    let (zero, one) = (mass.constant(0.0), mass.constant(1.0));
+    let third = registers.not(registers.or(a[0].less(a[1]), a[1].less(a[0])));
+    let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
+    let choose = |x: Lanes<S>, y: Lanes<S>, z: Lanes<S>| {
+        Lanes::select(third, z, Lanes::select(second, y, x))
+    };
+    let own_axis = Vector3::new(
+        choose(one, zero, zero),
+        choose(zero, one, zero),
+        choose(zero, zero, one),
+    );
+    let axes = rotation_columns(q, one * 2.0);
+    let axis = Vector3::new(
+        choose(axes[0].x, axes[1].x, axes[2].x),
+        choose(axes[0].y, axes[1].y, axes[2].y),
+        choose(axes[0].z, axes[1].z, axes[2].z),
+    );
+    let (polar, equatorial) = (choose(a[0], a[1], a[2]), choose(a[1], a[2], a[0]));
+    let equatorial_square = equatorial * equatorial;
+    let across = (mass * polar.multiply_add(polar, equatorial_square)).reciprocal() * 5.0;
+    let along = (mass * equatorial_square).reciprocal() * 2.5;
+    let angles = half_angles(axis, momentum, along, across, time);
+    let largest = one.constant(LARGEST_HALF_ANGLE * LARGEST_HALF_ANGLE);
+    let good = registers.and(
+        angles.0.norm_squared().less(largest),
+        (angles.1 * angles.1).less(largest),
+    );
+    (of_revolution(q, own_axis, angles), good)
+}
+
+/// A chunk of bodies with three different semi-axes, and where the result is exact to rounding.
+#[inline(always)]
+fn in_expansion<S: Registers>(
+    registers: S,
+    q: Quaternion<Lanes<S>>,
+    momentum: Vector3<Lanes<S>>,
+    mass: Lanes<S>,
+    a: [Lanes<S>; 3],
+    time: f64,
+) -> (Quaternion<Lanes<S>>, S::Mask) {
+    let (inverse_moments, ratios) = moments(mass, a);
+    let axes = rotation_columns(q, mass.constant(2.0));
+    let omega = body_velocity(axes, momentum, inverse_moments);
+    // One that is not a number is not less than anything, but may hide behind the larger of two: the sum shows it.
+    let largest = omega.x.abs().max(omega.y.abs()).max(omega.z.abs()) * time;
+    let sum = (omega.x.abs() + omega.y.abs() + omega.z.abs()) * time;
+    let limit = mass.constant(LARGEST_EXPANDED_TURN);
+    let good = registers.and(largest.less(limit), sum.less(limit * 4.0));
+    (of_three_moments(q, omega, ratios, time), good)
+}
+
+/// Inverses of the moments of inertia of a solid ellipsoid, and `(I_y - I_z)/I_x` and so on, cyclically.
+#[inline(always)]
+fn moments<T: Real>(mass: T, [a, b, c]: [T; 3]) -> (Vector3<T>, Vector3<T>) {
+    let (xx, yy, zz) = (a * a, b * b, c * c);
+    let inverse = Vector3::new(
+        (yy + zz).reciprocal(),
+        (xx + zz).reciprocal(),
+        (xx + yy).reciprocal(),
+    );
+    let ratios = Vector3::new(
+        (c - b) * (c + b) * inverse.x,
+        (a - c) * (a + c) * inverse.y,
+        (b - a) * (b + a) * inverse.z,
+    );
+    (inverse * (mass.reciprocal() * 5.0), ratios)
+}
+
+/// The quaternion of one body at the end of a step in which nothing acts on it.
+fn turned(
+    q: [f64; 4],
+    momentum: Vector3,
+    mass: f64,
+    semi_axes: [f64; 3],
+    time: f64,
+) -> Result<[f64; 4], String> {
+    let length = q.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(format!("its quaternion has length {}", Number(length)));
+    }
+    let mut q = q.map(|x| x / length);
+    if !(mass > 0.0 && mass.is_finite()) {
+        return Err(format!(
+            "mass = {} must be a finite number greater than 0",
+            Number(mass)
+        ));
+    }
+    let (inverse_moments, ratios) = moments(mass, semi_axes);
+    let omega_of = |q: [f64; 4]| body_velocity(rotation_columns(q, 2.0), momentum, inverse_moments);
+    let turn = omega_of(q).norm() * time;
+    if !(turn <= LARGEST_TURN) {
+        return Err(format!(
+            "it would turn by {} radian in a step of {}, more than half a circle: the time step is too large, or a \
+             force has grown without bound",
+            Number(turn),
+            Number(time)
+        ));
+    }
+    let [a, b, c] = semi_axes;
+    if a == b || b == c || a == c {
+        let polar = match (a == b, b == c) {
+            (true, _) => 2,
+            (_, true) => 0,
+            _ => 1,
+        };
+        let mut own_axis = [0.0; 3];
+        own_axis[polar] = 1.0;
+        let inverse = inverse_moments.to_array();
+        let angles = half_angles(
+            rotation_columns(q, 2.0)[polar],
+            momentum,
+            inverse[polar],
+            inverse[(polar + 1) % 3],
+            time,
+        );
+        return Ok(of_revolution_by_any_angle(
+            q,
+            Vector3::from_array(own_axis),
+            angles,
+        ));
+    }
+    let mut left = time;
+    for _ in 0..MOST_PARTS {
+        let omega = omega_of(q);
+        let largest = omega.x.abs().max(omega.y.abs()).max(omega.z.abs());
+        if largest * left <= LARGEST_EXPANDED_TURN {
+            return Ok(of_three_moments(q, omega, ratios, left));
+        }
+        let part = LARGEST_EXPANDED_TURN / largest;
+        q = of_three_moments(q, omega, ratios, part);
+        left -= part;
+    }
+    Err("its rotation has grown too fast to be followed within a step".into())
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which contacts have all particles with a wall, and from which of the last step does each go on?
+
+use super::memory::MemoryLayout;
+use super::motion::Motion;
+use super::shape::{Grain, Search, Shape};
+use crate::contact::staged::{StagedContact, WallSurface};
+use crate::contact::{Particle, Step};
+use crate::vector::Vector3;
+
+/// One contact of a particle.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundContact {
+    /// Index of the particle.
+    pub particle: usize,
+    /// Its place among the particles that may touch.
+    pub near: usize,
+    /// Index of the wall's part.
+    pub part: usize,
+    /// The triangle of that part that stands for the contact; 0 where it has none.
+    pub triangle: usize,
+    /// The surface, in the frame of the wall.
+    pub surface: WallSurface,
+    /// The same in the world, with the motion of the wall.
+    pub world: WallSurface,
+    /// Centre of the particle, in the frame of the wall.
+    centre: Vector3,
+    /// The same in the world.
+    pub position: Vector3,
+    /// The contact, ready for its forces.
+    pub contact: StagedContact,
+    /// Its normal at the last step, from the particle into the wall, in the frame in which the contact is staged; `None` for a new
+    /// contact.
+    pub last_normal: Option<Vector3>,
+    /// Whether there is room to remember it.
+    pub is_remembered: bool,
+}
+
+/// The contacts of a call, in the order of the particles. The memory of the search is kept from call to call.
+#[derive(Debug, Default)]
+pub struct Contacts {
+    all: Vec<FoundContact>,
+    /// The history of each.
+    histories: Vec<f64>,
+    layout: MemoryLayout,
+    search: Search,
+    /// Of one particle: surfaces, and what was remembered.
+    surfaces: Vec<(usize, usize, WallSurface)>,
+    before: Vec<f64>,
+}
+
+/// In which frame contacts are staged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// That of the wall, in which it is at rest.
+    Wall,
+    /// That of the world, in which an engine's own contact model computes.
+    World,
+}
+
+/// What the search for contacts is given.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    /// The particles that may touch ([`Wall::near`]), in that order.
+    pub near: &'a [Particle],
+    /// Where the wall is and how it moves.
+    pub motion: &'a Motion,
+    /// The step.
+    pub step: &'a Step,
+    /// In which frame the contacts are staged.
+    pub frame: Frame,
+}
+
+/// A memory that holds a number which no call has written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrongMemory {
+    /// The particle's index.
+    pub particle: usize,
+    /// Place in the particle's memory.
+    pub place: usize,
+    /// What stands there.
+    pub value: f64,
+}
+
+impl Contacts {
+    /// Begins anew.
+    pub(super) fn start(&mut self, layout: MemoryLayout) {
+        self.all.clear();
+        self.histories.clear();
+        self.layout = layout;
+        self.before.resize(layout.records * layout.record, 0.0);
+    }
+
+    /// Adds the contacts of a particle.
+    pub(super) fn add<'a>(
+        &mut self,
+        shapes: impl Iterator<Item = &'a dyn Shape>,
+        places: &Places<'_>,
+        i: &Particle,
+        (particle, near): (usize, usize),
+        memory: &[f64],
+    ) {
+        let seen = places.motion.seen_from_wall(i, places.step);
+        let grain = Grain {
+            particle,
+            body: &seen.body,
+            centre: seen.position,
+        };
+        let surfaces = &mut self.surfaces;
+        surfaces.clear();
+        for (part, shape) in shapes.enumerate() {
+            if shape.may_touch(&grain.ball()) {
+                shape.touch(&grain, &mut self.search, &mut |surface, triangle| {
+                    surfaces.push((part, triangle, surface));
+                });
+            }
+        }
+        let layout = self.layout;
+        let used = layout.used(memory);
+        let before = &mut self.before[..used.saturating_sub(1)];
+        before.copy_from_slice(&memory[used.min(1)..used]);
+        let mut records = 0;
+        // Faces that share a contact find what is remembered with each other: the contacts that act alone come first.
+        for alone in [true, false] {
+            for (part, triangle, surface) in surfaces.iter() {
+                if (surface.share.value == 1.0) != alone {
+                    continue;
+                }
+                let world = places.motion.surface_to_world(surface);
+                let staged = match places.frame {
+                    Frame::Wall => StagedContact::of_wall(&seen, surface),
+                    Frame::World => StagedContact::of_wall(i, &world),
+                };
+                let Some(contact) = staged else {
+                    continue;
+                };
+                let from = self.histories.len();
+                self.histories.resize(from + layout.history, 0.0);
+                let history = &mut self.histories[from..];
+                let last = layout.recall(before, *part, surface, seen.position, history);
+                self.all.push(FoundContact {
+                    particle,
+                    near,
+                    part: *part,
+                    triangle: *triangle,
+                    surface: *surface,
+                    world,
+                    centre: seen.position,
+                    position: i.position,
+                    contact,
+                    last_normal: last.map(|n| match places.frame {
+                        Frame::Wall => n,
+                        Frame::World => places.motion.to_world(n),
+                    }),
+                    is_remembered: records < layout.records,
+                });
+                records += 1;
+            }
+        }
+    }
+
+    /// Doubles that are remembered of a particle.
+    pub fn memory_length(&self) -> usize {
+        self.layout.length()
+    }
+
+    /// The contacts, in the order of the particles.
+    pub fn all(&self) -> &[FoundContact] {
+        &self.all
+    }
+
+    /// The history of a contact.
+    ///
+    /// # Panics
+    /// If there is no such contact.
+    pub fn history(&mut self, index: usize) -> &mut [f64] {
+        let length = self.layout.history;
+        &mut self.histories[index * length..(index + 1) * length]
+    }
+
+    /// Writes to the memory of the particles what is remembered of the contacts that were found. Of particles on which the wall acts and
+    /// that do not touch nothing is remembered any more.
+    ///
+    /// # Panics
+    /// If the memory is shorter than those of all particles.
+    pub fn remember(&self, memory: &mut [f64], acts_on: &dyn Fn(usize) -> bool) {
+        let layout = &self.layout;
+        let length = layout.length();
+        if length == 0 {
+            return;
+        }
+        for (particle, memory) in memory.chunks_exact_mut(length).enumerate() {
+            if memory[0] != 0.0 && acts_on(particle) {
+                memory.fill(0.0);
+            }
+        }
+        for (index, c) in self.all.iter().enumerate() {
+            if !c.is_remembered {
+                continue;
+            }
+            let memory = &mut memory[c.particle * length..(c.particle + 1) * length];
+            let at = 1 + memory[0] as usize * layout.record;
+            memory[0] += 1.0;
+            let history = &self.histories[index * layout.history..(index + 1) * layout.history];
+            let record = &mut memory[at..at + layout.record];
+            layout.remember(record, c.part, &c.surface, c.centre, history);
+        }
+    }
+}

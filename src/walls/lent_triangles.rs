@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Triangles that an engine keeps, moves and spreads over its ranks itself: it lends those of a step, and its lists of those near each
+//! particle.
+
+use super::mesh::{check_corners, touch_near, REMEMBERED};
+use super::shape::{Ball, Found, Grain, Search, Shape};
+use crate::contact::ranges::LARGEST_VELOCITY;
+use crate::contact::staged::WallSurface;
+use crate::geometry::triangles::{barycentric_weights, Triangle};
+use crate::message::Numbers;
+use crate::vector::Vector3;
+
+/// The triangles of a step. Its memory is kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub struct LentTriangles {
+    corners: Vec<Triangle>,
+    /// Velocities of the corners; empty for triangles at rest.
+    velocities: Vec<[Vector3; 3]>,
+    /// Where the list of each particle begins in `near`, and at last where the last one ends.
+    starts: Vec<usize>,
+    near: Vec<u32>,
+}
+
+impl LentTriangles {
+    /// Takes the triangles of a step in place of those before. Particle `k` is near the triangles `near[starts[k]..starts[k + 1]]`;
+    /// particles beyond the end of `starts` are near none. `velocities` are those of the corners, or empty.
+    ///
+    /// # Errors
+    /// A corner or a velocity that is not finite or too large, or lists that do not fit the triangles; then there are none.
+    pub fn set(
+        &mut self,
+        corners: impl Iterator<Item = Triangle>,
+        velocities: impl Iterator<Item = [Vector3; 3]>,
+        starts: &[usize],
+        near: &[u32],
+    ) -> Result<(), String> {
+        let LentTriangles {
+            corners: own,
+            velocities: own_velocities,
+            ..
+        } = self;
+        own.clear();
+        own.extend(corners);
+        own_velocities.clear();
+        own_velocities.extend(velocities);
+        self.starts.clear();
+        self.starts.extend_from_slice(starts);
+        self.near.clear();
+        self.near.extend_from_slice(near);
+        let checked = self.check();
+        if checked.is_err() {
+            self.starts.clear();
+        }
+        checked
+    }
+
+    fn check(&self) -> Result<(), String> {
+        check_corners(&self.corners)?;
+        let fast = |v: &Vector3| !v.to_array().iter().all(|x| x.abs() <= LARGEST_VELOCITY);
+        if let Some(v) = self.velocities.iter().flatten().find(|v| fast(v)) {
+            return Err(format!(
+                "a corner of the triangles moves with {}: out of range",
+                Numbers(&v.to_array())
+            ));
+        }
+        let rises = self.starts.windows(2).all(|w| w[0] <= w[1]);
+        if !rises || self.starts.last().is_some_and(|end| *end > self.near.len()) {
+            return Err("near_starts must not fall, nor exceed the length of near".into());
+        }
+        let count = self.corners.len();
+        match self.near.iter().find(|t| **t as usize >= count) {
+            Some(t) => Err(format!("near names triangle {t} of {count}")),
+            None => Ok(()),
+        }
+    }
+
+    fn near(&self, particle: usize) -> &[u32] {
+        match self.starts.get(particle..particle + 2) {
+            Some(ends) => &self.near[ends[0]..ends[1]],
+            None => &[],
+        }
+    }
+}
+
+impl Shape for LentTriangles {
+    fn remembered(&self) -> usize {
+        REMEMBERED
+    }
+
+    fn may_touch(&self, ball: &Ball) -> bool {
+        !self.near(ball.particle).is_empty()
+    }
+
+    fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
+        search.near.clear();
+        search.near.extend_from_slice(self.near(grain.particle));
+        touch_near(grain, &self.corners, search, &mut |surface, triangle| {
+            let velocity = self.velocities.get(triangle).map_or(Vector3::ZERO, |v| {
+                let [a, b, c] = barycentric_weights(&self.corners[triangle], surface.point);
+                v[0] * a + v[1] * b + v[2] * c
+            });
+            found(
+                WallSurface {
+                    velocity,
+                    ..surface
+                },
+                triangle,
+            );
+        });
+    }
+}

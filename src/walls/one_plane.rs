@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One contact of an ellipsoid with a plane, without what is remembered by a wall.
+
+use crate::contact::history::{cached_normal, forget};
+use crate::contact::pair::{checked_factors, contact_with_wall, through_law, HaleRatio};
+use crate::contact::{Contact, ContactForces, Laws, OneContact, Particle, Step};
+use crate::geometry::plane::PlaneContact;
+use crate::geometry::{relative_curvature, touch_plane, Plane};
+use crate::vector::{Symmetric2, Vector3};
+
+/// A plane wall and its velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingPlane {
+    /// Where it is.
+    pub plane: Plane,
+    /// How fast it moves, world frame.
+    pub velocity: Vector3,
+}
+
+/// Geometry and motion of a particle at a plane.
+fn contact_with_plane(found: &PlaneContact, i: &Particle, wall: &MovingPlane) -> Contact {
+    contact_with_wall(
+        i,
+        &found.support,
+        (found.normal, found.tangent),
+        found.penetration,
+        Symmetric2::new(0.0, 0.0, 0.0),
+        wall.velocity,
+    )
+}
+
+/// Geometry of an ellipsoid and a plane.
+pub fn geometry_with_plane(i: &Particle, wall: &MovingPlane, share_i: f64) -> OneContact {
+    let found = touch_plane(&i.body, i.position, &wall.plane);
+    let x = contact_with_plane(&found, i, wall);
+    let curvature = relative_curvature(x.curvature(), &found.tangent);
+    let witness_i = i.position + found.support.point;
+    OneContact {
+        touching: found.penetration > 0.0,
+        penetration: found.penetration,
+        normal: found.normal,
+        contact_point: witness_i - found.normal * (found.penetration * share_i),
+        witness_i,
+        witness_j: witness_i - found.normal * found.penetration,
+        curvature_a: curvature.a,
+        curvature_b: curvature.b,
+        major_direction: curvature.major_direction,
+    }
+}
+
+/// One contact of an ellipsoid and a plane; otherwise like [`crate::contact::one_contact()`].
+///
+/// # Errors
+/// Only with `factors hale`, before anything is written.
+pub fn one_contact_with_plane(
+    laws: &Laws,
+    i: &Particle,
+    wall: &MovingPlane,
+    wall_type: usize,
+    step: &Step,
+    touching: &mut bool,
+    history: &mut [f64],
+) -> Result<Option<(OneContact, ContactForces)>, HaleRatio> {
+    let layout = laws.layout();
+    let found = touch_plane(&i.body, i.position, &wall.plane);
+    if found.penetration <= 0.0 {
+        if *touching {
+            *touching = false;
+            forget(&layout, history);
+        }
+        return Ok(None);
+    }
+    let law = laws.get(i.kind as usize, wall_type);
+    let x = contact_with_plane(&found, i, wall);
+    let factors = checked_factors(law, x.curvature())?;
+    let before = cached_normal(&layout, history).unwrap_or(found.normal);
+    let f = through_law::<true, true, true, true>(
+        law, &factors, &x, &layout, history, *touching, before, step,
+    );
+    *touching = true;
+    Ok(Some((
+        geometry_with_plane(i, wall, law.constants.share_i),
+        f,
+    )))
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A step of velocity Verlet through the C interface: in an oscillator, on arrays with strides, and with what cannot be.
+
+use ellgran::c_api::motion::{ellgran_finish_step, ellgran_start_step, EllgranMotion};
+use ellgran::c_api::particles::{ellgran_workspace_free, ellgran_workspace_new, EllgranWorkspace};
+use ellgran::c_api::status::{
+    ellgran_last_error, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
+    ELLGRAN_SUCCESS,
+};
+use std::ffi::CStr;
+
+/// As an engine lays them out: shape and attitude in one entry of a list, not in the order of the bodies.
+#[repr(C)]
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    before: f64,
+    semi_axes: [f64; 3],
+    between: i64,
+    quaternion: [f64; 4],
+}
+
+struct Bodies {
+    workspace: *mut EllgranWorkspace,
+    x: Vec<[f64; 3]>,
+    v: Vec<[f64; 3]>,
+    l: Vec<[f64; 3]>,
+    f: Vec<[f64; 3]>,
+    t: Vec<[f64; 3]>,
+    mass: Vec<f64>,
+    index: Vec<i32>,
+    mask: Vec<i32>,
+    tag: Vec<i64>,
+    entries: Vec<Entry>,
+}
+
+impl Bodies {
+    fn new(n: usize) -> Bodies {
+        let mut workspace = core::ptr::null_mut();
+        // SAFETY: valid for writes.
+        assert_eq!(
+            unsafe { ellgran_workspace_new(&mut workspace) },
+            ELLGRAN_SUCCESS
+        );
+        let entry = |k: usize| Entry {
+            semi_axes: [1.0, 1.0 + 0.1 * (k % 3) as f64, 2.0],
+            quaternion: [0.5, -0.5, 0.5, 0.5],
+            ..Entry::default()
+        };
+        Bodies {
+            workspace,
+            x: vec![[1.0, 0.0, 0.0]; n],
+            v: vec![[0.0, 1.0, 0.0]; n],
+            l: vec![[0.1, 0.2, 0.3]; n],
+            f: vec![[0.0; 3]; n],
+            t: vec![[0.0; 3]; n],
+            mass: vec![2.0; n],
+            index: (0..n as i32).rev().collect(),
+            mask: vec![1; n],
+            tag: (0..n as i64).map(|k| 100 + k).collect(),
+            entries: (0..n).map(entry).collect(),
+        }
+    }
+
+    fn motion(&mut self) -> EllgranMotion {
+        let first = self.entries.as_mut_ptr();
+        EllgranMotion {
+            size: size_of::<EllgranMotion>(),
+            count: self.x.len(),
+            positions: self.x.as_mut_ptr().cast(),
+            velocities: self.v.as_mut_ptr().cast(),
+            angular_momenta: self.l.as_mut_ptr().cast(),
+            forces: self.f.as_ptr().cast(),
+            torques: self.t.as_ptr().cast(),
+            masses: self.mass.as_ptr(),
+            shape_indices: self.index.as_ptr(),
+            // SAFETY: the first entry is there.
+            semi_axes: unsafe { &raw const (*first).semi_axes }.cast(),
+            semi_axes_stride: size_of::<Entry>(),
+            // SAFETY: as above.
+            quaternions: unsafe { &raw mut (*first).quaternion }.cast(),
+            quaternions_stride: size_of::<Entry>(),
+            masks: self.mask.as_ptr(),
+            group_mask: 1,
+            identifier_bytes: 8,
+            identifiers: self.tag.as_ptr().cast(),
+        }
+    }
+
+    fn start(&mut self, time_step: f64) -> i32 {
+        let motion = self.motion();
+        // SAFETY: the arrays are as stated.
+        unsafe { ellgran_start_step(self.workspace, &motion, time_step) }
+    }
+
+    fn finish(&mut self, time_step: f64) -> i32 {
+        let motion = self.motion();
+        // SAFETY: the arrays are as stated.
+        unsafe { ellgran_finish_step(&motion, time_step) }
+    }
+}
+
+impl Drop for Bodies {
+    fn drop(&mut self) {
+        // SAFETY: it came from `ellgran_workspace_new`.
+        unsafe { ellgran_workspace_free(self.workspace) }
+    }
+}
+
+fn message() -> String {
+    // SAFETY: never NULL, ends in 0.
+    unsafe { CStr::from_ptr(ellgran_last_error()) }
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// A spring to the origin: velocity Verlet on a circle, with its own known frequency.
+#[test]
+fn an_oscillator_has_the_frequency_of_velocity_verlet() {
+    let (n, time_step) = (37, 0.05);
+    let mut bodies = Bodies::new(n);
+    let spring = 2.0; // with mass 2: omega = 1
+    let pull = |b: &mut Bodies| {
+        for k in 0..n {
+            b.f[k] = b.x[k].map(|x| -spring * x);
+        }
+    };
+    pull(&mut bodies);
+    let steps = 200;
+    for _ in 0..steps {
+        assert_eq!(bodies.start(time_step), ELLGRAN_SUCCESS, "{}", message());
+        pull(&mut bodies);
+        assert_eq!(bodies.finish(time_step), ELLGRAN_SUCCESS, "{}", message());
+    }
+    // cos(w dt) = 1 - (omega dt)^2/2, and the velocity at start is 1 where the circle's is sqrt(1 - (omega dt)^2/4).
+    let w = (1.0 - 0.5 * time_step * time_step).acos() / time_step;
+    let circle = (1.0 - 0.25 * time_step * time_step).sqrt();
+    let angle = w * time_step * steps as f64;
+    for x in &bodies.x {
+        assert!((x[0] - angle.cos()).abs() < 1e-11, "{x:?}");
+        assert!((x[1] - angle.sin() / circle).abs() < 1e-11, "{x:?}");
+    }
+}
+
+#[test]
+fn torques_kick_angular_momenta_and_only_the_group_moves() {
+    let mut bodies = Bodies::new(21);
+    for k in 0..21 {
+        bodies.mask[k] = if k % 2 == 0 { 5 } else { 2 };
+        bodies.t[k] = [1.0, 2.0, -3.0];
+    }
+    let before: Vec<_> = bodies.entries.iter().map(|e| e.quaternion).collect();
+    assert_eq!(bodies.start(0.01), ELLGRAN_SUCCESS, "{}", message());
+    assert_eq!(bodies.finish(0.01), ELLGRAN_SUCCESS, "{}", message());
+    for k in 0..21 {
+        let moves = k % 2 == 0;
+        let expected = if moves {
+            [0.11, 0.22, 0.27]
+        } else {
+            [0.1, 0.2, 0.3]
+        };
+        for axis in 0..3 {
+            assert!(
+                (bodies.l[k][axis] - expected[axis]).abs() < 1e-15,
+                "body {k}"
+            );
+        }
+        let entry = bodies.index[k] as usize;
+        assert_eq!(
+            bodies.entries[entry].quaternion != before[entry],
+            moves,
+            "body {k}"
+        );
+        assert_eq!(bodies.x[k] != [1.0, 0.0, 0.0], moves, "body {k}");
+    }
+}
+
+#[test]
+fn what_cannot_move_is_an_error_that_names_it() {
+    type Change = fn(&mut Bodies);
+    let cases: [(Change, &str); 6] = [
+        (|b| b.index[7] = -1, "particle 107: it has no shape"),
+        (|b| b.mass[7] = 0.0, "particle 107: mass = 0"),
+        (|b| b.mass[7] = f64::NAN, "particle 107: mass = NaN"),
+        (
+            |b| b.l[7] = [1e9, 0.0, 0.0],
+            "particle 107: it would turn by",
+        ),
+        (
+            |b| b.t[7] = [f64::INFINITY, 0.0, 0.0],
+            "particle 107: it would turn by",
+        ),
+        (
+            |b| {
+                let entry = b.index[7] as usize;
+                b.entries[entry].quaternion = [0.0; 4];
+            },
+            "particle 107: its quaternion has length 0",
+        ),
+    ];
+    for (change, said) in cases {
+        let mut bodies = Bodies::new(19);
+        change(&mut bodies);
+        assert_eq!(bodies.start(0.01), ELLGRAN_ERROR_PARTICLE, "{said}");
+        assert!(message().contains(said), "{} is not {said}", message());
+    }
+    let mut bodies = Bodies::new(3);
+    assert_eq!(bodies.start(-1.0), ELLGRAN_ERROR_ARGUMENT);
+    assert!(message().contains("time_step = -1"), "{}", message());
+    assert_eq!(bodies.finish(f64::NAN), ELLGRAN_ERROR_ARGUMENT);
+    let mut motion = bodies.motion();
+    motion.torques = core::ptr::null();
+    // SAFETY: the arrays are as stated, but for one that is refused.
+    let status = unsafe { ellgran_start_step(bodies.workspace, &motion, 0.1) };
+    assert_eq!(status, ELLGRAN_ERROR_NULL_POINTER);
+    assert!(message().contains("torques"), "{}", message());
+    // No bodies need no arrays.
+    let none = EllgranMotion {
+        count: 0,
+        positions: core::ptr::null_mut(),
+        ..motion
+    };
+    // SAFETY: no array is read.
+    assert_eq!(
+        unsafe { ellgran_start_step(bodies.workspace, &none, 0.1) },
+        ELLGRAN_SUCCESS
+    );
+}
