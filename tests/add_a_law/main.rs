@@ -185,7 +185,7 @@ fn the_laws_of_the_page_have_their_forces() {
         .collect();
     let program = format!(
         "#![allow(dead_code, unused_imports)]\n{rooms}\n{}",
-        include_str!("forces.txt")
+        include_str!("forces.rs")
     );
     fs::write(copy.join("forces.rs"), program).unwrap();
     let target = "[[bin]]\nname = \"forces\"\npath = \"forces.rs\"\n";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
 // Prints the forces of the laws that docs/how-to-add-a-law.md adds; appended to the modules of the changed sources.
 
 use contact::stability::collision;
