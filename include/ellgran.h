@@ -41,19 +41,29 @@ template <typename Type> inline Type init()
 #endif
 
 /*
- Normal law: elastic, from E and nu.
+ Normal law: elastic, from E and nu, with damping if asked for.
  */
 #define ELLGRAN_NORMAL_HERTZ 0
 
 /*
- Normal law: viscoelastic, from E, nu, eta1, eta2.
+ Normal law: viscoelastic, from E, nu, eta1, eta2 and a closure.
  */
 #define ELLGRAN_NORMAL_NFD 1
 
 /*
- Normal law: linear spring and dashpot.
+ Normal law: linear spring and dashpot, for comparison.
  */
 #define ELLGRAN_NORMAL_LSD 2
+
+/*
+ Hertz factors exact to 1e-13.
+ */
+#define ELLGRAN_FACTORS_EXACT 0
+
+/*
+ Hale's closed form of the Hertz factors, the paper's Eq. (4), to reproduce the paper.
+ */
+#define ELLGRAN_FACTORS_HALE 1
 
 /*
  No damping of the `hertz` law.
@@ -61,42 +71,22 @@ template <typename Type> inline Type init()
 #define ELLGRAN_DAMPING_NONE 0
 
 /*
- Damping that gives a coefficient of restitution.
+ Damping that gives central impacts a coefficient of restitution, at any speed.
  */
 #define ELLGRAN_DAMPING_RESTITUTION 1
 
 /*
- Damping by a relaxation time A_n.
+ Damping by a relaxation time A_n: the form of `nfd` with the coefficient given.
  */
 #define ELLGRAN_DAMPING_RELAXATION 2
 
 /*
- No tangential force.
- */
-#define ELLGRAN_TANGENTIAL_NONE 0
-
-/*
- Partial slip.
- */
-#define ELLGRAN_TANGENTIAL_TFD 1
-
-/*
- No slip below the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_MINDLIN 2
-
-/*
- Constant stiffness below the Coulomb limit.
- */
-#define ELLGRAN_TANGENTIAL_LINEAR 3
-
-/*
- A_n from the dissipation of the strain-rate field.
+ A_n from the dissipation of the quasi-static strain-rate field.
  */
 #define ELLGRAN_CLOSURE_ENERGY 0
 
 /*
- A_n from the surface strains.
+ A_n from the surface strains of Hertz' solution.
  */
 #define ELLGRAN_CLOSURE_SURFACE 1
 
@@ -106,7 +96,7 @@ template <typename Type> inline Type init()
 #define ELLGRAN_CLOSURE_BRILLIANTOV 2
 
 /*
- Receding contact after Ting.
+ Receding contact after Ting: `F_H(max(delta + A_n d(delta)/dt, 0))`, never attractive.
  */
 #define ELLGRAN_UNLOADING_TING 0
 
@@ -116,27 +106,41 @@ template <typename Type> inline Type init()
 #define ELLGRAN_UNLOADING_FIRST_ORDER 1
 
 /*
- Exact Hertz factors.
+ No tangential force, no tangential history.
  */
-#define ELLGRAN_FACTORS_EXACT 0
+#define ELLGRAN_TANGENTIAL_NONE 0
 
 /*
- Hale's closed form.
+ Partial slip after Cattaneo and Mindlin, with the compliance of the contact ellipse.
  */
-#define ELLGRAN_FACTORS_HALE 1
+#define ELLGRAN_TANGENTIAL_TFD 1
 
 /*
- The tangential displacement since first touch is remembered: the published form, which can create energy.
+ The no-slip stiffness of the contact ellipse up to the Coulomb limit.
+ */
+#define ELLGRAN_TANGENTIAL_MINDLIN 2
+
+/*
+ A constant stiffness and damping up to the Coulomb limit.
+ */
+#define ELLGRAN_TANGENTIAL_LINEAR 3
+
+/*
+ The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
+ published form. It can create energy: what was loaded while the contact was deep gives more when it is unloaded
+ while it is shallow.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered; can create energy.
+ The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
 /*
- The tangential force and its energy are remembered, and no energy is created. The default.
+ The tangential force and its energy are remembered, reduced where the contact would otherwise hold more energy than
+ it took, as with the stiffness while the contact shrinks: no cycle creates energy. The same as `total` while the
+ normal force is steady. The default.
  */
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
@@ -682,9 +686,9 @@ typedef struct EllgranStagedGeometry {
 } EllgranStagedGeometry;
 
 /*
- The laws and constants of one pair of types. Plain data: may be copied and stored in restart files. Consistent
- units. Moduli and `normal_stiffness` are from 1e-50 to 1e50, the other constants at most 1e50, a relaxation time at most
- 1e20.
+ The laws and constants of one pair of types; for a pair given as I J both bodies are of this material. Plain
+ data: may be copied and stored in restart files. Consistent units. Moduli and `normal_stiffness` are from 1e-50
+ to 1e50, the other constants at most 1e50, a relaxation time at most 1e20.
  */
 typedef struct EllgranLawParameters {
   /*
@@ -692,39 +696,40 @@ typedef struct EllgranLawParameters {
    */
   size_t size;
   /*
-   ELLGRAN_NORMAL_*
+   Normal law, ELLGRAN_NORMAL_*.
    */
   int32_t normal;
   /*
-   ELLGRAN_DAMPING_*
+   Damping of the `hertz` law, ELLGRAN_DAMPING_*.
    */
   int32_t damping;
   /*
-   ELLGRAN_TANGENTIAL_*
+   Tangential law, ELLGRAN_TANGENTIAL_*.
    */
   int32_t tangential;
   /*
-   ELLGRAN_CLOSURE_*
+   How the relaxation times of `nfd` follow from the viscosities, ELLGRAN_CLOSURE_*.
    */
   int32_t closure;
   /*
-   ELLGRAN_UNLOADING_*
+   Receding contact of a law with a relaxation time, ELLGRAN_UNLOADING_*.
    */
   int32_t unloading;
   /*
-   ELLGRAN_FACTORS_*
+   Form of the Hertz factors, ELLGRAN_FACTORS_*.
    */
   int32_t factors;
   /*
-   ELLGRAN_DISPLACEMENT_*
+   What is kept of the tangential displacement, ELLGRAN_DISPLACEMENT_*.
    */
   int32_t displacement;
   /*
-   1: force and torques are the complete gradient of the elastic energy; 0: the force acts along the normal alone.
+   Whether force and torques are the complete gradient of the elastic energy (docs/theory.md, section 7); else
+   the force acts along the normal alone.
    */
   int32_t conservative;
   /*
-   1: an attractive normal force is cut off.
+   Whether an attractive normal force is cut off.
    */
   int32_t limit_force;
   /*
@@ -744,19 +749,19 @@ typedef struct EllgranLawParameters {
    */
   double bulk_viscosity;
   /*
-   A_n of ELLGRAN_DAMPING_RELAXATION, time.
+   A_n of `damping relaxation`, time.
    */
   double relaxation_time;
   /*
-   e of ELLGRAN_DAMPING_RESTITUTION.
+   e of `damping restitution`.
    */
   double restitution;
   /*
-   kn of the linear law, force/length.
+   kn of `lsd`, force/length.
    */
   double normal_stiffness;
   /*
-   cn of the linear law, force x time/length.
+   cn of `lsd`, force x time/length.
    */
   double normal_damping;
   /*
@@ -764,14 +769,46 @@ typedef struct EllgranLawParameters {
    */
   double friction;
   /*
-   kt of ELLGRAN_TANGENTIAL_LINEAR, force/length.
+   kt of `tangential linear`, force/length.
    */
   double tangential_stiffness;
   /*
-   ct of ELLGRAN_TANGENTIAL_LINEAR, force x time/length.
+   ct of `tangential linear`, force x time/length.
    */
   double tangential_damping;
 } EllgranLawParameters;
+
+/*
+ What the contact of two types has, as their materials mix.
+ */
+typedef struct EllgranMixture {
+  /*
+   `sizeof(EllgranMixture)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   E*, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
+   */
+  double effective_modulus;
+  /*
+   G*, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
+   */
+  double effective_shear_modulus;
+  /*
+   A_n, time: the ratio of normal dashpot and spring while the bodies approach; 0 where there is none, as with damping by a
+   coefficient of restitution and for a law without a material.
+   */
+  double normal_relaxation_time;
+  /*
+   A_t of a circular contact, time: the ratio of tangential dashpot and spring without slip; 0 without a tangential law that
+   takes its stiffness from the material.
+   */
+  double tangential_relaxation_time;
+  /*
+   Share of the body of the first type in the penetration, by compliance; 0.5 for a law without a material.
+   */
+  double share_i;
+} EllgranMixture;
 
 /*
  Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
@@ -1385,8 +1422,6 @@ typedef struct EllgranContactStiffness {
 
 
 
-
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1551,10 +1586,8 @@ int32_t ellgran_law_parameters_default(struct EllgranLawParameters *parameters);
 /*
  Reads the words of a deck that choose a law (what follows `I J` in LAMMPS' `pair_coeff`) and checks the constants.
 
- `hertz E nu | nfd E nu eta1 eta2 | lsd kn cn`, then in any order `damping none | restitution e | relaxation A_n`,
- `tangential none | tfd mu | mindlin mu | linear kt ct mu`, `closure energy|surface|brilliantov`,
- `unloading ting|first_order`, `displacement total|incremental|rescaled`, `factors exact|hale`,
- `conservative yes|no`, `limit_force yes|no`.
+ The normal law comes first, with its constants; then in any order a keyword with its word and the constants of that, such as
+ `nfd 3e6 0.3 200 200 tangential tfd 0.5`. Without any word the message of the error has all that can be given.
 
  With `consumed` not NULL, reading ends at the first word that is none of these, and the number of words read is
  written; with NULL such a word is an error.
@@ -1609,6 +1642,17 @@ int32_t ellgran_laws_with_friction(const struct EllgranLaws *laws,
 int32_t ellgran_laws_with_restitution(const struct EllgranLaws *laws,
                                       const double *restitution,
                                       struct EllgranLaws **result);
+
+/*
+ Moduli, relaxation times and the share in the penetration of a pair of types.
+
+ # Safety
+ `laws` is NULL or valid; `mixture` is NULL or valid for writes.
+ */
+int32_t ellgran_laws_mixture(const struct EllgranLaws *laws,
+                             int32_t type_i,
+                             int32_t type_j,
+                             struct EllgranMixture *mixture);
 
 /*
  Whether some law can create energy while nothing in it dissipates any: `displacement total` or `incremental` of `tfd` or
@@ -1754,7 +1798,7 @@ int32_t ellgran_rayleigh_times(size_t type_count,
 
 /*
  First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
- end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, "Motion").
+ end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 
  The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
  moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
@@ -2043,6 +2087,28 @@ int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
                               struct EllgranRecordedWallContact *contact);
 
 /*
+ Volumes of ellipsoids. `semi_axes` is [count][3], with the ranges of `EllgranBody`; `volumes` is [count].
+
+ # Safety
+ The pointers are NULL or have these lengths.
+ */
+int32_t ellgran_volumes(size_t count,
+                        const double *semi_axes,
+                        double *volumes);
+
+/*
+ Principal moments of inertia of solid ellipsoids about their body axes, mass x length^2. `semi_axes` is [count][3], with the
+ ranges of `EllgranBody`, `masses` [count], INFINITY for a fixed body; `moments` is [count][3].
+
+ # Safety
+ The pointers are NULL or have these lengths.
+ */
+int32_t ellgran_moments_of_inertia(size_t count,
+                                   const double *semi_axes,
+                                   const double *masses,
+                                   double *moments);
+
+/*
  Memory for the stages of a contact.
 
  # Safety
@@ -2119,6 +2185,21 @@ int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
  */
 int32_t ellgran_staged_equivalent_radius(const struct EllgranStagedContact *staged,
                                          double *radius);
+
+/*
+ Normal and tangential stiffness of a circular contact with the same elastic normal force, force/length, for laws written for
+ spheres: `4/3 E* sqrt(R delta)` and `8 G* sqrt(R delta)` with the radius `R` of `ellgran_staged_equivalent_radius` and the
+ moduli of `ellgran_laws_mixture`; 0 for a law without a material.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_staged_circular_stiffness(const struct EllgranStagedContact *staged,
+                                          const struct EllgranLaws *laws,
+                                          int32_t type_i,
+                                          int32_t type_j,
+                                          double *normal,
+                                          double *tangential);
 
 /*
  Area of the plane section of the overlap, `pi delta / sqrt(A B)` with the relative curvatures `A` and `B`: for two spheres,

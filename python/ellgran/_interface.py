@@ -124,17 +124,6 @@ class EllgranLentTriangles(ctypes.Structure):
     ]
 
 
-class EllgranMixture(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("effective_modulus", ctypes.c_double),
-        ("effective_shear_modulus", ctypes.c_double),
-        ("normal_relaxation_time", ctypes.c_double),
-        ("tangential_relaxation_time", ctypes.c_double),
-        ("share_i", ctypes.c_double),
-    ]
-
-
 class EllgranParticles(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -218,6 +207,17 @@ class EllgranLawParameters(ctypes.Structure):
         ("friction", ctypes.c_double),
         ("tangential_stiffness", ctypes.c_double),
         ("tangential_damping", ctypes.c_double),
+    ]
+
+
+class EllgranMixture(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("effective_modulus", ctypes.c_double),
+        ("effective_shear_modulus", ctypes.c_double),
+        ("normal_relaxation_time", ctypes.c_double),
+        ("tangential_relaxation_time", ctypes.c_double),
+        ("share_i", ctypes.c_double),
     ]
 
 
