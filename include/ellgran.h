@@ -6,8 +6,11 @@
  * Sign: the normal points from body i to body j; the force on j is +F n, on i -F n; torques are about each body's own
  * centre.  Types are counted from 1, as in the engines' decks.
  *
- * Calls that can fail return a status: 0 (ELLGRAN_SUCCESS) or an error, whose message ellgran_last_error() gives.  On
+ * Calls that can fail return a status: 0 (ELLGRAN_SUCCESS) or an error.  ellgran_last_error() gives its message.  On
  * failure no output is written.
+ *
+ * Words: the history of a contact is all that is kept of it from step to step; its tangential part is called the tangential
+ * memory.  The memory of a wall holds the histories of a particle's contacts with it.
  */
 
 #ifndef ELLGRAN_H
@@ -18,13 +21,13 @@
 #include <stddef.h>
 #include <stdint.h>
 /*
- * Every struct begins with its size: by it a program and a library of different versions understand each other.
- * ELLGRAN_INIT(EllgranBody) is an EllgranBody that has its size and is zero elsewhere. Start every struct from it, those
- * too that the library writes; in other languages set `size` to the size of the struct and the rest to zero.
+ * Every struct begins with its size, so that a program and a library of different versions can be used together.
+ * ELLGRAN_INIT(EllgranBody) is an EllgranBody with its size set and all other fields zero. Start every struct from it, those
+ * too that the library writes. In other languages set `size` to the size of the struct and all else to zero.
  *
- * Later versions add fields at the end, of which zero means what it was before there was the field. A struct of an older
- * ellgran.h is read as if such a field were zero, and written as far as it goes. A struct of a newer ellgran.h is refused
- * only if it sets what the library does not know. In an array of structs all sizes are the same.
+ * Later versions add fields at the end; zero in such a field gives the behaviour of the versions without it. In a struct of
+ * an older ellgran.h the missing fields are read as zero and not written. A struct of a newer ellgran.h is refused only if it
+ * sets a field that the library does not know. In an array of structs all sizes must be the same.
  */
 #ifdef __cplusplus
 namespace ellgran {
@@ -127,13 +130,14 @@ template <typename Type> inline Type init()
 
 /*
  The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
- published form. It can create energy: what was loaded while the contact was deep gives more when it is unloaded
- while it is shallow.
+ published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
+ while it is deep.
  */
 #define ELLGRAN_DISPLACEMENT_TOTAL 0
 
 /*
- The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy.
+ The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy: what was loaded while the contact was
+ deep gives more when it is unloaded while it is shallow.
  */
 #define ELLGRAN_DISPLACEMENT_INCREMENTAL 1
 
@@ -181,7 +185,7 @@ template <typename Type> inline Type init()
 #define ELLGRAN_END_CLOSED 2
 
 /*
- The call did what it was asked to.
+ The call succeeded.
  */
 #define ELLGRAN_SUCCESS 0
 
@@ -201,38 +205,38 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_TEXT 3
 
 /*
- Block 100 to 199, laws: words or constants of a law that are wrong.
+ Block 100 to 199, laws: invalid words or constants of a law.
  */
 #define ELLGRAN_ERROR_LAW 100
 
 /*
- Hale's form of the Hertz factors breaks at a contact (B/A above 25178): use `factors exact`.
+ Hale's form of the Hertz factors is not defined at a contact with B/A above 25178: use `factors exact`.
  */
 #define ELLGRAN_ERROR_HALE 101
 
 /*
- Block 200 to 299, bodies: a particle with a value that cannot be.
+ Block 200 to 299, bodies: invalid particle input; the message names the particle and the value.
  */
 #define ELLGRAN_ERROR_PARTICLE 200
 
 /*
- The history of a touching contact holds a number that no call has written, such as NaN.
+ Invalid history: that of a touching contact holds a number that no call writes, for example NaN.
  */
 #define ELLGRAN_ERROR_HISTORY 201
 
 /*
- The numbers of a contact, each within its range, together leave the range of double precision.
+ The result is out of the range of double precision, although each input is within its own range.
  */
 #define ELLGRAN_ERROR_RESULT 202
 
 /*
- Block 900 to 999, the library itself: a panic was caught. A defect: please report it.
+ Block 900 to 999, the library itself: an internal error (a caught panic). Please report it.
  */
 #define ELLGRAN_ERROR_PANIC 900
 
 /*
- Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
- are added at the end of a struct do not change it.
+ Version of the binary interface. It is raised when the offset of a field, a signature or the meaning of a value changes.
+ A field that is added at the end of a struct does not raise it.
  */
 #define ELLGRAN_ABI_VERSION 1
 
@@ -242,7 +246,8 @@ template <typename Type> inline Type init()
 typedef struct EllgranLaws EllgranLaws;
 
 /*
- A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
+ State of a contact between its stages. Opaque. One is enough for any number of contacts, one after the other; threads
+ need one each.
  */
 typedef struct EllgranStagedContact EllgranStagedContact;
 
@@ -252,16 +257,17 @@ typedef struct EllgranStagedContact EllgranStagedContact;
 typedef struct EllgranWall EllgranWall;
 
 /*
- Memory that one thread of calls keeps from step to step. Opaque.
+ Working memory of a sequence of calls, kept from step to step. Opaque.
 
- Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
- After an error a workspace is as good as before the call: what it keeps of the last call that succeeded is still there.
- After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
+ Several threads may compute at the same time, each with its own workspace, with the same laws, if the arrays that they
+ write do not overlap. After an error the workspace still holds what the last successful call left in it. After
+ `ELLGRAN_ERROR_PANIC` it can still be used, but the histories that it kept are lost.
  */
 typedef struct EllgranWorkspace EllgranWorkspace;
 
 /*
- A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
+ A body of a single contact, in the world frame. A value outside the range of its field is an error that names the body
+ and the value.
  */
 typedef struct EllgranBody {
   /*
@@ -273,7 +279,7 @@ typedef struct EllgranBody {
    */
   double position[3];
   /*
-   Rotation from body to world, (w, x, y, z); of any length but zero.
+   Rotation from the body frame to the world frame, (w, x, y, z). Need not have unit length, but not zero length.
    */
   double quaternion[4];
   /*
@@ -289,15 +295,16 @@ typedef struct EllgranBody {
    */
   double angular_velocity[3];
   /*
-   Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+   Mass, from 1e-50 to 1e50, or INFINITY for a fixed body. Needed by damping with a coefficient of restitution and by
+   stiffnesses and collision times.
    */
   double mass;
   /*
-   Type, counted from 1.
+   Particle type, counted from 1: selects the law.
    */
-  int32_t kind;
+  int32_t particle_type;
   /*
-   What to call it in a message.
+   Number by which error messages name the body.
    */
   int64_t identifier;
 } EllgranBody;
@@ -323,7 +330,8 @@ typedef struct EllgranContactGeometry {
    */
   double normal[3];
   /*
-   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   Contact point, world frame. It lies between the two witness points and divides their distance in the ratio of the
+   compliances of the bodies.
    */
   double contact_point[3];
   /*
@@ -343,7 +351,8 @@ typedef struct EllgranContactGeometry {
    */
   double curvature_b;
   /*
-   Unit vector along the major semi-axis of the contact ellipse (of A).
+   Unit vector along the major semi-axis of the contact ellipse, world frame: the direction in which the relative
+   curvature is A.
    */
   double major_direction[3];
 } EllgranContactGeometry;
@@ -371,7 +380,7 @@ typedef struct EllgranPlane {
 } EllgranPlane;
 
 /*
- Time step, and whether the history advances.
+ Time step, and whether histories are advanced by it.
  */
 typedef struct EllgranStep {
   /*
@@ -379,13 +388,14 @@ typedef struct EllgranStep {
    */
   size_t size;
   /*
-   1 in a step; 0 in the set-up of a run: forces from the history as it stands.
+   1 in a time step: histories are advanced and written. 0 where forces are evaluated without a step, as when a run is
+   set up: histories are read and not changed.
    */
   int32_t advance_history;
   /*
-   Time step, from 0 to 1e15. The velocities are those of the half step, which moved the particles over it to where they
-   are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
-   tangential displacement has an error of the order of the time step.
+   Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
+   moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
+   With velocities of the full step the tangential displacement has an error of the order of the time step.
    */
   double time_step;
 } EllgranStep;
@@ -399,7 +409,7 @@ typedef struct EllgranContactForce {
    */
   size_t size;
   /*
-   Force on j, world frame; on i the opposite.
+   Force on j, world frame. The force on i is the opposite.
    */
   double force[3];
   /*
@@ -411,7 +421,7 @@ typedef struct EllgranContactForce {
    */
   double torque_j[3];
   /*
-   Normal force, > 0 pushes apart.
+   Normal force; positive when repulsive.
    */
   double normal_force;
   /*
@@ -419,7 +429,7 @@ typedef struct EllgranContactForce {
    */
   double tangential_force[3];
   /*
-   Tangential displacement xi of j relative to i that the tangential spring holds, world frame.
+   Elastic tangential displacement xi of j relative to i, world frame.
    */
   double displacement[3];
   /*
@@ -435,24 +445,25 @@ typedef struct EllgranContactForce {
    */
   double tangential_energy;
   /*
-   What of the force on j the viscous terms make, normal and tangential, world frame.
+   Viscous part of the force on j, normal and tangential, world frame.
    */
   double viscous_force[3];
   /*
-   What of the tangential force on j is not viscous: the tangential displacement's, up to Coulomb's limit, world frame.
+   Tangential force on j without its viscous part, world frame: that of the tangential displacement, limited by
+   Coulomb's law.
    */
   double frictional_force[3];
   /*
-   Power that the viscous force takes up, >= 0, with the velocities given.
+   Power dissipated by the viscous force at the given velocities, >= 0.
    */
   double viscous_power;
   /*
-   Power that the rest of the tangential force takes up, with the velocities given: stored in the tangential
+   Power of the bodies against the rest of the tangential force at the given velocities: stored in the tangential
    displacement, or dissipated by friction.
    */
   double tangential_power;
   /*
-   Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law.
+   Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
    */
   double contact_semi_axes[2];
 } EllgranContactForce;
@@ -495,9 +506,10 @@ typedef struct EllgranLentTriangles {
 /*
  Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 
- The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
- and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the first `owned_count`. What is out of
- the range stated at a field is an error that names the particle and the value.
+ The arrays are read and written during a call and not kept after it: they may move between calls.
+ `ellgran_compute_pairs` and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the
+ first `owned_count`. A value outside the range of its field is an error that names the
+ particle and the value.
  */
 typedef struct EllgranParticles {
   /*
@@ -517,12 +529,11 @@ typedef struct EllgranParticles {
    */
   const double *positions;
   /*
-   Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
-   `EllgranStep`.
+   Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
    */
   const double *velocities;
   /*
-   Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
+   Angular velocities, [count][3]; components up to 1e25. NULL: they are computed from `angular_momenta` and `masses`.
    */
   const double *angular_velocities;
   /*
@@ -530,12 +541,13 @@ typedef struct EllgranParticles {
    */
   const double *angular_momenta;
   /*
-   Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
+   Masses, [count], from 1e-50 to 1e50. May be NULL if `angular_velocities` are given and no law needs masses
+   (`ellgran_laws_uses_mass`).
    */
   const double *masses;
   /*
-   Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
-   NULL: `masses`.
+   Masses from which the effective mass of a contact is made, [count]: that of the rigid body to which a particle
+   belongs, INFINITY for a fixed particle. NULL: `masses` are used.
    */
   const double *contact_masses;
   /*
@@ -543,13 +555,13 @@ typedef struct EllgranParticles {
    */
   const int32_t *types;
   /*
-   Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
-   particle's own index.
+   Index of each particle into `semi_axes` and `quaternions`, [count]. A negative index means that the particle is not
+   an ellipsoid, which is an error. NULL: the particle's own index.
    */
   const int32_t *shape_indices;
   /*
-   Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
-   are particles, or as `shape_indices` name.
+   Semi-axes, 3 doubles per entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. `count` entries, or
+   as many as `shape_indices` refer to.
    */
   const double *semi_axes;
   /*
@@ -557,7 +569,8 @@ typedef struct EllgranParticles {
    */
   size_t semi_axes_stride;
   /*
-   Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
+   Quaternions (w, x, y, z) from body frame to world frame, 4 doubles per entry. They need not have unit length, but
+   not zero length.
    */
   const double *quaternions;
   /*
@@ -565,19 +578,19 @@ typedef struct EllgranParticles {
    */
   size_t quaternions_stride;
   /*
-   What to call a particle in a message, [count] integers of `identifier_bytes` each, or NULL: index + 1.
+   Numbers by which error messages name the particles, [count] integers of `identifier_bytes` each. NULL: index + 1.
    */
   const void *identifiers;
   /*
-   4 or 8.
+   Size of an identifier: 4 or 8.
    */
   int32_t identifier_bytes;
   /*
-   Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
+   Forces, [count][3]: the contact forces are added. Those of ghosts change only with `newton` = 1 of the list.
    */
   double *forces;
   /*
-   Torques about the centres, [count][3], added to; as `forces`.
+   Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
    */
   double *torques;
 } EllgranParticles;
@@ -660,7 +673,7 @@ typedef struct EllgranFoundWallContact {
 } EllgranFoundWallContact;
 
 /*
- Geometry of a contact in stages.
+ Geometry of a contact that is computed in stages.
  */
 typedef struct EllgranStagedGeometry {
   /*
@@ -668,7 +681,7 @@ typedef struct EllgranStagedGeometry {
    */
   size_t size;
   /*
-   1 if the bodies touch; otherwise the rest is zero.
+   1 if the bodies touch; 0 otherwise, and then all other fields are zero.
    */
   int32_t touching;
   /*
@@ -680,7 +693,8 @@ typedef struct EllgranStagedGeometry {
    */
   double normal[3];
   /*
-   Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+   Contact point, world frame. It lies between the two witness points and divides their distance in the ratio of the
+   compliances of the bodies.
    */
   double contact_point[3];
 } EllgranStagedGeometry;
@@ -811,8 +825,8 @@ typedef struct EllgranMixture {
 } EllgranMixture;
 
 /*
- Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
- the same name and meaning, NULL where it is not wanted. [count] is the number of pairs.
+ Output arrays of many contacts: one for each field of `EllgranContactGeometry` and `EllgranContactForce`, with the same
+ name and meaning, NULL where it is not wanted. [count] is the number of pairs.
  */
 typedef struct EllgranContactArrays {
   /*
@@ -906,8 +920,8 @@ typedef struct EllgranContactArrays {
 } EllgranContactArrays;
 
 /*
- Where the stiffnesses of many contacts go: an array for each field of `EllgranContactStiffness`, of the same name and
- meaning, NULL where it is not wanted. [count] is the number of pairs.
+ Output arrays of the stiffnesses of many contacts: one for each field of `EllgranContactStiffness`, with the same name
+ and meaning, NULL where it is not wanted. [count] is the number of pairs.
  */
 typedef struct EllgranStiffnessArrays {
   /*
@@ -1017,17 +1031,19 @@ typedef struct EllgranMotion {
 /*
  An engine's neighbour list: every pair once, in the row of one of its two particles.
 
- A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
- semi-axes, and, to be used for several steps, a margin to that: no particle may have moved by more than half of it since the
- list was built. More pairs do no harm.
+ Forces are computed for listed pairs only. So the list must hold each pair whose centres are closer than the sum of
+ their two largest semi-axes plus a margin. It can be used until a particle has moved by half of the margin since the
+ list was built. Further pairs do not change the result.
 
- `touching` and `history` belong to the caller. When a pair enters the list, they are to be 0 (the normal may hold anything:
- it is a start of the search); while it stays, in whatever list and place, they go with it; where it comes back with its
- particles exchanged, `ellgran_history_swap` turns the history. A contact whose history is lost begins anew, without
- tangential force.
+ `touching` and `history` belong to the caller, who must
+ - set them to 0 when a pair enters the list;
+ - carry them along when a new list has the pair in another place;
+ - apply `ellgran_history_swap` when a new list has the pair with its two particles exchanged.
 
- The pointers are read during a call and not kept after it. Of arrays by particle index only the entries of central particles
- are read.
+ A contact whose history is lost starts again without tangential force.
+
+ The pointers are read during a call and not kept after it. Arrays "by particle index" are read only at the indices of
+ central particles.
  */
 typedef struct EllgranNeighbourList {
   /*
@@ -1043,7 +1059,7 @@ typedef struct EllgranNeighbourList {
    */
   const int32_t *central;
   /*
-   Number of neighbours, by particle index; a negative number is 0.
+   Number of neighbours, by particle index; a negative number counts as 0.
    */
   const int32_t *neighbour_counts;
   /*
@@ -1052,12 +1068,12 @@ typedef struct EllgranNeighbourList {
    */
   const int32_t *const *neighbours;
   /*
-   Bits of an entry that are the neighbour's index (all: -1).
+   Mask of the bits of an entry that hold the neighbour's index; -1 if all do.
    */
   int32_t index_mask;
   /*
-   Number of the lowest of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30); they
-   are to be 0 in `index_mask`. Not read if `special_factors` is NULL.
+   Position of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30). `index_mask` must
+   not contain them. Not read if `special_factors` is NULL.
    */
   int32_t special_shift;
   /*
@@ -1065,30 +1081,29 @@ typedef struct EllgranNeighbourList {
    */
   const double *special_factors;
   /*
-   1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
-   with a ghost appears on both ranks.
+   1: each pair is listed by one rank only, and forces are added to ghosts too. 0: a pair with a ghost is listed by
+   both ranks, and forces are added to owned particles only.
    */
   int32_t newton;
   /*
-   1: since the last call with this workspace that succeeded, the laws, the particles and their order, the list's entries,
-   `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
-   pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
-   the workspace. 0: they may have. When in doubt, 0.
+   1: since the last successful call with this workspace the caller has changed none of the following: the laws, the
+   number and order of the particles, the entries of the list, `touching`, `history`. Positions, rotations, velocities,
+   shapes and types may have changed. Most pairs that do not touch are then skipped, and histories are taken from the
+   workspace. 0: any of them may have changed. When in doubt, use 0.
 
-   `ellgran_compute_wall` and calls for one contact in between do not count, a call that failed neither; in the first
-   call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
-   `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
-   said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
-   places, forces are wrong.
+   Calls of other functions in between, and calls that failed, do not matter. In the first call with a workspace 1 has
+   no effect. The arrays may be at other addresses. Other laws, another `count`, other `central` or `neighbour_counts`,
+   and rows that have become NULL are detected and refused. Other changes are not detected: other entries or numbers
+   give wrong forces, and the behaviour is undefined if `touching` or `history` have become shorter.
    */
   int32_t unchanged;
   /*
-   1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
-   changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
+   1: `touching` and `history` are stale until `ellgran_write_history` is called, which is faster. Call it before
+   reading them and before changing the list. 0: they are written in every call.
    */
   int32_t keep_history;
   /*
-   1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+   1: touching pairs are recorded for `ellgran_recorded_contact`, which costs time. 0: they are not.
    */
   int32_t record_contacts;
   /*
@@ -1104,7 +1119,8 @@ typedef struct EllgranNeighbourList {
 } EllgranNeighbourList;
 
 /*
- What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
+ Requested quantities, and their sums over the contacts of a call. NULL: nothing is requested, and nothing is computed
+ for it.
  */
 typedef struct EllgranTallies {
   /*
@@ -1120,15 +1136,15 @@ typedef struct EllgranTallies {
    */
   double *particle_virials;
   /*
-   Out: [count][12] or NULL; what acts on each particle beside the gradient of the normal elastic energy: viscous force
-   and its torque, tangential force without its viscous part and its torque. Where `angular_momenta` are given the
-   torques are multiplied by the inverse inertia. Overwritten.
+   Out: [count][12] or NULL; the loads on each particle that are not the gradient of the normal elastic energy: viscous
+   force (3) and its torque (3), tangential force without its viscous part (3) and its torque (3). Where
+   `angular_momenta` are given, the torques are multiplied by the inverse inertia. Overwritten.
 
-   Velocity Verlet moves particles with velocities of the half steps: a force does half of its work with the velocity
-   before, and half with the one that it has led to. With this array each call adds the first half, and
-   `ellgran_tally_following_half_step` the second; kinetic, elastic and dissipated energy then add up to second order in
-   the time step. Without it each call takes the velocities that it is given for the whole step, which is of
-   first order.
+   It makes the balance of energies second order in the time step. Velocity Verlet moves particles with velocities of
+   half steps: a force does half of its work with the velocity before it, and half with the velocity after it. With
+   this array each call adds the first half, and `ellgran_tally_following_half_step` adds the second. Without it each
+   call takes the given velocities for the whole step, and the sum of kinetic, elastic and dissipated energy has an
+   error of first order.
    */
   double *inelastic_loads;
   /*
@@ -1140,13 +1156,13 @@ typedef struct EllgranTallies {
    */
   double viscous_dissipation;
   /*
-   In/out: energy that the tangential forces without their viscous part took up, stored or dissipated. Set it to 0
-   before the first step and keep it between steps.
+   In/out: work done against the tangential forces without their viscous part, stored or dissipated. Set it to 0 before
+   the first step and keep it between steps.
    */
   double tangential_work;
   /*
-   Out: energy that friction dissipated since `tangential_work` was 0: that less `tangential_elastic_energy`. With
-   displacement total it may be negative, since that law can create energy.
+   Out: energy dissipated by friction since `tangential_work` was 0: `tangential_work` minus
+   `tangential_elastic_energy`. With `displacement total` it may be negative, since that law can create energy.
    */
   double frictional_dissipation;
   /*
@@ -1166,17 +1182,17 @@ typedef struct EllgranTallies {
    */
   double virial[6];
   /*
-   Out: touching pairs; one that another rank lists too counts one half.
+   Out: number of touching pairs; a pair that another rank lists too counts one half.
    */
   double touching_count;
   /*
-   Out: neighbour pairs.
+   Out: number of listed pairs.
    */
   int64_t pair_count;
 } EllgranTallies;
 
 /*
- Where a recorded contact stands in the list.
+ Place of a recorded contact in the neighbour list.
  */
 typedef struct EllgranContactPlace {
   /*
@@ -1184,7 +1200,7 @@ typedef struct EllgranContactPlace {
    */
   size_t size;
   /*
-   Index of the central particle, the i of geometry and force.
+   Index of the central particle: body i of geometry and force.
    */
   int32_t i;
   /*
@@ -1332,8 +1348,8 @@ typedef struct EllgranWallSurface {
    */
   double normal[3];
   /*
-   First principal direction; only its part in the tangent plane counts. Not read where both entries of
-   `curvatures` and of `turning_radii` are alike.
+   First principal direction; its component along the normal is ignored. Not read where both entries of `curvatures`
+   are equal and both of `turning_radii` are equal.
    */
   double direction[3];
   /*
@@ -1341,8 +1357,8 @@ typedef struct EllgranWallSurface {
    */
   double curvatures[2];
   /*
-   How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
-   plane, -Rc in a cavity of radius Rc, 0 across an edge.
+   Distance from the point to the centre about which the normal turns as the body moves along `direction` and across
+   it: INFINITY for a plane, Rc outside a cylinder of radius Rc, -Rc in a cavity of radius Rc, 0 across an edge.
    */
   double turning_radii[2];
   /*
@@ -1350,22 +1366,22 @@ typedef struct EllgranWallSurface {
    */
   double velocity[3];
   /*
-   The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
-   alone.
+   Share of the Hertz force that other faces of a mesh take over at this contact, from 0 to below 1; 0 where the
+   surface acts alone.
    */
   double others_share;
   /*
-   Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+   Gradient of `others_share` with respect to the position of the body, 1/length; not read where `others_share` is 0.
    */
   double others_share_by_position[3];
   /*
-   Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+   Gradient of `others_share` with respect to a rotation of the body about its centre, 1/radian, world frame.
    */
   double others_share_by_rotation[3];
 } EllgranWallSurface;
 
 /*
- What is remembered of a contact, and what the tangential law needs beside its law.
+ State of a contact at the last step, and its coefficient of friction.
  */
 typedef struct EllgranStagedPast {
   /*
@@ -1381,14 +1397,14 @@ typedef struct EllgranStagedPast {
    */
   int32_t touched;
   /*
-   Their normal then; changes sign when the pair is swapped.
+   Unit normal at the last step; changes sign when the two bodies are exchanged.
    */
   double normal[3];
 } EllgranStagedPast;
 
 /*
- The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
- INFINITY, where the bodies do not touch.
+ Springs and dashpots that are equivalent to a contact for small motions about its present state. Where the bodies do not
+ touch, all are zero and the critical step is INFINITY.
  */
 typedef struct EllgranContactStiffness {
   /*
@@ -1400,15 +1416,16 @@ typedef struct EllgranContactStiffness {
    */
   double normal_stiffness;
   /*
-   Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+   Stiffness of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip,
+   force/length.
    */
   double tangential_stiffness[2];
   /*
-   Of the normal dashpot while the bodies approach, force x time/length.
+   Coefficient of the normal dashpot while the bodies approach, force x time/length.
    */
   double normal_damping;
   /*
-   Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+   Coefficient of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
    */
   double tangential_damping[2];
   /*
@@ -1430,8 +1447,9 @@ extern "C" {
  Geometry of two ellipsoids, touching or apart: penetration or gap, normal, witness points, contact point, relative
  curvature.
 
- `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
- `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
+ `laws` gives the compliances that divide the penetration at the contact point. With NULL the contact point is in the
+ middle, and types are not read. `start_normal` is NULL, or 3 doubles: the normal of the last step, of any length, from
+ which the search starts. It makes the call faster and does not change the result.
 
  # Safety
  `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -1443,8 +1461,8 @@ int32_t ellgran_contact_geometry(const struct EllgranLaws *laws,
                                  struct EllgranContactGeometry *geometry);
 
 /*
- Geometry of an ellipsoid `i` and a plane wall; the normal points into the wall. The contact point divides the
- penetration halfway.
+ Geometry of an ellipsoid `i` and a plane wall. The normal points into the wall; the contact point is in the middle of
+ the penetration.
 
  # Safety
  `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -1454,11 +1472,12 @@ int32_t ellgran_contact_geometry_plane(const struct EllgranBody *i,
                                        struct EllgranContactGeometry *geometry);
 
 /*
- One contact of two ellipsoids: geometry, force, torques, energies. When they do not touch, `touching` of the geometry
- is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
+ One contact of two ellipsoids: geometry, force, torques, energies. Where they do not touch, `touching` of the geometry
+ is 0, the force is zero, and the other fields of the geometry are those of `ellgran_contact_geometry`.
 
- `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
- steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
+ `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) are the state of this pair: set them to
+ 0 before its first call, keep them from step to step. `geometry` may be NULL; the gap of bodies that do not touch is
+ then not computed, which is faster.
 
  # Safety
  The pointers are as stated, NULL or valid.
@@ -1473,7 +1492,7 @@ int32_t ellgran_contact(const struct EllgranLaws *laws,
                         struct EllgranContactForce *force);
 
 /*
- One contact of an ellipsoid `i` and a plane wall of type `wall_type`; otherwise like `ellgran_contact`. `torque_j` is
+ One contact of an ellipsoid `i` with a plane wall of type `wall_type`, otherwise as `ellgran_contact`. `torque_j` is
  zero.
 
  # Safety
@@ -1722,16 +1741,17 @@ int32_t ellgran_laws_describe(const struct EllgranLaws *laws,
                               size_t capacity);
 
 /*
- Many contacts of ellipsoids in one call: what `ellgran_contact` gives for each pair, to the last bit, but that each particle
- is prepared once. `pairs` is [pair_count][2], indices from 0, the first the i of geometry and force. Forces and torques of
- `particles` are not read or written. One pair after the other, not in lanes.
+ Many contacts of ellipsoids in one call. The results are those of `ellgran_contact` for each pair, bit for bit. `pairs`
+ is [pair_count][2], indices from 0; the first of a pair is body i of geometry and force. Forces and torques of
+ `particles` are neither read nor written. For whole neighbour lists `ellgran_compute_pairs` is faster, since it uses
+ vector instructions.
 
- `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], belong to the pairs and are kept between
- steps; start from zeros. Both may be NULL if that length is 0; `touching` is written where it is given. The other
- arrays do not overlap.
+ `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], are the state of the pairs: set them
+ to 0 before the first call, keep them from step to step. Both may be NULL if that length is 0. The output arrays must
+ not overlap.
 
- A wrong particle, pair or argument is refused before anything is written. Of a contact that fails later the message names
- the number in `pairs` and both particles; the contacts before it are then written.
+ Invalid particles, pairs and arguments are refused before anything is written. If a contact fails after that, the
+ message names its number in `pairs` and both particles, and the contacts before it have been written.
 
  # Safety
  The pointers are as stated here, in `EllgranParticles` and in `EllgranContactArrays`.
@@ -1765,8 +1785,8 @@ int32_t ellgran_pair_stiffnesses(const struct EllgranLaws *laws,
 
 /*
  Durations and depths of many elastic collisions in one call: what `ellgran_collision` gives for each pair. `pairs` is
- [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL. Masses are
- read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
+ [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL.
+ Masses are read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
 
  On failure the collisions before the one that the message names may have been written.
 
@@ -1783,8 +1803,8 @@ int32_t ellgran_pair_collisions(const struct EllgranLaws *laws,
                                 double *penetrations);
 
 /*
- Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count], those
- of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
+ Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count],
+ those of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
 
  On failure the times before that of the particle that the message names may have been written.
 
@@ -1823,13 +1843,15 @@ int32_t ellgran_finish_step(const struct EllgranMotion *motion,
 /*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
- Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
- written.
+ Before anything is written, particles are checked, and in a new list the entries and the histories of touching pairs. On
+ failure nothing is written.
 
- The same calls with the same numbers give the same bits, run after run, on one machine with one instruction set. They differ
- by rounding from one instruction set to another (and between makers of processors with AVX-512, whose approximate
- reciprocals differ), from `ellgran_contact` for the same pair, with the order of the list, and between a list that was said
- to be unchanged and a new one.
+ The same calls with the same numbers give the same bits on one machine with one instruction set. Results differ by
+ rounding
+ - between instruction sets, and with AVX-512 between makers of processors, whose approximate reciprocals differ;
+ - from those of `ellgran_contact` for the same pair;
+ - with the order of the list;
+ - between a list with `unchanged` = 1 and a new one.
 
  # Safety
  The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
@@ -1842,8 +1864,8 @@ int32_t ellgran_compute_pairs(const struct EllgranLaws *laws,
                               struct EllgranTallies *tallies);
 
 /*
- Writes to `touching` and `history` of the list of the last call what calls with `keep_history` = 1 left behind; does
- nothing where they are up to date.
+ Writes the `touching` and `history` that calls with `keep_history` = 1 have kept in the workspace to the arrays of the
+ list. Does nothing where they are up to date.
 
  # Safety
  `workspace` is valid; `list` is that of the last call of `ellgran_compute_pairs` with it, unchanged since.
@@ -1852,9 +1874,9 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
                               const struct EllgranNeighbourList *list);
 
 /*
- Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
- that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
- whatever `unchanged` says; those of the old list stay as the last writing left them.
+ Discards the histories that a workspace keeps (`keep_history` = 1) and has not written: for a caller who no longer has
+ the list to which they belong, or does not want them. The next call reads `touching` and `history` of its list, even
+ with `unchanged` = 1. The arrays of the old list keep what was last written to them.
 
  # Safety
  `workspace` is NULL or valid.
@@ -1862,9 +1884,9 @@ int32_t ellgran_write_history(struct EllgranWorkspace *workspace,
 int32_t ellgran_forget_history(struct EllgranWorkspace *workspace);
 
 /*
- A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
- environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
- set.
+ Makes a workspace. `ellgran_compute_pairs` will use the widest vector instruction set of this machine, or the one that
+ the environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`. An empty variable
+ counts as not set.
 
  # Safety
  `workspace` is NULL or valid for writes.
@@ -1896,8 +1918,9 @@ const char *ellgran_workspace_instruction_set(const struct EllgranWorkspace *wor
 size_t ellgran_workspace_bytes(const struct EllgranWorkspace *workspace);
 
 /*
- Contacts deeper than half the smallest local radius of curvature, since the workspace was made, counted in every call: the
- scene is too soft for Hertz' law, and slow, for the deepest need a search for the global minimum; 0 for NULL.
+ Number of contacts deeper than half the smallest local radius of curvature, summed over all calls since the workspace
+ was made; 0 for NULL. A number above 0 means that the material is too soft for Hertz' law at these loads. Such contacts
+ are also slow, since the deepest of them need a search for the global minimum.
 
  # Safety
  `workspace` is NULL or valid.
@@ -1906,7 +1929,7 @@ int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *wor
 
 /*
  Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
- list if `record_contacts` of the list was 1, else 0, as after a call that failed; 0 for NULL.
+ list if its `record_contacts` was 1. 0 otherwise, after a call that failed, and for NULL.
 
  # Safety
  `workspace` is NULL or valid.
@@ -1914,9 +1937,9 @@ int64_t ellgran_workspace_deep_contacts_count(const struct EllgranWorkspace *wor
 size_t ellgran_recorded_count(const struct EllgranWorkspace *workspace);
 
 /*
- A recorded contact, by its number from 0: where it stands in the list, its geometry, and the force that acted. They are in
- the order of the central particles' indices and within these in that of their rows, whatever the instruction set. Each of
- the three may be NULL.
+ A recorded contact, by its number from 0: its place in the list, its geometry, and the force that acted. Each of the
+ three may be NULL. Contacts are sorted by the index of the central particle, then by their place in its row, on every
+ instruction set.
 
  # Safety
  The pointers are NULL or valid.
@@ -1928,8 +1951,8 @@ int32_t ellgran_recorded_contact(const struct EllgranWorkspace *workspace,
                                  struct EllgranContactForce *force);
 
 /*
- The number of the recorded contact of two particles, whichever of them is the central one; -1 if they do not touch or
- nothing was recorded. Takes a time that grows as the logarithm of the number of contacts.
+ The number of the recorded contact of two particles, given in either order; -1 if they do not touch or nothing was
+ recorded. The time of a call grows with the logarithm of the number of contacts.
 
  # Safety
  The pointers are NULL or valid.
@@ -2125,8 +2148,8 @@ int32_t ellgran_staged_new(struct EllgranStagedContact **staged);
 void ellgran_staged_free(struct EllgranStagedContact *staged);
 
 /*
- Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is right; masses are not
- read, forces not written.
+ Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is allowed; masses are not
+ read, and forces are not written.
 
  # Safety
  The pointers are NULL or valid; the arrays are as `EllgranParticles` states.
@@ -2135,7 +2158,8 @@ int32_t ellgran_staged_prepare(struct EllgranStagedContact *staged,
                                const struct EllgranParticles *particles);
 
 /*
- First stage, two of the particles that were prepared last, by their indices; otherwise like `ellgran_staged_pair`.
+ First stage for two particles of the last `ellgran_staged_prepare`, by their indices; otherwise as
+ `ellgran_staged_pair`.
 
  # Safety
  The pointers are NULL or valid.
@@ -2148,11 +2172,12 @@ int32_t ellgran_staged_neighbours(struct EllgranStagedContact *staged,
                                   struct EllgranStagedGeometry *geometry);
 
 /*
- First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
- rest of it. Types are not read.
+ First stage for two ellipsoids: the geometry. Where they do not touch, all fields of the geometry are 0. Types are not
+ read.
 
  `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
- is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
+ is where the search starts. Keep it for each pair from step to step, and change its sign when the two bodies are
+ exchanged.
 
  # Safety
  The pointers are NULL or valid.
@@ -2165,7 +2190,7 @@ int32_t ellgran_staged_pair(struct EllgranStagedContact *staged,
                             struct EllgranStagedGeometry *geometry);
 
 /*
- First stage, an ellipsoid and a wall; otherwise like `ellgran_staged_pair`.
+ First stage for an ellipsoid and a wall; otherwise as `ellgran_staged_pair`.
 
  # Safety
  The pointers are NULL or valid.
@@ -2177,8 +2202,8 @@ int32_t ellgran_staged_wall(struct EllgranStagedContact *staged,
                             struct EllgranStagedGeometry *geometry);
 
 /*
- Radius of the sphere that feels the same elastic normal force when pressed into a plane as deep: `Re F2^-3`. With it a
- law that was written for spheres gives the exact elastic normal force of the ellipse.
+ Radius of the sphere that has the same elastic normal force when it is pressed into a plane by the same penetration: `Re
+ F2^-3`. A law for spheres gives with this radius the exact elastic normal force of the elliptic contact.
 
  # Safety
  The pointers are NULL or valid.
@@ -2213,9 +2238,9 @@ int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
                                     double *area);
 
 /*
- Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
- the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
- ellipse are not computed here.
+ Second stage: the normal force with its torques, including the additional terms of `conservative`, without tangential
+ force. `effective_mass`, from 0 to 1e50, is used by damping with a coefficient of restitution. The semi-axes of the
+ contact ellipse are not computed.
 
  # Safety
  The pointers are NULL or valid.
@@ -2228,11 +2253,12 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
                               struct EllgranContactForce *force);
 
 /*
- Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
+ Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
  of `past`.
 
- `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
- where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
+ `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
+ keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
+ change sign when the two bodies are exchanged.
 
  # Safety
  The pointers are NULL or valid.
@@ -2275,11 +2301,12 @@ const char *ellgran_last_error(void);
  of the bodies, moments of inertia those of solid ellipsoids; velocities are not read.
 
  With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
- relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue of
- `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. Of what the rotation of the normal adds to `K`,
- smaller by the penetration over the radius of curvature, nothing is in it. In a packing whose particles have at most n
- contacts each, the smallest critical step over sqrt(n) is safe (each contact has a share 1/n of the masses: Irons'
- theorem). The stiffness grows with the penetration: ask at the largest that is expected.
+ relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue
+ of `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. The stiffness that comes from the rotation of the
+ normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. In a packing whose
+ particles have at most n contacts each, the smallest critical step divided by sqrt(n) is safe (each contact has a share
+ 1/n of the masses: Irons' theorem). The stiffness grows with the penetration: evaluate it at the largest one that you
+ expect.
 
  # Safety
  The pointers are NULL or valid.
@@ -2290,10 +2317,10 @@ int32_t ellgran_contact_stiffness(const struct EllgranLaws *laws,
                                   struct EllgranContactStiffness *stiffness);
 
 /*
- How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
- have here, apart or touching, at `speed` > 0 along the normal, and how deep it goes. For a central impact the time is that of
- Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the
- linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
+ Duration and largest penetration of an elastic collision of two ellipsoids that approach with `speed` > 0 along the
+ normal. Normal, curvatures and lever arms are those of the given positions, touching or apart. For a central impact the
+ time is that of Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi
+ sqrt(m/kn)` for the linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
 
  # Safety
  The pointers are NULL or valid; `penetration` may be NULL.
@@ -2306,9 +2333,10 @@ int32_t ellgran_collision(const struct EllgranLaws *laws,
                           double *penetration);
 
 /*
- Rayleigh's time of a grain: how long a surface wave takes from pole to pole of a sphere of the grain's least semi-axis,
- `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W. Randall, Micromechanics of
- Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the linear law, which has no material.
+ Rayleigh's time of a grain: the time in which a surface wave travels from pole to pole of a sphere whose radius is the
+ smallest semi-axis, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W.
+ Randall, Micromechanics of Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the
+ linear law, which has no elastic constants.
 
  # Safety
  The pointers are NULL or valid.
@@ -2318,14 +2346,14 @@ int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
                               double *time);
 
 /*
- Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` over the half step
- that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+ Adds the work that the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` do in the half step
+ after it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 
- Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
- call: in velocity Verlet before or after the positions move, before the particles change their order. Of `particles` the
- first `owned_count` velocities and rotations are read. Under `newton` of the list, the loads that the call left at
- the ghosts must have been added to those of their owners before. `step` is that of the half step; where
- `advance_history` is 0 nothing is added.
+ Call it once in each step, when the velocities and angular momenta (or angular velocities) are those of the half step
+ after that call and the order of the particles is still the same: in velocity Verlet before or after the positions move.
+ The first `owned_count` velocities and rotations of `particles` are read. With `newton` = 1 of the list, first add the
+ loads of the ghosts to those of their owners. `step` is that of the half step; where `advance_history` is 0 nothing is
+ added.
 
  # Safety
  The pointers are as `EllgranParticles` and `EllgranTallies` state.
@@ -2335,7 +2363,8 @@ int32_t ellgran_tally_following_half_step(const struct EllgranParticles *particl
                                           struct EllgranTallies *tallies);
 
 /*
- The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.
+ Version of the binary interface of the linked library. Compare it with `ELLGRAN_ABI_VERSION` of the header when the
+ program starts; if they differ, do not call anything else.
  */
 uint32_t ellgran_abi_version(void);
 
@@ -2345,10 +2374,10 @@ uint32_t ellgran_abi_version(void);
 const char *ellgran_version(void);
 
 /*
- Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is
- [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle along
- which the gaps are measured. No law, no history; forces, torques, masses and types are not read, velocities are only
- checked. One pair after the other, not in lanes.
+ Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps`
+ is [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle
+ along which the gaps are measured. No law and no history are needed. Forces, torques, masses and types are not read;
+ velocities are checked and not used.
 
  # Safety
  The pointers are as stated here and in `EllgranParticles`.
@@ -2362,9 +2391,9 @@ int32_t ellgran_pair_gaps(struct EllgranWorkspace *workspace,
 
 /*
  Elastic energies of the normal deformation of pairs of particles, 0 where they do not touch. `pairs` is [pair_count][2],
- indices from 0; `energies` is [pair_count]. No history and no tangential energy; forces and torques are not read,
- velocities are only checked. One pair after the other, not in lanes. On failure nothing is written, but for a contact at
- which `factors hale` breaks: then the energies before it are.
+ indices from 0; `energies` is [pair_count]. The energy of tangential displacements is not included, and no history is
+ needed. Forces and torques are not read; velocities are checked and not used. On failure nothing is written, except
+ where `factors hale` is not defined at a contact: then the energies before it have been written.
 
  # Safety
  The pointers are as stated here and in `EllgranParticles`.

@@ -223,7 +223,7 @@ std::vector<EllgranBody> EllgranAtoms::smallest_grains() const
     grain.quaternion[0] = 1.0;
     std::copy_n(row, 3, grain.semi_axes);
     grain.mass = row[3];
-    grain.kind = type;
+    grain.particle_type = type;
     grain.identifier = type;
   }
   return grains;
@@ -373,7 +373,7 @@ EllgranBody EllgranAtoms::body(int i, double contact_mass, const double *velocit
   }
   for (int k = 0; k < 4; k++) body.quaternion[k] = quaternion[k];
   body.mass = contact_mass;
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
 
   // LAMMPS keeps angular momentum; the principal moments are those of a solid ellipsoid, as in

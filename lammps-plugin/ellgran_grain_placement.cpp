@@ -319,7 +319,7 @@ bool EllgranGrainPlacement::overlaps(const EllgranBody &grain, double largest, d
   std::copy_n(other.quaternion, 4, there.quaternion);
   std::copy_n(other.semi_axes, 3, there.semi_axes);
   there.mass = 1.0;
-  there.kind = 1;
+  there.particle_type = 1;
   there.identifier = static_cast<int64_t>(other.tag);
   EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
   check(ellgran_contact_geometry(nullptr, &grain, &there, nullptr, &geometry));
@@ -335,7 +335,7 @@ bool EllgranGrainPlacement::is_free(const EllgranGrain &grain)
   std::copy_n(grain.quaternion, 4, body.quaternion);
   std::copy_n(grain.semi_axes, 3, body.semi_axes);
   body.mass = 1.0;
-  body.kind = 1;
+  body.particle_type = 1;
   question++;
   int range[3][2];
   cells_of(grain.position, largest, range);

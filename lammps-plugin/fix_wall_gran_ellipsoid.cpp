@@ -3,6 +3,7 @@
 #include "fix_wall_gran_ellipsoid.h"
 
 #include "ellgran_refusals.h"
+#include "ellgran_restart_format.h"
 #include "ellgran_step_velocity.h"
 
 #include "atom.h"
@@ -39,9 +40,7 @@ constexpr double TWO_PI = 6.283185307179586476925286766559;
 // A row of the local array
 constexpr int CONTACT_COLUMNS = 21;
 
-// Values of the restart file beside the atoms: this mark first. Where the first value is not negative they are those of before
-// there was a mark: four, the energy dissipated by viscosity first.
-constexpr double STATES_WITH_REGION = -2.0;
+// Global values in the restart file: see ellgran_restart_format.h.
 constexpr int NUMBER_OF_STATES = 9;
 
 double dot(const double *a, const double *b)
@@ -208,7 +207,7 @@ int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
     plane_slots[k] = count++;
   }
   if (count == 0)
-    error->all(FLERR, "{} {}: '{} NULL NULL' is no wall: give at least one position", CALLER, id,
+    error->all(FLERR, "{} {}: '{} NULL NULL' has no plane: give at least one position", CALLER, id,
                word);
   if (count == 2 && positions[0] >= positions[1])
     error->all(FLERR, "{} {}: {} lo {} must be below hi {}", CALLER, id, word, positions[0],
@@ -304,7 +303,7 @@ int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
     if (wiggles || shears || (moves && word != "rotate") || (rotates && word != "velocity"))
       error->all(FLERR, "{} {}: a wall can wiggle or shear or move, once; velocity and rotate may go together", CALLER, id);
     if (region_moves)
-      error->all(FLERR, "{} {}: region {} moves by itself: take '{}' away", CALLER, id, region_id, word);
+      error->all(FLERR, "{} {}: region {} has a motion of its own: remove '{}'", CALLER, id, region_id, word);
     if (word == "wiggle")
       parse_wiggle(arg + iarg);
     else if (word == "shear")
@@ -392,7 +391,7 @@ void FixWallGranEllipsoid::init()
   atoms.require_shapes(groupbit);
   refuse_styles(lmp, CALLER, memory_length > 0);
   if ((wiggles || moves || rotates) && input->command && std::strcmp(input->command, "rerun") == 0)
-    error->all(FLERR, "{} {}: 'rerun' does not say where in its motion a wall is", CALLER, id);
+    error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
   place_step_velocity_fix();
 
   fix_rigid = nullptr;
@@ -709,7 +708,7 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
   double sums[3] = {0.0, 0.0, 0.0};
   MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {
-    const double values[NUMBER_OF_STATES] = {STATES_WITH_REGION, sums[0], time_passed(), sums[1], sums[2],
+    const double values[NUMBER_OF_STATES] = {-EllgranRestart::WALL_FORMAT, sums[0], time_passed(), sums[1], sums[2],
                                              region_velocity[0], region_velocity[1], region_velocity[2], region_rate};
     const int size = sizeof(values);
     fwrite(&size, sizeof(int), 1, fp);
@@ -721,7 +720,13 @@ void FixWallGranEllipsoid::restart(char *buffer)
 {
   double mark, values[NUMBER_OF_STATES - 1];
   std::memcpy(&mark, buffer, sizeof(mark));
-  const bool has_region = mark == STATES_WITH_REGION;
+  const int format = (mark < 0.0) ? static_cast<int>(-mark) : 1;
+  if (format > EllgranRestart::WALL_FORMAT)
+    error->all(FLERR,
+               "{} {}: the restart file has format version {} of this fix. This is ellgran {}, which reads versions 1 to {}: use "
+               "the ellgran that wrote the file, or give the fix another ID and lose what its contacts remember",
+               CALLER, id, format, ellgran_version(), EllgranRestart::WALL_FORMAT);
+  const bool has_region = format >= 2;
   if (has_region)
     std::memcpy(values, buffer + sizeof(mark), sizeof(values));
   else

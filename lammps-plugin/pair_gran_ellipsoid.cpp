@@ -5,6 +5,7 @@
 #include "ellgran_half_step.h"
 #include "ellgran_history.h"
 #include "ellgran_refusals.h"
+#include "ellgran_restart_format.h"
 #include "ellgran_step_velocity.h"
 
 #include "atom.h"
@@ -24,6 +25,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 
@@ -72,9 +74,6 @@ enum {
 
 // Pairs of types whose law the log shows.
 constexpr int LINES_OF_LAWS = 20;
-
-// Opens the restart data; a number so unlikely that other data is not taken for it.
-constexpr int RESTART_MARK = 0x324c4547;
 
 std::string history_fix_id(int instance)
 {
@@ -830,9 +829,13 @@ bool PairGranEllipsoid::take_restored(int i, int j)
 void PairGranEllipsoid::write_restart_settings(FILE *fp)
 {
   const int ntypes = atom->ntypes;
-  const int head[4] = {RESTART_MARK, static_cast<int>(ELLGRAN_ABI_VERSION),
-                       static_cast<int>(sizeof(EllgranLawParameters)), ntypes};
-  fwrite(head, sizeof(int), 4, fp);
+  const int head[2] = {EllgranRestart::PAIR_MARK, EllgranRestart::PAIR_FORMAT};
+  char writer[EllgranRestart::WRITER_LENGTH] = "";
+  std::snprintf(writer, sizeof writer, "%s", ellgran_version());
+  const int sizes[2] = {static_cast<int>(sizeof(EllgranLawParameters)), ntypes};
+  fwrite(head, sizeof(int), 2, fp);
+  fwrite(writer, 1, sizeof writer, fp);
+  fwrite(sizes, sizeof(int), 2, fp);
   const double values[3] = {cutoff_global, tallies.viscous_dissipation, friction};
   fwrite(values, sizeof(double), 3, fp);
   for (int i = 1; i <= ntypes; i++)
@@ -845,38 +848,52 @@ void PairGranEllipsoid::write_restart_settings(FILE *fp)
 
 void PairGranEllipsoid::read_restart_settings(FILE *fp)
 {
-  int head[4] = {0, 0, 0, 0};
-  double values[3] = {-1.0, 0.0, 0.0};
-  if (comm->me == 0) {
-    utils::sfread(FLERR, head, sizeof(int), 4, fp, nullptr, error);
-    utils::sfread(FLERR, values, sizeof(double), 3, fp, nullptr, error);
-  }
-  MPI_Bcast(head, 4, MPI_INT, 0, world);
-  MPI_Bcast(values, 3, MPI_DOUBLE, 0, world);
-  if (head[0] != RESTART_MARK || head[1] != static_cast<int>(ELLGRAN_ABI_VERSION) ||
-      head[2] != static_cast<int>(sizeof(EllgranLawParameters)) || head[3] != atom->ntypes)
+  const auto read = [this, fp](void *target, std::size_t bytes) {
+    if (comm->me == 0) utils::sfread(FLERR, target, 1, bytes, fp, nullptr, error);
+    MPI_Bcast(target, static_cast<int>(bytes), MPI_BYTE, 0, world);
+  };
+  int head[2] = {0, 0};
+  char writer[EllgranRestart::WRITER_LENGTH] = "";
+  int sizes[2] = {0, 0};
+  read(head, sizeof head);
+  if (head[0] == EllgranRestart::PAIR_MARK)
+    read(writer, sizeof writer);
+  else if (head[0] != EllgranRestart::PAIR_MARK_1 || head[1] != 1)
     error->all(FLERR,
-               "{}: the restart file was written with another version of ellgran (ABI version {}, this is version {}): "
-               "read it with the version that wrote it and use write_data",
-               CALLER, head[1], static_cast<int>(ELLGRAN_ABI_VERSION));
+               "{}: what the restart file holds of this pair style cannot be read: the file is damaged, or was written on a "
+               "machine with another byte order, or by a development version before 0.1.0. Use a data file ('write_data') instead",
+               CALLER);
+  writer[sizeof writer - 1] = '\0';
+  if (head[1] > EllgranRestart::PAIR_FORMAT)
+    error->all(FLERR,
+               "{}: the restart file has format version {}, written by ellgran {}. This is ellgran {}, which reads versions "
+               "1 to {}: use the ellgran that wrote the file, or a later one",
+               CALLER, head[1], writer, ellgran_version(), EllgranRestart::PAIR_FORMAT);
+  read(sizes, sizeof sizes);
+  const int parameters_size = sizes[0];
+  if (parameters_size <= static_cast<int>(sizeof(size_t)) ||
+      parameters_size > static_cast<int>(sizeof(EllgranLawParameters)) || sizes[1] != atom->ntypes)
+    error->all(FLERR, "{}: the restart file is damaged: laws of {} bytes for {} atom types, with {} types of atoms", CALLER,
+               parameters_size, sizes[1], atom->ntypes);
+
+  double values[3] = {-1.0, 0.0, 0.0};
+  read(values, sizeof values);
   cutoff_global = values[0];
   tallies.viscous_dissipation = (comm->me == 0) ? values[1] : 0.0;
   friction = (comm->me == 0) ? values[2] : 0.0;
 
   const int ntypes = atom->ntypes;
-  EllgranLawParameters unset = ELLGRAN_INIT(EllgranLawParameters);
+  const EllgranLawParameters unset = ELLGRAN_INIT(EllgranLawParameters);
   restored_flags.assign(static_cast<std::size_t>(ntypes) * ntypes, 0);
   restored.assign(restored_flags.size(), unset);
   for (int i = 1; i <= ntypes; i++)
     for (int j = i; j <= ntypes; j++) {
       const std::size_t place = static_cast<std::size_t>(i - 1) * ntypes + (j - 1);
-      int &flag = restored_flags[place];
-      if (comm->me == 0) utils::sfread(FLERR, &flag, sizeof(int), 1, fp, nullptr, error);
-      MPI_Bcast(&flag, 1, MPI_INT, 0, world);
-      if (!flag) continue;
-      if (comm->me == 0)
-        utils::sfread(FLERR, &restored[place], sizeof(EllgranLawParameters), 1, fp, nullptr, error);
-      MPI_Bcast(&restored[place], sizeof(EllgranLawParameters), MPI_BYTE, 0, world);
+      read(&restored_flags[place], sizeof(int));
+      if (!restored_flags[place]) continue;
+      // An older and shorter struct: the fields that it lacks are zero, as everywhere in the interface.
+      read(&restored[place], parameters_size);
+      restored[place].size = unset.size;
     }
 }
 

@@ -105,7 +105,7 @@ impl Vector3<f64> {
         // Inf * 0 and NaN * 0 are NaN: one comparison instead of three.
         (self.x + self.y + self.z) * 0.0 == 0.0
     }
-    /// The unit vector along this one, of whatever length; `None` for the null vector and for one that is not finite.
+    /// The unit vector in the direction of this one; `None` for the null vector and for one that is not finite.
     pub fn direction(self) -> Option<Self> {
         let square = self.norm_squared();
         if square > 1e-280 && square < 1e280 {

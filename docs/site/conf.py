@@ -29,7 +29,7 @@ root_doc = "docs/index"
 include_patterns = [
     "docs/*.md",
     "docs/tutorials/*.md",
-    "docs/report/README.md",
+    "docs/report/*.md",
     "docs/bench/table.md",
     "examples/*/README.md",
     "lammps-plugin/README.md",

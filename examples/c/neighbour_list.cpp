@@ -108,7 +108,7 @@ EllgranBody body(const Packing &p, std::size_t k)
   }
   for (int m = 0; m < 4; ++m) b.quaternion[m] = p.quaternions[k][m];
   b.mass = 1;
-  b.kind = p.types[k];
+  b.particle_type = p.types[k];
   b.identifier = static_cast<std::int64_t>(k) + 1;
   return b;
 }

@@ -26,7 +26,7 @@ int main(void)
   i.semi_axes[0] = 2e-3;
   i.semi_axes[1] = i.semi_axes[2] = 1e-3;
   i.mass = 1e-5;
-  i.kind = 1; /* its type in the laws */
+  i.particle_type = 1;
   EllgranBody j = i;
   j.position[2] = 1.99e-3;
   j.velocity[2] = -0.1;

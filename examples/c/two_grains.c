@@ -100,7 +100,7 @@ static Grain new_grain(double x, double z, double tilt, double velocity_x, doubl
   double *a = grain.body.semi_axes;
   a[0] = a[1] = 0.005;
   a[2] = 0.01;
-  grain.body.kind = 1;
+  grain.body.particle_type = 1;
   grain.body.position[0] = x;
   grain.body.position[2] = z;
   grain.body.quaternion[0] = cos(0.5 * tilt * pi / 180.0);

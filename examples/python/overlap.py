@@ -15,7 +15,7 @@ number = ctypes.c_double
 class Body(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("position", number * 3), ("quaternion", number * 4),
                 ("semi_axes", number * 3), ("velocity", number * 3), ("angular_velocity", number * 3),
-                ("mass", number), ("kind", ctypes.c_int32), ("identifier", ctypes.c_int64)]
+                ("mass", number), ("particle_type", ctypes.c_int32), ("identifier", ctypes.c_int64)]
 
 
 class ContactGeometry(ctypes.Structure):
@@ -33,7 +33,7 @@ assert library.ellgran_abi_version() == 1, "written for version 1 of the binary 
 
 bodies = []
 for x in (0.0, 1.5):
-    body = Body(size=ctypes.sizeof(Body), mass=1.0, kind=1)
+    body = Body(size=ctypes.sizeof(Body), mass=1.0, particle_type=1)
     body.position[0] = x
     body.quaternion[0] = 1.0
     body.semi_axes[:] = [1.0, 1.0, 1.0]

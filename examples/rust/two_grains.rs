@@ -44,7 +44,7 @@ impl Grain {
                 velocity: [vx, 0.0, vz],
                 angular_velocity: [0.0; 3],
                 mass,
-                kind: 1,
+                particle_type: 1,
                 identifier,
             },
             inertia: [b * b + c * c, a * a + c * c, a * a + b * b].map(|s| 0.2 * mass * s),

@@ -18,6 +18,10 @@ IF(ELLGRAN_HAVE_TR1_CMATH)
   ADD_DEFINITIONS(-DHAVE_TR1_CMATH)
 ENDIF()
 
+# LIGGGHTS lists its styles while it is built, after ninja has looked which files are new: in a tree that was built before, a new
+# style of ours would be missing until the tree is built once more.
+EXECUTE_PROCESS(COMMAND sh Make.sh style WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_QUIET)
+
 INCLUDE_DIRECTORIES(${ELLGRAN_INCLUDE})
 FIND_PACKAGE(Threads REQUIRED)
 # The mathematical library comes first: the Rust library brings functions of the same names, some of them slower (cbrt), and

@@ -13,6 +13,7 @@
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
+#include "fix_ellgran_restart_format.h"
 #include "fix_wall_gran.h"
 #include "force.h"
 #include "global_properties.h"
@@ -138,7 +139,7 @@ EllgranBody EllgranContact::ellipsoid(int i) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   check_blockiness(i);
   return body;
@@ -166,7 +167,7 @@ EllgranBody EllgranContact::sphere(int i, double radius) const
   memcpy(body.velocity, atom->v[i], sizeof(body.velocity));
   memcpy(body.angular_velocity, atom->omega[i], sizeof(body.angular_velocity));
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
-  body.kind = atom->type[i];
+  body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
   return body;
 }
@@ -197,6 +198,7 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
 {
   if (lmp->force->nktv2p != 1.0)
     lmp->error->all(FLERR, "ellgran: this unit style has a pressure that is not force per area; use units si, cgs or lj");
+  FixEllgranRestartFormat::add(lmp);
   registry.registerProperty("youngsModulus", &MODEL_PARAMS::createYoungsModulus);
   registry.registerProperty("poissonsRatio", &MODEL_PARAMS::createPoissonsRatio);
   registry.connect("youngsModulus", youngs_modulus, caller);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "atom.h"
 #include "comm.h"
@@ -16,8 +18,10 @@
 #include "fix_contact_history_mesh.h"
 #include "fix_contact_property_atom_wall.h"
 #include "fix_neighlist_mesh.h"
+#include "fix_property_atom.h"
 #include "force.h"
 #include "memory.h"
+#include "modify.h"
 #include "primitive_wall.h"
 #include "tri_mesh.h"
 #include "update.h"
@@ -173,6 +177,66 @@ void FixWallGranEllipsoid::unpack_restart(int particle, int place)
     error->fix_error(FLERR, this,
                      "the restart file keeps other values per contact: give the fix the models and the wall that it had, or another ID");
   unpack_exchange(particle, extra + 1);
+}
+
+void FixWallGranEllipsoid::post_create()
+{
+  FixWallGran::post_create();
+  if (memory_length_ > 0 && modify->nfix_restart_peratom > 0) read_older_memory();
+}
+
+// Restart files of format version 1 (see fix_ellgran_restart_format.h) hold the memory of a wall in fixes property/atom, which are
+// made here for LIGGGHTS to fill them, and deleted.
+void FixWallGranEllipsoid::read_older_memory()
+{
+  // Of one record of a contact: head, then the history. Version 1 began histories with a normal and a flag.
+  const int head = 7, older_beginning = 4;
+  const int record = head + dnum_, older_record = head + older_beginning + dnum_;
+  const int records = (memory_length_ - 1) / record;
+  const int older_length = records * older_record;
+  const int most_values = 20;  // of one such fix
+  std::vector<double> older(static_cast<size_t>(atom->nlocal) * older_length, 0.0);
+  bool found = false;
+  for (int from = 0, piece = 1; from < older_length; from += most_values, piece++) {
+    const int count = std::min(most_values, older_length - from);
+    char number[16];
+    sprintf(number, "_%d", piece);
+    const std::string name = std::string("contacts_") + id + number;
+    std::vector<const char *> words;
+    words.push_back(name.c_str());
+    words.push_back("all");
+    words.push_back("property/atom");
+    words.push_back(name.c_str());
+    words.push_back(count > 1 ? "vector" : "vector_one_entry");
+    words.push_back("yes");
+    words.push_back("no");
+    words.push_back("no");
+    for (int k = 0; k < count; k++) words.push_back("0.");
+    modify->add_fix(words.size(), const_cast<char **>(&words[0]));
+    const FixPropertyAtom *const values = static_cast<FixPropertyAtom *>(
+        modify->find_fix_property(name.c_str(), "property/atom", "vector", count, 0, style));
+    if (values->recent_restart) {
+      found = true;
+      for (int i = 0; i < atom->nlocal; i++)
+        vectorCopyN(values->array_atom[i], &older[static_cast<size_t>(i) * older_length + from], count);
+    }
+    modify->delete_fix(name.c_str());
+  }
+  if (!found) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    int kept = 0;
+    for (int k = 0; k < records; k++) {
+      const double *const from = &older[static_cast<size_t>(i) * older_length + k * older_record];
+      if (from[0] == 0.0) continue;
+      double *const to = &memory_[i][1 + kept * record];
+      to[0] = 1.0;  // the wall's only part
+      vectorCopy3D(&from[1], &to[1]);
+      for (int c = 0; c < 3; c++) to[4 + c] = -from[4 + c];
+      vectorCopyN(&from[head + older_beginning], &to[head], dnum_);
+      kept++;
+    }
+    memory_[i][0] = kept;
+  }
 }
 
 void FixWallGranEllipsoid::setup(int vflag)

@@ -29,6 +29,7 @@ class FixWallGranEllipsoid : public FixWallGran {
  public:
   FixWallGranEllipsoid(class LAMMPS *, int, char **);
   virtual ~FixWallGranEllipsoid();
+  virtual void post_create();
   virtual void setup(int vflag);
   virtual void post_run();
 
@@ -84,6 +85,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   int row_;
 
   void check(int32_t status) const;
+  void read_older_memory();
   void add_shape(const char *style, const double *parameters);
   void lend_triangles();
   void act(const EllgranWallMotion *motion);

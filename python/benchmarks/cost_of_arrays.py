@@ -82,7 +82,7 @@ def main():
         ("velocity", bodies.velocities),
         ("angular_velocity", bodies.angular_velocities),
         ("mass", bodies.masses),
-        ("kind", bodies.types),
+        ("particle_type", bodies.types),
     ):
         all_bodies[name] = array
     geometry = records(_interface.EllgranContactGeometry, COUNT)

@@ -55,7 +55,7 @@ class EllgranBody(ctypes.Structure):
         ("velocity", ctypes.c_double * 3),
         ("angular_velocity", ctypes.c_double * 3),
         ("mass", ctypes.c_double),
-        ("kind", ctypes.c_int32),
+        ("particle_type", ctypes.c_int32),
         ("identifier", ctypes.c_int64),
     ]
 

@@ -14,7 +14,7 @@ from scenes import MATERIALS, all_pairs, random_bodies, two_spheres
 
 def c_body(bodies, k):
     body = sized(
-        _interface.EllgranBody, mass=bodies.masses[k], kind=int(bodies.types[k]), identifier=int(bodies.identifiers[k])
+        _interface.EllgranBody, mass=bodies.masses[k], particle_type=int(bodies.types[k]), identifier=int(bodies.identifiers[k])
     )
     for name, array in (
         ("position", bodies.positions),

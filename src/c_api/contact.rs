@@ -14,17 +14,17 @@ use crate::contact::{
 };
 use crate::vector::Vector3;
 use crate::walls::{geometry_with_plane, one_contact_with_plane};
-use libc::size_t;
 
-/// A body of one contact, world frame. What is out of the range stated at a field is an error that names body and value.
+/// A body of a single contact, in the world frame. A value outside the range of its field is an error that names the body
+/// and the value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranBody {
     /// `sizeof(EllgranBody)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Centre; components up to 1e20.
     pub position: [f64; 3],
-    /// Rotation from body to world, (w, x, y, z); of any length but zero.
+    /// Rotation from the body frame to the world frame, (w, x, y, z). Need not have unit length, but not zero length.
     pub quaternion: [f64; 4],
     /// Semi-axes along the body axes, from 1e-20 to 1e20, the largest at most 1e6 times the smallest.
     pub semi_axes: [f64; 3],
@@ -32,11 +32,12 @@ pub struct EllgranBody {
     pub velocity: [f64; 3],
     /// Angular velocity, world frame; components up to 1e25.
     pub angular_velocity: [f64; 3],
-    /// Mass > 0, from 1e-50 to 1e50, INFINITY for a fixed body; read by damping with a coefficient of restitution.
+    /// Mass, from 1e-50 to 1e50, or INFINITY for a fixed body. Needed by damping with a coefficient of restitution and by
+    /// stiffnesses and collision times.
     pub mass: f64,
-    /// Type, counted from 1.
-    pub kind: i32,
-    /// What to call it in a message.
+    /// Particle type, counted from 1: selects the law.
+    pub particle_type: i32,
+    /// Number by which error messages name the body.
     pub identifier: i64,
 }
 
@@ -47,14 +48,15 @@ growing!(EllgranBody);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactGeometry {
     /// `sizeof(EllgranContactGeometry)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// 1 if the penetration is greater than 0.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies; minus the gap when they are apart.
     pub penetration: f64,
     /// Unit normal from i to j.
     pub normal: [f64; 3],
-    /// Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+    /// Contact point, world frame. It lies between the two witness points and divides their distance in the ratio of the
+    /// compliances of the bodies.
     pub contact_point: [f64; 3],
     /// Point of body i deepest in j (closest to j when apart), world frame.
     pub witness_i: [f64; 3],
@@ -64,7 +66,8 @@ pub struct EllgranContactGeometry {
     pub curvature_a: f64,
     /// Larger relative curvature B, 1/length.
     pub curvature_b: f64,
-    /// Unit vector along the major semi-axis of the contact ellipse (of A).
+    /// Unit vector along the major semi-axis of the contact ellipse, world frame: the direction in which the relative
+    /// curvature is A.
     pub major_direction: [f64; 3],
 }
 
@@ -75,18 +78,18 @@ growing!(EllgranContactGeometry);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactForce {
     /// `sizeof(EllgranContactForce)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
-    /// Force on j, world frame; on i the opposite.
+    pub size: usize,
+    /// Force on j, world frame. The force on i is the opposite.
     pub force: [f64; 3],
     /// Torque on i about its own centre, world frame.
     pub torque_i: [f64; 3],
     /// Torque on j about its own centre, world frame.
     pub torque_j: [f64; 3],
-    /// Normal force, > 0 pushes apart.
+    /// Normal force; positive when repulsive.
     pub normal_force: f64,
     /// Tangential force on j, world frame.
     pub tangential_force: [f64; 3],
-    /// Tangential displacement xi of j relative to i that the tangential spring holds, world frame.
+    /// Elastic tangential displacement xi of j relative to i, world frame.
     pub displacement: [f64; 3],
     /// Rate of penetration, > 0 while the bodies approach.
     pub penetration_rate: f64,
@@ -94,16 +97,17 @@ pub struct EllgranContactForce {
     pub elastic_energy: f64,
     /// Elastic energy of the tangential deformation.
     pub tangential_energy: f64,
-    /// What of the force on j the viscous terms make, normal and tangential, world frame.
+    /// Viscous part of the force on j, normal and tangential, world frame.
     pub viscous_force: [f64; 3],
-    /// What of the tangential force on j is not viscous: the tangential displacement's, up to Coulomb's limit, world frame.
+    /// Tangential force on j without its viscous part, world frame: that of the tangential displacement, limited by
+    /// Coulomb's law.
     pub frictional_force: [f64; 3],
-    /// Power that the viscous force takes up, >= 0, with the velocities given.
+    /// Power dissipated by the viscous force at the given velocities, >= 0.
     pub viscous_power: f64,
-    /// Power that the rest of the tangential force takes up, with the velocities given: stored in the tangential
+    /// Power of the bodies against the rest of the tangential force at the given velocities: stored in the tangential
     /// displacement, or dissipated by friction.
     pub tangential_power: f64,
-    /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law.
+    /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
     pub contact_semi_axes: [f64; 2],
 }
 
@@ -119,7 +123,7 @@ impl EllgranBody {
                 velocity: self.velocity,
                 angular_velocity: self.angular_velocity,
                 mass: self.mass,
-                kind: self.kind,
+                particle_type: self.particle_type,
                 identifier: self.identifier,
             },
             types,
@@ -146,7 +150,7 @@ impl From<&OneContact> for EllgranContactGeometry {
 }
 
 impl EllgranContactGeometry {
-    /// Refuses numbers that are none.
+    /// Refuses results that are not finite.
     fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
         let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
             None => Ok(()),
@@ -163,7 +167,7 @@ impl EllgranContactGeometry {
 }
 
 impl EllgranContactForce {
-    /// Refuses numbers that are none.
+    /// Refuses results that are not finite.
     pub(super) fn check(&self, i: i64, j: Option<i64>) -> Result<(), Failure> {
         let wrong = |name: &str, values: &[f64]| match values.iter().find(|x| !x.is_finite()) {
             None => Ok(()),
@@ -244,7 +248,7 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
     }
 }
 
-/// The touching flag; without history there need be none.
+/// The touching flag, which may be NULL where the laws have no history.
 fn flag<'a>(
     given: Option<&'a mut i32>,
     laws: &Laws,
@@ -304,14 +308,14 @@ pub(super) fn contact_of_two(
     let mut touches = *touching != 0;
     let mut kept = History::read(laws, touches, history, names.0, names.1)?;
     let numbers = kept.numbers();
-    // The gap is not computed for nobody.
+    // The gap costs a search, so it is computed only where the geometry is wanted.
     let (found, forces) = if wanted.geometry {
         one_contact_or_gap(laws, i, j, step, &mut touches, numbers).map(|(g, f)| (Some(g), f))
     } else {
         one_contact(laws, i, j, step, &mut touches, numbers).map(Option::unzip)
     }
     .map_err(|ratio| hale_failure(names.0, names.1, ratio.0))?;
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let of_ellipse = found
         .as_ref()
         .filter(|_| wanted.ellipse && law.kinds.normal.elliptical);
@@ -332,8 +336,9 @@ pub(super) fn contact_of_two(
 /// Geometry of two ellipsoids, touching or apart: penetration or gap, normal, witness points, contact point, relative
 /// curvature.
 ///
-/// `laws` gives the share of each body in the penetration by its compliance; NULL: halves, and types are not read.
-/// `start_normal` (3 doubles, of any length) is the normal of the last step as a start of the search, or NULL.
+/// `laws` gives the compliances that divide the penetration at the contact point. With NULL the contact point is in the
+/// middle, and types are not read. `start_normal` is NULL, or 3 doubles: the normal of the last step, of any length, from
+/// which the search starts. It makes the call faster and does not change the result.
 ///
 /// # Safety
 /// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -349,13 +354,19 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
         // SAFETY: promised by the caller, for all of this function.
         let laws = unsafe { laws.as_ref() }.map(|l| &l.laws);
         let types = laws.map(Laws::types);
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        // SAFETY: `start_normal` is NULL or valid for reads of 3 values, by this function's safety section.
         let start = unsafe { start_normal.cast::<[f64; 3]>().as_ref() }
             .and_then(|n| Vector3::from_array(*n).direction());
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share = laws.map_or(0.5, |l| {
-            l.get(i.kind as usize, j.kind as usize).constants.share_i
+            l.get(i.particle_type as usize, j.particle_type as usize)
+                .constants
+                .share_i
         });
         let found = EllgranContactGeometry::from(&self::geometry(&i, &j, share, start));
         found.check(bi.identifier, Some(bj.identifier))?;
@@ -364,8 +375,8 @@ pub unsafe extern "C" fn ellgran_contact_geometry(
     })
 }
 
-/// Geometry of an ellipsoid `i` and a plane wall; the normal points into the wall. The contact point divides the
-/// penetration halfway.
+/// Geometry of an ellipsoid `i` and a plane wall. The normal points into the wall; the contact point is in the middle of
+/// the penetration.
 ///
 /// # Safety
 /// `geometry` is NULL or valid for writes; the other pointers are NULL or valid for reads.
@@ -379,7 +390,10 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
         // SAFETY: promised by the caller, for all of this function.
         let body = unsafe { given(i, "i") }?;
         let i = body.to_core(None)?;
+        // SAFETY: `plane` is NULL or valid for reads, by this function's safety section.
         let plane = unsafe { given(plane, "plane") }?.to_core()?;
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let found = EllgranContactGeometry::from(&geometry_with_plane(&i, &plane, 0.5));
         found.check(body.identifier, None)?;
@@ -388,11 +402,12 @@ pub unsafe extern "C" fn ellgran_contact_geometry_plane(
     })
 }
 
-/// One contact of two ellipsoids: geometry, force, torques, energies. When they do not touch, `touching` of the geometry
-/// is 0, the force is zero and the rest of the geometry is that of `ellgran_contact_geometry`.
+/// One contact of two ellipsoids: geometry, force, torques, energies. Where they do not touch, `touching` of the geometry
+/// is 0, the force is zero, and the other fields of the geometry are those of `ellgran_contact_geometry`.
 ///
-/// `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) belong to the pair and are kept between
-/// steps; start from zeros. `geometry` may be NULL; the gap of bodies that do not touch is then not computed.
+/// `touching` and `history` (`ellgran_laws_history_length` doubles; both NULL if 0) are the state of this pair: set them to
+/// 0 before its first call, keep them from step to step. `geometry` may be NULL; the gap of bodies that do not touch is
+/// then not computed, which is faster.
 ///
 /// # Safety
 /// The pointers are as stated, NULL or valid.
@@ -410,16 +425,25 @@ pub unsafe extern "C" fn ellgran_contact(
     at_border("ellgran_contact", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let (i, j) = (
             bi.to_core(Some(laws.types()))?,
             bj.to_core(Some(laws.types()))?,
         );
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
+        // SAFETY: `touching` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
+        // SAFETY: `history` is NULL or valid for reads and writes of `laws.layout().length` elements, and not
+        // aliased, by this function's safety section.
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut force = unsafe { Output::new(force, "force") }?;
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let out = unsafe { Output::optional(geometry, "geometry") }?;
         let names = [bi.identifier, bj.identifier];
         let wanted = Wanted {
@@ -436,7 +460,7 @@ pub unsafe extern "C" fn ellgran_contact(
     })
 }
 
-/// One contact of an ellipsoid `i` and a plane wall of type `wall_type`; otherwise like `ellgran_contact`. `torque_j` is
+/// One contact of an ellipsoid `i` with a plane wall of type `wall_type`, otherwise as `ellgran_contact`. `torque_j` is
 /// zero.
 ///
 /// # Safety
@@ -457,15 +481,25 @@ pub unsafe extern "C" fn ellgran_contact_plane(
     at_border("ellgran_contact_plane", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `i` is NULL or valid for reads, by this function's safety section.
         let bi = unsafe { given(i, "i") }?;
         let i = bi.to_core(Some(laws.types()))?;
+        // SAFETY: `plane` is NULL or valid for reads, by this function's safety section.
         let plane = unsafe { given(plane, "plane") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let mut none = 0;
+        // SAFETY: `touching` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let touching = flag(unsafe { touching.as_mut() }, laws, &mut none)?;
+        // SAFETY: `history` is NULL or valid for reads and writes of `laws.layout().length` elements, and not
+        // aliased, by this function's safety section.
         let history = unsafe { slice_mut(history, laws.layout().length, "history") }?;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut force = unsafe { Output::new(force, "force") }?;
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let out = unsafe { Output::optional(geometry, "geometry") }?;
         let mut touches = *touching != 0;
         let mut kept = History::read(laws, touches, history, bi.identifier, None)?;
@@ -473,7 +507,7 @@ pub unsafe extern "C" fn ellgran_contact_plane(
         let contact =
             one_contact_with_plane(laws, &i, &plane, wall_type, &step, &mut touches, numbers)
                 .map_err(|ratio| hale_failure(bi.identifier, None, ratio.0))?;
-        let law = laws.get(i.kind as usize, wall_type);
+        let law = laws.get(i.particle_type as usize, wall_type);
         let (found, result) = match &contact {
             Some((g, f)) => (*g, force_of(law.kinds.normal.elliptical.then_some(g), f)),
             None => (

@@ -11,24 +11,23 @@ use super::status::{at_border, required, required_mut, slice, slice_mut, Failure
 use crate::contact::Step;
 use crate::vector::Vector3;
 use crate::walls::{FoundContact, Frame, Places, Wall};
-use libc::size_t;
 
 /// Triangles that an engine keeps and moves itself, as they are in this step: one part of a wall, after its others.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranLentTriangles {
     /// `sizeof(EllgranLentTriangles)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Number of triangles.
-    pub count: size_t,
+    pub count: usize,
     /// [count][3][3]: their corners; components up to 1e20.
     pub corners: *const f64,
     /// [count][3][3]: velocities of the corners, up to 1e25; NULL for triangles at rest.
     pub velocities: *const f64,
     /// Number of particles that have a list of triangles near them, the first of all; the others are near none.
-    pub particle_count: size_t,
+    pub particle_count: usize,
     /// [particle_count + 1]: where in `near` the list of a particle begins; the last is the length of `near`.
-    pub near_starts: *const size_t,
+    pub near_starts: *const usize,
     /// Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
     /// free. The order in each list is that in which contacts are found.
     pub near: *const u32,
@@ -41,13 +40,13 @@ growing!(EllgranLentTriangles);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranFoundWallContact {
     /// `sizeof(EllgranFoundWallContact)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Index of the particle.
-    pub particle: size_t,
+    pub particle: usize,
     /// Index of the wall's part.
-    pub part: size_t,
+    pub part: usize,
     /// Index of the triangle of that part that stands for the contact; 0 where it has none.
-    pub triangle: size_t,
+    pub triangle: usize,
     /// The point of the surface that lies deepest in the particle, world frame.
     pub point: [f64; 3],
     /// Velocity of the surface there.
@@ -78,8 +77,10 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
     at_border("ellgran_wall_lend_triangles", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `triangles` is NULL or valid for reads, by this function's safety section.
         let t = unsafe { given(triangles, "triangles") }?;
         let of_corners = |pointer: *const f64, count, name| {
+            // SAFETY: `pointer` is one of the caller's arrays, NULL or with `count` entries, as its struct demands.
             unsafe { slice(pointer.cast::<[[f64; 3]; 3]>(), count, name) }
                 .map(|all| all.iter().map(|t| t.map(Vector3::from_array)))
         };
@@ -88,9 +89,12 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
         let velocities = of_corners(t.velocities, moving, "velocities")?;
         let starts = match t.particle_count {
             0 => &[],
+            // SAFETY: `near_starts` is NULL or valid for reads of `count + 1` elements, as `EllgranLentTriangles`
+            // demands.
             count => unsafe { slice(t.near_starts, count + 1, "near_starts") }?,
         };
         let length = starts.last().copied().unwrap_or(0);
+        // SAFETY: `near` is NULL or valid for reads of `length` elements, as `EllgranLentTriangles` demands.
         let near = unsafe { slice(t.near, length, "near") }?;
         wall.lent_triangles()
             .set(corners, velocities, starts, near)
@@ -106,8 +110,8 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_found_memory_length(
     wall: *const EllgranWall,
-    history_length: size_t,
-) -> size_t {
+    history_length: usize,
+) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.memory_of(history_length).length())
 }
@@ -132,19 +136,26 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
     masks: *const i32,
     group_mask: i32,
     motion: *const EllgranWallMotion,
-    history_length: size_t,
+    history_length: usize,
     memory: *const f64,
 ) -> i32 {
     at_border("ellgran_find_wall_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `wall` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
         names.clear();
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = unsafe { motion_of(motion) }?;
+        // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, p.owned_count) }?;
         let layout = wall.memory_of(history_length);
+        // SAFETY: `memory` is NULL or valid for reads of `p.owned_count * layout.length()` elements, by this
+        // function's safety section.
         let memory = unsafe { slice(memory, p.owned_count * layout.length(), "memory") }?;
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on) }?;
         let places = Places {
             near: workspace.particles(),
@@ -168,7 +179,7 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_found_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_found_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.names.len())
 }
@@ -186,12 +197,13 @@ fn contact(wall: &Wall, index: usize, count: usize) -> Result<&FoundContact, Fai
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_found(
     wall: *mut EllgranWall,
-    index: size_t,
+    index: usize,
     found: *mut EllgranFoundWallContact,
 ) -> i32 {
     at_border("ellgran_wall_found", || {
         // SAFETY: promised by the caller, for all of this function.
         let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
+        // SAFETY: `found` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut out = unsafe { Output::new(found, "found") }?;
         let c = *contact(wall, index, names.len())?;
         let history = wall.found_mut().history(index);
@@ -225,14 +237,17 @@ pub unsafe extern "C" fn ellgran_wall_found(
 pub unsafe extern "C" fn ellgran_staged_found(
     staged: *mut EllgranStagedContact,
     wall: *const EllgranWall,
-    index: size_t,
+    index: usize,
     share_i: f64,
     geometry: *mut EllgranStagedGeometry,
 ) -> i32 {
     at_border("ellgran_staged_found", || {
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required_mut(staged, "staged") }?;
+        // SAFETY: `wall` is NULL or valid for reads, by this function's safety section.
         let EllgranWall { wall, names } = unsafe { required(wall, "wall") }?;
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share_i = checked_share(share_i)?;
         let c = contact(wall, index, names.len())?;
@@ -251,7 +266,7 @@ pub unsafe extern "C" fn ellgran_staged_found(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_remember_wall_contacts(
     wall: *const EllgranWall,
-    owned_count: size_t,
+    owned_count: usize,
     masks: *const i32,
     group_mask: i32,
     memory: *mut f64,
@@ -259,6 +274,7 @@ pub unsafe extern "C" fn ellgran_remember_wall_contacts(
     at_border("ellgran_remember_wall_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let found = unsafe { required(wall, "wall") }?.wall.found();
+        // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, owned_count) }?;
         let length = owned_count * found.memory_length();
         if let Some(c) = found.all().last().filter(|c| c.particle >= owned_count) {
@@ -267,6 +283,8 @@ pub unsafe extern "C" fn ellgran_remember_wall_contacts(
                 c.particle
             )));
         }
+        // SAFETY: `memory` is NULL or valid for reads and writes of `length` elements, and not aliased, by this
+        // function's safety section.
         found.remember(unsafe { slice_mut(memory, length, "memory") }?, &acts_on);
         Ok(())
     })

@@ -14,12 +14,11 @@ use core::fmt::Display;
 use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 use core::ops::Deref;
-use libc::size_t;
 
 /// A struct that begins with its size.
 ///
 /// # Safety
-/// The struct is `repr(C)`, its first field is a `size_t`, it ends in no padding, and zeros are a value of every field.
+/// The struct is `repr(C)`, its first field is a `usize`, it ends in no padding, and zeros are a value of every field.
 pub unsafe trait Growing: Copy {
     /// What to call it in a message.
     const NAME: &'static str;
@@ -145,7 +144,7 @@ pub(super) unsafe fn given<'a, T: Growing>(
 ) -> Result<Given<'a, T>, Failure> {
     // SAFETY: promised by the caller; the size is the first field.
     unsafe {
-        let size = *required(pointer.cast::<size_t>(), name)?;
+        let size = *required(pointer.cast::<usize>(), name)?;
         read(pointer, size, &name)
     }
 }
@@ -172,7 +171,7 @@ impl<'a, T: Growing> GivenArray<'a, T> {
             0
         } else {
             // SAFETY: promised by the caller; the size is the first field.
-            let size = *unsafe { required(first.cast::<size_t>(), name) }?;
+            let size = *unsafe { required(first.cast::<usize>(), name) }?;
             check::<T>(size, &format_args!("{name}[0]"))?;
             size
         };
@@ -190,7 +189,7 @@ impl<'a, T: Growing> GivenArray<'a, T> {
         // SAFETY: promised when this was made: there are `count` structs of this size.
         unsafe {
             let pointer = self.first.byte_add(k * self.size);
-            let size = *pointer.cast::<size_t>();
+            let size = *pointer.cast::<usize>();
             let name = format_args!("{}[{k}]", self.name);
             if size != self.size {
                 return Err(not_set::<T>(size, &name));
@@ -214,7 +213,7 @@ impl<T: Growing> Output<'_, T> {
     #[inline]
     pub(super) unsafe fn new(target: *mut T, name: &str) -> Result<Self, Failure> {
         // SAFETY: promised by the caller; the size is the first field.
-        let size = *unsafe { required_mut(target.cast::<size_t>(), name) }?;
+        let size = *unsafe { required_mut(target.cast::<usize>(), name) }?;
         if size != size_of::<T>() {
             check::<T>(size, &name)?;
         }
@@ -241,7 +240,7 @@ impl<T: Growing> Output<'_, T> {
     /// Writes all but the size, which stays the caller's.
     #[inline]
     pub(super) fn write(&mut self, value: &T) {
-        let first = size_of::<size_t>();
+        let first = size_of::<usize>();
         let end = self.size.min(size_of::<T>());
         // SAFETY: promised when this was made: the target has `size` bytes; they are copied as bytes, whatever they hold.
         unsafe {
@@ -265,14 +264,14 @@ mod tests {
     #[repr(C)]
     #[derive(Clone, Copy)]
     struct Before {
-        size: size_t,
+        size: usize,
         length: f64,
     }
 
     #[repr(C)]
     #[derive(Clone, Copy, Debug, PartialEq)]
     struct Now {
-        size: size_t,
+        size: usize,
         length: f64,
         added: f64,
     }

@@ -10,7 +10,7 @@ use crate::contact::Laws;
 use crate::force::parameters::with_parameters;
 use crate::force::syntax;
 use crate::force::{Choice, LawParameters, ParameterError};
-use libc::{c_char, size_t};
+use core::ffi::c_char;
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -35,7 +35,7 @@ macro_rules! law_parameters {
         #[derive(Clone, Copy, Debug)]
         pub struct EllgranLawParameters {
             /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.
-            pub size: size_t,
+            pub size: usize,
             $( $(#[$choice_doc])* pub $choice: i32, )+
             $( $(#[$switch_doc])* pub $switch: i32, )+
             $( $(#[$doc])* pub $constant: f64, )+
@@ -135,9 +135,9 @@ pub unsafe extern "C" fn ellgran_law_parameters_default(
 /// `words` points to `word_count` strings that end with NUL; `consumed` and `parameters` are NULL or valid for writes.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_law_parameters_parse(
-    word_count: size_t,
+    word_count: usize,
     words: *const *const c_char,
-    consumed: *mut size_t,
+    consumed: *mut usize,
     parameters: *mut EllgranLawParameters,
 ) -> i32 {
     at_border("ellgran_law_parameters_parse", || {
@@ -280,7 +280,7 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranMixture {
     /// `sizeof(EllgranMixture)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// E*, pressure: `1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j`; 0 for a law without a material.
     pub effective_modulus: f64,
     /// G*, pressure: `1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j`; 0 for a law without a material.
@@ -428,7 +428,7 @@ pub unsafe extern "C" fn ellgran_laws_describe(
     type_i: i32,
     type_j: i32,
     buffer: *mut c_char,
-    capacity: size_t,
+    capacity: usize,
 ) -> i32 {
     at_border("ellgran_laws_describe", || {
         // SAFETY: promised by the caller.

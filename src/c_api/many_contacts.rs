@@ -18,15 +18,14 @@ use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, Con
 use crate::contact::Body;
 use crate::contact::Particle;
 use crate::message::Number;
-use libc::size_t;
 
-/// Where the quantities of many contacts go: an array for each field of `EllgranContactGeometry` and `EllgranContactForce`, of
-/// the same name and meaning, NULL where it is not wanted. [count] is the number of pairs.
+/// Output arrays of many contacts: one for each field of `EllgranContactGeometry` and `EllgranContactForce`, with the same
+/// name and meaning, NULL where it is not wanted. [count] is the number of pairs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactArrays {
     /// `sizeof(EllgranContactArrays)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// [count]; minus the gap where the bodies are apart. Gaps are computed if this or one of the next six is wanted.
     pub penetration: *mut f64,
     /// [count][3]
@@ -73,13 +72,13 @@ pub struct EllgranContactArrays {
 
 growing!(EllgranContactArrays);
 
-/// Where the stiffnesses of many contacts go: an array for each field of `EllgranContactStiffness`, of the same name and
-/// meaning, NULL where it is not wanted. [count] is the number of pairs.
+/// Output arrays of the stiffnesses of many contacts: one for each field of `EllgranContactStiffness`, with the same name
+/// and meaning, NULL where it is not wanted. [count] is the number of pairs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStiffnessArrays {
     /// `sizeof(EllgranStiffnessArrays)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// [count]
     pub normal_stiffness: *mut f64,
     /// [count][2]
@@ -225,16 +224,17 @@ fn at_pair(k: usize) -> impl Fn(Failure) -> Failure {
     move |failure| Failure::new(failure.status, format!("pairs[{k}]: {}", failure.message))
 }
 
-/// Many contacts of ellipsoids in one call: what `ellgran_contact` gives for each pair, to the last bit, but that each particle
-/// is prepared once. `pairs` is [pair_count][2], indices from 0, the first the i of geometry and force. Forces and torques of
-/// `particles` are not read or written. One pair after the other, not in lanes.
+/// Many contacts of ellipsoids in one call. The results are those of `ellgran_contact` for each pair, bit for bit. `pairs`
+/// is [pair_count][2], indices from 0; the first of a pair is body i of geometry and force. Forces and torques of
+/// `particles` are neither read nor written. For whole neighbour lists `ellgran_compute_pairs` is faster, since it uses
+/// vector instructions.
 ///
-/// `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], belong to the pairs and are kept between
-/// steps; start from zeros. Both may be NULL if that length is 0; `touching` is written where it is given. The other
-/// arrays do not overlap.
+/// `touching`, [pair_count], and `history`, [pair_count][ellgran_laws_history_length], are the state of the pairs: set them
+/// to 0 before the first call, keep them from step to step. Both may be NULL if that length is 0. The output arrays must
+/// not overlap.
 ///
-/// A wrong particle, pair or argument is refused before anything is written. Of a contact that fails later the message names
-/// the number in `pairs` and both particles; the contacts before it are then written.
+/// Invalid particles, pairs and arguments are refused before anything is written. If a contact fails after that, the
+/// message names its number in `pairs` and both particles, and the contacts before it have been written.
 ///
 /// # Safety
 /// The pointers are as stated here, in `EllgranParticles` and in `EllgranContactArrays`.
@@ -245,7 +245,7 @@ pub unsafe extern "C" fn ellgran_pair_contacts(
     workspace: *mut EllgranWorkspace,
     particles: *const EllgranParticles,
     step: *const EllgranStep,
-    pair_count: size_t,
+    pair_count: usize,
     pairs: *const i32,
     touching: *mut i32,
     history: *mut f64,
@@ -254,25 +254,38 @@ pub unsafe extern "C" fn ellgran_pair_contacts(
     at_border("ellgran_pair_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `workspace` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let length = laws.layout().length;
         let mut touching = if touching.is_null() && length == 0 {
             None
         } else {
+            // SAFETY: `touching` is NULL or valid for reads and writes of `pair_count` elements, and not aliased, by
+            // this function's safety section.
             Some(unsafe { slice_mut(touching, pair_count, "touching") }?)
         };
         let numbers = pair_count.checked_mul(length).ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                format!("pair_count = {pair_count} is more than memory holds"),
+                format!("pair_count = {pair_count} is too large: its histories exceed the address space"),
             )
         })?;
+        // SAFETY: `history` is NULL or valid for reads and writes of `numbers` elements, and not aliased, by this
+        // function's safety section.
         let history = unsafe { slice_mut(history, numbers, "history") }?;
+        // SAFETY: `arrays` is NULL or valid for reads, by this function's safety section.
         let arrays = unsafe { given(arrays, "arrays") }?;
+        // SAFETY: each array is NULL or has a row for each pair, and none is aliased, by this function's safety
+        // section.
         let mut columns = unsafe { Columns::new(&arrays, pair_count) }?;
         let wanted = columns.wanted();
+        // SAFETY: the arrays of `particles` and `pairs` are NULL or as long as their counts say, by this function's
+        // safety section.
         let (all, pairs) = unsafe { checked(Some(laws), workspace, &p, pair_count, pairs) }?;
         for (k, [i, j]) in pairs.iter().enumerate() {
             let (i, j) = (*i as usize, *j as usize);
@@ -336,16 +349,22 @@ pub unsafe extern "C" fn ellgran_pair_stiffnesses(
     laws: *const EllgranLaws,
     workspace: *mut EllgranWorkspace,
     particles: *const EllgranParticles,
-    pair_count: size_t,
+    pair_count: usize,
     pairs: *const i32,
     arrays: *const EllgranStiffnessArrays,
 ) -> i32 {
     at_border("ellgran_pair_stiffnesses", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `workspace` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
+        // SAFETY: `arrays` is NULL or valid for reads, by this function's safety section.
         let a = unsafe { given(arrays, "arrays") }?;
+        // SAFETY: each array is NULL or has a row for each pair, and none is aliased, by this function's safety
+        // section.
         let (mut normal, mut tangential, mut damping, mut tangential_damping, mut step) = unsafe {
             (
                 Column::new(a.normal_stiffness, pair_count)?,
@@ -355,9 +374,13 @@ pub unsafe extern "C" fn ellgran_pair_stiffnesses(
                 Column::new(a.critical_step, pair_count)?,
             )
         };
+        // SAFETY: the arrays of `particles` and `pairs` are NULL or as long as their counts say, by this function's
+        // safety section.
         let (all, pairs) = unsafe { checked(Some(laws), workspace, &p, pair_count, pairs) }?;
         for (k, [i, j]) in pairs.iter().enumerate() {
             let (i, j) = (*i as usize, *j as usize);
+            // SAFETY: `checked` has compared `i` and `j` with the number of particles, and their masses are as long
+            // as that.
             let both = unsafe { [with_mass(&p, all, i)?, with_mass(&p, all, j)?] };
             let found = contact_stiffness(laws, &both[0], &both[1])
                 .map_err(|e| hale_failure(identifier(&p, i), Some(identifier(&p, j)), e.0))
@@ -374,8 +397,8 @@ pub unsafe extern "C" fn ellgran_pair_stiffnesses(
 }
 
 /// Durations and depths of many elastic collisions in one call: what `ellgran_collision` gives for each pair. `pairs` is
-/// [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL. Masses are
-/// read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
+/// [pair_count][2], indices from 0; `speeds`, `times` and `penetrations` are [pair_count]; `penetrations` may be NULL.
+/// Masses are read from `contact_masses` or, where that is NULL, `masses`; forces and torques are not read.
 ///
 /// On failure the collisions before the one that the message names may have been written.
 ///
@@ -387,7 +410,7 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
     laws: *const EllgranLaws,
     workspace: *mut EllgranWorkspace,
     particles: *const EllgranParticles,
-    pair_count: size_t,
+    pair_count: usize,
     pairs: *const i32,
     speeds: *const f64,
     times: *mut f64,
@@ -396,11 +419,21 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
     at_border("ellgran_pair_collisions", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `workspace` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
+        // SAFETY: `speeds` is NULL or valid for reads of `pair_count` elements, by this function's safety section.
         let speeds = unsafe { slice(speeds, pair_count, "speeds") }?;
+        // SAFETY: `times` is NULL or valid for reads and writes of `pair_count` elements, and not aliased, by this
+        // function's safety section.
         let times = unsafe { slice_mut(times, pair_count, "times") }?;
+        // SAFETY: each array is NULL or has a row for each pair, and none is aliased, by this function's safety
+        // section.
         let mut penetrations = unsafe { Column::<1>::new(penetrations, pair_count) }?;
+        // SAFETY: the arrays of `particles` and `pairs` are NULL or as long as their counts say, by this function's
+        // safety section.
         let (all, pairs) = unsafe { checked(Some(laws), workspace, &p, pair_count, pairs) }?;
         for (k, [i, j]) in pairs.iter().enumerate() {
             let (i, j) = (*i as usize, *j as usize);
@@ -410,6 +443,8 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
                     format!("speeds[{k}] = {} must be greater than 0", Number(speeds[k])),
                 ));
             }
+            // SAFETY: `checked` has compared `i` and `j` with the number of particles, and their masses are as long
+            // as that.
             let both = unsafe { [with_mass(&p, all, i)?, with_mass(&p, all, j)?] };
             let found = collision(laws, &both[0], &both[1], speeds[k])
                 .map_err(|e| hale_failure(identifier(&p, i), Some(identifier(&p, j)), e.0))
@@ -421,8 +456,8 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
     })
 }
 
-/// Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count], those
-/// of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
+/// Rayleigh's times of many grains in one call: what `ellgran_rayleigh_time` gives for each. `parameters` is [type_count],
+/// those of the types from 1 on; of `particles` are read shapes, types and `masses`; `times` is [count] of the particles.
 ///
 /// On failure the times before that of the particle that the message names may have been written.
 ///
@@ -430,7 +465,7 @@ pub unsafe extern "C" fn ellgran_pair_collisions(
 /// The pointers are as stated here and in `EllgranParticles`.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_rayleigh_times(
-    type_count: size_t,
+    type_count: usize,
     parameters: *const EllgranLawParameters,
     particles: *const EllgranParticles,
     times: *mut f64,
@@ -441,12 +476,18 @@ pub unsafe extern "C" fn ellgran_rayleigh_times(
         let of_types = (0..type_count)
             .map(|k| given_parameters.get(k)?.to_core())
             .collect::<Result<Vec<_>, _>>()?;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
         let count = p.count;
+        // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         let types = unsafe { slice(p.types, count, "types") }?;
+        // SAFETY: `masses` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         let masses = unsafe { slice(p.masses, count, "masses") }?;
+        // SAFETY: `times` is NULL or valid for reads and writes of `count` elements, and not aliased, by this
+        // function's safety section.
         let times = unsafe { slice_mut(times, count, "times") }?;
         if count > 0 {
+            // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
             unsafe {
                 required(p.semi_axes, "semi_axes")?;
                 required(p.quaternions, "quaternions")?;
@@ -460,6 +501,8 @@ pub unsafe extern "C" fn ellgran_rayleigh_times(
                     format!("particle {identifier}: {what}"),
                 )
             };
+            // SAFETY: `k` is below `count`, and the arrays of shapes are not NULL and as long as `EllgranParticles`
+            // demands.
             let (semi_axes, quaternion) = unsafe { shape_of(&p, k) }
                 .ok_or_else(|| wrong("it has no shape: every particle must be an ellipsoid"))?;
             let body = Body {
@@ -469,12 +512,12 @@ pub unsafe extern "C" fn ellgran_rayleigh_times(
                 velocity: [0.0; 3],
                 angular_velocity: [0.0; 3],
                 mass: masses[k],
-                kind: types[k],
+                particle_type: types[k],
                 identifier,
             };
             let grain = prepare_body(&body, Some(type_count))
                 .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))?;
-            *time = rayleigh_time(&of_types[grain.kind as usize - 1], &grain);
+            *time = rayleigh_time(&of_types[grain.particle_type as usize - 1], &grain);
         }
         Ok(())
     })

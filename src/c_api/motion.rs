@@ -9,7 +9,7 @@ use super::status::{
 use crate::contact::ranges::LONGEST_TIME_STEP;
 use crate::message::Number;
 use crate::motion::{finish_step, start_step, Bodies, BodyArrays, Selection};
-use libc::{c_void, size_t};
+use core::ffi::c_void;
 
 /// Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
 ///
@@ -18,9 +18,9 @@ use libc::{c_void, size_t};
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranMotion {
     /// `sizeof(EllgranMotion)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Number of bodies.
-    pub count: size_t,
+    pub count: usize,
     /// Centres, [count][3]; written by `ellgran_start_step`.
     pub positions: *mut f64,
     /// Velocities of the centres, [count][3]; written.
@@ -39,12 +39,12 @@ pub struct EllgranMotion {
     /// Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
     pub semi_axes: *const f64,
     /// Bytes from one entry of `semi_axes` to the next.
-    pub semi_axes_stride: size_t,
+    pub semi_axes_stride: usize,
     /// Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
     /// with length 1.
     pub quaternions: *mut f64,
     /// Bytes from one entry of `quaternions` to the next.
-    pub quaternions_stride: size_t,
+    pub quaternions_stride: usize,
     /// Group bits of each body, [count], or NULL: all bodies move.
     pub masks: *const i32,
     /// Bodies with `masks[i] & group_mask` not zero move.
@@ -214,7 +214,9 @@ pub unsafe extern "C" fn ellgran_start_step(
         let set = unsafe { required(workspace, "workspace") }?
             .workspace
             .instruction_set;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = &*unsafe { given(motion, "motion") }?;
+        // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
         let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
         start_step(set, &mut arrays, selection, time_step).map_err(|error| {
             Failure::new(
@@ -238,6 +240,7 @@ pub unsafe extern "C" fn ellgran_finish_step(motion: *const EllgranMotion, time_
     at_border("ellgran_finish_step", || {
         // SAFETY: promised by the caller, for all of this function.
         let motion = &*unsafe { given(motion, "motion") }?;
+        // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
         let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
         finish_step(&mut arrays, selection, time_step);
         Ok(())

@@ -14,60 +14,60 @@ use super::status::{
 use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
 use crate::list::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
 use crate::list::{Accumulators, Entries};
-use libc::size_t;
 
 /// An engine's neighbour list: every pair once, in the row of one of its two particles.
 ///
-/// A pair that is not listed is not seen. So the list needs each pair whose centres are closer than the sum of the two largest
-/// semi-axes, and, to be used for several steps, a margin to that: no particle may have moved by more than half of it since the
-/// list was built. More pairs do no harm.
+/// Forces are computed for listed pairs only. So the list must hold each pair whose centres are closer than the sum of
+/// their two largest semi-axes plus a margin. It can be used until a particle has moved by half of the margin since the
+/// list was built. Further pairs do not change the result.
 ///
-/// `touching` and `history` belong to the caller. When a pair enters the list, they are to be 0 (the normal may hold anything:
-/// it is a start of the search); while it stays, in whatever list and place, they go with it; where it comes back with its
-/// particles exchanged, `ellgran_history_swap` turns the history. A contact whose history is lost begins anew, without
-/// tangential force.
+/// `touching` and `history` belong to the caller, who must
+/// - set them to 0 when a pair enters the list;
+/// - carry them along when a new list has the pair in another place;
+/// - apply `ellgran_history_swap` when a new list has the pair with its two particles exchanged.
 ///
-/// The pointers are read during a call and not kept after it. Of arrays by particle index only the entries of central particles
-/// are read.
+/// A contact whose history is lost starts again without tangential force.
+///
+/// The pointers are read during a call and not kept after it. Arrays "by particle index" are read only at the indices of
+/// central particles.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranNeighbourList {
     /// `sizeof(EllgranNeighbourList)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Number of central particles.
-    pub count: size_t,
+    pub count: usize,
     /// Their indices, [count].
     pub central: *const i32,
-    /// Number of neighbours, by particle index; a negative number is 0.
+    /// Number of neighbours, by particle index; a negative number counts as 0.
     pub neighbour_counts: *const i32,
     /// Neighbours, by particle index: [neighbour_counts] entries each, none of them the central particle itself. A row
     /// without neighbours may be NULL.
     pub neighbours: *const *const i32,
-    /// Bits of an entry that are the neighbour's index (all: -1).
+    /// Mask of the bits of an entry that hold the neighbour's index; -1 if all do.
     pub index_mask: i32,
-    /// Number of the lowest of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30); they
-    /// are to be 0 in `index_mask`. Not read if `special_factors` is NULL.
+    /// Position of the two bits of an entry that select one of `special_factors`, 0 to 30 (LAMMPS: 30). `index_mask` must
+    /// not contain them. Not read if `special_factors` is NULL.
     pub special_shift: i32,
     /// [4] or NULL; a pair whose factor is 0 is left out. Other factors do not scale a contact force.
     pub special_factors: *const f64,
-    /// 1: forces are added to ghosts too, and a pair appears once among all ranks; 0: only to owned particles, and a pair
-    /// with a ghost appears on both ranks.
+    /// 1: each pair is listed by one rank only, and forces are added to ghosts too. 0: a pair with a ghost is listed by
+    /// both ranks, and forces are added to owned particles only.
     pub newton: i32,
-    /// 1: since the last call with this workspace that succeeded, the laws, the particles and their order, the list's entries,
-    /// `touching` and `history` have not changed but by this library (positions, rotations, shapes and types may have): most
-    /// pairs that do not touch are then left out without being looked at, and what is remembered of the others is taken from
-    /// the workspace. 0: they may have. When in doubt, 0.
+    /// 1: since the last successful call with this workspace the caller has changed none of the following: the laws, the
+    /// number and order of the particles, the entries of the list, `touching`, `history`. Positions, rotations, velocities,
+    /// shapes and types may have changed. Most pairs that do not touch are then skipped, and histories are taken from the
+    /// workspace. 0: any of them may have changed. When in doubt, use 0.
     ///
-    /// `ellgran_compute_wall` and calls for one contact in between do not count, a call that failed neither; in the first
-    /// call with a workspace it makes no difference. The arrays themselves may have moved. Other laws, another `count`, other
-    /// `central` or `neighbour_counts` and rows that are NULL are found out and refused. The behaviour is undefined if 1 is
-    /// said of a list whose `touching` or `history` are shorter than they were; if other entries or other numbers are in their
-    /// places, forces are wrong.
+    /// Calls of other functions in between, and calls that failed, do not matter. In the first call with a workspace 1 has
+    /// no effect. The arrays may be at other addresses. Other laws, another `count`, other `central` or `neighbour_counts`,
+    /// and rows that have become NULL are detected and refused. Other changes are not detected: other entries or numbers
+    /// give wrong forces, and the behaviour is undefined if `touching` or `history` have become shorter.
     pub unchanged: i32,
-    /// 1: `touching` and `history` may stay behind what the workspace remembers, which is faster: whoever reads them, or
-    /// changes the list, calls `ellgran_write_history` first. 0: they are written in every call.
+    /// 1: `touching` and `history` are stale until `ellgran_write_history` is called, which is faster. Call it before
+    /// reading them and before changing the list. 0: they are written in every call.
     pub keep_history: i32,
-    /// 1: every touching pair is recorded, at some cost, for `ellgran_recorded_contact`. 0: none is, which costs nothing.
+    /// 1: touching pairs are recorded for `ellgran_recorded_contact`, which costs time. 0: they are not.
     pub record_contacts: i32,
     /// One flag per neighbour, by particle index, [neighbour_counts] each, read and written: 1 for a contact, 0 for none.
     /// NULL if the history length is 0.
@@ -90,7 +90,10 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(
+    /// # Safety
+    /// The arrays of `list` are valid as [`EllgranNeighbourList`] demands, while the rows are used; those by particle index have
+    /// an entry for each of `central`, and `touching` and `history` are not aliased. Methods of the rows rely on it.
+    unsafe fn new(
         list: &EllgranNeighbourList,
         central: &'a [i32],
         length: usize,
@@ -117,8 +120,8 @@ impl NeighbourRows for Rows<'_> {
     #[inline(always)]
     fn row(&mut self, k: usize) -> NeighbourRow<'_> {
         let central = self.central[k] as usize;
-        // SAFETY: by the contract of `EllgranNeighbourList`, the arrays have an entry for every central particle, the rows
-        // have as many entries as the count says, and no row is borrowed twice at a time (`&mut self`).
+        // SAFETY: by the contract of `Rows::new`, the arrays have an entry for every central particle, the rows have as many
+        // entries as the count says, and no row is borrowed twice at a time (`&mut self`).
         unsafe {
             let count = (*self.counts.add(central)).max(0) as usize;
             let neighbours = if count == 0 {
@@ -156,7 +159,7 @@ impl NeighbourRows for Rows<'_> {
         unsafe {
             assert!(
                 (entry as i64) < i64::from(*self.counts.add(central)),
-                "a row has become shorter in an unchanged list"
+                "a row has become shorter in a list with unchanged = 1"
             );
             (
                 Some(&mut *(*self.touching.add(central)).add(entry)),
@@ -240,13 +243,15 @@ fn list_failure(p: &EllgranParticles, list: &EllgranNeighbourList, error: ListEr
 
 /// Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 ///
-/// Particles are checked first, and of a new list the entries, and the histories of pairs that touch; on failure nothing is
-/// written.
+/// Before anything is written, particles are checked, and in a new list the entries and the histories of touching pairs. On
+/// failure nothing is written.
 ///
-/// The same calls with the same numbers give the same bits, run after run, on one machine with one instruction set. They differ
-/// by rounding from one instruction set to another (and between makers of processors with AVX-512, whose approximate
-/// reciprocals differ), from `ellgran_contact` for the same pair, with the order of the list, and between a list that was said
-/// to be unchanged and a new one.
+/// The same calls with the same numbers give the same bits on one machine with one instruction set. Results differ by
+/// rounding
+/// - between instruction sets, and with AVX-512 between makers of processors, whose approximate reciprocals differ;
+/// - from those of `ellgran_contact` for the same pair;
+/// - with the order of the list;
+/// - between a list with `unchanged` = 1 and a new one.
 ///
 /// # Safety
 /// The pointers are as `EllgranParticles`, `EllgranNeighbourList` and `EllgranTallies` state; `tallies` may be NULL.
@@ -267,10 +272,14 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 required_mut(workspace, "workspace")?,
             )
         };
+        // SAFETY: `laws` is NULL or valid for reads, by this function's safety section.
         let laws = &unsafe { required(laws, "laws") }?.laws;
         kept.workspace.contacts.clear();
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `list` is NULL or valid for reads, by this function's safety section.
         let list = &*unsafe { given(list, "list") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let length = laws.layout().length;
         if kept.is_computing {
@@ -288,10 +297,11 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         if list.unchanged == 0 && workspace.has_unwritten_history() {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                "the list may have changed (unchanged = 0), but the history that the workspace keeps of the last list was \
-                 not written: call ellgran_write_history before the list changes, or ellgran_forget_history to lose it",
+                "unchanged = 0, but the workspace keeps histories of the last list that were not written: call \
+                 ellgran_write_history before the list changes, or ellgran_forget_history to discard them",
             ));
         }
+        // SAFETY: `central` is NULL or valid for reads of `list.count` elements, as `EllgranNeighbourList` demands.
         let central = unsafe { slice(list.central, list.count, "central") }?;
         if list.count > 0 {
             for (is_null, name) in [
@@ -353,6 +363,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         }
         let mut excluded = [false; 4];
         let mut shift = 0;
+        // SAFETY: `special_factors` is NULL or valid for reads of 4 values, as `EllgranNeighbourList` demands.
         if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
             shift = u32::try_from(list.special_shift)
                 .ok()
@@ -370,10 +381,18 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                 *e = *f == 0.0;
             }
         }
+        // SAFETY: `forces` is NULL or valid for reads and writes of `p.count` elements, and not aliased, as
+        // `EllgranParticles` demands.
         let forces = unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), p.count, "forces") }?;
+        // SAFETY: `torques` is NULL or valid for reads and writes of `p.count` elements, and not aliased, as
+        // `EllgranParticles` demands.
         let torques = unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), p.count, "torques") }?;
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?;
         let mut sums = match &asked {
+            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
+            // are borrowed once.
             Some(asked) => Some(unsafe { borrow(&asked.given, p.count) }?),
             None => None,
         };
@@ -381,6 +400,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             unchanged: list.unchanged != 0,
         };
         *is_computing = true;
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         let prepared = unsafe { prepare(p, p.count, Some(laws), workspace, purpose) };
         *is_computing = false;
         prepared?;
@@ -391,7 +411,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             shift,
             excluded,
         };
-        let mut rows = Rows::new(list, central, length, entries);
+        // SAFETY: the arrays are as `EllgranNeighbourList` demands, by this function's safety section; `central` is the list's own.
+        let mut rows = unsafe { Rows::new(list, central, length, entries) };
         let mut accumulators = Accumulators {
             forces,
             torques,
@@ -424,8 +445,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
     })
 }
 
-/// Writes to `touching` and `history` of the list of the last call what calls with `keep_history` = 1 left behind; does
-/// nothing where they are up to date.
+/// Writes the `touching` and `history` that calls with `keep_history` = 1 have kept in the workspace to the arrays of the
+/// list. Does nothing where they are up to date.
 ///
 /// # Safety
 /// `workspace` is valid; `list` is that of the last call of `ellgran_compute_pairs` with it, unchanged since.
@@ -437,6 +458,7 @@ pub unsafe extern "C" fn ellgran_write_history(
     at_border("ellgran_write_history", || {
         // SAFETY: promised by the caller.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `list` is NULL or valid for reads, by this function's safety section.
         let list = &*unsafe { given(list, "list") }?;
         if !workspace.has_unwritten_history() {
             return Ok(());
@@ -465,20 +487,22 @@ pub unsafe extern "C" fn ellgran_write_history(
                 return Err(Failure::new(
                     ELLGRAN_ERROR_ARGUMENT,
                     format!(
-                        "the list is not that of the last call: row {central} has no entry {entry} any more, of which a \
-                         history is kept"
+                        "the list is not that of the last call: row {central} no longer has entry {entry}, whose history is \
+                         kept"
                     ),
                 ));
             }
         }
-        workspace.write_history(&mut Rows::new(list, &[], length, Entries::PLAIN));
+        // SAFETY: the arrays are as `EllgranNeighbourList` demands, and the loop above has found an entry for each kept history.
+        let mut rows = unsafe { Rows::new(list, &[], length, Entries::PLAIN) };
+        workspace.write_history(&mut rows);
         Ok(())
     })
 }
 
-/// Forgets the histories that a workspace keeps (`keep_history` = 1) and did not write: for a caller who has given up the list
-/// that they belong to, or who wants none of them. The next call takes `touching` and `history` of its list as they are,
-/// whatever `unchanged` says; those of the old list stay as the last writing left them.
+/// Discards the histories that a workspace keeps (`keep_history` = 1) and has not written: for a caller who no longer has
+/// the list to which they belong, or does not want them. The next call reads `touching` and `history` of its list, even
+/// with `unchanged` = 1. The arrays of the old list keep what was last written to them.
 ///
 /// # Safety
 /// `workspace` is NULL or valid.

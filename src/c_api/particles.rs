@@ -13,83 +13,86 @@ use crate::list::Rotation;
 use crate::list::{ParticleArrays, Workspace};
 use crate::message::Number;
 use crate::simd::InstructionSet;
-use libc::{c_char, c_void, size_t};
+use core::ffi::{c_char, c_void};
 
 /// Pointers to an engine's own arrays: owned particles first, then ghosts. World frame.
 ///
-/// The arrays are read and written during a call and not kept after it: they may move between calls. `ellgran_compute_pairs`
-/// and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the first `owned_count`. What is out of
-/// the range stated at a field is an error that names the particle and the value.
+/// The arrays are read and written during a call and not kept after it: they may move between calls.
+/// `ellgran_compute_pairs` and `ellgran_staged_prepare` need `count` entries of each, `ellgran_compute_wall` the
+/// first `owned_count`. A value outside the range of its field is an error that names the
+/// particle and the value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranParticles {
     /// `sizeof(EllgranParticles)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Particles that the caller owns.
-    pub owned_count: size_t,
+    pub owned_count: usize,
     /// All particles, ghosts included.
-    pub count: size_t,
+    pub count: usize,
     /// Centres, [count][3]; components up to 1e20.
     pub positions: *const f64,
-    /// Velocities of the centres, [count][3]; components up to 1e25. Those that moved the particles to where they are, see
-    /// `EllgranStep`.
+    /// Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
     pub velocities: *const f64,
-    /// Angular velocities, [count][3], or NULL: then from `angular_momenta` and `masses`. Components up to 1e25.
+    /// Angular velocities, [count][3]; components up to 1e25. NULL: they are computed from `angular_momenta` and `masses`.
     pub angular_velocities: *const f64,
     /// Angular momenta of solid ellipsoids, [count][3]; may be NULL if `angular_velocities` is not.
     pub angular_momenta: *const f64,
-    /// Masses, [count], from 1e-50 to 1e50; may be NULL where neither `angular_momenta` nor a law reads them.
+    /// Masses, [count], from 1e-50 to 1e50. May be NULL if `angular_velocities` are given and no law needs masses
+    /// (`ellgran_laws_uses_mass`).
     pub masses: *const f64,
-    /// Masses for effective masses, [count]: that of the rigid body that a particle belongs to, INFINITY for a frozen one.
-    /// NULL: `masses`.
+    /// Masses from which the effective mass of a contact is made, [count]: that of the rigid body to which a particle
+    /// belongs, INFINITY for a fixed particle. NULL: `masses` are used.
     pub contact_masses: *const f64,
     /// Types, counted from 1, [count].
     pub types: *const i32,
-    /// Index of each particle into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error. NULL: the
-    /// particle's own index.
+    /// Index of each particle into `semi_axes` and `quaternions`, [count]. A negative index means that the particle is not
+    /// an ellipsoid, which is an error. NULL: the particle's own index.
     pub shape_indices: *const i32,
-    /// Semi-axes, 3 doubles an entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. As many entries as there
-    /// are particles, or as `shape_indices` name.
+    /// Semi-axes, 3 doubles per entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. `count` entries, or
+    /// as many as `shape_indices` refer to.
     pub semi_axes: *const f64,
     /// Bytes from one entry of `semi_axes` to the next.
-    pub semi_axes_stride: size_t,
-    /// Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero.
+    pub semi_axes_stride: usize,
+    /// Quaternions (w, x, y, z) from body frame to world frame, 4 doubles per entry. They need not have unit length, but
+    /// not zero length.
     pub quaternions: *const f64,
     /// Bytes from one entry of `quaternions` to the next.
-    pub quaternions_stride: size_t,
-    /// What to call a particle in a message, [count] integers of `identifier_bytes` each, or NULL: index + 1.
+    pub quaternions_stride: usize,
+    /// Numbers by which error messages name the particles, [count] integers of `identifier_bytes` each. NULL: index + 1.
     pub identifiers: *const c_void,
-    /// 4 or 8.
+    /// Size of an identifier: 4 or 8.
     pub identifier_bytes: i32,
-    /// Forces, [count][3], added to; those of ghosts only where a pair's reaction goes there (`newton` of the list).
+    /// Forces, [count][3]: the contact forces are added. Those of ghosts change only with `newton` = 1 of the list.
     pub forces: *mut f64,
-    /// Torques about the centres, [count][3], added to; as `forces`.
+    /// Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
     pub torques: *mut f64,
 }
 
 growing!(EllgranParticles);
 
-/// Time step, and whether the history advances.
+/// Time step, and whether histories are advanced by it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStep {
     /// `sizeof(EllgranStep)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
-    /// 1 in a step; 0 in the set-up of a run: forces from the history as it stands.
+    pub size: usize,
+    /// 1 in a time step: histories are advanced and written. 0 where forces are evaluated without a step, as when a run is
+    /// set up: histories are read and not changed.
     pub advance_history: i32,
-    /// Time step, from 0 to 1e15. The velocities are those of the half step, which moved the particles over it to where they
-    /// are: of velocity Verlet those between its two halves, of leapfrog its own. With velocities of the full step the
-    /// tangential displacement has an error of the order of the time step.
+    /// Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
+    /// moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
+    /// With velocities of the full step the tangential displacement has an error of the order of the time step.
     pub time_step: f64,
 }
 
 growing!(EllgranStep);
 
-/// Memory that one thread of calls keeps from step to step. Opaque.
+/// Working memory of a sequence of calls, kept from step to step. Opaque.
 ///
-/// Two threads may compute at a time with a workspace each, with the same laws, where the arrays that they write are apart.
-/// After an error a workspace is as good as before the call: what it keeps of the last call that succeeded is still there.
-/// After `ELLGRAN_ERROR_PANIC` it can be used too, but what it kept is lost.
+/// Several threads may compute at the same time, each with its own workspace, with the same laws, if the arrays that they
+/// write do not overlap. After an error the workspace still holds what the last successful call left in it. After
+/// `ELLGRAN_ERROR_PANIC` it can still be used, but the histories that it kept are lost.
 pub struct EllgranWorkspace {
     pub(super) workspace: Workspace,
     /// What the last list that was computed looked like.
@@ -109,9 +112,9 @@ pub(super) struct ListLook {
     pub rows: u64,
 }
 
-/// A new workspace. The neighbour-list path will run on the widest instruction set of this machine, or on the one that the
-/// environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`; empty is as if it were not
-/// set.
+/// Makes a workspace. `ellgran_compute_pairs` will use the widest vector instruction set of this machine, or the one that
+/// the environment variable `ELLGRAN_INSTRUCTION_SET` names: `scalar`, `baseline`, `avx2` or `avx512`. An empty variable
+/// counts as not set.
 ///
 /// # Safety
 /// `workspace` is NULL or valid for writes.
@@ -168,13 +171,14 @@ pub unsafe extern "C" fn ellgran_workspace_instruction_set(
 /// # Safety
 /// `workspace` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_workspace_bytes(workspace: *const EllgranWorkspace) -> size_t {
+pub unsafe extern "C" fn ellgran_workspace_bytes(workspace: *const EllgranWorkspace) -> usize {
     // SAFETY: promised by the caller.
     unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.bytes())
 }
 
-/// Contacts deeper than half the smallest local radius of curvature, since the workspace was made, counted in every call: the
-/// scene is too soft for Hertz' law, and slow, for the deepest need a search for the global minimum; 0 for NULL.
+/// Number of contacts deeper than half the smallest local radius of curvature, summed over all calls since the workspace
+/// was made; 0 for NULL. A number above 0 means that the material is too soft for Hertz' law at these loads. Such contacts
+/// are also slow, since the deepest of them need a search for the global minimum.
 ///
 /// # Safety
 /// `workspace` is NULL or valid.
@@ -275,6 +279,7 @@ pub(super) unsafe fn prepare(
     let rotation = if p.angular_velocities.is_null() {
         Rotation::Momentum(
             rows(p.angular_momenta, "angular_momenta (or angular_velocities)")?,
+            // SAFETY: `masses` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
             unsafe { slice(p.masses, count, "masses") }?,
         )
     } else {
@@ -286,6 +291,7 @@ pub(super) unsafe fn prepare(
         } else {
             p.contact_masses
         };
+        // SAFETY: `pointer` is NULL or valid for reads of `count` elements, by this function's safety section.
         unsafe { slice(pointer, count, "masses (or contact_masses)") }?
     } else {
         &[]
@@ -293,6 +299,7 @@ pub(super) unsafe fn prepare(
     let shape_indices = if p.shape_indices.is_null() {
         None
     } else {
+        // SAFETY: `shape_indices` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         Some(unsafe { slice(p.shape_indices, count, "shape_indices") }?)
     };
     let arrays = ParticleArrays {
@@ -301,6 +308,7 @@ pub(super) unsafe fn prepare(
         velocities: rows(p.velocities, "velocities")?,
         rotation,
         contact_masses,
+        // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         types: unsafe { slice(p.types, count, "types") }?,
         shape: |k: usize| {
             let entry = match shape_indices {
@@ -365,20 +373,20 @@ pub(super) fn hale_failure(i: i64, j: Option<i64>, ratio: f64) -> Failure {
     Failure::new(
         ELLGRAN_ERROR_HALE,
         format!(
-            "particle {i}: the contact with {with} has B/A = {}, where Hale's form of the Hertz factors breaks \
-             (above 25178); use factors exact",
+            "particle {i}: the contact with {with} has B/A = {}, where Hale's form of the Hertz factors is not \
+             defined (above 25178): use factors exact",
             Number(ratio)
         ),
     )
 }
 
-/// The failure for a history of a touching contact that no call has written.
+/// The failure for an invalid history of a touching contact.
 pub(super) fn history_failure(i: i64, j: Option<i64>, place: usize, value: f64) -> Failure {
     let with = j.map_or("a wall".to_owned(), |j| format!("particle {j}"));
     Failure::new(
         ELLGRAN_ERROR_HISTORY,
         format!(
-            "particle {i}: the history of its contact with {with} has {} in place {place}, which no call has written: set \
+            "particle {i}: the history of its contact with {with} is invalid: value {place} is {}. Set \
              touching and history of new pairs to 0",
             Number(value)
         ),
@@ -391,8 +399,8 @@ pub(super) fn result_failure(i: i64, j: Option<i64>, name: &str, value: f64) -> 
     Failure::new(
         ELLGRAN_ERROR_RESULT,
         format!(
-            "particle {i}: its contact with {with} has {name} = {}: sizes, motion and law of the two are too far apart for \
-             double precision",
+            "particle {i}: its contact with {with} has {name} = {}: sizes, motion and constants of the two give a result \
+             out of the range of double precision",
             Number(value)
         ),
     )

@@ -8,14 +8,13 @@ use crate::geometry::Plane;
 use crate::message::Numbers;
 use crate::vector::Vector3;
 use crate::walls::MovingPlane;
-use libc::size_t;
 
 /// A plane wall: a half-space.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranPlane {
     /// `sizeof(EllgranPlane)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// A point of its surface; components up to 1e20.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the particles; any length but zero.

@@ -5,45 +5,44 @@ use super::contact::{force_of, EllgranContactForce, EllgranContactGeometry};
 use super::growing::{growing, Output};
 use super::particles::EllgranWorkspace;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use libc::size_t;
 
-/// Where a recorded contact stands in the list.
+/// Place of a recorded contact in the neighbour list.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactPlace {
     /// `sizeof(EllgranContactPlace)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
-    /// Index of the central particle, the i of geometry and force.
+    pub size: usize,
+    /// Index of the central particle: body i of geometry and force.
     pub i: i32,
     /// Index of its neighbour, without the bits above `index_mask`.
     pub j: i32,
     /// Place of the neighbour in the row of the central particle.
-    pub entry: size_t,
+    pub entry: usize,
 }
 
 growing!(EllgranContactPlace);
 
 /// Number of contacts that the last call of `ellgran_compute_pairs` with this workspace recorded: all touching pairs of the
-/// list if `record_contacts` of the list was 1, else 0, as after a call that failed; 0 for NULL.
+/// list if its `record_contacts` was 1. 0 otherwise, after a call that failed, and for NULL.
 ///
 /// # Safety
 /// `workspace` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_recorded_count(workspace: *const EllgranWorkspace) -> size_t {
+pub unsafe extern "C" fn ellgran_recorded_count(workspace: *const EllgranWorkspace) -> usize {
     // SAFETY: promised by the caller.
     unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.contacts.as_slice().len())
 }
 
-/// A recorded contact, by its number from 0: where it stands in the list, its geometry, and the force that acted. They are in
-/// the order of the central particles' indices and within these in that of their rows, whatever the instruction set. Each of
-/// the three may be NULL.
+/// A recorded contact, by its number from 0: its place in the list, its geometry, and the force that acted. Each of the
+/// three may be NULL. Contacts are sorted by the index of the central particle, then by their place in its row, on every
+/// instruction set.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_recorded_contact(
     workspace: *const EllgranWorkspace,
-    number: size_t,
+    number: usize,
     place: *mut EllgranContactPlace,
     geometry: *mut EllgranContactGeometry,
     force: *mut EllgranContactForce,
@@ -51,8 +50,12 @@ pub unsafe extern "C" fn ellgran_recorded_contact(
     at_border("ellgran_recorded_contact", || {
         // SAFETY: promised by the caller, for all of this function.
         let workspace = &unsafe { required(workspace, "workspace") }?.workspace;
+        // SAFETY: `place` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let place = unsafe { Output::optional(place, "place") }?;
+        // SAFETY: `geometry` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let geometry = unsafe { Output::optional(geometry, "geometry") }?;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let force = unsafe { Output::optional(force, "force") }?;
         let all = workspace.contacts.as_slice();
         let record = all.get(number).ok_or_else(|| {
@@ -84,8 +87,8 @@ pub unsafe extern "C" fn ellgran_recorded_contact(
     })
 }
 
-/// The number of the recorded contact of two particles, whichever of them is the central one; -1 if they do not touch or
-/// nothing was recorded. Takes a time that grows as the logarithm of the number of contacts.
+/// The number of the recorded contact of two particles, given in either order; -1 if they do not touch or nothing was
+/// recorded. The time of a call grows with the logarithm of the number of contacts.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -99,6 +102,7 @@ pub unsafe extern "C" fn ellgran_recorded_find(
     at_border("ellgran_recorded_find", || {
         // SAFETY: promised by the caller, for all of this function.
         let workspace = &unsafe { required(workspace, "workspace") }?.workspace;
+        // SAFETY: `number` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(number, "number") }?;
         let found = match (usize::try_from(i), usize::try_from(j)) {
             (Ok(i), Ok(j)) => workspace.contacts.find(i, j),

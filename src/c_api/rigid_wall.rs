@@ -21,8 +21,8 @@ use crate::walls::{
     compute_wall, stl, End, Mesh, Motion, ShapeParameters, Side, Wall, WallError, WallInput,
     WallOutput, WrongMemory,
 };
+use core::ffi::c_char;
 use core::ffi::CStr;
-use libc::{c_char, size_t};
 
 /// The particles are on the side of a surface on which their centres are.
 pub const ELLGRAN_SIDE_OF_CENTRE: i32 = 0;
@@ -50,7 +50,7 @@ pub struct EllgranWall {
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallShape {
     /// `sizeof(EllgranWallShape)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// "plane", "cylinder", "cone" or "sphere".
     pub name: *const c_char,
     /// A point of a plane, the centre of a sphere, a point of the axis of a cylinder or a cone; components up to 1e20.
@@ -76,7 +76,7 @@ growing!(EllgranWallShape);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallMotion {
     /// `sizeof(EllgranWallMotion)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// The point about which the wall has turned, where it was when the shapes were described.
     pub origin: [f64; 3],
     /// How far that point has moved since.
@@ -96,7 +96,7 @@ growing!(EllgranWallMotion);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallLoad {
     /// `sizeof(EllgranWallLoad)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Force on the wall, world frame.
     pub force: [f64; 3],
     /// Torque on the wall about `origin + displacement` of its motion, world frame.
@@ -114,11 +114,11 @@ growing!(EllgranWallLoad);
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranRecordedWallContact {
     /// `sizeof(EllgranRecordedWallContact)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Index of the particle.
-    pub particle: size_t,
+    pub particle: usize,
     /// Index of the wall's part.
-    pub part: size_t,
+    pub part: usize,
     /// Contact point, world frame.
     pub point: [f64; 3],
     /// Unit normal out of the wall, towards the particle, world frame.
@@ -260,7 +260,9 @@ pub unsafe extern "C" fn ellgran_wall_add_shape(
     at_border("ellgran_wall_add_shape", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `shape` is NULL or valid for reads, by this function's safety section.
         let shape = unsafe { given(shape, "shape") }?;
+        // SAFETY: `shape.name` is NULL or a text that ends with NUL, by this function's safety section.
         let name = unsafe { text(shape.name, "wall shape: name") }?;
         let parameters = shape.to_core()?;
         if parameters.axis == Vector3::ZERO && name != "sphere" {
@@ -281,12 +283,13 @@ pub unsafe extern "C" fn ellgran_wall_add_shape(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_add_triangles(
     wall: *mut EllgranWall,
-    count: size_t,
+    count: usize,
     corners: *const f64,
 ) -> i32 {
     at_border("ellgran_wall_add_triangles", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `corners` is NULL or valid for reads of `count` elements, by this function's safety section.
         let corners = unsafe { slice(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
         let triangles = corners.iter().map(|t| t.map(Vector3::from_array)).collect();
         wall.add_mesh(Mesh::new(triangles).map_err(wrong)?);
@@ -307,13 +310,16 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
     scale: f64,
     quaternion: *const f64,
     translation: *const f64,
-    triangle_count: *mut size_t,
+    triangle_count: *mut usize,
 ) -> i32 {
     at_border("ellgran_wall_add_stl", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `path` is NULL or a text that ends with NUL, by this function's safety section.
         let path = unsafe { text(path, "path") }?;
+        // SAFETY: `quaternion` is NULL or valid for reads of 4 values, by this function's safety section.
         let quaternion = unsafe { quaternion.cast::<[f64; 4]>().as_ref() };
+        // SAFETY: `translation` is NULL or valid for reads of 3 values, by this function's safety section.
         let translation = unsafe { translation.cast::<[f64; 3]>().as_ref() };
         if !(scale.is_finite() && scale > 0.0) {
             return Err(wrong(format!(
@@ -351,7 +357,7 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.part_count())
 }
@@ -365,7 +371,7 @@ pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> si
 pub unsafe extern "C" fn ellgran_wall_memory_length(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
-) -> size_t {
+) -> usize {
     // SAFETY: promised by the caller.
     match unsafe { (wall.as_ref(), laws.as_ref()) } {
         (Some(wall), Some(laws)) => wall.wall.memory(&laws.laws).length(),
@@ -383,7 +389,7 @@ pub unsafe extern "C" fn ellgran_wall_memory_used(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
     memory: *const f64,
-) -> size_t {
+) -> usize {
     // SAFETY: promised by the caller.
     match unsafe { (wall.as_ref(), laws.as_ref(), memory.is_null()) } {
         (Some(wall), Some(laws), false) => {
@@ -440,7 +446,9 @@ pub(super) unsafe fn prepare_near(
     // SAFETY: promised by the caller, for all of this function.
     let positions = unsafe { slice(p.positions.cast::<[f64; 3]>(), owned, "positions") }?;
     if owned > 0 {
+        // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
         unsafe { required(p.semi_axes, "semi_axes") }?;
+        // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
         unsafe { required(p.quaternions, "quaternions") }?;
     }
     wall.find_near(motion, owned, |k| {
@@ -457,6 +465,7 @@ pub(super) unsafe fn prepare_near(
         });
         acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
     });
+    // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
     unsafe { prepare(p, owned, laws, workspace, Purpose::Chosen(wall.near())) }
 }
 
@@ -502,24 +511,41 @@ pub unsafe extern "C" fn ellgran_compute_wall(
     at_border("ellgran_compute_wall", || {
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
+        // SAFETY: `wall` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
         let wall_type = check_type(laws, wall_type, "wall_type")?;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = unsafe { motion_of(motion) }?;
+        // SAFETY: `load` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut of_load = unsafe { Output::optional(load, "load") }?;
         let owned = p.owned_count;
         let length = wall.memory(laws).length();
+        // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, owned) }?;
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on) }?;
         let mut output = WallOutput {
             acts_on: &acts_on,
+            // SAFETY: `memory` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
+            // by this function's safety section.
             memory: unsafe { slice_mut(memory, owned * length, "memory") }?,
+            // SAFETY: `forces` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
+            // SAFETY: `torques` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
+            // `EllgranParticles` demands.
             torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
         };
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?;
         let mut sums = match &asked {
+            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
+            // are borrowed once.
             Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
             None => None,
         };
@@ -562,12 +588,13 @@ pub unsafe extern "C" fn ellgran_compute_wall(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_part_force(
     wall: *const EllgranWall,
-    part: size_t,
+    part: usize,
     force: *mut f64,
 ) -> i32 {
     at_border("ellgran_wall_part_force", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(force.cast::<[f64; 3]>(), "force") }?;
         if part >= wall.part_count() {
             return Err(wrong(format!(
@@ -604,7 +631,7 @@ pub unsafe extern "C" fn ellgran_wall_record_contacts(wall: *mut EllgranWall, re
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.contacts().len())
 }
@@ -616,12 +643,14 @@ pub unsafe extern "C" fn ellgran_wall_recorded_count(wall: *const EllgranWall) -
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_recorded(
     wall: *const EllgranWall,
-    index: size_t,
+    index: usize,
     contact: *mut EllgranRecordedWallContact,
 ) -> i32 {
     at_border("ellgran_wall_recorded", || {
         // SAFETY: promised by the caller, for all of this function.
         let all = unsafe { required(wall, "wall") }?.wall.contacts();
+        // SAFETY: `contact` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(contact, "contact") }?;
         let c = all.get(index).ok_or_else(|| {
             wrong(format!(

@@ -4,7 +4,6 @@
 use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_PARTICLE};
 use crate::contact::particle::describe;
 use crate::geometry::Ellipsoid;
-use libc::size_t;
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
@@ -29,7 +28,7 @@ fn check(semi_axes: &[[f64; 3]]) -> Result<(), Failure> {
 /// The pointers are NULL or have these lengths.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_volumes(
-    count: size_t,
+    count: usize,
     semi_axes: *const f64,
     volumes: *mut f64,
 ) -> i32 {
@@ -52,7 +51,7 @@ pub unsafe extern "C" fn ellgran_volumes(
 /// The pointers are NULL or have these lengths.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_moments_of_inertia(
-    count: size_t,
+    count: usize,
     semi_axes: *const f64,
     masses: *const f64,
     moments: *mut f64,

@@ -22,7 +22,6 @@ use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::simd::InstructionSet;
 use crate::vector::Vector3;
-use libc::size_t;
 
 /// Of a wall, 1/length: that of the smallest body, as flat as it may be.
 const LARGEST_CURVATURE: f64 = 1e26;
@@ -32,27 +31,27 @@ const LARGEST_CURVATURE: f64 = 1e26;
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranWallSurface {
     /// `sizeof(EllgranWallSurface)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// The point of the surface that lies deepest in the body, world frame; components up to 1e20.
     pub point: [f64; 3],
     /// Normal out of the wall, towards the body; any length but zero.
     pub normal: [f64; 3],
-    /// First principal direction; only its part in the tangent plane counts. Not read where both entries of
-    /// `curvatures` and of `turning_radii` are alike.
+    /// First principal direction; its component along the normal is ignored. Not read where both entries of `curvatures`
+    /// are equal and both of `turning_radii` are equal.
     pub direction: [f64; 3],
     /// Curvatures along `direction` and across it, 1/length, up to 1e26: 0 for a plane, negative in a cavity.
     pub curvatures: [f64; 2],
-    /// How far behind the point, along `direction` and across it, the surface turns as the body moves: INFINITY for a
-    /// plane, -Rc in a cavity of radius Rc, 0 across an edge.
+    /// Distance from the point to the centre about which the normal turns as the body moves along `direction` and across
+    /// it: INFINITY for a plane, Rc outside a cylinder of radius Rc, -Rc in a cavity of radius Rc, 0 across an edge.
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there; components up to 1e25.
     pub velocity: [f64; 3],
-    /// The share of Hertz' law that other faces of a mesh take of this contact, from 0 to below 1: 0 where the surface acts
-    /// alone.
+    /// Share of the Hertz force that other faces of a mesh take over at this contact, from 0 to below 1; 0 where the
+    /// surface acts alone.
     pub others_share: f64,
-    /// Gradient of `others_share` along the position of the body, 1/length; not read where that is 0.
+    /// Gradient of `others_share` with respect to the position of the body, 1/length; not read where `others_share` is 0.
     pub others_share_by_position: [f64; 3],
-    /// Gradient of `others_share` along the rotation of the body about its centre, 1/radian, world frame.
+    /// Gradient of `others_share` with respect to a rotation of the body about its centre, 1/radian, world frame.
     pub others_share_by_rotation: [f64; 3],
 }
 
@@ -68,7 +67,7 @@ impl EllgranWallSurface {
             .direction()
             .ok_or_else(|| {
                 fail(format!(
-                    "wall: normal = {} has no direction",
+                    "wall: normal = {} must be finite and not zero",
                     Numbers(&self.normal)
                 ))
             })?;
@@ -120,7 +119,7 @@ impl EllgranWallSurface {
             crate::vector::Tangent::new(normal).u
         } else {
             return Err(fail(format!(
-                "wall: direction = {} has none in the tangent plane",
+                "wall: direction = {} must not be zero nor along the normal",
                 Numbers(&self.direction)
             )));
         };
@@ -140,41 +139,43 @@ impl EllgranWallSurface {
     }
 }
 
-/// Geometry of a contact in stages.
+/// Geometry of a contact that is computed in stages.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedGeometry {
     /// `sizeof(EllgranStagedGeometry)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
-    /// 1 if the bodies touch; otherwise the rest is zero.
+    pub size: usize,
+    /// 1 if the bodies touch; 0 otherwise, and then all other fields are zero.
     pub touching: i32,
     /// Penetration: the smallest translation that separates the bodies.
     pub penetration: f64,
     /// Unit normal from i to j, or into the wall.
     pub normal: [f64; 3],
-    /// Contact point, world frame: between the witnesses, dividing the penetration as the bodies' compliances do.
+    /// Contact point, world frame. It lies between the two witness points and divides their distance in the ratio of the
+    /// compliances of the bodies.
     pub contact_point: [f64; 3],
 }
 
 growing!(EllgranStagedGeometry);
 
-/// What is remembered of a contact, and what the tangential law needs beside its law.
+/// State of a contact at the last step, and its coefficient of friction.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranStagedPast {
     /// `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Coefficient of friction of the pair of types.
     pub friction: f64,
     /// 1 if the bodies touched at the last step.
     pub touched: i32,
-    /// Their normal then; changes sign when the pair is swapped.
+    /// Unit normal at the last step; changes sign when the two bodies are exchanged.
     pub normal: [f64; 3],
 }
 
 growing!(EllgranStagedPast);
 
-/// A contact between its stages. Opaque; one per thread of calls, used for one contact after the other.
+/// State of a contact between its stages. Opaque. One is enough for any number of contacts, one after the other; threads
+/// need one each.
 pub struct EllgranStagedContact {
     pub(super) contact: Option<StagedContact>,
     pub(super) identifiers: (i64, Option<i64>),
@@ -188,7 +189,7 @@ impl EllgranStagedContact {
         self.contact.as_ref().ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                "the bodies do not touch: there is no force to ask for",
+                "the bodies do not touch: forces exist for touching bodies only",
             )
         })
     }
@@ -231,7 +232,7 @@ fn checked_mass(law: &PairLaw, effective_mass: f64) -> Result<f64, Failure> {
         Err(Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
             format!(
-                "effective_mass = {} must be 0 or greater, at most {LARGEST_MASS:e}: damping restitution reads it",
+                "effective_mass = {} must be 0 or greater, at most {LARGEST_MASS:e}: damping restitution uses it",
                 Number(effective_mass)
             ),
         ))
@@ -280,8 +281,8 @@ pub unsafe extern "C" fn ellgran_staged_free(staged: *mut EllgranStagedContact) 
     }
 }
 
-/// Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is right; masses are not
-/// read, forces not written.
+/// Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is allowed; masses are not
+/// read, and forces are not written.
 ///
 /// # Safety
 /// The pointers are NULL or valid; the arrays are as `EllgranParticles` states.
@@ -293,8 +294,10 @@ pub unsafe extern "C" fn ellgran_staged_prepare(
     at_border("ellgran_staged_prepare", || {
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required_mut(staged, "staged") }?;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
         staged.names.clear();
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe {
             prepare(
                 p,
@@ -309,15 +312,16 @@ pub unsafe extern "C" fn ellgran_staged_prepare(
     })
 }
 
-/// First stage, two of the particles that were prepared last, by their indices; otherwise like `ellgran_staged_pair`.
+/// First stage for two particles of the last `ellgran_staged_prepare`, by their indices; otherwise as
+/// `ellgran_staged_pair`.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_staged_neighbours(
     staged: *mut EllgranStagedContact,
-    i: size_t,
-    j: size_t,
+    i: usize,
+    j: usize,
     share_i: f64,
     cached_normal: *mut f64,
     geometry: *mut EllgranStagedGeometry,
@@ -330,13 +334,15 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
                 Output::new(geometry, "geometry")?,
             )
         };
+        // SAFETY: `cached_normal` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
         let share_i = checked_share(share_i)?;
         let known = staged.names.len();
         let (Some(&name_i), Some(&name_j)) = (staged.names.get(i), staged.names.get(j)) else {
             return Err(Failure::new(
                 ELLGRAN_ERROR_ARGUMENT,
-                format!("particles {i} and {j} are not both among the {known} that were prepared"),
+                format!("particles {i} and {j} must be among the {known} of the last ellgran_staged_prepare"),
             ));
         };
         let particles = staged.workspace.particles();
@@ -354,11 +360,12 @@ pub unsafe extern "C" fn ellgran_staged_neighbours(
     })
 }
 
-/// First stage, two ellipsoids: the geometry. When they do not touch, `touching` of the geometry is 0, as is the
-/// rest of it. Types are not read.
+/// First stage for two ellipsoids: the geometry. Where they do not touch, all fields of the geometry are 0. Types are not
+/// read.
 ///
 /// `share_i` is the share of `i` in the penetration, 0.5 for equal materials. `cached_normal` (3 doubles; zeros at first)
-/// is the start of the search, kept between steps; it belongs to the pair and changes sign when the pair is swapped.
+/// is where the search starts. Keep it for each pair from step to step, and change its sign when the two bodies are
+/// exchanged.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -379,7 +386,10 @@ pub unsafe extern "C" fn ellgran_staged_pair(
                 Output::new(geometry, "geometry")?,
             )
         };
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
+        // SAFETY: `cached_normal` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let cache = unsafe { required_mut(cached_normal.cast::<[f64; 3]>(), "cached_normal") }?;
         let share_i = checked_share(share_i)?;
         let (i, j) = (bi.to_core(None)?, bj.to_core(None)?);
@@ -392,7 +402,7 @@ pub unsafe extern "C" fn ellgran_staged_pair(
     })
 }
 
-/// First stage, an ellipsoid and a wall; otherwise like `ellgran_staged_pair`.
+/// First stage for an ellipsoid and a wall; otherwise as `ellgran_staged_pair`.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -412,6 +422,7 @@ pub unsafe extern "C" fn ellgran_staged_wall(
                 Output::new(geometry, "geometry")?,
             )
         };
+        // SAFETY: `i` and `wall` are NULL or valid for reads, by this function's safety section.
         let (bi, wall) = unsafe { (given(i, "i")?, given(wall, "wall")?) };
         let share_i = checked_share(share_i)?;
         let i = bi.to_core(None)?;
@@ -422,8 +433,8 @@ pub unsafe extern "C" fn ellgran_staged_wall(
     })
 }
 
-/// Radius of the sphere that feels the same elastic normal force when pressed into a plane as deep: `Re F2^-3`. With it a
-/// law that was written for spheres gives the exact elastic normal force of the ellipse.
+/// Radius of the sphere that has the same elastic normal force when it is pressed into a plane by the same penetration: `Re
+/// F2^-3`. A law for spheres gives with this radius the exact elastic normal force of the elliptic contact.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -435,6 +446,7 @@ pub unsafe extern "C" fn ellgran_staged_equivalent_radius(
     at_border("ellgran_staged_equivalent_radius", || {
         // SAFETY: promised by the caller, for all of this function.
         let contact = unsafe { required(staged, "staged") }?.known()?;
+        // SAFETY: `radius` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(radius, "radius") }?;
         *out = contact.equivalent_radius();
         Ok(())
@@ -485,15 +497,16 @@ pub unsafe extern "C" fn ellgran_staged_section_area(
     at_border("ellgran_staged_section_area", || {
         // SAFETY: promised by the caller, for all of this function.
         let contact = unsafe { required(staged, "staged") }?.known()?;
+        // SAFETY: `area` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(area, "area") }?;
         *out = contact.section_area();
         Ok(())
     })
 }
 
-/// Second stage: the normal force with its torques, and the further terms of the conservative law. The tangential law of
-/// the types is left out. `effective_mass`, from 0 to 1e50, is read by damping with a coefficient of restitution. The semi-axes of the contact
-/// ellipse are not computed here.
+/// Second stage: the normal force with its torques, including the additional terms of `conservative`, without tangential
+/// force. `effective_mass`, from 0 to 1e50, is used by damping with a coefficient of restitution. The semi-axes of the
+/// contact ellipse are not computed.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -509,7 +522,9 @@ pub unsafe extern "C" fn ellgran_staged_normal(
     at_border("ellgran_staged_normal", || {
         // SAFETY: promised by the caller, for all of this function.
         let staged = unsafe { required(staged, "staged") }?;
+        // SAFETY: `laws` is NULL or valid for reads, by this function's safety section.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut out = unsafe { Output::new(force, "force") }?;
         let law = laws.get(
             check_type(laws, type_i, "type_i")?,
@@ -527,11 +542,12 @@ pub unsafe extern "C" fn ellgran_staged_normal(
     })
 }
 
-/// Third stage: tangential force and its torques alone, with the tangential law of the types and the coefficient of friction
+/// Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
 /// of `past`.
 ///
-/// `memory`: what a contact's history has from `ellgran_laws_memory_offset` on, kept between steps and zero at first: 4 doubles
-/// where any law has `displacement rescaled` (the default), else 3. The first three change sign when the pair is swapped.
+/// `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
+/// keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
+/// change sign when the two bodies are exchanged.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -648,10 +664,15 @@ unsafe fn with_past(
 ) -> Result<(), Failure> {
     // SAFETY: promised by the caller, for all of this function.
     let staged = unsafe { required(staged, "staged") }?;
+    // SAFETY: `laws` is NULL or valid for reads, by this function's safety section.
     let laws = &unsafe { required(laws, "laws") }?.laws;
+    // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
     let mut out = unsafe { Output::new(force, "force") }?;
+    // SAFETY: `past` is NULL or valid for reads, by this function's safety section.
     let past = unsafe { given(past, "past") }?;
+    // SAFETY: `memory` is NULL or valid for reads, by this function's safety section.
     unsafe { required(memory.cast_const(), "memory") }?;
+    // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
     let step = unsafe { given(step, "step") }?.to_core()?;
     let law = laws.get(
         check_type(laws, type_i, "type_i")?,

@@ -2,10 +2,10 @@
 //! Status codes, the message of the last failure, and the border itself.
 
 use core::cell::UnsafeCell;
-use libc::c_char;
+use core::ffi::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
-/// The call did what it was asked to.
+/// The call succeeded.
 pub const ELLGRAN_SUCCESS: i32 = 0;
 /// Block 1 to 99, arguments: a pointer that must not be NULL is NULL.
 pub const ELLGRAN_ERROR_NULL_POINTER: i32 = 1;
@@ -13,17 +13,17 @@ pub const ELLGRAN_ERROR_NULL_POINTER: i32 = 1;
 pub const ELLGRAN_ERROR_ARGUMENT: i32 = 2;
 /// A text is not UTF-8.
 pub const ELLGRAN_ERROR_TEXT: i32 = 3;
-/// Block 100 to 199, laws: words or constants of a law that are wrong.
+/// Block 100 to 199, laws: invalid words or constants of a law.
 pub const ELLGRAN_ERROR_LAW: i32 = 100;
-/// Hale's form of the Hertz factors breaks at a contact (B/A above 25178): use `factors exact`.
+/// Hale's form of the Hertz factors is not defined at a contact with B/A above 25178: use `factors exact`.
 pub const ELLGRAN_ERROR_HALE: i32 = 101;
-/// Block 200 to 299, bodies: a particle with a value that cannot be.
+/// Block 200 to 299, bodies: invalid particle input; the message names the particle and the value.
 pub const ELLGRAN_ERROR_PARTICLE: i32 = 200;
-/// The history of a touching contact holds a number that no call has written, such as NaN.
+/// Invalid history: that of a touching contact holds a number that no call writes, for example NaN.
 pub const ELLGRAN_ERROR_HISTORY: i32 = 201;
-/// The numbers of a contact, each within its range, together leave the range of double precision.
+/// The result is out of the range of double precision, although each input is within its own range.
 pub const ELLGRAN_ERROR_RESULT: i32 = 202;
-/// Block 900 to 999, the library itself: a panic was caught. A defect: please report it.
+/// Block 900 to 999, the library itself: an internal error (a caught panic). Please report it.
 pub const ELLGRAN_ERROR_PANIC: i32 = 900;
 
 /// A failure on its way to the border.

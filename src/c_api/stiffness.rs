@@ -7,22 +7,22 @@ use super::law::{EllgranLawParameters, EllgranLaws};
 use super::particles::hale_failure;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
-use libc::size_t;
 
-/// The springs and dashpots that a contact consists of for small motions about where it is; all zero, and the critical step
-/// INFINITY, where the bodies do not touch.
+/// Springs and dashpots that are equivalent to a contact for small motions about its present state. Where the bodies do not
+/// touch, all are zero and the critical step is INFINITY.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranContactStiffness {
     /// `sizeof(EllgranContactStiffness)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// Derivative of the normal force by the penetration, force/length.
     pub normal_stiffness: f64,
-    /// Of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip, force/length.
+    /// Stiffness of the tangential spring along the major and the minor semi-axis of the contact ellipse, before any slip,
+    /// force/length.
     pub tangential_stiffness: [f64; 2],
-    /// Of the normal dashpot while the bodies approach, force x time/length.
+    /// Coefficient of the normal dashpot while the bodies approach, force x time/length.
     pub normal_damping: f64,
-    /// Of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
+    /// Coefficient of the tangential dashpot along the major and the minor semi-axis, before any slip, force x time/length.
     pub tangential_damping: [f64; 2],
     /// The largest time step at which velocity Verlet is stable for this contact alone, rotations and damping included;
     /// INFINITY for two fixed bodies.
@@ -35,11 +35,12 @@ growing!(EllgranContactStiffness);
 /// of the bodies, moments of inertia those of solid ellipsoids; velocities are not read.
 ///
 /// With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
-/// relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue of
-/// `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. Of what the rotation of the normal adds to `K`,
-/// smaller by the penetration over the radius of curvature, nothing is in it. In a packing whose particles have at most n
-/// contacts each, the smallest critical step over sqrt(n) is safe (each contact has a share 1/n of the masses: Irons'
-/// theorem). The stiffness grows with the penetration: ask at the largest that is expected.
+/// relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue
+/// of `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. The stiffness that comes from the rotation of the
+/// normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. In a packing whose
+/// particles have at most n contacts each, the smallest critical step divided by sqrt(n) is safe (each contact has a share
+/// 1/n of the masses: Irons' theorem). The stiffness grows with the penetration: evaluate it at the largest one that you
+/// expect.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -53,9 +54,12 @@ pub unsafe extern "C" fn ellgran_contact_stiffness(
     at_border("ellgran_contact_stiffness", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let types = Some(laws.types());
         let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        // SAFETY: `stiffness` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let mut out = unsafe { Output::new(stiffness, "stiffness") }?;
         let found = contact_stiffness(laws, &i, &j)
             .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?
@@ -72,10 +76,10 @@ pub unsafe extern "C" fn ellgran_contact_stiffness(
     })
 }
 
-/// How long an elastic collision of two ellipsoids lasts that meet with the normal, the curvatures and the lever arms that they
-/// have here, apart or touching, at `speed` > 0 along the normal, and how deep it goes. For a central impact the time is that of
-/// Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi sqrt(m/kn)` for the
-/// linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
+/// Duration and largest penetration of an elastic collision of two ellipsoids that approach with `speed` > 0 along the
+/// normal. Normal, curvatures and lever arms are those of the given positions, touching or apart. For a central impact the
+/// time is that of Hertz, `2.9433 penetration/speed` (Landau and Lifshitz, Theory of Elasticity, section 9), or `pi
+/// sqrt(m/kn)` for the linear law. Damping makes a collision longer and less deep. Both are INFINITY for two fixed bodies.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `penetration` may be NULL.
@@ -91,9 +95,11 @@ pub unsafe extern "C" fn ellgran_collision(
     at_border("ellgran_collision", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
         let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
         let types = Some(laws.types());
         let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        // SAFETY: `time` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let time = unsafe { required_mut(time, "time") }?;
         if !(speed > 0.0 && speed.is_finite()) {
             return Err(Failure::new(
@@ -112,9 +118,10 @@ pub unsafe extern "C" fn ellgran_collision(
     })
 }
 
-/// Rayleigh's time of a grain: how long a surface wave takes from pole to pole of a sphere of the grain's least semi-axis,
-/// `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W. Randall, Micromechanics of
-/// Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the linear law, which has no material.
+/// Rayleigh's time of a grain: the time in which a surface wave travels from pole to pole of a sphere whose radius is the
+/// smallest semi-axis, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)` with the density of the solid grain (C. Thornton and C.W.
+/// Randall, Micromechanics of Granular Materials, 1988). Time steps are commonly a fifth of it or less. INFINITY for the
+/// linear law, which has no elastic constants.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -128,7 +135,9 @@ pub unsafe extern "C" fn ellgran_rayleigh_time(
         // SAFETY: promised by the caller, for all of this function.
         let parameters = unsafe { given(parameters, "parameters") }?.to_core()?;
         // Any type is right.
+        // SAFETY: `grain` is NULL or valid for reads, by this function's safety section.
         let grain = unsafe { given(grain, "grain") }?.to_core(Some(usize::MAX))?;
+        // SAFETY: `time` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let time = unsafe { required_mut(time, "time") }?;
         *time = rayleigh_time(&parameters, &grain);
         Ok(())

@@ -11,37 +11,37 @@ use crate::contact::Step;
 use crate::geometry::Ellipsoid;
 use crate::tallies::InelasticLoad;
 use crate::tallies::Tallies;
-use libc::size_t;
 
-/// What is asked for, and its sums over the contacts of this call. Pass NULL for nothing: it then costs nothing.
+/// Requested quantities, and their sums over the contacts of a call. NULL: nothing is requested, and nothing is computed
+/// for it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranTallies {
     /// `sizeof(EllgranTallies)`; `ELLGRAN_INIT` sets it.
-    pub size: size_t,
+    pub size: usize,
     /// In: [count] or NULL; elastic energy per particle, added to, half to each body.
     pub particle_energies: *mut f64,
     /// In: [count][6] (xx yy zz xy xz yz) or NULL; virial per particle, added to, half to each body.
     pub particle_virials: *mut f64,
-    /// Out: [count][12] or NULL; what acts on each particle beside the gradient of the normal elastic energy: viscous force
-    /// and its torque, tangential force without its viscous part and its torque. Where `angular_momenta` are given the
-    /// torques are multiplied by the inverse inertia. Overwritten.
+    /// Out: [count][12] or NULL; the loads on each particle that are not the gradient of the normal elastic energy: viscous
+    /// force (3) and its torque (3), tangential force without its viscous part (3) and its torque (3). Where
+    /// `angular_momenta` are given, the torques are multiplied by the inverse inertia. Overwritten.
     ///
-    /// Velocity Verlet moves particles with velocities of the half steps: a force does half of its work with the velocity
-    /// before, and half with the one that it has led to. With this array each call adds the first half, and
-    /// `ellgran_tally_following_half_step` the second; kinetic, elastic and dissipated energy then add up to second order in
-    /// the time step. Without it each call takes the velocities that it is given for the whole step, which is of
-    /// first order.
+    /// It makes the balance of energies second order in the time step. Velocity Verlet moves particles with velocities of
+    /// half steps: a force does half of its work with the velocity before it, and half with the velocity after it. With
+    /// this array each call adds the first half, and `ellgran_tally_following_half_step` adds the second. Without it each
+    /// call takes the given velocities for the whole step, and the sum of kinetic, elastic and dissipated energy has an
+    /// error of first order.
     pub inelastic_loads: *mut f64,
     /// Out: with `inelastic_loads`, power of the viscous and of the tangential forces on moving walls, for the second half.
     pub wall_powers: [f64; 2],
     /// In/out: energy that viscous forces dissipated. Set it to 0 before the first step and keep it between steps.
     pub viscous_dissipation: f64,
-    /// In/out: energy that the tangential forces without their viscous part took up, stored or dissipated. Set it to 0
-    /// before the first step and keep it between steps.
+    /// In/out: work done against the tangential forces without their viscous part, stored or dissipated. Set it to 0 before
+    /// the first step and keep it between steps.
     pub tangential_work: f64,
-    /// Out: energy that friction dissipated since `tangential_work` was 0: that less `tangential_elastic_energy`. With
-    /// displacement total it may be negative, since that law can create energy.
+    /// Out: energy dissipated by friction since `tangential_work` was 0: `tangential_work` minus
+    /// `tangential_elastic_energy`. With `displacement total` it may be negative, since that law can create energy.
     pub frictional_dissipation: f64,
     /// Out: energy dissipated: by viscosity and by friction.
     pub dissipated_energy: f64,
@@ -51,9 +51,9 @@ pub struct EllgranTallies {
     pub tangential_elastic_energy: f64,
     /// Out: sum of d (x) F over pairs, d from i to j, F the force on j: xx yy zz xy xz yz.
     pub virial: [f64; 6],
-    /// Out: touching pairs; one that another rank lists too counts one half.
+    /// Out: number of touching pairs; a pair that another rank lists too counts one half.
     pub touching_count: f64,
-    /// Out: neighbour pairs.
+    /// Out: number of listed pairs.
     pub pair_count: i64,
 }
 
@@ -77,12 +77,16 @@ pub(super) unsafe fn borrow<'a>(t: &EllgranTallies, count: usize) -> Result<Tall
     let particle_energies = if t.particle_energies.is_null() {
         None
     } else {
+        // SAFETY: `particle_energies` is NULL or valid for reads and writes of `count` elements, and not aliased, as
+        // `EllgranTallies` demands.
         Some(unsafe { slice_mut(t.particle_energies, count, "particle_energies") }?)
     };
     // SAFETY: as above.
     let particle_virials = if t.particle_virials.is_null() {
         None
     } else {
+        // SAFETY: `particle_virials` is NULL or valid for reads and writes of 6 values for each of `count` particles,
+        // and not aliased, as `EllgranTallies` demands.
         Some(unsafe {
             slice_mut(
                 t.particle_virials.cast::<[f64; 6]>(),
@@ -173,14 +177,14 @@ pub(super) unsafe fn add_preceding_half_step(
     Ok(())
 }
 
-/// Adds the work of the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` over the half step
-/// that follows it to `viscous_dissipation` and `tangential_work` of its `tallies`.
+/// Adds the work that the loads of the last call of `ellgran_compute_pairs` or `ellgran_compute_wall` do in the half step
+/// after it to `viscous_dissipation` and `tangential_work` of its `tallies`.
 ///
-/// Call it once a step when the velocities and angular momenta (or angular velocities) are those of the half step after that
-/// call: in velocity Verlet before or after the positions move, before the particles change their order. Of `particles` the
-/// first `owned_count` velocities and rotations are read. Under `newton` of the list, the loads that the call left at
-/// the ghosts must have been added to those of their owners before. `step` is that of the half step; where
-/// `advance_history` is 0 nothing is added.
+/// Call it once in each step, when the velocities and angular momenta (or angular velocities) are those of the half step
+/// after that call and the order of the particles is still the same: in velocity Verlet before or after the positions move.
+/// The first `owned_count` velocities and rotations of `particles` are read. With `newton` = 1 of the list, first add the
+/// loads of the ghosts to those of their owners. `step` is that of the half step; where `advance_history` is 0 nothing is
+/// added.
 ///
 /// # Safety
 /// The pointers are as `EllgranParticles` and `EllgranTallies` state.
@@ -193,7 +197,10 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
     at_border("ellgran_tally_following_half_step", || {
         // SAFETY: promised by the caller, for all of this function.
         let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
         let step = unsafe { given(step, "step") }?.to_core()?;
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?
             .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
         let t = asked.given;
@@ -207,6 +214,8 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             ));
         }
         let count = p.owned_count;
+        // SAFETY: `inelastic_loads` is NULL or has 12 values for each of `count` particles, as `EllgranTallies`
+        // demands.
         let loads = unsafe { loads(&t, count) }?.ok_or_else(|| {
             Failure::new(
                 ELLGRAN_ERROR_NULL_POINTER,
@@ -220,6 +229,7 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
                 wall_powers: t.wall_powers,
                 ..Tallies::default()
             };
+            // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
             let motion = unsafe { motion(p, count) }?;
             sums.add_half_step(0.5 * step.time_step, loads, motion);
             asked.output.write(&EllgranTallies {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Versions of the library and of its binary interface.
 
-use libc::c_char;
+use core::ffi::c_char;
 
-/// Version of the binary interface: changes whenever a field's place, a signature or the meaning of a value does. Fields that
-/// are added at the end of a struct do not change it.
+/// Version of the binary interface. It is raised when the offset of a field, a signature or the meaning of a value changes.
+/// A field that is added at the end of a struct does not raise it.
 pub const ELLGRAN_ABI_VERSION: u32 = 1;
 
-/// The interface version of the linked library; to be compared with `ELLGRAN_ABI_VERSION` of the header at load.
+/// Version of the binary interface of the linked library. Compare it with `ELLGRAN_ABI_VERSION` of the header when the
+/// program starts; if they differ, do not call anything else.
 #[no_mangle]
 pub extern "C" fn ellgran_abi_version() -> u32 {
     ELLGRAN_ABI_VERSION

@@ -13,7 +13,6 @@ use crate::contact::without_history::{elastic_energy, gap};
 use crate::contact::Laws;
 use crate::contact::Particle;
 use crate::list::Workspace;
-use libc::size_t;
 
 /// Prepares all particles and reads the pairs, checked.
 ///
@@ -29,6 +28,7 @@ pub(super) unsafe fn checked<'a>(
 ) -> Result<(&'a [Particle], &'a [[i32; 2]]), Failure> {
     // SAFETY: promised by the caller, for all of this function.
     let pairs = unsafe { slice(pairs.cast::<[i32; 2]>(), count, "pairs") }?;
+    // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
     unsafe {
         prepare(
             particles,
@@ -59,10 +59,10 @@ pub(super) unsafe fn checked<'a>(
     Ok((workspace.particles(), pairs))
 }
 
-/// Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps` is
-/// [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle along
-/// which the gaps are measured. No law, no history; forces, torques, masses and types are not read, velocities are only
-/// checked. One pair after the other, not in lanes.
+/// Gaps of pairs of particles: minus the penetration where they overlap. `pairs` is [pair_count][2], indices from 0; `gaps`
+/// is [pair_count]; `normals`, [pair_count][3] or NULL, receives the unit normals from the first to the second particle
+/// along which the gaps are measured. No law and no history are needed. Forces, torques, masses and types are not read;
+/// velocities are checked and not used.
 ///
 /// # Safety
 /// The pointers are as stated here and in `EllgranParticles`.
@@ -70,7 +70,7 @@ pub(super) unsafe fn checked<'a>(
 pub unsafe extern "C" fn ellgran_pair_gaps(
     workspace: *mut EllgranWorkspace,
     particles: *const EllgranParticles,
-    pair_count: size_t,
+    pair_count: usize,
     pairs: *const i32,
     gaps: *mut f64,
     normals: *mut f64,
@@ -78,13 +78,20 @@ pub unsafe extern "C" fn ellgran_pair_gaps(
     at_border("ellgran_pair_gaps", || {
         // SAFETY: promised by the caller, for all of this function.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
+        // SAFETY: `gaps` is NULL or valid for reads and writes of `pair_count` elements, and not aliased, by this
+        // function's safety section.
         let gaps = unsafe { slice_mut(gaps, pair_count, "gaps") }?;
         let mut normals = if normals.is_null() {
             None
         } else {
+            // SAFETY: `normals` is NULL or valid for reads and writes of `pair_count` elements, and not aliased, by
+            // this function's safety section.
             Some(unsafe { slice_mut(normals.cast::<[f64; 3]>(), pair_count, "normals") }?)
         };
+        // SAFETY: the arrays of `particles` and `pairs` are NULL or as long as their counts say, by this function's
+        // safety section.
         let (all, pairs) = unsafe { checked(None, workspace, &p, pair_count, pairs) }?;
         for (k, [i, j]) in pairs.iter().enumerate() {
             let (gap, normal) = gap(&all[*i as usize], &all[*j as usize]);
@@ -98,9 +105,9 @@ pub unsafe extern "C" fn ellgran_pair_gaps(
 }
 
 /// Elastic energies of the normal deformation of pairs of particles, 0 where they do not touch. `pairs` is [pair_count][2],
-/// indices from 0; `energies` is [pair_count]. No history and no tangential energy; forces and torques are not read,
-/// velocities are only checked. One pair after the other, not in lanes. On failure nothing is written, but for a contact at
-/// which `factors hale` breaks: then the energies before it are.
+/// indices from 0; `energies` is [pair_count]. The energy of tangential displacements is not included, and no history is
+/// needed. Forces and torques are not read; velocities are checked and not used. On failure nothing is written, except
+/// where `factors hale` is not defined at a contact: then the energies before it have been written.
 ///
 /// # Safety
 /// The pointers are as stated here and in `EllgranParticles`.
@@ -109,16 +116,23 @@ pub unsafe extern "C" fn ellgran_pair_energies(
     laws: *const EllgranLaws,
     workspace: *mut EllgranWorkspace,
     particles: *const EllgranParticles,
-    pair_count: size_t,
+    pair_count: usize,
     pairs: *const i32,
     energies: *mut f64,
 ) -> i32 {
     at_border("ellgran_pair_energies", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `workspace` is NULL or valid for reads and writes, and not aliased, by this function's safety
+        // section.
         let workspace = &mut unsafe { required_mut(workspace, "workspace") }?.workspace;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = unsafe { given(particles, "particles") }?;
+        // SAFETY: `energies` is NULL or valid for reads and writes of `pair_count` elements, and not aliased, by this
+        // function's safety section.
         let energies = unsafe { slice_mut(energies, pair_count, "energies") }?;
+        // SAFETY: the arrays of `particles` and `pairs` are NULL or as long as their counts say, by this function's
+        // safety section.
         let (all, pairs) = unsafe { checked(Some(laws), workspace, &p, pair_count, pairs) }?;
         for (energy, [i, j]) in energies.iter_mut().zip(pairs) {
             let (i, j) = (*i as usize, *j as usize);

@@ -75,8 +75,8 @@ impl HistoryLayout {
         }
     }
 
-    /// The first number of a touching contact that no call has written: its place and its value. A normal that is none is
-    /// not used, and not looked at.
+    /// The first invalid number of the history of a touching contact: its place and its value. A normal that is not a unit
+    /// vector is not used, and not looked at.
     pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
         let at = self.memory?;
         let wrong = |k: &usize| {

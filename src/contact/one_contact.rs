@@ -129,7 +129,10 @@ pub fn one_contact_or_gap(
     Ok(match compute(laws, i, j, step, touching, history)? {
         Ok((geometry, forces)) => (geometry, Some(forces)),
         Err(normal) => {
-            let share_i = laws.get(i.kind as usize, j.kind as usize).constants.share_i;
+            let share_i = laws
+                .get(i.particle_type as usize, j.particle_type as usize)
+                .constants
+                .share_i;
             (geometry_apart(i, j, share_i, normal), None)
         }
     })
@@ -147,7 +150,7 @@ fn compute(
     history: &mut [f64],
 ) -> Result<ContactOrPlane, HaleRatio> {
     let layout = laws.layout();
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let cached = cached_normal(&layout, history);
     let found = match Pair::of(i, j, cached) {
         Pair::Touching(found) => found,

@@ -59,7 +59,7 @@ pub(crate) fn factors_for(law: &PairLaw, curvature: Symmetric2) -> Factors {
     let (trace, determinant) = (curvature.trace(), curvature.determinant());
     let sigma = law.kinds.conservative || law.kinds.tangential.law.needs_material();
     if law.kinds.hale {
-        // The caller made sure that the form does not break; were it to, the exact one stands in.
+        // The caller has checked that Hale's form is defined here; if it were not, the exact factors would be used.
         if let Some(f) = hertz_factors::hale(trace, determinant, sigma) {
             return f;
         }

@@ -7,7 +7,7 @@ use crate::geometry::{Ellipsoid, ShapeError};
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 
-/// A particle that cannot be: which, what, and the value.
+/// Invalid particle input: which particle, which quantity, and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParticleError {
     /// Identifier of the particle.
@@ -39,7 +39,7 @@ pub struct Particle {
     /// Inverse of the mass for effective masses.
     pub inverse_mass: f64,
     /// Type, counted from 1.
-    pub kind: u32,
+    pub particle_type: u32,
     /// Whether it is a sphere.
     pub sphere: bool,
 }
@@ -60,7 +60,7 @@ pub struct Body {
     /// Mass, read by damping with a coefficient of restitution; infinite for a fixed body.
     pub mass: f64,
     /// Type, counted from 1.
-    pub kind: i32,
+    pub particle_type: i32,
     /// What to call it in a message.
     pub identifier: i64,
 }
@@ -76,10 +76,10 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
     };
     let mut inverse_mass = 0.0;
     if let Some(types) = types {
-        if body.kind < 1 || body.kind as usize > types {
+        if body.particle_type < 1 || body.particle_type as usize > types {
             return Err(fail(format!(
                 "type {} is not between 1 and {types}",
-                body.kind
+                body.particle_type
             )));
         }
         inverse_mass = ranges::inverse_mass(body.mass, "mass").map_err(fail)?;
@@ -93,7 +93,7 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
         velocity: ranges::velocity(body.velocity).map_err(fail)?,
         omega: ranges::angular_velocity(body.angular_velocity).map_err(fail)?,
         inverse_mass,
-        kind: body.kind.max(0) as u32,
+        particle_type: body.particle_type.max(0) as u32,
         sphere: shape.is_sphere(),
     })
 }
@@ -113,7 +113,7 @@ pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) ->
             Number(ratio)
         ),
         ShapeError::Quaternion(_) => format!(
-            "quaternion (w x y z) = {} is not a rotation",
+            "quaternion (w x y z) = {} must be finite and not zero",
             Numbers(&quaternion)
         ),
     }

@@ -148,6 +148,31 @@ fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
 ///
 /// # Errors
 /// Only with `factors hale`.
+///
+/// # Example
+/// Two spheres of radius 1 mm (SI units) that overlap by 10 micrometres: Hertz' stiffness `2 E* sqrt(R delta)`.
+/// ```
+/// use ellgran::contact::{prepare_body, stability::contact_stiffness, Body, Laws};
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let sphere = |z: f64| Body {
+///     position: [0.0, 0.0, z],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [1e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1e-5,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let (i, j) = (prepare_body(&sphere(0.0), Some(1))?, prepare_body(&sphere(1.99e-3), Some(1))?);
+/// let found = contact_stiffness(&laws, &i, &j).expect("exact factors").expect("they touch");
+/// let modulus = 1e7 / (2.0 * (1.0 - 0.3f64.powi(2)));
+/// let expected = 2.0 * modulus * (0.5e-3f64 * 1e-5).sqrt();
+/// assert!((found.normal_stiffness / expected - 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn contact_stiffness(
     laws: &Laws,
     i: &Particle,
@@ -156,7 +181,7 @@ pub fn contact_stiffness(
     let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(None);
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;
@@ -251,7 +276,7 @@ pub fn collision(
     } else {
         closest(&i.body, &j.body, d, None::<Vector3>)
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;

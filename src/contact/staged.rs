@@ -59,8 +59,9 @@ pub struct StagedContact {
 }
 
 impl StagedContact {
-    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most pairs do
-    /// not touch). `cached_normal` is the normal of the last step, not a unit vector if there is none, and is written.
+    /// Two ellipsoids: the contact, or `None` when they do not touch, written to `found` (a contact is large, and most
+    /// pairs do not touch). `cached_normal` is the normal of the last step, or not a unit vector if there was no last step;
+    /// it is written.
     pub fn of_pair(
         i: &Particle,
         j: &Particle,

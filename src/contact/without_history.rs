@@ -27,7 +27,7 @@ pub fn elastic_energy(laws: &Laws, i: &Particle, j: &Particle) -> Result<f64, Ha
     let Pair::Touching(found) = Pair::of(i, j, None) else {
         return Ok(0.0);
     };
-    let law = laws.get(i.kind as usize, j.kind as usize);
+    let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let factors = checked_factors(law, m)?;

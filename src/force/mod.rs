@@ -2,7 +2,7 @@
 //! From material constants to laws, and from laws to force (docs/theory.md, sections 2 to 5 and 7). No contact search.
 
 pub mod choice;
-pub mod conservative;
+pub(crate) mod conservative;
 pub mod damping;
 pub mod elliptic_integrals;
 pub mod hertz_factors;

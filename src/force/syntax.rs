@@ -96,6 +96,16 @@ fn summary() -> String {
 /// # Errors
 /// A word that is missing, unknown where a choice is due, not a number, given twice, out of range, or that lacks the keyword
 /// it belongs behind; the message names it. Without any word the message has all that can be given.
+///
+/// # Example
+/// Viscoelastic grains of 10 MPa with friction (SI units):
+/// ```
+/// let words = ["nfd", "1e7", "0.3", "200", "200", "tangential", "tfd", "0.5", "zplane"];
+/// let (parameters, read) = ellgran::force::syntax::parse(&words)?;
+/// assert_eq!(read, 8); // "zplane" is no word of a law
+/// assert_eq!((parameters.youngs_modulus, parameters.friction), (1e7, 0.5));
+/// # Ok::<(), ellgran::force::ParameterError>(())
+/// ```
 pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
     if words.is_empty() {
         return Err(ParameterError(format!(

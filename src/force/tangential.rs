@@ -48,10 +48,11 @@ choices! {
     /// What is kept of the tangential displacement while the contact grows and shrinks.
     Displacement {
         /// The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
-        /// published form. It can create energy: what was loaded while the contact was deep gives more when it is unloaded
-        /// while it is shallow.
+        /// published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
+        /// while it is deep.
         Total = 0, "total", ELLGRAN_DISPLACEMENT_TOTAL, [];
-        /// The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy.
+        /// The tangential force is remembered: `dF = k_t(delta) d xi`. It can create energy: what was loaded while the contact was
+        /// deep gives more when it is unloaded while it is shallow.
         Incremental = 1, "incremental", ELLGRAN_DISPLACEMENT_INCREMENTAL, [];
         /// The tangential force and its energy are remembered, reduced where the contact would otherwise hold more energy than
         /// it took, as with the stiffness while the contact shrinks: no cycle creates energy. The same as `total` while the

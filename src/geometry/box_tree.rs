@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which of many boxes overlap a box? A tree of boxes within boxes: built in `n log n`, asked in the logarithm of the number
-//! of boxes and in proportion to the answers, whatever the boxes' sizes.
+//! Which of many boxes overlap a box? A tree of boxes within boxes: built in `n log n`, asked in the logarithm of the
+//! number of boxes and in proportion to the answers, for boxes of any sizes.
 
 /// A box along the world axes.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ struct Node {
     to: usize,
 }
 
-/// Boxes in a node that is not divided.
+/// Boxes in a node that is not divided: to test so few costs about as much as to go down one level more.
 const LEAF: usize = 4;
 
 impl BoxTree {

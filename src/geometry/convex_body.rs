@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What the contact search and the law ask of a body, in the frame of a direction: whatever closed form it has.
+//! What the contact search and the law need of a body in the frame of a direction, apart from the closed form of its shape.
 
 use crate::real::Real;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};

@@ -38,8 +38,8 @@ pub fn inverse_weingarten<T: Real>(
     weingarten.adjugate() * (squared_product * (square * square))
 }
 
-/// The inverse Weingarten map of an ellipsoid at a support, in the tangent basis. By a quotient, where [`inverse_weingarten`] has
-/// the inverse of `h` at hand.
+/// The inverse Weingarten map of an ellipsoid at a support, in the tangent basis. By a quotient, where
+/// [`inverse_weingarten`] has the inverse of `h` at hand.
 #[inline(always)]
 pub fn radii_of_curvature(body: &Ellipsoid, support: &Support, tangent: &Tangent) -> Symmetric2 {
     let h2 = support.h * support.h;

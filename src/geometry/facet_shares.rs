@@ -297,9 +297,9 @@ impl Anisotropy {
 /// `A <= B` are the body's principal curvatures at the contact.
 ///
 /// To first order in its curvature a fine tiling of a curved surface has the energy of Hertz on that surface if the second
-/// moments of the weight along and across are `(3 -+ 2 x' sigma)/14`, `x' = (B - A)/(A + B)`, with `sigma` the function that
-/// is twice the logarithmic derivative of Hertz' factor (docs/theory.md, section 2): `beta = -(4/3) sigma x'`. What stands here for
-/// `sigma` is within 1 % up to B/A = 1e4 and within 7 % up to 1e6.
+/// moments of the weight along and across are `(3 -+ 2 x' sigma)/14`, `x' = (B - A)/(A + B)`, with `sigma` the function
+/// that is twice the logarithmic derivative of Hertz' factor (docs/theory.md, section 2): `beta = -(4/3) sigma x'`. What
+/// stands here for `sigma` is within 1 % up to B/A = 1e4 and within 7 % up to 1e6.
 fn anisotropy(x: f64) -> (f64, f64) {
     let x = x.min(1.0);
     let q = (1.0 - x) / (1.0 + x);

@@ -231,8 +231,8 @@ impl<'a> Circumscribed<'a> {
         }
     }
 
-    /// By how much `h_t`, with `t` in the middle of an interval of this width, may exceed `H` in a direction whose own `t_m` is in
-    /// the interval, as a share of `H`.
+    /// By how much `h_t`, with `t` in the middle of an interval of this width, may exceed `H` in a direction whose own
+    /// `t_m` is in the interval, as a share of `H`.
     pub fn excess(middle: f64, width: f64) -> f64 {
         let nearest = (middle.abs() - 0.5 * width).max(0.0);
         let ratio = (0.25 * width).sinh() / (0.5 * nearest).cosh();

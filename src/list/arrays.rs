@@ -55,9 +55,9 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
 ) -> Result<Particle, String> {
     let position = ranges::position(arrays.positions[k])?;
     let velocity = ranges::velocity(arrays.velocities[k])?;
-    let kind = arrays.types[k];
-    if kind < 1 || kind as usize > types {
-        return Err(format!("type {kind} is not between 1 and {types}"));
+    let particle_type = arrays.types[k];
+    if particle_type < 1 || particle_type as usize > types {
+        return Err(format!("type {particle_type} is not between 1 and {types}"));
     }
     let (semi_axes, quaternion) = (arrays.shape)(k).ok_or_else(no_shape)?;
     let body =
@@ -91,7 +91,7 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
         velocity,
         omega,
         inverse_mass,
-        kind: kind as u32,
+        particle_type: particle_type as u32,
         sphere: body.is_sphere(),
     })
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Contacts in lanes: a batch of pairs through Newton's method, the law and the scatter at once.
 //!
-//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar path,
-//! which has the safeguards.
+//! A lane in which the search misbehaves or the curvature ratio is beyond the fit is handed back, to be taken by the scalar
+//! path, which has the safeguards.
 
 use super::batches::{LaneBits, Numbers};
 use super::records::Record;

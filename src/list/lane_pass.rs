@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A neighbour list in lanes: which pairs may touch, and their contacts a batch at a time.
 //!
-//! The order in which forces are added up is that of the list, whatever was left out on the way.
+//! Forces are added up in the order of the list, independent of which pairs were skipped.
 
 use super::batch::{run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common};
 use super::batches::Candidate;

@@ -20,6 +20,68 @@ use crate::tallies::Tallies;
 ///
 /// # Errors
 /// What is wrong with the list, before any force is written.
+///
+/// # Example
+/// Two particles, of which the first has the second in its row; consistent units:
+/// ```
+/// use ellgran::contact::{Laws, Step};
+/// use ellgran::list::{
+///     compute_pairs, Accumulators, Entries, NeighbourRow, NeighbourRows, ParticleArrays, Rotation, Workspace,
+/// };
+/// use ellgran::simd::InstructionSet;
+///
+/// struct Rows {
+///     neighbours: [i32; 1],
+///     touching: [i32; 1],
+///     history: Vec<f64>,
+/// }
+///
+/// impl NeighbourRows for Rows {
+///     fn count(&self) -> usize {
+///         1
+///     }
+///     fn row(&mut self, _: usize) -> NeighbourRow<'_> {
+///         NeighbourRow {
+///             central: 0,
+///             neighbours: &self.neighbours,
+///             touching: &mut self.touching,
+///             history: &mut self.history,
+///         }
+///     }
+///     fn pair(&mut self, _: usize, _: usize) -> (Option<&mut i32>, &mut [f64]) {
+///         (Some(&mut self.touching[0]), &mut self.history)
+///     }
+///     fn entries(&self) -> Entries {
+///         Entries::PLAIN
+///     }
+/// }
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e6", "0.3", "tangential", "mindlin", "0.5"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let mut rows = Rows { neighbours: [1], touching: [0], history: vec![0.0; laws.layout().length] };
+/// let mut workspace = Workspace::new(InstructionSet::choose()?);
+/// let shape = |_: usize| Some(([2.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0]));
+/// let particles = ParticleArrays {
+///     owned: 2,
+///     positions: &[[0.0; 3], [0.0, 0.0, 1.99]],
+///     velocities: &[[0.0; 3]; 2],
+///     rotation: Rotation::Velocity(&[[0.0; 3]; 2]),
+///     contact_masses: &[],
+///     types: &[1, 1],
+///     shape,
+///     identifier: |k| k as i64 + 1,
+/// };
+/// // Whether particles and list are those of the last call.
+/// let unchanged = false;
+/// workspace.prepare_for_pairs(&particles, &laws, unchanged)?;
+/// let (mut forces, mut torques) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
+/// let mut accumulators =
+///     Accumulators { forces: &mut forces, torques: &mut torques, reaction_below: 2, owned: 2 };
+/// let step = Step { time_step: 1e-6, advance_history: true };
+/// compute_pairs(&laws, &mut workspace, &mut rows, &step, &mut accumulators, None).expect("a valid list");
+/// assert!(forces[1][2] > 0.0 && forces[0][2] == -forces[1][2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compute_pairs<R: NeighbourRows>(
     laws: &Laws,
     workspace: &mut Workspace,
@@ -39,7 +101,7 @@ pub fn compute_pairs<R: NeighbourRows>(
     Ok(deep_contacts)
 }
 
-/// [`compute_pairs`] but for the histories that stand in batches.
+/// [`compute_pairs`] without the histories that are kept in batches.
 fn compute_rows(
     laws: &Laws,
     workspace: &mut Workspace,
@@ -151,7 +213,11 @@ fn check_hale(
                 continue;
             };
             let j = &particles[other];
-            if !laws.get(i.kind as usize, j.kind as usize).kinds.hale {
+            if !laws
+                .get(i.particle_type as usize, j.particle_type as usize)
+                .kinds
+                .hale
+            {
                 continue;
             }
             let row = rows.row(k);

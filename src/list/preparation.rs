@@ -27,7 +27,7 @@ pub(super) struct Prepared {
     pub moved: bool,
     /// Whether a particle has another type than before.
     pub types_changed: bool,
-    /// The first particle that cannot be, and what is wrong with it.
+    /// The first invalid particle, and what is wrong with it.
     pub failure: Option<(usize, String)>,
 }
 
@@ -126,10 +126,10 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         };
         chunk.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
         chunk.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
-        let kind = arrays.types[k];
-        chunk.sound &= kind >= 1 && kind as usize <= self.types;
-        self.outcome.types_changed |= self.records.types[k] != kind as u32;
-        self.records.types[k] = kind as u32;
+        let particle_type = arrays.types[k];
+        chunk.sound &= particle_type >= 1 && particle_type as usize <= self.types;
+        self.outcome.types_changed |= self.records.types[k] != particle_type as u32;
+        self.records.types[k] = particle_type as u32;
         if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
             let mass = arrays.contact_masses[k];
             chunk.sound &= is_mass(mass);
@@ -170,9 +170,9 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
     fn one_by_one(&mut self, chunk: &[usize]) -> bool {
         for &k in chunk {
             match prepare_record(self.arrays, k, self.types, self.records.shapes) {
-                Ok((record, kind, inverse_mass)) => {
+                Ok((record, particle_type, inverse_mass)) => {
                     self.records.records[k] = record;
-                    self.records.types[k] = kind;
+                    self.records.types[k] = particle_type;
                     if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
                         *inverse = inverse_mass;
                     }

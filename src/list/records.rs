@@ -100,7 +100,12 @@ impl Record {
     }
 
     /// The same particle for the scalar path. Of a spheroid the axis alone is known: any other two serve.
-    pub(super) fn particle(&self, shapes: Shapes, kind: u32, inverse_mass: f64) -> Particle {
+    pub(super) fn particle(
+        &self,
+        shapes: Shapes,
+        particle_type: u32,
+        inverse_mass: f64,
+    ) -> Particle {
         let (p, m) = (&self.pose.0, &self.motion.0);
         let (axes, semi_axes, motion) = if shapes == Shapes::Ellipsoids {
             (
@@ -133,7 +138,7 @@ impl Record {
             velocity: Vector3::new(motion[0], motion[1], motion[2]),
             omega: Vector3::new(motion[3], motion[4], motion[5]),
             inverse_mass,
-            kind,
+            particle_type,
             sphere: body.is_sphere(),
         }
     }
@@ -186,5 +191,5 @@ pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn
     let q = within_range(q).map_err(|e| describe(e, a, q))?;
     let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
     let record = Record::new(shapes, x, a, q.map(|q| q * s), v, p.omega);
-    Ok((record, p.kind, p.inverse_mass))
+    Ok((record, p.particle_type, p.inverse_mass))
 }

@@ -86,7 +86,7 @@ pub struct HaleBroke {
 pub enum ListError {
     /// Hale's form broke at a contact.
     Hale(HaleBroke),
-    /// An entry that names no particle, or the one whose row it stands in.
+    /// An entry that is not the index of a particle, or is that of the row's own particle.
     Entry {
         /// The particle of the row.
         central: usize,

@@ -113,7 +113,9 @@ impl Pass<'_, '_, '_> {
                 return self.separated(place, normal.filter(|_| searched));
             }
         };
-        let law = self.laws.get(i.kind as usize, j.kind as usize);
+        let law = self
+            .laws
+            .get(i.particle_type as usize, j.particle_type as usize);
         let d = j.position - i.position;
         let (_, history) = self.memory(place);
         let f = law_of_pair::<FRICTION, RATE, CONSERVATIVE>(

@@ -56,8 +56,8 @@ impl Workspace {
     /// Checks and prepares all particles, for one contact at a time.
     ///
     /// # Errors
-    /// The first particle with a position, velocity, angular velocity or mass out of range ([`crate::contact::ranges`]), a shape or pose that
-    /// is none, or a type out of range.
+    /// The first particle with a position, velocity, angular velocity or mass out of range ([`crate::contact::ranges`]), a
+    /// shape or pose that is none, or a type out of range.
     pub fn prepare<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A register of numbers: the contact law's [`Real`] in the lanes of whatever instruction set was chosen.
+//! A register of numbers: the contact law's [`Real`] in the lanes of the chosen instruction set.
 
 use super::registers::{Line, Registers, MOST_LANES};
 use crate::real::Real;

@@ -109,8 +109,7 @@ macro_rules! instruction_sets {
                 matches!(self, InstructionSet::Scalar | InstructionSet::Baseline)
             }
 
-            /// Runs a stage on this instruction set; on `Baseline` where this is none for lanes, or where the machine does not
-            /// have it.
+            /// Runs a stage on this instruction set. `Scalar`, and a set that the machine does not have, run it on `Baseline`.
             #[doc(hidden)]
             #[inline]
             pub fn run<T: Stage>(self, stage: T) {

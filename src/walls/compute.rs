@@ -170,7 +170,7 @@ fn effective_mass(i: &Particle) -> f64 {
 
 /// The law of a particle's type and the wall's.
 fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
-    input.laws.get(i.kind as usize, input.wall_type)
+    input.laws.get(i.particle_type as usize, input.wall_type)
 }
 
 fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Past {

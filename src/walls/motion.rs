@@ -164,7 +164,7 @@ mod tests {
             velocity: moved.to_array(),
             angular_velocity: [0.0, 0.0, rate],
             mass: 1.0,
-            kind: 1,
+            particle_type: 1,
             identifier: 1,
         };
         let half = 0.5 * rate * t;

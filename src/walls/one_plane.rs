@@ -70,7 +70,7 @@ pub fn one_contact_with_plane(
         }
         return Ok(None);
     }
-    let law = laws.get(i.kind as usize, wall_type);
+    let law = laws.get(i.particle_type as usize, wall_type);
     let x = contact_with_plane(&found, i, wall);
     let factors = checked_factors(law, x.curvature())?;
     let before = cached_normal(&layout, history).unwrap_or(found.normal);

@@ -7,7 +7,6 @@ use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
 use ellgran::c_api::law::*;
-use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::plane::*;
 use ellgran::c_api::rigid_wall::*;
@@ -290,10 +289,10 @@ const BODIES: [Spoil; 14] = [
     (&["semi-axis", "inf"], |b| b.semi_axes[2] = f64::INFINITY),
     (&["quaternion", "(0 0 0 0)"], |b| b.quaternion = [0.0; 4]),
     (&["quaternion", "NaN"], |b| b.quaternion[3] = f64::NAN),
-    (&["type 0"], |b| b.kind = 0),
-    (&["type -1"], |b| b.kind = -1),
-    (&["type 2"], |b| b.kind = 2),
-    (&["type 2147483647"], |b| b.kind = i32::MAX),
+    (&["type 0"], |b| b.particle_type = 0),
+    (&["type -1"], |b| b.particle_type = -1),
+    (&["type 2"], |b| b.particle_type = 2),
+    (&["type 2147483647"], |b| b.particle_type = i32::MAX),
 ];
 
 const MASSES: [Spoil; 3] = [
@@ -532,17 +531,8 @@ impl Row {
         let mut particles = self.arrays.particles();
         change(&mut particles);
         let view = self.list.view(true);
-        // SAFETY: all pointers are valid.
-        unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                step,
-                null_mut(),
-            )
-        }
+        self.laws
+            .pairs(&self.workspace, &particles, &view, step, null_mut())
     }
 
     /// Against a plane at `x`, by its right.

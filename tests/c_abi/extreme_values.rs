@@ -7,7 +7,6 @@ use std::ptr::{null, null_mut};
 use ellgran::c_api::contact::*;
 use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::law::*;
-use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::plane::*;
 use ellgran::c_api::rigid_wall::*;
@@ -425,17 +424,7 @@ impl Scene {
         let (particles, mut view) = (self.arrays.particles(), self.list.view(true));
         view.unchanged = unchanged;
         let mut tallies = no_tallies();
-        // SAFETY: all arrays are valid.
-        let status = unsafe {
-            ellgran_compute_pairs(
-                laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                step,
-                &mut tallies,
-            )
-        };
+        let status = laws.pairs(&self.workspace, &particles, &view, step, &mut tallies);
         let forces = [&self.arrays.forces[..], &self.arrays.torques]
             .concat()
             .concat();
@@ -551,17 +540,7 @@ fn momenta_and_masses() {
                 particles.masses = masses.as_ptr();
                 particles.contact_masses = contact_masses.as_ptr();
                 let view = scene.list.view(true);
-                // SAFETY: all arrays are valid.
-                let status = unsafe {
-                    ellgran_compute_pairs(
-                        laws.0,
-                        scene.workspace.0,
-                        &particles,
-                        &view,
-                        &STEP,
-                        null_mut(),
-                    )
-                };
+                let status = laws.pairs(&scene.workspace, &particles, &view, &STEP, null_mut());
                 let forces = [&scene.arrays.forces[..], &scene.arrays.torques]
                     .concat()
                     .concat();

@@ -3,7 +3,6 @@
 
 use std::ptr::null_mut;
 
-use ellgran::c_api::contact::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::status::*;
 
@@ -23,32 +22,20 @@ fn with_friction(laws: &Laws, friction: &[f64]) -> Laws {
 /// Force and history of a sliding contact of bodies of these types, after some steps.
 fn slide(laws: &Laws, kinds: [i32; 2]) -> ([f64; 3], Vec<f64>) {
     let (mut i, mut j) = (sphere_at(0.0), sphere_at(1.9));
-    [i.kind, j.kind] = kinds;
+    [i.particle_type, j.particle_type] = kinds;
     i.semi_axes = [1.0, 0.8, 0.9];
     j.velocity = [0.0, 0.3, 0.2];
-    let mut force = Untouched::<EllgranContactForce>::sized();
+    let mut force = [0.0; 3];
     let (mut touching, mut history) = (0, vec![0.0; laws.length()]);
     for _ in 0..10 {
-        // SAFETY: all pointers are valid.
-        unsafe {
-            ok(ellgran_contact(
-                laws.0,
-                &i,
-                &j,
-                &STEP,
-                &mut touching,
-                history.as_mut_ptr(),
-                null_mut(),
-                force.pointer(),
-            ));
-        }
+        let (_, f) = laws.contact([&i, &j], &STEP, &mut touching, &mut history);
+        force = f.force;
         let mut both = [i, j];
         advance(&mut both, STEP.time_step);
         [i, j] = both;
     }
     assert_eq!(touching, 1);
-    // SAFETY: written by the calls.
-    (unsafe { *force.pointer() }.force, history)
+    (force, history)
 }
 
 #[test]

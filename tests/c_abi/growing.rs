@@ -219,17 +219,8 @@ impl Two {
         let mut particles = self.arrays.particles();
         let mut list = self.list.view(true);
         change(&mut particles, &mut list);
-        // SAFETY: the arrays are as long as the structs say.
-        unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &list,
-                &STEP,
-                tallies,
-            )
-        }
+        self.laws
+            .pairs(&self.workspace, &particles, &list, &STEP, tallies)
     }
 }
 

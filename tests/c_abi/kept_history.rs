@@ -6,9 +6,7 @@ use std::ptr::null_mut;
 
 use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::law::ellgran_laws_new;
-use ellgran::c_api::neighbour_list::{
-    ellgran_compute_pairs, ellgran_forget_history, ellgran_write_history,
-};
+use ellgran::c_api::neighbour_list::{ellgran_forget_history, ellgran_write_history};
 use ellgran::c_api::status::{ELLGRAN_ERROR_ARGUMENT, ELLGRAN_SUCCESS};
 
 use crate::scene::*;
@@ -62,17 +60,9 @@ impl Run {
         let (particles, mut view) = (arrays.particles(), self.list.view(true));
         view.unchanged = i32::from(unchanged);
         view.keep_history = i32::from(self.keep);
-        // SAFETY: all arrays are valid.
-        let status = unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                &STEP,
-                null_mut(),
-            )
-        };
+        let status = self
+            .laws
+            .pairs(&self.workspace, &particles, &view, &STEP, null_mut());
         (status, [arrays.forces, arrays.torques])
     }
 
@@ -188,7 +178,7 @@ fn types_may_change() {
         if step % 5 == 4 {
             for (k, body) in bodies.iter_mut().enumerate() {
                 if k % 3 == step / 5 % 3 {
-                    body.kind = 3 - body.kind;
+                    body.particle_type = 3 - body.particle_type;
                 }
             }
         }

@@ -44,17 +44,8 @@ impl Scene {
     fn call(&mut self, change: impl Fn(&mut EllgranParticles, &mut EllgranNeighbourList)) -> i32 {
         let (mut particles, mut view) = (self.arrays.particles(), self.list.view(true));
         change(&mut particles, &mut view);
-        // SAFETY: all arrays are valid, and as long as is said of them.
-        unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                &STEP,
-                null_mut(),
-            )
-        }
+        self.laws
+            .pairs(&self.workspace, &particles, &view, &STEP, null_mut())
     }
 
     /// One number at a time, histories are written in every step.

@@ -8,6 +8,7 @@ use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
 
+use crate::formulas::{angular_momentum, normalise};
 use crate::scene::*;
 
 const DECKS: [&str; 2] = [
@@ -31,8 +32,7 @@ fn forces(
     arrays.torques.fill([0.0; 3]);
     let (mut particles, mut view) = (arrays.particles(), list.view(newton));
     change(&mut particles, &mut view);
-    // SAFETY: all arrays are valid.
-    ok(unsafe { ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, null_mut()) });
+    ok(laws.pairs(&workspace, &particles, &view, &STEP, null_mut()));
     (arrays.forces.clone(), arrays.torques.clone())
 }
 
@@ -102,7 +102,12 @@ fn angular_momenta_in_place_of_velocities() {
     let momenta: Vectors = (0..arrays.positions.len())
         .map(|k| {
             let (a, q) = (arrays.semi_axes[k], arrays.quaternions[k]);
-            angular_momentum(a, q, arrays.masses[k], arrays.angular_velocities[k])
+            angular_momentum(
+                arrays.masses[k],
+                a,
+                normalise(q),
+                arrays.angular_velocities[k],
+            )
         })
         .collect();
     let (_, mut fresh) = scene();
@@ -200,10 +205,7 @@ fn forces_are_added_to_what_is_there() {
     };
     let (particles, view) = (arrays.particles(), list.view(true));
     let call = || {
-        // SAFETY: all arrays are valid.
-        ok(unsafe {
-            ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &step, null_mut())
-        });
+        ok(laws.pairs(&workspace, &particles, &view, &step, null_mut()));
     };
     call();
     let once = (arrays.forces.clone(), arrays.torques.clone());
@@ -233,10 +235,7 @@ fn an_empty_scene() {
     let mut tallies = no_tallies();
     tallies.pair_count = 5;
     let (particles, view) = (arrays.particles(), list.view(true));
-    // SAFETY: no array is read.
-    ok(unsafe {
-        ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, &mut tallies)
-    });
+    ok(laws.pairs(&workspace, &particles, &view, &STEP, &mut tallies));
     assert_eq!(tallies.pair_count, 0);
 }
 
@@ -254,22 +253,10 @@ fn a_swapped_history_is_that_of_the_other_order() {
             let run = |a: usize, b: usize| {
                 let (mut touching, mut history) = (0, vec![0.0; length]);
                 let mut moving = bodies.clone();
-                let mut force = Untouched::sized();
                 for _ in 0..5 {
                     advance(&mut moving, STEP.time_step);
-                    // SAFETY: all pointers are valid.
-                    ok(unsafe {
-                        ellgran::c_api::contact::ellgran_contact(
-                            laws.0,
-                            &moving[a],
-                            &moving[b],
-                            &STEP,
-                            &mut touching,
-                            history.as_mut_ptr(),
-                            null_mut(),
-                            force.pointer(),
-                        )
-                    });
+                    let pair = [&moving[a], &moving[b]];
+                    laws.contact(pair, &STEP, &mut touching, &mut history);
                 }
                 (touching, history)
             };
@@ -300,7 +287,7 @@ fn a_long_row_is_in_balance() {
     let bodies: Vec<_> = (0..COUNT)
         .map(|k| EllgranBody {
             semi_axes: [1.0, 0.5, 0.7],
-            kind: 1,
+            particle_type: 1,
             ..sphere_at(1.99 * k as f64)
         })
         .collect();
@@ -320,10 +307,7 @@ fn a_long_row_is_in_balance() {
         arrays.forces.fill([0.0; 3]);
         let (particles, mut view) = (arrays.particles(), list.view(true));
         view.unchanged = step;
-        // SAFETY: all arrays are valid.
-        ok(unsafe {
-            ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, &mut tallies)
-        });
+        ok(laws.pairs(&workspace, &particles, &view, &STEP, &mut tallies));
         assert_eq!(tallies.touching_count, (COUNT - 1) as f64);
         let end = arrays.forces[COUNT - 1][0];
         assert!(end > 1.0, "{end}");

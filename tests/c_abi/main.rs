@@ -2,13 +2,20 @@
 //! The C interface, called as C calls it.
 
 #![allow(unsafe_code)]
+// Each block is one call of the C interface with pointers to locals that outlive it; tests of invalid pointers say what they
+// rely on.
+#![allow(clippy::undocumented_unsafe_blocks)]
 
+mod comparison;
 mod dissipation;
 #[path = "../support/emulator.rs"]
 mod emulator;
 mod engine_walls;
 mod errors;
 mod extreme_values;
+#[allow(dead_code)]
+#[path = "../support/shapes.rs"]
+mod formulas;
 mod friction;
 mod growing;
 mod instruction_sets;

@@ -131,22 +131,8 @@ fn contacts_are_those_of_single_calls_to_the_last_bit() {
             });
             for (k, [i, j]) in pairs.iter().enumerate() {
                 let (touches, numbers) = &mut own[k];
-                let mut geometry = Untouched::<EllgranContactGeometry>::sized();
-                let mut force = Untouched::<EllgranContactForce>::sized();
-                // SAFETY: all pointers are valid; both structs are written on success.
-                let (g, f) = unsafe {
-                    ok(ellgran_contact(
-                        laws.0,
-                        &bodies[*i as usize],
-                        &bodies[*j as usize],
-                        &STEP,
-                        touches,
-                        numbers.as_mut_ptr(),
-                        geometry.pointer(),
-                        force.pointer(),
-                    ));
-                    (*geometry.pointer(), *force.pointer())
-                };
+                let pair = [*i, *j].map(|k| &bodies[k as usize]);
+                let (g, f) = laws.contact(pair, &STEP, touches, numbers);
                 columns.are(k, &g, &f);
                 assert_eq!(touching[k], *touches);
                 let kept = &history[k * length..(k + 1) * length];
@@ -300,7 +286,7 @@ fn rayleigh_times_are_those_of_single_calls() {
         for (body, time) in bodies.iter().zip(&times) {
             let mut one = 0.0;
             ok(ellgran_rayleigh_time(
-                &parameters[body.kind as usize - 1],
+                &parameters[body.particle_type as usize - 1],
                 body,
                 &mut one,
             ));

@@ -113,7 +113,7 @@ fn stiffness_of_the_circular_contact() {
     ]);
     let mut staged = null_mut();
     let (mut j, mut cached) = (sphere_at(1.9), [0.0; 3]);
-    j.kind = 2;
+    j.particle_type = 2;
     let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
     let (mut radius, mut normal, mut tangential) = (0.0, -1.0, -1.0);
     let m = mixture(&laws, 1, 2);

@@ -3,7 +3,6 @@
 
 use std::ptr::{null, null_mut};
 
-use ellgran::c_api::contact::*;
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::*;
 use ellgran::c_api::without_history::*;
@@ -69,23 +68,8 @@ fn gaps_and_energies_are_those_of_single_contacts() {
     let mut touching = 0;
     for (k, [i, j]) in pairs.iter().enumerate() {
         let (i, j) = (&bodies[*i as usize], &bodies[*j as usize]);
-        let mut geometry = Untouched::<EllgranContactGeometry>::sized();
-        let mut force = Untouched::<EllgranContactForce>::sized();
         let (mut touches, mut history) = (0, vec![0.0; laws.length()]);
-        // SAFETY: all pointers are valid; both structs are written on success.
-        let (g, f) = unsafe {
-            ok(ellgran_contact(
-                laws.0,
-                i,
-                j,
-                &STEP,
-                &mut touches,
-                history.as_mut_ptr(),
-                geometry.pointer(),
-                force.pointer(),
-            ));
-            (*geometry.pointer(), *force.pointer())
-        };
+        let (g, f) = laws.contact([i, j], &STEP, &mut touches, &mut history);
         touching += g.touching;
         assert!((gaps[k] + g.penetration).abs() < 1e-12);
         for (a, b) in normals[k].iter().zip(g.normal) {

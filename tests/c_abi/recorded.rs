@@ -74,17 +74,9 @@ impl Run {
         let (particles, mut view) = (arrays.particles(), self.list.view(true));
         view.unchanged = i32::from(unchanged);
         view.record_contacts = i32::from(record);
-        // SAFETY: all arrays are valid.
-        ok(unsafe {
-            ellgran_compute_pairs(
-                self.laws.0,
-                self.workspace.0,
-                &particles,
-                &view,
-                &STEP,
-                null_mut(),
-            )
-        });
+        ok(self
+            .laws
+            .pairs(&self.workspace, &particles, &view, &STEP, null_mut()));
         arrays
     }
 }
@@ -175,22 +167,7 @@ fn alone(
     scale: f64,
 ) {
     let mut history = history.to_vec();
-    let mut geometry = Untouched::<EllgranContactGeometry>::sized();
-    let mut force = Untouched::<EllgranContactForce>::sized();
-    // SAFETY: all pointers are valid; both structs are written on success.
-    let (a, b) = unsafe {
-        ok(ellgran_contact(
-            laws.0,
-            i,
-            j,
-            &STEP,
-            &mut touching,
-            history.as_mut_ptr(),
-            geometry.pointer(),
-            force.pointer(),
-        ));
-        (*geometry.pointer(), *force.pointer())
-    };
+    let (a, b) = laws.contact([i, j], &STEP, &mut touching, &mut history);
     let close = |what: &str, x: &[f64], y: &[f64], scale: f64| {
         for (x, y) in x.iter().zip(y) {
             assert!((x - y).abs() <= 1e-9 * scale, "{what}: {x} is not {y}");

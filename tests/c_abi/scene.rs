@@ -5,14 +5,18 @@ use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;
 use std::ptr;
 
-use ellgran::c_api::contact::EllgranBody;
+use ellgran::c_api::contact::{
+    ellgran_contact, EllgranBody, EllgranContactForce, EllgranContactGeometry,
+};
 use ellgran::c_api::growing::Growing;
 use ellgran::c_api::law::*;
-use ellgran::c_api::neighbour_list::EllgranNeighbourList;
+use ellgran::c_api::neighbour_list::{ellgran_compute_pairs, EllgranNeighbourList};
 use ellgran::c_api::particles::*;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 use ellgran::c_api::tallies::EllgranTallies;
+
+pub use crate::formulas::Random;
 
 /// Succeeds, or shows the library's own message.
 #[track_caller]
@@ -87,6 +91,49 @@ impl Laws {
     pub fn length(&self) -> usize {
         // SAFETY: valid since it was made.
         unsafe { ellgran_laws_history_length(self.0) as usize }
+    }
+}
+
+impl Laws {
+    /// One contact that succeeds; `history` is as long as one of these laws.
+    #[track_caller]
+    pub fn contact(
+        &self,
+        [i, j]: [&EllgranBody; 2],
+        step: &EllgranStep,
+        touching: &mut i32,
+        history: &mut [f64],
+    ) -> (EllgranContactGeometry, EllgranContactForce) {
+        assert_eq!(history.len(), self.length());
+        let (mut geometry, mut force) = (Untouched::sized(), Untouched::sized());
+        let (g, f) = (geometry.pointer(), force.pointer());
+        // SAFETY: all pointers are valid; both structs are written on success.
+        unsafe {
+            ok(ellgran_contact(
+                self.0,
+                i,
+                j,
+                step,
+                touching,
+                history.as_mut_ptr(),
+                g,
+                f,
+            ));
+            (*g, *f)
+        }
+    }
+
+    /// Status of a call on a list. The arrays that the structs name must be as long as they say.
+    pub fn pairs(
+        &self,
+        workspace: &WorkspaceHandle,
+        particles: &EllgranParticles,
+        list: &EllgranNeighbourList,
+        step: &EllgranStep,
+        tallies: *mut EllgranTallies,
+    ) -> i32 {
+        // SAFETY: as the caller promises.
+        unsafe { ellgran_compute_pairs(self.0, workspace.0, particles, list, step, tallies) }
     }
 }
 
@@ -241,24 +288,6 @@ pub const STEP: EllgranStep = EllgranStep {
     advance_history: 1,
 };
 
-/// Numbers that only look random (splitmix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-
-    pub fn vector<const N: usize>(&mut self, low: f64, high: f64) -> [f64; N] {
-        std::array::from_fn(|_| self.between(low, high))
-    }
-}
-
 /// A unit sphere of type 1 with a centre on the x axis.
 pub fn sphere_at(x: f64) -> EllgranBody {
     EllgranBody {
@@ -269,7 +298,7 @@ pub fn sphere_at(x: f64) -> EllgranBody {
         velocity: [0.0; 3],
         angular_velocity: [0.0; 3],
         mass: 1.0,
-        kind: 1,
+        particle_type: 1,
         identifier: 7,
     }
 }
@@ -288,7 +317,7 @@ pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
                 velocity: random.vector(-0.5, 0.5),
                 angular_velocity: random.vector(-0.5, 0.5),
                 mass: random.between(0.5, 2.0),
-                kind: 1 + (k % 2),
+                particle_type: 1 + (k % 2),
                 identifier: 1000 + i64::from(k),
             }
         })
@@ -319,39 +348,6 @@ pub fn advance(bodies: &mut [EllgranBody], time: f64) {
     }
 }
 
-/// `R diag(I) R^T w` for a solid ellipsoid.
-pub fn angular_momentum(semi_axes: [f64; 3], q: [f64; 4], mass: f64, omega: [f64; 3]) -> [f64; 3] {
-    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let [w, x, y, z] = q.map(|c| c / length);
-    let axes = [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ],
-        [
-            2.0 * (x * y - w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + w * x),
-        ],
-        [
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ];
-    let square: f64 = semi_axes.iter().map(|a| a * a).sum();
-    let mut sum = [0.0; 3];
-    for (axis, a) in axes.iter().zip(semi_axes) {
-        let inertia = 0.2 * mass * (square - a * a);
-        let along: f64 = inertia * (0..3).map(|k| axis[k] * omega[k]).sum::<f64>();
-        for k in 0..3 {
-            sum[k] += along * axis[k];
-        }
-    }
-    sum
-}
-
 /// An engine's arrays.
 pub struct Arrays {
     pub owned: usize,
@@ -378,7 +374,7 @@ impl Arrays {
             velocities: all(bodies, |b| b.velocity),
             angular_velocities: all(bodies, |b| b.angular_velocity),
             masses: all(bodies, |b| b.mass),
-            types: all(bodies, |b| b.kind),
+            types: all(bodies, |b| b.particle_type),
             semi_axes: all(bodies, |b| b.semi_axes),
             quaternions: all(bodies, |b| b.quaternion),
             identifiers: all(bodies, |b| b.identifier),

@@ -4,7 +4,7 @@
 
 use ellgran::c_api::contact::EllgranBody;
 
-use crate::paths::{Comparison, Seen};
+use crate::comparison::{Comparison, Seen};
 use crate::scene::*;
 
 /// Laws whose kernels differ, of two materials each.

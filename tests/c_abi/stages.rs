@@ -434,7 +434,7 @@ fn a_wall_in_stages_is_a_plane() {
         velocity: WALL.velocity,
     };
     let mut i = random_bodies(1)[0];
-    (i.position, i.kind) = ([0.0; 3], 1);
+    (i.position, i.particle_type) = ([0.0; 3], 1);
     i.semi_axes = [1.0, 1.2, 1.4];
     let mut geometry = Untouched::<EllgranStagedGeometry>::sized();
     let mut force = Untouched::<EllgranContactForce>::sized();

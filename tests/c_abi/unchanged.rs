@@ -4,7 +4,6 @@
 use std::ptr::null_mut;
 
 use ellgran::c_api::contact::EllgranBody;
-use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
 
 use crate::scene::*;
 use crate::shapes;
@@ -48,10 +47,7 @@ fn compare_scene(
             arrays.torques.fill([0.0; 3]);
             let (particles, mut view) = (arrays.particles(), list.view(true));
             view.unchanged = unchanged;
-            // SAFETY: all arrays are valid.
-            ok(unsafe {
-                ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, null_mut())
-            });
+            ok(laws.pairs(workspace, &particles, &view, &STEP, null_mut()));
             forces.push((arrays.forces.clone(), arrays.torques.clone()));
         }
         assert_eq!(list.touching, other.touching, "step {step}");

@@ -70,7 +70,7 @@ macro_rules! constants {
 fn claims() -> Claims {
     let mut claims = Claims::default();
     structures! { claims:
-        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, kind, identifier }
+        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, particle_type, identifier }
         EllgranContactGeometry {
             size, touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
             major_direction,

@@ -7,6 +7,8 @@ mod examples;
 mod harness;
 mod layout;
 mod packages;
+#[path = "../support/pages.rs"]
+mod pages;
 #[path = "../../xtask/src/install/prefix.rs"]
 mod prefix;
 mod sanitizer;

@@ -10,6 +10,7 @@ use crate::emulator;
 use crate::harness::{
     compiler, fail, header, installed, installed_text, root, scratch, succeed, tool, Language,
 };
+use crate::pages::all_blocks;
 
 #[test]
 fn the_installed_header_is_the_committed_one() {
@@ -64,15 +65,11 @@ fn the_system_libraries_are_those_that_rustc_names() {
 #[cfg(target_os = "linux")]
 fn the_page_names_the_same_system_libraries() {
     let page = fs::read_to_string(root().join("docs/library.md")).expect("docs/library.md");
-    let block = page
+    let (_, after) = page
         .split_once("System libraries:")
-        .and_then(|(_, rest)| rest.split_once("```"))
-        .and_then(|(_, rest)| rest.split_once('\n'))
-        .and_then(|(_, rest)| rest.split_once("```"))
-        .map(|(block, _)| block)
-        .expect("docs/library.md: a fenced block after 'System libraries:'");
+        .expect("docs/library.md: 'System libraries:'");
     assert_eq!(
-        libraries(block),
+        libraries(&all_blocks(after)[0].text),
         libraries(&installed().system_libraries),
         "docs/library.md against rustc"
     );

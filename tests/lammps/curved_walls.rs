@@ -5,7 +5,7 @@
 use crate::harness::{kinetic_energy, run, Deck, Engine, Grain, Scene};
 use crate::shapes::{
     about, add, compose, cross, curvature, dot, length, normalise, rotate, scale, stiffness_of,
-    sub, unit, Random, Vector,
+    sub, tangents, unit, Random, Vector,
 };
 
 const MODULUS: f64 = 1e7;
@@ -66,13 +66,7 @@ fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
             let mut best = here;
             let mut step = 0.05;
             while step > 1e-10 {
-                let helper = if w[0].abs() < 0.6 {
-                    [1.0, 0.0, 0.0]
-                } else {
-                    [0.0, 1.0, 0.0]
-                };
-                let u = unit(cross(w, helper));
-                let v = cross(w, u);
+                let (u, v) = tangents(w);
                 let tried = (0..8).map(|k| {
                     let (sin, cos) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
                     unit(add(w, add(scale(step * cos, u), scale(step * sin, v))))
@@ -109,13 +103,7 @@ fn energy(g: &Grain, wall: &Wall) -> (f64, usize) {
     let (mut sum, mut count) = (0.0, 0);
     for surface in &wall.surfaces {
         for (depth, n, point) in contacts(g, surface) {
-            let helper = if n[0].abs() < 0.6 {
-                [1.0, 0.0, 0.0]
-            } else {
-                [0.0, 1.0, 0.0]
-            };
-            let u = unit(cross(n, helper));
-            let v = cross(n, u);
+            let (u, v) = tangents(n);
             let body = curvature(g.semi_axes, g.quaternion, n, u, v);
             let on_wall = sub(point, scale(depth, n));
             let bend = |t: Vector| (surface.bend)(on_wall, t);

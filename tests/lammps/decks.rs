@@ -72,14 +72,15 @@ fn both_versions_a_poured_heap_has_an_angle() {
         2,
     );
     let last = rows.last().unwrap();
+    let poured = rows
+        .iter()
+        .filter_map(|row| row.get("f_pour"))
+        .fold(0.0f64, |most, n| most.max(*n));
     println!(
-        "{} grains, angle {:.1} degrees",
+        "{poured} grains poured, {} stay, angle {:.1} degrees",
         last["Atoms"], last["v_angle"]
     );
-    assert!(last["Atoms"] > 20.0);
-    assert!(
-        rows.iter()
-            .all(|r| r.get("f_pour").is_none_or(|n| *n <= last["Atoms"])),
-        "grains are lost"
-    );
+    assert!(poured > 100.0);
+    assert!(last["Atoms"] > 50.0 && last["Atoms"] < poured);
+    assert!(last["v_angle"] > 5.0 && last["v_angle"] < 45.0);
 }

@@ -28,6 +28,17 @@ pub struct Pair {
     pub expected: [[Vector; 3]; 2],
 }
 
+impl Pair {
+    /// The longest semi-axis, and that or the largest coordinate of a centre.
+    pub fn size(&self) -> (f64, f64) {
+        let largest =
+            |numbers: [[f64; 3]; 2]| numbers.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let [i, j] = &self.grains;
+        let arm = largest([i.semi_axes, j.semi_axes]);
+        (arm, arm.max(largest([i.position, j.position])))
+    }
+}
+
 pub fn read_pairs(text: &str) -> Vec<Pair> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -147,16 +158,7 @@ fn hold(name: &str, text: &str, factor: f64, turn: Quaternion, atom_style: &str)
     let mut worst = [(0.0, String::new()), (0.0, String::new())];
     let (mut largest, mut failures) = ([0.0f64; 5], vec![]);
     for (pair, frames) in pairs.iter().zip(&frames) {
-        let arm = pair
-            .grains
-            .iter()
-            .flat_map(|g| g.semi_axes)
-            .fold(0.0, f64::max);
-        let extent = pair
-            .grains
-            .iter()
-            .flat_map(|g| g.position)
-            .fold(arm, |m, x| m.max(x.abs()));
+        let (arm, extent) = pair.size();
         let allowed = TOLERANCE.max(8.0 * f64::EPSILON * extent / pair.delta);
         for (law, frame) in frames.iter().enumerate() {
             let [f, ti, tj] = pair.expected[law].map(|v| rotate(turn, v));

@@ -35,18 +35,19 @@ impl Engine {
     }
 }
 
+/// All digits.
+fn words(numbers: &[f64]) -> String {
+    let words: Vec<String> = numbers.iter().map(|x| format!("{x:e}")).collect();
+    words.join(" ")
+}
+
 impl Scene {
     fn header(&self, ellipsoids: bool) -> String {
         let mut text = String::from("scene\n\n");
-        writeln!(
-            text,
-            "{} atoms\n{} atom types",
-            self.grains.len(),
-            self.kinds
-        )
-        .unwrap();
+        let (count, kinds) = (self.grains.len(), self.kinds);
+        writeln!(text, "{count} atoms\n{kinds} atom types").unwrap();
         if ellipsoids {
-            writeln!(text, "{} ellipsoids", self.grains.len()).unwrap();
+            writeln!(text, "{count} ellipsoids").unwrap();
         }
         for (k, axis) in ["x", "y", "z"].iter().enumerate() {
             writeln!(text, "{} {} {axis}lo {axis}hi", self.low[k], self.high[k]).unwrap();
@@ -65,52 +66,18 @@ impl Scene {
         let mut text = self.header(true);
         text.push_str("\nAtoms # ellipsoid\n\n");
         for (k, g) in self.grains.iter().enumerate() {
-            let [x, y, z] = g.position;
-            writeln!(
-                text,
-                "{} {} 1 {:e} {:e} {:e} {:e}",
-                k + 1,
-                g.kind,
-                g.density,
-                x,
-                y,
-                z
-            )
-            .unwrap();
+            let (kind, density, position) = (g.kind, g.density, words(&g.position));
+            writeln!(text, "{} {kind} 1 {density:e} {position}", k + 1).unwrap();
         }
         text.push_str("\nEllipsoids\n\n");
         for (k, g) in self.grains.iter().enumerate() {
-            let ([a, b, c], [qw, qx, qy, qz]) = (g.semi_axes, g.quaternion);
-            let (a, b, c) = (2.0 * a, 2.0 * b, 2.0 * c);
-            writeln!(
-                text,
-                "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e}{block}",
-                k + 1,
-                a,
-                b,
-                c,
-                qw,
-                qx,
-                qy,
-                qz
-            )
-            .unwrap();
+            let (diameters, turn) = (words(&scale(2.0, g.semi_axes)), words(&g.quaternion));
+            writeln!(text, "{} {diameters} {turn}{block}", k + 1).unwrap();
         }
         text.push_str("\nVelocities\n\n");
         for (k, g) in self.grains.iter().enumerate() {
-            let ([u, v, w], [l, m, n]) = (g.velocity, g.angular_momentum);
-            writeln!(
-                text,
-                "{} {:e} {:e} {:e} {:e} {:e} {:e}",
-                k + 1,
-                u,
-                v,
-                w,
-                l,
-                m,
-                n
-            )
-            .unwrap();
+            let (velocity, momentum) = (words(&g.velocity), words(&g.angular_momentum));
+            writeln!(text, "{} {velocity} {momentum}", k + 1).unwrap();
         }
         text
     }
@@ -120,37 +87,21 @@ impl Scene {
         let mut text = self.header(false);
         text.push_str("\nAtoms # sphere\n\n");
         for (k, g) in self.grains.iter().enumerate() {
-            let [x, y, z] = g.position;
-            let diameter = 2.0 * g.semi_axes[0];
+            let numbers = words(&[2.0 * g.semi_axes[0], g.density]);
             writeln!(
                 text,
-                "{} {} {:e} {:e} {:e} {:e} {:e}",
+                "{} {} {numbers} {}",
                 k + 1,
                 g.kind,
-                diameter,
-                g.density,
-                x,
-                y,
-                z
+                words(&g.position)
             )
             .unwrap();
         }
         text.push_str("\nVelocities\n\n");
         for (k, g) in self.grains.iter().enumerate() {
             let moment = inertia(g.mass(), g.semi_axes)[0];
-            let ([u, v, w], [l, m, n]) = (g.velocity, scale(1.0 / moment, g.angular_momentum));
-            writeln!(
-                text,
-                "{} {:e} {:e} {:e} {:e} {:e} {:e}",
-                k + 1,
-                u,
-                v,
-                w,
-                l,
-                m,
-                n
-            )
-            .unwrap();
+            let spin = words(&scale(1.0 / moment, g.angular_momentum));
+            writeln!(text, "{} {} {spin}", k + 1, words(&g.velocity)).unwrap();
         }
         text
     }

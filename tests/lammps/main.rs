@@ -7,8 +7,6 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
-#[path = "../support/readme.rs"]
-mod readme_deck;
 
 use engines::shapes;
 
@@ -35,6 +33,7 @@ mod plane_motion;
 mod plugin_file;
 mod readme;
 mod restart;
+mod restart_files;
 mod set_up;
 mod spheres;
 mod tangential_force;

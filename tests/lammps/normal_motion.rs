@@ -476,6 +476,20 @@ fn both_versions_lsd_restitution() {
     }
 }
 
+/// A contact of `s` steps in `time`; grains of type 2 move freely, the others by these commands.
+fn moved_by(commands: &[&str], e: f64, time: f64, s: f64) -> Deck {
+    let free = ["group free type 2", "fix move free nve/asphere"];
+    let law = format!("hertz {MODULUS} {POISSON} damping restitution {e} limit_force no");
+    Deck {
+        integrate: false,
+        fixes: free.iter().chain(commands).map(|c| c.to_string()).collect(),
+        time_step: time / s,
+        steps: (2.0 * s) as u64,
+        skin: 1e-3,
+        ..Deck::new(&law)
+    }
+}
+
 /// A frozen partner counts as infinitely heavy: the restitution stays what was asked for.
 #[test]
 fn both_versions_restitution_against_a_frozen_grain() {
@@ -493,21 +507,7 @@ fn both_versions_restitution_against_a_frozen_grain() {
     let scene = Scene::open(0.1, vec![heavy, light]);
     let time = hertz_time(speed) * 2f64.powf(0.4);
     approach(4000.0, "restitution against a frozen grain", e, 2e-5, |s| {
-        let deck = Deck {
-            integrate: false,
-            fixes: vec![
-                "group wall type 1".into(),
-                "group free type 2".into(),
-                "fix move free nve/asphere".into(),
-                "fix still wall freeze".into(),
-            ],
-            time_step: time / s,
-            steps: (2.0 * s) as u64,
-            skin: 1e-3,
-            ..Deck::new(&format!(
-                "hertz {MODULUS} {POISSON} damping restitution {e} limit_force no"
-            ))
-        };
+        let deck = moved_by(&["group wall type 1", "fix still wall freeze"], e, time, s);
         let outcome = run(&engine, "frozen", &scene, &deck, 1);
         assert_eq!(
             outcome.last().states[0].velocity,
@@ -533,22 +533,12 @@ fn both_versions_restitution_of_a_rigid_body() {
     // effective mass 2m m/(2m + m) in place of m/2
     let time = hertz_time(speed) * (4.0f64 / 3.0).powf(0.4);
     approach(4000.0, "restitution of a rigid body", e, 2e-5, |s| {
-        let deck = Deck {
-            integrate: false,
-            fixes: vec![
-                "group body type 1".into(),
-                "group free type 2".into(),
-                "neigh_modify exclude group body body".into(),
-                "fix move free nve/asphere".into(),
-                "fix glue body rigid single".into(),
-            ],
-            time_step: time / s,
-            steps: (2.0 * s) as u64,
-            skin: 1e-3,
-            ..Deck::new(&format!(
-                "hertz {MODULUS} {POISSON} damping restitution {e} limit_force no"
-            ))
-        };
+        let body = [
+            "group body type 1",
+            "neigh_modify exclude group body body",
+            "fix glue body rigid single",
+        ];
+        let deck = moved_by(&body, e, time, s);
         let outcome = run(&engine, "rigid", &scene, &deck, 1);
         let v = |k: usize| outcome.last().states[k].velocity[0];
         assert!((v(0) - v(1)).abs() < 1e-12 * speed, "the body is not rigid");

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Are the outputs right: geometry of each contact, stored and dissipated energy, pressure?
 
-use std::fs;
-
 use crate::decomposition::LAW;
 use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
-use crate::harness::{crowd, run, Deck, Engine, Scene};
+use crate::harness::{crowd, last_rows, run, Deck, Engine, Scene};
 use crate::shapes::{dot, length, scale, sub, Vector};
 
 /// `compute pair/local` and thermo output of golden pairs, through `single()`.
@@ -16,16 +14,7 @@ fn both_versions_pair_local_energy_and_pressure() {
     let mut count = 0;
     for text in [ASPECT_10, ASPECT_100] {
         for pair in read_pairs(text).into_iter().step_by(10) {
-            let arm = pair
-                .grains
-                .iter()
-                .flat_map(|g| g.semi_axes)
-                .fold(0.0, f64::max);
-            let extent = pair
-                .grains
-                .iter()
-                .flat_map(|g| g.position)
-                .fold(arm, |m, x| m.max(x.abs()));
+            let (arm, extent) = pair.size();
             let allowed = 1e-8f64.max(16.0 * f64::EPSILON * extent / pair.delta);
             let mut grains = pair.grains.to_vec();
             grains[1].kind = 2;
@@ -49,14 +38,7 @@ fn both_versions_pair_local_energy_and_pressure() {
             ];
             deck.thermo_columns = "step pe c_pressing".into();
             let outcome = run(&engine, "pair_local", &scene, &deck, 1);
-            let dump = fs::read_to_string(outcome.directory.join("contacts")).unwrap();
-            let row: Vec<f64> = dump
-                .lines()
-                .nth(9)
-                .expect("no contact")
-                .split_whitespace()
-                .map(|w| w.parse().unwrap())
-                .collect();
+            let row = &last_rows(&outcome.directory.join("contacts"))[0];
             let sign = if row[1] == 1.0 { 1.0 } else { -1.0 };
             let [_, _, dist, energy, force, p1, cx, cy, cz, nx, ny, nz, delta, a, b, fx, fy, fz] =
                 row[..]
@@ -166,17 +148,6 @@ fn both_versions_energy_is_kept_stored_or_dissipated() {
     }
 }
 
-/// Rows of the last section of a dump.
-fn last_rows(text: &str) -> Vec<Vec<f64>> {
-    let section = text.rsplit("ITEM: TIMESTEP").next().unwrap();
-    section
-        .lines()
-        .skip_while(|l| !l.starts_with("ITEM: ENTRIES"))
-        .skip(1)
-        .map(|l| l.split_whitespace().map(|w| w.parse().unwrap()).collect())
-        .collect()
-}
-
 /// `compute pair/local` shows the forces and torques that acted: over all pairs they add up to those on the atoms.
 #[test]
 fn both_versions_pair_local_shows_the_forces_that_acted() {
@@ -219,7 +190,7 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
                 ..Deck::new(law)
             };
             let outcome = run(&engine, "local_sums", &scene, &deck, ranks);
-            let rows = last_rows(&fs::read_to_string(outcome.directory.join("contacts")).unwrap());
+            let rows = last_rows(&outcome.directory.join("contacts"));
             let mut sums = vec![[0.0f64; 6]; scene.grains.len()];
             let mut contacts = 0;
             let mut power = [0.0; 2];

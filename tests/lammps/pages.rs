@@ -2,26 +2,11 @@
 //! Do the commands run that the pages print, and do they give the numbers beside them?
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
+use crate::engines::dump::tables;
+use crate::engines::printed::{blocks, page, shell};
 use crate::harness::{execute, fresh_directory, last_lines, Engine};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn page(name: &str) -> String {
-    fs::read_to_string(root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
-
-/// The blocks of a page that are fenced under this language.
-fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
-    page.split(&format!("\n```{language}\n"))
-        .skip(1)
-        .map(|rest| rest.split_once("\n```").expect("the end of a block").0)
-        .collect()
-}
 
 /// Three grains of two types one above the other, in contact, within the walls that the page builds.
 const GRAINS: &str = "
@@ -87,6 +72,33 @@ fn both_versions_the_blocks_of_the_reference_page_run() {
     assert!(ran >= 6, "{ran} blocks");
 }
 
+/// The columns of the dump get the names that OVITO knows; a test of the Python module has OVITO read them.
+#[test]
+fn both_versions_the_dump_for_ovito() {
+    let engine = Engine::from_environment();
+    let page = page("docs/tutorials/spheres_to_ellipsoids.md");
+    let [block] = blocks(&page, "lammps")[..] else {
+        panic!("one block");
+    };
+    let deck = crate::readme_deck::deck_without_plugin();
+    let (before, after) = deck.split_once("dump grains").expect("a dump");
+    let (dump, after) = after.split_once('\n').expect("commands after it");
+    let deck = format!(
+        "plugin load {}\n{before}dump grains{dump}\n{block}\n{after}",
+        engine.plugin.display()
+    )
+    .replace("run 20000", "run 0");
+    let directory = fresh_directory("ovito");
+    let (success, output) = execute(&engine, &directory, &deck, 1);
+    assert!(success, "{}", last_lines(&output));
+    let dump = fs::read_to_string(directory.join("grains.dump")).expect("a dump");
+    assert!(
+        dump.contains("ITEM: ATOMS id type x y z quatw quati quatj quatk shapex shapey shapez"),
+        "{}",
+        &dump[..400]
+    );
+}
+
 /// The rows of the table, by the deck that the page shows.
 #[test]
 fn both_versions_the_restitution_of_the_tutorial() {
@@ -101,7 +113,7 @@ fn both_versions_the_restitution_of_the_tutorial() {
         })
         .collect();
     assert!(rows.len() >= 4, "{rows:?}");
-    let deck = self::page("examples/lammps/restitution.lmp");
+    let deck = crate::engines::printed::page("examples/lammps/restitution.lmp");
     for (number, (law, expected)) in rows.iter().enumerate() {
         let deck = format!(
             "variable plugin index {}\nvariable law index \"{law}\"\n{deck}",
@@ -132,67 +144,60 @@ fn both_versions_the_restitution_of_the_tutorial() {
 #[test]
 fn the_one_coefficient_of_the_tutorial() {
     let page = page("docs/tutorials/calibrate.md");
-    let [block] = blocks(&page, "text")[..] else {
-        panic!("one block");
-    };
-    let law = block.strip_prefix("pair_coeff 1 1 ").expect("a law");
+    let blocks = blocks(&page, "text");
+    assert_eq!(blocks.len(), 1);
+    let law = blocks[0]
+        .strip_prefix("pair_coeff 1 1 ")
+        .expect("a law")
+        .trim_end();
     assert!(page.contains(&format!("| `{law}` |")), "{law}");
+}
+
+/// The line that the tutorial adds to the deck of the README.
+#[test]
+fn both_versions_the_columns_of_the_tutorial() {
+    let engine = Engine::from_environment();
+    let deck = &blocks(&page("README.md"), "lammps")[0];
+    let names = &blocks(&page("docs/tutorials/spheres_to_ellipsoids.md"), "lammps")[0];
+    let (before, after) = deck.split_once("timestep").expect("timestep");
+    let after = after.replace("run 20000", "run 5");
+    let plugin = engine.plugin.display();
+    let deck = format!("variable plugin index {plugin}\n{before}{names}timestep{after}");
+    let directory = fresh_directory("columns");
+    let (success, output) = execute(&engine, &directory, &deck, 1);
+    assert!(success, "{}", last_lines(&output));
+    let dump = fs::read_to_string(directory.join("grains.dump")).unwrap();
+    let columns = tables(&dump).expect("a dump").remove(0).columns;
+    assert_eq!(
+        columns[5..],
+        ["quatw", "quati", "quatj", "quatk", "shapex", "shapey", "shapez"]
+    );
 }
 
 /// Shell blocks that run a deck from source. `cargo xtask path` answers what this test was given.
 #[test]
 #[cfg(unix)]
 fn both_versions_the_shell_blocks_run() {
-    use std::os::unix::fs::PermissionsExt;
     let engine = Engine::from_environment();
     let directory = fresh_directory("shell");
-    let tools = directory.join("tools");
-    fs::create_dir_all(&tools).unwrap();
-    let cargo = tools.join("cargo");
-    fs::write(
-        &cargo,
-        format!(
-            "#!/bin/sh\ncase \"$*\" in\n\"xtask path lammps\") echo '{}';;\n\"xtask path lammps-plugin\") echo '{}';;\n\
-             *) echo \"cargo $*: not expected here\" >&2; exit 1;;\nesac\n",
-            engine.lammps.display(),
-            engine.plugin.display()
-        ),
-    )
-    .unwrap();
-    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).unwrap();
     let examples = directory.join("examples/lammps");
     fs::create_dir_all(&examples).unwrap();
-    fs::copy(
-        root().join("examples/lammps/collision.lmp"),
-        examples.join("collision.lmp"),
-    )
-    .unwrap();
-    // A deck of one's own: that of the collision.
-    fs::copy(
-        root().join("examples/lammps/collision.lmp"),
-        directory.join("deck.lmp"),
-    )
-    .unwrap();
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let path: Vec<PathBuf> = std::iter::once(tools)
-        .chain(std::env::split_paths(&path))
-        .collect();
-    let path = std::env::join_paths(path).unwrap();
+    let collision = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/lammps/collision.lmp");
+    // The second is a deck of one's own.
+    for copy in [examples.join("collision.lmp"), directory.join("deck.lmp")] {
+        fs::copy(&collision, copy).unwrap();
+    }
+    let answers = [
+        ("lammps", engine.lammps.as_path()),
+        ("lammps-plugin", engine.plugin.as_path()),
+    ];
     let mut ran = 0;
     for name in ["docs/start.md", "examples/lammps/README.md"] {
         for block in blocks(&page(name), "sh") {
-            if !block.contains("-in ") || block.contains("pip install") {
-                continue;
+            if block.contains("-in ") && !block.contains("pip install") {
+                shell(&directory, &block, &answers, &engine.mpirun);
+                ran += 1;
             }
-            let output = Command::new("sh")
-                .args(["-ec", block])
-                .current_dir(&directory)
-                .env("PATH", &path)
-                .output()
-                .expect("a shell");
-            let text = String::from_utf8_lossy(&output.stdout);
-            assert!(output.status.success(), "{block}\n{}", last_lines(&text));
-            ran += 1;
         }
     }
     assert_eq!(ran, 2);

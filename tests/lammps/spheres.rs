@@ -51,23 +51,22 @@ fn changed_velocities(scene: &Scene, frame: &Frame) -> usize {
         .count()
 }
 
-#[test]
-fn both_versions_two_hundred_spheres_move_as_with_built_in_hertz() {
-    let engine = Engine::from_environment();
-    let scene = gas();
-    let settings = |deck: Deck| Deck {
+/// For the gas.
+fn settings(deck: Deck) -> Deck {
+    Deck {
         time_step: 1e-6,
         steps: 3000,
         skin: 2e-4,
         ..deck
-    };
-    let reference = run(
-        &engine,
-        "gas_built_in",
-        &scene,
-        &settings(built_in("tangential linear_nohistory 0.0 0.0")),
-        1,
-    );
+    }
+}
+
+#[test]
+fn both_versions_two_hundred_spheres_move_as_with_built_in_hertz() {
+    let engine = Engine::from_environment();
+    let scene = gas();
+    let built_in = settings(built_in("tangential linear_nohistory 0.0 0.0"));
+    let reference = run(&engine, "gas_built_in", &scene, &built_in, 1);
     let hit = changed_velocities(&scene, reference.last());
     println!("of 200 spheres {hit} collided");
     assert!(
@@ -76,13 +75,8 @@ fn both_versions_two_hundred_spheres_move_as_with_built_in_hertz() {
     );
     for conservative in ["yes", "no"] {
         let law = format!("hertz {MODULUS} {POISSON} conservative {conservative}");
-        let ours = run(
-            &engine,
-            &format!("gas_ours_{conservative}"),
-            &scene,
-            &settings(Deck::new(&law)),
-            1,
-        );
+        let name = format!("gas_ours_{conservative}");
+        let ours = run(&engine, &name, &scene, &settings(Deck::new(&law)), 1);
         let (positions, velocities) = largest_difference(ours.last(), reference.last());
         println!("conservative {conservative}: positions {positions:.1e}, velocities {velocities:.1e} relative to built-in hertz/material");
         assert!(positions < 1e-9 && velocities < 1e-9);
@@ -93,19 +87,8 @@ fn both_versions_two_hundred_spheres_move_as_with_built_in_hertz() {
 fn two_hundred_spheres_in_the_superellipsoid_atom_style() {
     let engine = Engine::from_environment();
     let scene = gas();
-    let settings = |deck: Deck| Deck {
-        time_step: 1e-6,
-        steps: 3000,
-        skin: 2e-4,
-        ..deck
-    };
-    let reference = run(
-        &engine,
-        "gas_super_built_in",
-        &scene,
-        &settings(built_in("tangential linear_nohistory 0.0 0.0")),
-        1,
-    );
+    let built_in = settings(built_in("tangential linear_nohistory 0.0 0.0"));
+    let reference = run(&engine, "gas_super_built_in", &scene, &built_in, 1);
     let law = format!("hertz {MODULUS} {POISSON}");
     let deck = Deck {
         atom_style: "ellipsoid superellipsoid".into(),

@@ -7,7 +7,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::harness::{
-    attempt_in, execute, fresh_directory, last_lines, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+    attempt_in, execute, fresh_directory, last_lines, last_rows, Deck, Engine, Grain, Outcome,
+    Scene, ELASTIC,
 };
 use crate::meshes::sheet;
 use crate::shapes::{length, sub};
@@ -374,16 +375,7 @@ fn last_of(outcome: &Outcome, column: &str) -> f64 {
 const ORIENTATIONS: &str = "dump turned all custom 200 turned quat1 quat2 quat3 quat4";
 
 fn orientations(outcome: &Outcome) -> Vec<Vec<f64>> {
-    let text = fs::read_to_string(outcome.directory.join("turned")).unwrap();
-    let last = text.rsplit("ITEM: ATOMS").next().unwrap();
-    last.lines()
-        .skip(1)
-        .map(|line| {
-            line.split_whitespace()
-                .map(|word| word.parse().unwrap())
-                .collect()
-        })
-        .collect()
+    last_rows(&outcome.directory.join("turned"))
 }
 
 fn not_turned(outcome: &Outcome) -> bool {

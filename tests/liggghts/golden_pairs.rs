@@ -36,7 +36,7 @@ fn frames(
     for (k, pair) in pairs.iter().enumerate() {
         let grains = [&pair.i, &pair.j]
             .map(|b| Grain {
-                kind: b.kind as usize,
+                kind: b.particle_type as usize,
                 density: 1.0,
                 ..Grain::new(b.semi_axes, b.position).turned(b.quaternion)
             })

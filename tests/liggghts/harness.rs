@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::engines::process;
-use crate::shapes::{inertia, rotate, unrotate, Vector};
+use crate::shapes::{self, Vector};
 
 pub use crate::engines::frames::*;
 pub use crate::engines::process::last_lines;
@@ -215,9 +215,7 @@ impl Deck {
 }
 
 pub fn angular_velocity(g: &Grain) -> Vector {
-    let moments = inertia(g.mass(), g.semi_axes);
-    let body = unrotate(g.quaternion, g.angular_momentum);
-    rotate(g.quaternion, std::array::from_fn(|k| body[k] / moments[k]))
+    shapes::angular_velocity(g.mass(), g.semi_axes, g.quaternion, g.angular_momentum)
 }
 
 pub fn data(scene: &Scene, atom_style: &str) -> String {

@@ -8,7 +8,9 @@ use ellgran::contact::{one_contact, Body, Laws, Step};
 use ellgran::contact::{prepare_body, OneContact};
 use ellgran::force::syntax;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
+use crate::harness::{
+    fresh_directory, last_rows, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+};
 use crate::meshes::sheet;
 use crate::shapes::{about, cross, dot, length, scale, sub, Vector};
 
@@ -59,16 +61,9 @@ fn rows(
         ),
     ]);
     let outcome = run_in(&engine, &directory, scene, &deck, ranks);
-    let text = fs::read_to_string(directory.join("local")).unwrap();
-    let last = text.rsplit("ITEM: ENTRIES").next().unwrap();
-    let rows = last
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let values: Vec<f64> = line
-                .split_whitespace()
-                .map(|w| w.parse().unwrap())
-                .collect();
+    let rows = last_rows(&directory.join("local"))
+        .iter()
+        .map(|values| {
             assert_eq!(values.len(), count);
             let mut at = 0;
             columns
@@ -116,7 +111,7 @@ fn reference(scene: &Scene) -> OneContact {
                 velocity: [0.0; 3],
                 angular_velocity: [0.0; 3],
                 mass: 1.0,
-                kind: 1,
+                particle_type: 1,
                 identifier: 1,
             },
             Some(1),

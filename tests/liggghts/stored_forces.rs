@@ -4,7 +4,9 @@
 
 use std::fs;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
+use crate::harness::{
+    fresh_directory, last_rows, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
+};
 use crate::mesh_ranks::{on_a_sheet, sheet_deck};
 use crate::meshes::sheet;
 use crate::shapes::{about, add, length, sub, Vector};
@@ -40,20 +42,6 @@ fn storing_does_not_change_the_motion() {
             assert_eq!(stored.frames.len(), plain.frames.len());
         }
     }
-}
-
-/// The columns of the last table of a dump.
-fn table(outcome: &Outcome, file: &str) -> Vec<Vec<f64>> {
-    let text = fs::read_to_string(outcome.directory.join(file)).unwrap();
-    let last = text.rsplit("ITEM: ATOMS").next().unwrap();
-    last.lines()
-        .skip(1)
-        .map(|line| {
-            line.split_whitespace()
-                .map(|w| w.parse().unwrap())
-                .collect()
-        })
-        .collect()
 }
 
 /// fix continuum/weighted reads what the pairs and the walls store.
@@ -110,7 +98,7 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
             deck.time_step = 1e-9;
             let name = format!("{ours} {ranks} {}", &wall[..4]).replace(' ', "_");
             let outcome = on_a_mesh(&name, &scene, &deck, ranks);
-            table(&outcome, "stress")
+            last_rows(&outcome.directory.join("stress"))
         };
         let theirs = stresses(false, 1);
         let largest = theirs

@@ -2,9 +2,8 @@
 //! What LIGGGHTS tells of the forces between a mesh and grains: is it what moves the grains, on one rank and on four?
 
 use std::fs;
-use std::path::Path;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine};
+use crate::harness::{fresh_directory, last_rows, run_in, Deck, Engine};
 use crate::mesh_ranks::{on_a_sheet, sheet_deck, WEIGHT};
 use crate::meshes::sheet;
 use crate::shapes::{add, cross, length, sub, Vector};
@@ -21,22 +20,6 @@ fn deck() -> Deck {
 
 fn vector(numbers: &[f64]) -> Vector {
     std::array::from_fn(|k| numbers[k])
-}
-
-/// The rows of the last table of a dump.
-fn last_rows(file: &Path) -> Vec<Vec<f64>> {
-    let text = fs::read_to_string(file).unwrap();
-    text.lines()
-        .skip_while(|line| *line != STEPS.to_string())
-        .skip_while(|line| !line.starts_with("ITEM: ATOMS") && !line.starts_with("ITEM: ENTRIES"))
-        .skip(1)
-        .filter(|line| !line.trim().is_empty())
-        .map(|line| {
-            line.split_whitespace()
-                .map(|word| word.parse().unwrap())
-                .collect()
-        })
-        .collect()
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn random_pairs_of_two_materials_up_to_aspect_ratio_30() {
             let shapes = [stream.semi_axes(aspect), stream.semi_axes(aspect)];
             let turns = [stream.rotation(), stream.rotation()];
             let mut pair = TouchingPair::new(shapes, turns, stream.direction(), 0.05);
-            pair.j.kind = 2;
+            pair.j.particle_type = 2;
             if touch(&plain, &pair.i, &pair.j)
                 .expect("touching")
                 .geometry
@@ -138,7 +138,7 @@ fn near_circular_contacts() {
             let up = Rotation::rotation_between(&Vector::z(), &n).unwrap_or_default();
             let spin = Rotation::from_axis_angle(&Vector::z_axis(), stream.uniform(0.0, 6.0));
             let mut pair = TouchingPair::new(shapes, [up, up * spin], n, 0.05);
-            pair.j.kind = 2;
+            pair.j.particle_type = 2;
             worst.join(pair_errors(&complete, &plain, &pair));
             // Spheres but for a hair, in any direction.
             let round = [
@@ -147,13 +147,13 @@ fn near_circular_contacts() {
             ];
             let mut pair =
                 TouchingPair::new(round, [stream.rotation(), stream.rotation()], n, 0.05);
-            pair.j.kind = 2;
+            pair.j.particle_type = 2;
             worst.join(pair_errors(&complete, &plain, &pair));
             // Crossed at a right angle.
             let quarter = Rotation::from_axis_angle(&Vector::z_axis(), std::f64::consts::FRAC_PI_2);
             let needle = [1.0, 0.3, 0.3 + hair];
             let mut pair = TouchingPair::new([needle, needle], [up, up * quarter], n, 0.05);
-            pair.j.kind = 2;
+            pair.j.particle_type = 2;
             worst.join(pair_errors(&complete, &plain, &pair));
         }
     }

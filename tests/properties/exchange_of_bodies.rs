@@ -28,7 +28,7 @@ proptest! {
     ) {
         let laws = laws(&[deck_i, deck_j]);
         let (i, mut j) = (pair.i, pair.j);
-        j.kind = 2;
+        j.particle_type = 2;
         let mut there = Memory::new(&laws);
         let mut back = Memory::new(&laws);
         let size = size(&i, &j);

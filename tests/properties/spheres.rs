@@ -23,7 +23,7 @@ proptest! {
         let laws = laws(&[&decks[0], &decks[1]]);
         let i = body([ri; 3], Vector::zeros(), turns[0]);
         let mut j = body([rj; 3], direction * (ri + rj - delta), turns[1]);
-        j.kind = 2;
+        j.particle_type = 2;
         let f = touch(&laws, &i, &j).expect("touching");
         let rounding = 8.0 * f64::EPSILON * (ri + rj) / delta;
         let compliance: f64 = (0..2).map(|k| (1.0 - ratios[k] * ratios[k]) / moduli[k]).sum();

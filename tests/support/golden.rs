@@ -125,7 +125,7 @@ pub fn pairs(aspect: usize) -> Vec<GoldenPair> {
                 rotation([1.0, 0.0, 0.0, 0.0]),
             );
             b.quaternion = q;
-            b.kind = kind;
+            b.particle_type = kind;
             b
         };
         let wrench = |prefix: &str| Wrench {

@@ -42,7 +42,7 @@ pub fn body(semi_axes: [f64; 3], position: Vector, turn: Rotation) -> Body {
         velocity: [0.0; 3],
         angular_velocity: [0.0; 3],
         mass: 1.0,
-        kind: 1,
+        particle_type: 1,
         identifier: 1,
     }
 }

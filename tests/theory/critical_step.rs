@@ -17,7 +17,7 @@ fn grain(semi_axes: [f64; 3], quaternion: [f64; 4], position: [f64; 3], mass: f6
         velocity: [0.0; 3],
         angular_velocity: [0.0; 3],
         mass,
-        kind: 1,
+        particle_type: 1,
         identifier: 1,
     }
 }

@@ -69,7 +69,7 @@ fn the_contact_point_divides_the_penetration_by_compliance() {
     let both = laws(&[SOFT, HARD]);
     let i = body([1.0; 3], Vector::zeros(), Rotation::identity());
     let mut j = body([1.0; 3], Vector::new(1.99, 0.0, 0.0), Rotation::identity());
-    j.kind = 2;
+    j.particle_type = 2;
     let felt = touch(&both, &i, &j).unwrap();
     let ci = (1.0 - 0.45f64.powi(2)) / 2e6;
     let cj = (1.0 - 0.15f64.powi(2)) / 9e7;

@@ -5,17 +5,20 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use crate::engines::dump::tables;
+use crate::engines::printed::{blocks, page};
 use crate::engines::process::{execute, last_lines};
-use crate::readme;
 use crate::stock::{fresh_directory, from_source, stock};
 
 /// Positions, quaternion and diameters of each grain, frame by frame.
 type Frames = Vec<BTreeMap<u64, Vec<f64>>>;
 
-/// The README's deck for `steps`, its dump in full precision.
+/// The README's deck for `steps`, its dump in full precision, without its line that loads the plugin.
 fn deck(steps: u32) -> String {
     let dump = "dump grains all custom 2000 grains.dump id type x y z c_quat[*] c_shape[*]\n";
-    let text = readme::deck_without_plugin();
+    let text = &blocks(&page("README.md"), "lammps")[0];
+    let plugin = text.lines().find(|line| line.starts_with("plugin load"));
+    let text = text.replace(plugin.expect("plugin load"), "");
     assert!(text.contains(dump) && text.contains("run 20000\n"));
     text.replace(
         dump,
@@ -26,19 +29,11 @@ fn deck(steps: u32) -> String {
 
 fn frames(directory: &Path) -> Frames {
     let text = fs::read_to_string(directory.join("grains.dump")).expect("a dump");
-    let mut frames = Frames::new();
-    for part in text.split("ITEM: TIMESTEP").skip(1) {
-        let (_, rows) = part.split_once("ITEM: ATOMS").expect("atoms");
-        let rows = rows.lines().skip(1).map(|row| {
-            let words: Vec<f64> = row
-                .split_whitespace()
-                .map(|w| w.parse().expect("a number"))
-                .collect();
-            (words[0] as u64, words[2..].to_vec())
-        });
-        frames.push(rows.collect());
-    }
-    frames
+    let tables = tables(&text).expect("a dump").into_iter();
+    let by_identifier = |row: Vec<f64>| (row[0] as u64, row[2..].to_vec());
+    tables
+        .map(|table| table.rows.into_iter().map(by_identifier).collect())
+        .collect()
 }
 
 /// The largest difference of any number in any frame.

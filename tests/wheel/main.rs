@@ -6,9 +6,6 @@
 mod engines;
 mod stock;
 
-#[path = "../support/readme.rs"]
-mod readme;
-
 mod contents;
 mod deck;
 mod other_lammps;

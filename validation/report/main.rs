@@ -27,6 +27,7 @@ use std::process::ExitCode;
 /// How long measurements take.
 #[derive(Clone, Copy)]
 pub struct Effort {
+    /// Whether the measurements are made in their short form.
     pub quick: bool,
     /// Rounds of which the median is taken.
     pub rounds: usize,

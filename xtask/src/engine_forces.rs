@@ -7,10 +7,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use anyhow::{bail, ensure, Context, Result};
+use anyhow::{bail, ensure, Context, Error, Result};
 
+use crate::dump;
 use crate::packed_grains::{words, PackedGrain, PackedGrains};
 use crate::process::output_of;
+use crate::shapes::length;
 
 pub type Pair = [PackedGrain; 2];
 
@@ -238,33 +240,19 @@ fn wrenches(mut command: Command, data: &str, deck: &str, pairs: usize) -> Resul
 
 /// Force and torque of each grain in the last frame of a dump.
 fn forces(dump: &str) -> Result<Vec<([f64; 3], [f64; 3])>> {
-    let (_, frame) = dump
-        .rsplit_once("ITEM: ATOMS")
-        .context("the dump holds no frame")?;
-    frame
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let numbers: Vec<f64> = line
-                .split_whitespace()
-                .map(str::parse)
-                .collect::<Result<_, _>>()?;
-            let [_, fx, fy, fz, tx, ty, tz] = numbers[..] else {
-                bail!("not a line of forces: {line}");
-            };
-            Ok(([fx, fy, fz], [tx, ty, tz]))
-        })
-        .collect()
+    let tables = dump::tables(dump).map_err(Error::msg)?;
+    let last = tables.last().context("the dump holds no frame")?;
+    let forces = |row: &Vec<f64>| match row[..] {
+        [_, fx, fy, fz, tx, ty, tz] => Ok(([fx, fy, fz], [tx, ty, tz])),
+        _ => bail!("not a line of forces: {row:?}"),
+    };
+    last.rows.iter().map(forces).collect()
 }
 
 /// Of the force, over that of the reference; a contact that was not found is off by all of it.
 pub fn relative_error(found: &Wrench, reference: &Wrench) -> f64 {
     let difference: [f64; 3] = std::array::from_fn(|k| found.force[k] - reference.force[k]);
     length(difference) / length(reference.force)
-}
-
-pub fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -319,9 +307,9 @@ mod tests {
 
     #[test]
     fn the_last_frame_of_a_dump_counts() {
-        let dump =
-            "ITEM: ATOMS id\n1 0 0 0 0 0 0\nITEM: TIMESTEP\n2\nITEM: ATOMS id\n1 1 2 3 4 5 6\n";
-        assert_eq!(forces(dump).unwrap(), [([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])]);
+        let columns = "ITEM: ATOMS id fx fy fz tx ty tz\n1";
+        let dump = format!("{columns} 0 0 0 0 0 0\nITEM: TIMESTEP\n2\n{columns} 1 2 3 4 5 6\n");
+        assert_eq!(forces(&dump).unwrap(), [([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])]);
         assert!(forces("nothing").is_err());
     }
 

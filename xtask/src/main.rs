@@ -5,7 +5,10 @@ mod aarch64;
 mod apt_source;
 mod bench;
 mod cache;
+mod chart;
 mod demo;
+#[path = "../../tests/support/dump.rs"]
+mod dump;
 mod engine_forces;
 mod header;
 mod install;
@@ -15,6 +18,8 @@ mod library;
 mod liggghts;
 mod liggghts_make_auto;
 mod packed_grains;
+#[path = "../../tests/support/pages.rs"]
+mod pages;
 mod plugin;
 #[cfg(test)]
 mod printed_commands;
@@ -28,9 +33,13 @@ mod release;
 mod report;
 mod rooms;
 mod setup;
+#[allow(dead_code)]
+#[path = "../../tests/support/shapes.rs"]
+mod shapes;
 mod site;
 mod tarball;
 mod test;
+mod validate;
 mod vtk;
 mod wheel;
 mod workspace;
@@ -81,6 +90,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
+    /// Hold the theory against boundary and finite elements: results, pages and pictures from nothing, some minutes each
+    Validate(validate::Options),
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
@@ -134,6 +145,7 @@ fn run(task: Task) -> Result<()> {
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
+        Task::Validate(options) => validate::validate(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,

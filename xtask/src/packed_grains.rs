@@ -6,6 +6,8 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result};
 
+use crate::shapes;
+
 /// One grain. World frame; quaternion `(w, x, y, z)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PackedGrain {
@@ -100,7 +102,13 @@ impl PackedGrains {
                     ..grain
                 };
                 PackedGrain {
-                    angular_velocity: oriented.angular_velocity_of(spin),
+                    // Of an ellipsoid the file has the angular momentum.
+                    angular_velocity: shapes::angular_velocity(
+                        shapes::mass(oriented.density, oriented.semi_axes),
+                        oriented.semi_axes,
+                        oriented.quaternion,
+                        spin,
+                    ),
                     ..oriented
                 }
             });
@@ -169,45 +177,6 @@ impl PackedGrains {
     }
 }
 
-impl PackedGrain {
-    /// From the angular momentum in the world frame.
-    fn angular_velocity_of(&self, momentum: [f64; 3]) -> [f64; 3] {
-        let [a, b, c] = self.semi_axes;
-        let fifth = self.density * 4.0 / 3.0 * std::f64::consts::PI * a * b * c / 5.0;
-        let moments = [b * b + c * c, a * a + c * c, a * a + b * b].map(|x| fifth * x);
-        let axes = columns(self.quaternion);
-        let mut velocity = [0.0; 3];
-        for (axis, moment) in axes.iter().zip(moments) {
-            let along: f64 = (0..3).map(|k| axis[k] * momentum[k]).sum::<f64>() / moment;
-            for k in 0..3 {
-                velocity[k] += along * axis[k];
-            }
-        }
-        velocity
-    }
-}
-
-/// The body axes in the world frame.
-fn columns([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
-    [
-        [
-            w * w + x * x - y * y - z * z,
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ],
-        [
-            2.0 * (x * y - w * z),
-            w * w - x * x + y * y - z * z,
-            2.0 * (y * z + w * x),
-        ],
-        [
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            w * w - x * x - y * y + z * z,
-        ],
-    ]
-}
-
 /// All digits.
 pub fn words(numbers: &[f64]) -> String {
     numbers
@@ -246,13 +215,5 @@ mod tests {
         assert!(packing
             .liggghts_orientations()
             .contains("set atom 2 quat_direct 0e0 0e0 0e0 1e0\n"));
-    }
-
-    #[test]
-    fn a_quarter_turn_moves_the_first_axis_onto_the_second() {
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let axes = columns([half, 0.0, 0.0, half]);
-        assert!((axes[0][1] - 1.0).abs() < 1e-15);
-        assert!((axes[1][0] + 1.0).abs() < 1e-15);
     }
 }

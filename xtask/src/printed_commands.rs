@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Does something run every shell command that the pages print?
+//! Does something run every shell command and every deck that the pages print?
 //!
 //! `cargo xtask ...` must be a command of this program as it is now. Any other command stands in the table below, with
 //! the file that runs it and the words there by which one finds it.
@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
+use crate::pages::{all_blocks, blocks, unfenced_code};
 use crate::process::output_of;
 use crate::workspace::root;
 use crate::Arguments;
@@ -37,6 +38,26 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
     ("liggghts=$(cargo xtask path liggghts)", "xtask/src/test.rs", "liggghts::binary"),
     ("cd examples/liggghts", "tests/liggghts/examples.rs", "examples/liggghts"),
+    ("$liggghts -in settling.lig", "tests/liggghts/examples.rs", "examples/liggghts/README.md"),
+    (
+        "$liggghts -in settling.lig -var model \"hertz tangential history surface superquadric\" -var wall wall/gran",
+        "tests/liggghts/examples.rs",
+        "examples/liggghts/README.md",
+    ),
+    ("mpirun -n 2 $liggghts -in collision.lig", "tests/liggghts/examples.rs", "examples/liggghts/README.md"),
+    ("liggghts-patch/install /path/to/LIGGGHTS-PUBLIC", "xtask/src/liggghts_make_auto.rs", "liggghts-patch/install"),
+    ("cd /path/to/LIGGGHTS-PUBLIC/src", "xtask/src/liggghts_make_auto.rs", "tree.join(\"src\")"),
+    (
+        "make -j2 auto ELLGRAN_LIBRARY=/path/to/ellgran/target/release/libellgran.a ELLGRAN_INCLUDE=/path/to/ellgran/include",
+        "xtask/src/liggghts_make_auto.rs",
+        "ELLGRAN_INCLUDE=",
+    ),
+    (
+        "cmake -S /path/to/LIGGGHTS-PUBLIC/src -B build -DCMAKE_CXX_FLAGS=\"-O2 -funroll-loops -std=gnu++98 -w -fPIC\" -DCMAKE_DISABLE_FIND_PACKAGE_VTK=on -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE=$PWD/include",
+        "xtask/src/liggghts.rs",
+        "-DCMAKE_CXX_FLAGS=",
+    ),
+    ("cmake --build build --target liggghts_bin", "xtask/src/liggghts.rs", "liggghts_bin"),
     ("$liggghts -in drum.lig", "tests/liggghts/examples.rs", "drum.lig"),
     ("$liggghts -in hopper.lig", "tests/liggghts/examples.rs", "hopper.lig"),
     (
@@ -57,10 +78,30 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
 ];
 
-/// Printed, and run by nothing: another LAMMPS would have to be built for them.
+/// Language of a block that a test runs, page, file of the test.
+const DECKS: &[(&str, &str, &str)] = &[
+    ("lammps", "README.md", "tests/lammps/readme.rs"),
+    ("lammps", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
+    (
+        "lammps",
+        "docs/tutorials/spheres_to_ellipsoids.md",
+        "tests/lammps/pages.rs",
+    ),
+    (
+        "liggghts",
+        "liggghts-patch/README.md",
+        "tests/liggghts/pages.rs",
+    ),
+];
+
+/// Printed, and run by nothing: another LAMMPS would have to be built for them; tables of reference are made once.
 const NOT_RUN: &[&str] = &[
     "cmake -S $LAMMPS/cmake -B build-lammps -DPKG_ASPHERE=on -DCMAKE_PROJECT_lammps_INCLUDE=$PWD/lammps-plugin/ellgran-builtin.cmake -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
     "cmake --build build-lammps",
+    "python3 -m venv VENV && VENV/bin/pip install -r requirements.txt",
+    "VENV/bin/python generate_hertz_factors.py",
+    "VENV/bin/python generate_pairs.py",
+    "VENV/bin/python check_reference.py",
     "ELLGRAN_LAMMPS_SOURCE=/path/to/lammps cargo xtask path lammps-plugin",
 ];
 
@@ -78,10 +119,9 @@ fn pages() -> Vec<PathBuf> {
 
 /// Commands of the blocks fenced as `sh`, without comments, continued lines joined, spaces single.
 fn commands(page: &str) -> Vec<String> {
-    page.split("\n```sh\n")
-        .skip(1)
-        .filter_map(|rest| rest.split_once("\n```"))
-        .flat_map(|(block, _)| {
+    blocks(page, "sh")
+        .iter()
+        .flat_map(|block| {
             block
                 .replace("\\\n", " ")
                 .lines()
@@ -124,6 +164,40 @@ fn every_printed_command_is_run_by_something() {
         );
         let text = fs::read_to_string(root().join(file)).expect(file);
         assert!(text.contains(words), "{file} has no {words}");
+    }
+}
+
+/// What is fenced under no language, or not fenced, is found by no test.
+#[test]
+fn every_printed_deck_is_run_by_something() {
+    let mut faults = Vec::new();
+    for path in pages() {
+        let text = fs::read_to_string(&path).expect("a page");
+        let page = path
+            .strip_prefix(root())
+            .expect("below the root")
+            .display()
+            .to_string();
+        for line in unfenced_code(&text) {
+            faults.push(format!("{page}: not fenced: {line}"));
+        }
+        for block in all_blocks(&text) {
+            let language = block.language.as_str();
+            let deck = ["lammps", "liggghts"].contains(&language);
+            if language.is_empty()
+                || (deck && !DECKS.iter().any(|d| d.0 == language && d.1 == page))
+            {
+                faults.push(format!(
+                    "{page}: nothing runs, under '{language}':\n{}",
+                    block.text
+                ));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    for (_, page, file) in DECKS {
+        let text = fs::read_to_string(root().join(file)).expect(file);
+        assert!(text.contains(page), "{file} has no {page}");
     }
 }
 

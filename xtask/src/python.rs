@@ -119,7 +119,7 @@ fn oldest_python() -> Option<PathBuf> {
 }
 
 /// A prefix with the shared library of this checkout.
-fn library() -> Result<tempfile::TempDir> {
+pub fn library() -> Result<tempfile::TempDir> {
     let prefix = tempfile::tempdir()?;
     install::with_shared(prefix.path())?;
     Ok(prefix)

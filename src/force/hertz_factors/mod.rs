@@ -2,10 +2,10 @@
 //! Hertz factors of an elliptical contact: `F1`, `F2`, the axis ratio, and the anisotropy of the tangential compliance.
 //!
 //! The natural variable of the fitted functions is `w = ln((A+B)^2/(4AB))`; up to B/A = 10 a variable without a logarithm
-//! takes half as long. See [`fit_coefficients`] and its generator `validation/hertz_factors/fit.py`. Precision: 1e-15
+//! takes half as long. See `fit_coefficients.rs` and its generator `validation/hertz_factors/fit.py`. Precision: 1e-15
 //! relative up to B/A = 10, 1e-14 to 6.5e5 (sigma 1e-12), 1e-13 by iteration beyond (checked to B/A = 1e8).
 
-pub mod fit_coefficients;
+mod fit_coefficients;
 
 use super::elliptic_integrals::{ellipse_integrals, EllipseIntegrals};
 use crate::real::Real;

@@ -2,8 +2,9 @@
 //! What a run wrote, read back, and the sums and differences taken of it.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use super::dump::{tables, Table};
 use super::process::last_lines;
 use super::scene::Grain;
 use super::shapes::{add, cross, dot, inertia, length, scale, sub, unrotate, Quaternion, Vector};
@@ -96,64 +97,38 @@ pub fn thermo_rows(output: &str) -> Vec<HashMap<String, f64>> {
     rows
 }
 
+/// The rows of the last table of a dump.
+pub fn last_rows(file: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let last = tables(&text).expect("a dump").pop();
+    last.expect("a table").rows
+}
+
 pub fn parse_frames(text: &str) -> Vec<Frame> {
-    let mut frames = vec![];
-    let mut lines = text.lines();
-    while let Some(line) = lines.next() {
-        if line != "ITEM: TIMESTEP" {
-            continue;
-        }
-        let step = lines.next().unwrap().trim().parse().unwrap();
-        lines.next();
-        let count: usize = lines.next().unwrap().trim().parse().unwrap();
-        let header = loop {
-            let line = lines.next().unwrap();
-            if let Some(names) = line.strip_prefix("ITEM: ATOMS ") {
-                break names.split_whitespace().collect::<Vec<_>>();
+    let frame = |table: Table| {
+        let state = |row: &Vec<f64>| {
+            let entry = |name: String| table.column(&name).map_or(0.0, |at| row[at]);
+            let vector = |names: &str| ["x", "y", "z"].map(|c| entry(names.replace('*', c)));
+            State {
+                position: vector("*u"),
+                velocity: vector("v*"),
+                force: vector("f*"),
+                torque: vector("tq*"),
+                angular_momentum: vector("angmom*"),
+                angular_velocity: vector("omega*"),
+                quaternion: [1, 2, 3, 4].map(|k| entry(format!("c_quaternion[{k}]"))),
             }
         };
-        let column = |name: &str| header.iter().position(|n| *n == name);
-        let places = |names: [&str; 3]| names.map(column);
-        let vectors = [
-            places(["xu", "yu", "zu"]),
-            places(["vx", "vy", "vz"]),
-            places(["fx", "fy", "fz"]),
-            places(["tqx", "tqy", "tqz"]),
-            places(["angmomx", "angmomy", "angmomz"]),
-            places(["omegax", "omegay", "omegaz"]),
-        ];
-        let quaternion: [Option<usize>; 4] = std::array::from_fn(|k| {
-            column(
-                [
-                    "c_quaternion[1]",
-                    "c_quaternion[2]",
-                    "c_quaternion[3]",
-                    "c_quaternion[4]",
-                ][k],
-            )
-        });
-        let mut states = Vec::with_capacity(count);
-        for _ in 0..count {
-            let values: Vec<f64> = lines
-                .next()
-                .unwrap()
-                .split_whitespace()
-                .map(|w| w.parse().unwrap_or(f64::NAN))
-                .collect();
-            let pick = |k: usize| vectors[k].map(|c| c.map_or(0.0, |c| values[c]));
-            states.push(State {
-                position: pick(0),
-                velocity: pick(1),
-                force: pick(2),
-                torque: pick(3),
-                angular_momentum: pick(4),
-                angular_velocity: pick(5),
-                quaternion: quaternion.map(|c| c.map_or(0.0, |c| values[c])),
-            });
+        Frame {
+            step: table.step,
+            states: table.rows.iter().map(state).collect(),
         }
-        frames.push(Frame { step, states });
-    }
-    frames
+    };
+    tables(text)
+        .expect("a dump")
+        .into_iter()
+        .map(frame)
+        .collect()
 }
 
 /// Kinetic energy of translation and rotation.

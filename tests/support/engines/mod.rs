@@ -4,7 +4,12 @@
 // Each test target takes what it needs.
 #![allow(dead_code)]
 
+#[path = "../dump.rs"]
+pub mod dump;
 pub mod frames;
+pub mod printed;
 pub mod process;
+pub mod restart_files;
 pub mod scene;
+#[path = "../shapes.rs"]
 pub mod shapes;

@@ -54,16 +54,10 @@ pub fn execute(
     };
     let output = fs::File::create(directory.join("output")).unwrap();
     let errors = output.try_clone().unwrap();
-    let mut child = command
+    let mut child = with_several_ranks(&mut command)
         .args(["-in", "in.deck", "-log", "none"])
         .args(arguments)
         .current_dir(directory)
-        .env("OMP_NUM_THREADS", "1")
-        // Open MPI refuses root and more ranks than cores unless told; other launchers ignore these
-        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
-        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
-        .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
-        .env("OMPI_MCA_mpi_yield_when_idle", "1")
         .stdin(Stdio::null())
         .stdout(Stdio::from(output))
         .stderr(Stdio::from(errors))
@@ -102,6 +96,17 @@ pub fn execute(
             last_lines(&text)
         ),
     }
+}
+
+/// The environment of a program that starts several ranks, or is one.
+pub fn with_several_ranks(command: &mut Command) -> &mut Command {
+    command
+        .env("OMP_NUM_THREADS", "1")
+        // Open MPI refuses root and more ranks than cores unless told; other launchers ignore these
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
+        .env("OMPI_MCA_mpi_yield_when_idle", "1")
 }
 
 pub fn last_lines(text: &str) -> String {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Grains in a box, as both engines get them.
 
-use super::shapes::{add, inertia, rotate, scale, unrotate, Quaternion, Random, Vector, IDENTITY};
+use super::shapes::{self, add, scale, Quaternion, Random, Vector, IDENTITY};
 
 /// One grain. Lengths are semi-axes; the angular momentum is in the world frame.
 #[derive(Clone, Debug)]
@@ -43,20 +43,16 @@ impl Grain {
     }
 
     pub fn mass(&self) -> f64 {
-        self.density * 4.0 / 3.0
-            * std::f64::consts::PI
-            * self.semi_axes[0]
-            * self.semi_axes[1]
-            * self.semi_axes[2]
+        shapes::mass(self.density, self.semi_axes)
     }
 
     /// Gives the angular velocity (world frame) through the angular momentum.
     pub fn spinning(mut self, angular_velocity: Vector) -> Grain {
-        let body = unrotate(self.quaternion, angular_velocity);
-        let moments = inertia(self.mass(), self.semi_axes);
-        self.angular_momentum = rotate(
+        self.angular_momentum = shapes::angular_momentum(
+            self.mass(),
+            self.semi_axes,
             self.quaternion,
-            std::array::from_fn(|k| moments[k] * body[k]),
+            angular_velocity,
         );
         self
     }

@@ -12,10 +12,11 @@ use super::packing::{CONTACT_RADIUS, MATERIAL};
 use super::scenes::Engines;
 use super::Effort;
 use crate::engine_forces::{
-    in_lammps, in_lammps_on, in_liggghts, length, pairs_in_reach, relative_error, thinned,
-    LammpsStyle, LiggghtsModel, Pair, Wrench,
+    in_lammps, in_lammps_on, in_liggghts, pairs_in_reach, relative_error, thinned, LammpsStyle,
+    LiggghtsModel, Pair, Wrench,
 };
 use crate::packed_grains::PackedGrains;
+use crate::shapes::length;
 
 /// Of the force as a vector, over Hertz' force; a contact that is missed is off by 1.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -22,7 +22,7 @@ use anyhow::{bail, Context, Result};
 use self::bars::Bar;
 use self::contender::{Contender, Model};
 use self::scenes::{Engines, Scene, QUICK_SCENES, SCENES};
-use crate::demo::chart::{GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT};
+use crate::chart::{GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT};
 use crate::demo::table::Table;
 use crate::liggghts::Optimisation;
 use crate::progress::{human_time, say};

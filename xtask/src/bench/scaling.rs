@@ -11,7 +11,7 @@ use super::packing::{Kind, Packing};
 use super::scenes::{run_variables, steps_for};
 use super::statistics::{short, Measured};
 use super::Effort;
-use crate::demo::chart::{draw, Curve, Panel, GRANULAR, OURS};
+use crate::chart::{draw, Panel, Series, GRANULAR, OURS};
 use crate::demo::table::Table;
 use crate::process::jobs;
 use crate::progress::{say, Progress};
@@ -244,32 +244,27 @@ pub fn csv(found: &[Found]) -> String {
 }
 
 pub fn picture(path: &Path, found: &[Found]) -> Result<()> {
-    let curve = |spheres: bool, colour, of: &dyn Fn(&Found) -> f64| Curve {
-        label: label(spheres).into(),
-        points: found
+    let curve = |spheres: bool, colour, of: &dyn Fn(&Found) -> f64| {
+        let rows = found
             .iter()
-            .filter(|row| row.what == SIZE && row.spheres == spheres)
-            .map(|row| (row.grains.log10(), of(row)))
-            .collect(),
-        colour,
-        dashed: spheres,
+            .filter(|row| row.what == SIZE && row.spheres == spheres);
+        let points = rows.map(|row| (row.grains.log10(), of(row))).collect();
+        Series::curve(label(spheres), points, colour, spheres)
     };
-    let panel = |title: &str, y_label: &str, of: &dyn Fn(&Found) -> f64| Panel {
-        title: title.into(),
-        x_label: "log10 of the number of grains".into(),
-        y_label: y_label.into(),
-        curves: vec![curve(false, OURS, of), curve(true, GRANULAR, of)],
+    let panel = |title: &str, y_label: &str, of: &dyn Fn(&Found) -> f64| {
+        let curves = vec![curve(false, OURS, of), curve(true, GRANULAR, of)];
+        Panel::of_curves(title, "log10 of the number of grains", y_label, curves)
     };
     draw(
         path,
         "Cost of a grain and step against the number of grains",
-        &[
+        &[vec![
             panel("pair style", "ns per grain and step", &|row| {
                 row.pair.median
             }),
             panel("whole step", "ns per grain and step", &|row| {
                 1e6 * row.step.median / row.grains
             }),
-        ],
+        ]],
     )
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use super::chart::{
-    self, Curve, Panel, GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT,
-};
 use super::deck;
 use super::engine::Engine;
 use super::material::Material;
 use super::table::Table;
+use crate::chart::{
+    self, Panel, Series, GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT,
+};
 
 const MATERIAL: Material = Material {
     youngs_modulus: 1e7,
@@ -60,13 +60,8 @@ impl Trial<'_> {
         engine.columns(&format!("{}.txt", self.name))
     }
 
-    fn curve(&self, points: Vec<(f64, f64)>) -> Curve {
-        Curve {
-            label: self.label.clone(),
-            points,
-            colour: self.colour,
-            dashed: self.dashed,
-        }
+    fn curve(&self, points: Vec<(f64, f64)>) -> Series {
+        Series::curve(&self.label, points, self.colour, self.dashed)
     }
 }
 
@@ -151,7 +146,7 @@ pub fn normal_force(engine: &Engine, output: &Path) -> Result<Table> {
     for trial in &spheres {
         left.push(pressed(engine, trial, "spheres", &mut table)?);
     }
-    let mut panels = vec![panel(
+    let mut panels = vec![Panel::of_curves(
         "Two spheres of 1 mm, pressed and pulled at 5 cm/s",
         "overlap (µm)",
         "normal force (mN)",
@@ -198,7 +193,7 @@ pub fn normal_force(engine: &Engine, output: &Path) -> Result<Table> {
         for trial in &trials {
             curves.push(pressed(engine, trial, pose, &mut table)?);
         }
-        panels.push(panel(
+        panels.push(Panel::of_curves(
             &format!("Two elastic ellipsoids, 2 x 1 x 1 mm, side by side, {pose}"),
             "overlap (µm)",
             "normal force (mN)",
@@ -210,11 +205,11 @@ pub fn normal_force(engine: &Engine, output: &Path) -> Result<Table> {
     } else {
         "NFD dissipates without a fitted constant and never pulls"
     };
-    chart::draw(&output.join("normal-force.svg"), title, &panels)?;
+    chart::draw(&output.join("normal-force.svg"), title, &[panels])?;
     Ok(table)
 }
 
-fn pressed(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Result<Curve> {
+fn pressed(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Result<Series> {
     let rows: Vec<[f64; 2]> = trial.run(engine, "compare/press.lmp")?;
     let deepest = rows
         .iter()
@@ -333,25 +328,25 @@ pub fn tangential_force(engine: &Engine, output: &Path) -> Result<Table> {
     chart::draw(
         &output.join("tangential-force.svg"),
         "TFD softens as the contact slips from its edge inwards; a spring is straight up to sliding, and alike in every direction",
-        &[
-            panel(
+        &[vec![
+            Panel::of_curves(
                 "Two spheres of 1 mm at 0.1 % overlap",
                 "tangential displacement (µm)",
                 "tangential force over normal force",
                 left,
             ),
-            panel(
+            Panel::of_curves(
                 "Two parallel ellipsoids, 6 x 1 x 1 mm, at 0.1 % overlap",
                 "tangential displacement (µm)",
                 "tangential force over normal force",
                 right,
             ),
-        ],
+        ]],
     )?;
     Ok(table)
 }
 
-fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Result<Curve> {
+fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Result<Series> {
     let rows: Vec<[f64; 3]> = trial.run(engine, "compare/shear.lmp")?;
     // The force on the grain that is moved opposes the motion.
     let points: Vec<(f64, f64)> = rows
@@ -383,6 +378,25 @@ fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
     Ok(trial.curve(points))
 }
 
+/// Of time, force and kinetic energy: a row with the greatest force, the contact time and the share of the energy that is kept, and
+/// the force over the time since touch in ms.
+pub fn impact(label: &str, rows: &[[f64; 3]]) -> Result<(Vec<String>, Vec<(f64, f64)>)> {
+    let contact: Vec<&[f64; 3]> = rows.iter().filter(|row| row[1] > 0.0).collect();
+    let first = contact.first().context("the grains missed each other")?[0];
+    let force: Vec<_> = contact
+        .iter()
+        .map(|row| (1e3 * (row[0] - first), row[1]))
+        .collect();
+    let peak = force.iter().map(|point| point.1).fold(0.0, f64::max);
+    let row = vec![
+        label.to_string(),
+        format!("{peak:.3}"),
+        format!("{:.3}", force[force.len() - 1].0),
+        format!("{:.4}", rows[rows.len() - 1][2] / rows[0][2]),
+    ];
+    Ok((row, force))
+}
+
 /// Two ellipsoids of aspect ratio 2 in an oblique collision with friction.
 pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     let example = engine.path("collision.dat");
@@ -393,12 +407,7 @@ pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     let loop_of = |x: usize, y: usize| -> Vec<(f64, f64)> {
         touching.iter().map(|row| (1e6 * row[x], row[y])).collect()
     };
-    let own = |label: &str, points| Curve {
-        label: label.to_string(),
-        points,
-        colour: OURS,
-        dashed: false,
-    };
+    let own = |label: &str, points| Series::curve(label, points, OURS, false);
 
     // Volume of the grains of collision.lmp, and the contact radius of spheres of it at a middling overlap.
     let mass = MATERIAL.mass(4.0 / 3.0 * std::f64::consts::PI * 5e-3 * 5e-3 * 10e-3);
@@ -435,58 +444,33 @@ pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     let mut beside = Vec::new();
     for trial in &trials {
         let rows: Vec<[f64; 3]> = trial.run(engine, "compare/collision.lmp")?;
-        let contact: Vec<&[f64; 3]> = rows.iter().filter(|row| row[1] > 0.0).collect();
-        let (Some(first), Some(last)) = (contact.first(), contact.last()) else {
-            anyhow::bail!("{}: the grains missed each other", trial.name);
-        };
-        let peak = contact.iter().map(|row| row[1]).fold(0.0, f64::max);
-        table.row(vec![
-            trial.label.clone(),
-            format!("{peak:.3}"),
-            format!("{:.3}", 1e3 * (last[0] - first[0])),
-            format!("{:.4}", rows[rows.len() - 1][2] / rows[0][2]),
-        ]);
-        beside.push(
-            trial.curve(
-                contact
-                    .iter()
-                    .map(|row| (1e3 * (row[0] - first[0]), row[1]))
-                    .collect(),
-            ),
-        );
+        let (row, force) = impact(&trial.label, &rows).context(trial.name.to_string())?;
+        table.row(row);
+        beside.push(trial.curve(force));
     }
     chart::draw(
         &output.join("collision.svg"),
         "An oblique collision of two viscoelastic ellipsoids of aspect ratio 2: both loops lose energy; shape changes force and contact time",
-        &[
-            panel(
+        &[vec![
+            Panel::of_curves(
                 "Normal force (NFD)",
                 "overlap (µm)",
                 "normal force (N)",
                 vec![own("gran/ellipsoid", loop_of(2, 3))],
             ),
-            panel(
+            Panel::of_curves(
                 "Tangential force (TFD)",
                 "tangential displacement (µm)",
                 "tangential force (N)",
                 vec![own("gran/ellipsoid", loop_of(5, 4))],
             ),
-            panel(
+            Panel::of_curves(
                 "The whole force, beside the built-in styles",
                 "time since touch (ms)",
                 "force (N)",
                 beside,
             ),
-        ],
+        ]],
     )?;
     Ok(table)
-}
-
-fn panel(title: &str, x: &str, y: &str, curves: Vec<Curve>) -> Panel {
-    Panel {
-        title: title.to_string(),
-        x_label: x.to_string(),
-        y_label: y.to_string(),
-        curves,
-    }
 }

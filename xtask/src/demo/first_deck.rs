@@ -9,17 +9,14 @@ use anyhow::{Context, Result};
 use super::engine::Engine;
 use super::heap::{self, Picture};
 use super::table::Table;
-use crate::workspace;
-
-/// The first deck on a page.
-pub fn deck_of(page: &str) -> Option<&str> {
-    let (_, rest) = page.split_once("\n```lammps\n")?;
-    Some(rest.split_once("```")?.0)
-}
+use crate::{pages, workspace};
 
 pub fn first_deck(engine: &Engine, output: &Path) -> Result<Table> {
     let page = fs::read_to_string(workspace::root().join("README.md"))?;
-    let deck = deck_of(&page).context("README.md has no block of LAMMPS commands")?;
+    let decks = pages::blocks(&page, "lammps");
+    let deck = decks
+        .first()
+        .context("README.md has no block of LAMMPS commands")?;
     let copy = engine.path("first-deck.lmp");
     fs::write(&copy, deck).with_context(|| format!("cannot write {}", copy.display()))?;
     engine.run_at(&copy, "first-deck", &[])?;
@@ -29,7 +26,7 @@ pub fn first_deck(engine: &Engine, output: &Path) -> Result<Table> {
         &format!("{} ellipsoids at rest in a closed box", grains.len()),
         &[Picture {
             caption: "the deck of the README, as printed".into(),
-            grains: &grains,
+            grains,
         }],
         None,
     )?;
@@ -48,16 +45,4 @@ pub fn first_deck(engine: &Engine, output: &Path) -> Result<Table> {
         format!("{:.1e}", (last[5] - first[5]).abs() / last[4]),
     );
     Ok(table)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_deck_is_the_first_block_of_lammps_commands() {
-        let page = "text\n```sh\nls\n```\n\n```lammps\nunits si\n```\n\n```lammps\nrun 1\n```\n";
-        assert_eq!(deck_of(page), Some("units si\n"));
-        assert_eq!(deck_of("text"), None);
-    }
 }

@@ -5,9 +5,10 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{ensure, Context, Error, Result};
 
-type Vector = [f64; 3];
+use crate::dump::{tables, Table};
+use crate::shapes::{self, dot, scale, Vector};
 
 /// An ellipsoid of a LAMMPS dump; a sphere has three equal axes and no attitude.
 #[derive(Debug, Clone, Copy)]
@@ -32,89 +33,63 @@ const ATTITUDE: [&str; 4] = ["c_quat[1]", "c_quat[2]", "c_quat[3]", "c_quat[4]"]
 const SEMI_AXES: [&str; 3] = ["shapex", "shapey", "shapez"];
 const LIGGGHTS_ATTITUDE: [&str; 4] = ["quat1", "quat2", "quat3", "quat4"];
 
-/// What stands before the names of the columns.
-const ROWS: &str = "ITEM: ATOMS ";
-
 /// The grains of the last frame of a text dump.
 pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
-    let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    parse_dump(&text).with_context(|| format!("in {}", path.display()))
-}
-
-fn parse_dump(text: &str) -> Result<Vec<Grain>> {
-    parse_frame(text.rsplit(ROWS).next().unwrap_or_default())
+    let frames = read_tables(path)?;
+    let last = frames.last().context("no frame");
+    last.and_then(grains)
+        .with_context(|| format!("in {}", path.display()))
 }
 
 /// Every frame of a text dump: its grains, and for each of them the number in the column `quantity`.
 pub fn read_frames(path: &Path, quantity: &str) -> Result<Vec<(Vec<Grain>, Vec<f64>)>> {
+    let read = |table: &Table| -> Result<_> {
+        let place = needed(table, quantity)?;
+        let numbers = table.rows.iter().map(|row| row[place]).collect();
+        Ok((grains(table)?, numbers))
+    };
+    let frames: Result<_> = read_tables(path)?.iter().map(read).collect();
+    frames.with_context(|| format!("in {}", path.display()))
+}
+
+/// The frames of a text dump.
+pub fn read_tables(path: &Path) -> Result<Vec<Table>> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    text.split(ROWS)
-        .skip(1)
-        .map(|rest| {
-            let frame = rest.split("ITEM: ").next().unwrap_or_default();
-            Ok((parse_frame(frame)?, column(frame, quantity)?))
-        })
-        .collect::<Result<_>>()
-        .with_context(|| format!("in {}", path.display()))
+    let tables = tables(&text).map_err(Error::msg);
+    tables.with_context(|| format!("in {}", path.display()))
 }
 
-fn column(frame: &str, name: &str) -> Result<Vec<f64>> {
-    let (names, rows) = frame.split_once('\n').unwrap_or_default();
-    let place = names
-        .split(' ')
-        .position(|other| other == name)
-        .with_context(|| format!("no column {name}"))?;
-    rows.lines()
-        .map(|line| {
-            line.split_whitespace()
-                .nth(place)
-                .and_then(|word| word.parse().ok())
-                .with_context(|| format!("no number in column {name}: {line}"))
-        })
-        .collect()
+fn needed(table: &Table, name: &str) -> Result<usize> {
+    table
+        .column(name)
+        .with_context(|| format!("no column {name}"))
 }
 
-fn parse_frame(frame: &str) -> Result<Vec<Grain>> {
-    let mut lines = frame.lines();
-    let names: Vec<&str> = lines.next().unwrap_or_default().split(' ').collect();
-    let place = |name: &str| names.iter().position(|other| *other == name);
-    let needed = |name: &str| place(name).with_context(|| format!("no column {name}"));
-    let kind = needed("type")?;
-    let centre = [needed("x")?, needed("y")?, needed("z")?];
-    let (sizes, names_of_attitude, factor) = if place(SEMI_AXES[0]).is_some() {
+fn grains(table: &Table) -> Result<Vec<Grain>> {
+    let places = |names: [&str; 3]| -> Result<[usize; 3]> {
+        let [a, b, c] = names.map(|name| needed(table, name));
+        Ok([a?, b?, c?])
+    };
+    let (kind, centre) = (needed(table, "type")?, places(["x", "y", "z"])?);
+    let (sizes, attitude, factor) = if table.column(SEMI_AXES[0]).is_some() {
         (SEMI_AXES, LIGGGHTS_ATTITUDE, 1.0)
     } else {
         (DIAMETERS, ATTITUDE, 0.5)
     };
-    let sizes = [needed(sizes[0])?, needed(sizes[1])?, needed(sizes[2])?];
-    let attitude = names_of_attitude.map(place);
-    let mut grains = Vec::new();
-    for line in lines {
-        let values: Vec<f64> = line
-            .split_whitespace()
-            .map(str::parse)
-            .collect::<Result<_, _>>()
-            .with_context(|| format!("not a row of numbers: {line}"))?;
-        if values.len() != names.iter().filter(|name| !name.is_empty()).count() {
-            bail!("a row of {} values: {line}", values.len());
-        }
-        let quaternion = match attitude {
-            [Some(w), Some(x), Some(y), Some(z)] => [values[w], values[x], values[y], values[z]],
+    let sizes = places(sizes)?;
+    let attitude = attitude.map(|name| table.column(name));
+    ensure!(!table.rows.is_empty(), "no grains");
+    let grain = |row: &Vec<f64>| Grain {
+        kind: row[kind] as i32,
+        centre: centre.map(|k| row[k]),
+        semi_axes: sizes.map(|k| factor * row[k]),
+        attitude: match attitude {
+            [Some(w), Some(x), Some(y), Some(z)] => [row[w], row[x], row[y], row[z]],
             _ => [1.0, 0.0, 0.0, 0.0],
-        };
-        grains.push(Grain {
-            kind: values[kind] as i32,
-            centre: centre.map(|k| values[k]),
-            semi_axes: sizes.map(|k| factor * values[k]),
-            attitude: quaternion,
-        });
-    }
-    if grains.is_empty() {
-        bail!("no grains");
-    }
-    Ok(grains)
+        },
+    };
+    Ok(table.rows.iter().map(grain).collect())
 }
 
 /// An orthographic view: two directions across the picture and one into it.
@@ -151,7 +126,9 @@ struct Outline {
 fn outline(grain: &Grain, view: &View) -> Outline {
     let axes = body_axes(grain);
     let entry = |u: &Vector, v: &Vector| -> f64 {
-        axes.iter().map(|axis| dot(axis, u) * dot(axis, v)).sum()
+        axes.iter()
+            .map(|axis| dot(*axis, *u) * dot(*axis, *v))
+            .sum()
     };
     let (xx, xy, yy) = (
         entry(&view.right, &view.right),
@@ -161,10 +138,7 @@ fn outline(grain: &Grain, view: &View) -> Outline {
     let mean = 0.5 * (xx + yy);
     let half = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
     Outline {
-        centre: [
-            dot(&grain.centre, &view.right),
-            dot(&grain.centre, &view.up),
-        ],
+        centre: [dot(grain.centre, view.right), dot(grain.centre, view.up)],
         major: (mean + half).sqrt(),
         minor: (mean - half).max(0.0).sqrt(),
         angle: 0.5 * (2.0 * xy).atan2(xx - yy),
@@ -173,34 +147,13 @@ fn outline(grain: &Grain, view: &View) -> Outline {
 
 /// The semi-axes as vectors in the world.
 pub fn body_axes(grain: &Grain) -> [Vector; 3] {
-    let [w, x, y, z] = grain.attitude;
-    let columns = [
-        [
-            w * w + x * x - y * y - z * z,
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ],
-        [
-            2.0 * (x * y - w * z),
-            w * w - x * x + y * y - z * z,
-            2.0 * (y * z + w * x),
-        ],
-        [
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            w * w - x * x - y * y + z * z,
-        ],
-    ];
-    [0, 1, 2].map(|k| columns[k].map(|component| component * grain.semi_axes[k]))
+    let axes = shapes::body_axes(grain.attitude);
+    [0, 1, 2].map(|k| scale(grain.semi_axes[k], axes[k]))
 }
 
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub struct Picture<'a> {
+pub struct Picture {
     pub caption: String,
-    pub grains: &'a [Grain],
+    pub grains: Vec<Grain>,
 }
 
 /// Width of a lone picture, and of one of several.
@@ -220,7 +173,7 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
                 .iter()
                 .map(|grain| {
                     (
-                        dot(&grain.centre, &view.away),
+                        dot(grain.centre, view.away),
                         Some(grain.kind) == frozen,
                         outline(grain, &view),
                     )
@@ -236,8 +189,8 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
     let high_x = -least(all().map(|o| -o.centre[0] - o.major));
     let low_y = least(all().map(|o| o.centre[1] - o.major));
     let high_y = -least(all().map(|o| -o.centre[1] - o.major));
-    let scale = (panel_width - 2.0 * MARGIN) / (high_x - low_x);
-    let height = TOP + (high_y - low_y) * scale + 2.0 * MARGIN;
+    let units = (panel_width - 2.0 * MARGIN) / (high_x - low_x);
+    let height = TOP + (high_y - low_y) * units + 2.0 * MARGIN;
     let width = panel_width * pictures.len() as f64;
     let mut svg = String::new();
     writeln!(
@@ -267,11 +220,11 @@ pub fn draw(path: &Path, title: &str, pictures: &[Picture], frozen: Option<i32>)
             writeln!(
                 svg,
                 r#"<ellipse rx="{:.2}" ry="{:.2}" fill="{}" transform="translate({:.2} {:.2}) rotate({:.2})"/>"#,
-                outline.major * scale,
-                outline.minor * scale,
+                outline.major * units,
+                outline.minor * units,
                 shade(light, *grey),
-                panel_width * panel as f64 + MARGIN + (outline.centre[0] - low_x) * scale,
-                TOP + MARGIN + (high_y - outline.centre[1]) * scale,
+                panel_width * panel as f64 + MARGIN + (outline.centre[0] - low_x) * units,
+                TOP + MARGIN + (high_y - outline.centre[1]) * units,
                 // SVG's second axis points down, so angles run the other way.
                 -outline.angle.to_degrees(),
             )?;
@@ -357,7 +310,7 @@ mod tests {
                 ];
                 let point: Vector =
                     [0, 1, 2].map(|c| (0..3).map(|k| unit[k] * axes[k][c]).sum::<f64>());
-                let (x, y) = (dot(&point, &view.right), dot(&point, &view.up));
+                let (x, y) = (dot(point, view.right), dot(point, view.up));
                 let along = (x * cos + y * sin) / ellipse.major;
                 let across = (y * cos - x * sin) / ellipse.minor;
                 farthest = farthest.max(along * along + across * across);
@@ -379,17 +332,18 @@ ITEM: ATOMS id type x y z c_shape[1] c_shape[2] c_shape[3] c_quat[1] c_quat[2] c
 1 1 0.1 0.2 0.3 4 2 2 1 0 0 0
 2 2 0.4 0.5 0.6 2 2 2 0 1 0 0
 ";
-        let grains = parse_dump(text).unwrap();
+        let last = |text: &str| grains(tables(text).unwrap().last().unwrap());
+        let grains = last(text).unwrap();
         assert_eq!(grains.len(), 2);
         assert_eq!(grains[0].semi_axes, [2.0, 1.0, 1.0]);
         assert_eq!(grains[1].attitude, [0.0, 1.0, 0.0, 0.0]);
         assert_eq!(grains[1].kind, 2);
-        assert!(parse_dump(&text.replace("c_shape[1]", "other")).is_err());
+        assert!(last(&text.replace("c_shape[1]", "other")).is_err());
         let liggghts = "\
 ITEM: ATOMS id type x y z shapex shapey shapez quat1 quat2 quat3 quat4\x20
 7 1 0.1 0.2 0.3 2 1 1 0 0 1 0\x20
 ";
-        let grains = parse_dump(liggghts).unwrap();
+        let grains = last(liggghts).unwrap();
         assert_eq!(grains[0].semi_axes, [2.0, 1.0, 1.0]);
         assert_eq!(grains[0].attitude, [0.0, 0.0, 1.0, 0.0]);
     }

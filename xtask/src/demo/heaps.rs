@@ -84,7 +84,7 @@ fn settle_in_box(engine: &Engine, output: &Path) -> Result<Table> {
         ),
         &[Picture {
             caption: "gran/ellipsoid and wall/gran/ellipsoid".into(),
-            grains: &grains,
+            grains,
         }],
         None,
     )?;
@@ -155,7 +155,7 @@ fn settle_on_floor(engine: &Engine, output: &Path) -> Result<Table> {
             "run time (s)",
         ],
     );
-    let mut heaps: Vec<(String, Vec<Grain>)> = Vec::new();
+    let mut pictures: Vec<Picture> = Vec::new();
     for (name, label, atoms, style, law) in &runs {
         let stem = engine.path(name);
         let started = Instant::now();
@@ -180,15 +180,9 @@ fn settle_on_floor(engine: &Engine, output: &Path) -> Result<Table> {
             format!("{:.1e}", energy[energy.len() - 1][1]),
             format!("{seconds:.1}"),
         ]);
-        heaps.push((label.to_string(), grains));
+        let caption = label.to_string();
+        pictures.push(Picture { caption, grains });
     }
-    let pictures: Vec<Picture> = heaps
-        .iter()
-        .map(|(caption, grains)| Picture {
-            caption: caption.clone(),
-            grains,
-        })
-        .collect();
     heap::draw(
         &output.join("heap-compared.svg"),
         "The same fall under each pair style: ellipsoids lie flat and close, spheres of their volume stand higher",

@@ -8,10 +8,11 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use super::chart::{self, Curve, Panel, OURS, SUPERELLIPSOID};
+use super::contacts::impact;
 use super::deck;
-use super::heap::{self, Grain, Picture};
+use super::heap::{self, Picture};
 use super::table::Table;
+use crate::chart::{self, Panel, Series, OURS, SUPERELLIPSOID};
 use crate::{liggghts, workspace};
 
 /// A choice of contact models and of the fix that makes walls of them.
@@ -83,36 +84,24 @@ pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
             &[("model", contender.model), ("out", deck::text(&data)?)],
         )?;
         let rows: Vec<[f64; 3]> = deck::columns(&data)?;
-        let contact: Vec<&[f64; 3]> = rows.iter().filter(|row| row[1] > 0.0).collect();
-        let (Some(first), Some(last)) = (contact.first(), contact.last()) else {
-            anyhow::bail!("{name}: the grains missed each other");
-        };
-        let peak = contact.iter().map(|row| row[1]).fold(0.0, f64::max);
-        table.row(vec![
-            contender.label.to_string(),
-            format!("{peak:.3}"),
-            format!("{:.3}", 1e3 * (last[0] - first[0])),
-            format!("{:.4}", rows[rows.len() - 1][2] / rows[0][2]),
-        ]);
-        curves.push(Curve {
-            label: contender.label.to_string(),
-            points: contact
-                .iter()
-                .map(|row| (1e3 * (row[0] - first[0]), row[1]))
-                .collect(),
-            colour: contender.colour,
-            dashed: false,
-        });
+        let (row, force) = impact(contender.label, &rows).context(name)?;
+        table.row(row);
+        curves.push(Series::curve(
+            contender.label,
+            force,
+            contender.colour,
+            false,
+        ));
     }
     chart::draw(
         &output.join("liggghts-collision.svg"),
         "LIGGGHTS' own damping jumps in and pulls out; ours does not",
-        &[Panel {
-            title: "Two ellipsoids of aspect ratio 2, oblique, with friction".into(),
-            x_label: "time since touch (ms)".into(),
-            y_label: "force (N)".into(),
+        &[vec![Panel::of_curves(
+            "Two ellipsoids of aspect ratio 2, oblique, with friction",
+            "time since touch (ms)",
+            "force (N)",
             curves,
-        }],
+        )]],
     )?;
     Ok(table)
 }
@@ -128,7 +117,7 @@ pub fn settling(engine: &Engine, output: &Path) -> Result<Table> {
             "run time (s)",
         ],
     );
-    let mut heaps: Vec<(String, Vec<Grain>)> = Vec::new();
+    let mut pictures: Vec<Picture> = Vec::new();
     for contender in &CONTENDERS {
         let name = format!("liggghts-settling-{}", contender.name);
         let dump = engine.data.join(format!("{name}.dump"));
@@ -143,12 +132,9 @@ pub fn settling(engine: &Engine, output: &Path) -> Result<Table> {
             ],
         )?;
         let seconds = started.elapsed().as_secs_f64();
-        let counts = grain_counts(&fs::read_to_string(&dump)?);
-        let (first, last) = (
-            counts.first().context("the dump holds no frame")?,
-            counts.last().context("the dump holds no frame")?,
-        );
+        let frames = heap::read_tables(&dump)?;
         let grains = heap::read_dump(&dump)?;
+        let (first, last) = (frames[0].rows.len(), grains.len());
         let height = grains.iter().map(|grain| grain.centre[2]).sum::<f64>() / grains.len() as f64;
         table.row(vec![
             contender.label.to_string(),
@@ -157,18 +143,9 @@ pub fn settling(engine: &Engine, output: &Path) -> Result<Table> {
             format!("{:.2}", 1e3 * height),
             format!("{seconds:.1}"),
         ]);
-        heaps.push((
-            format!("surface {}: {last} of {first} grains", contender.name),
-            grains,
-        ));
+        let caption = format!("surface {}: {last} of {first} grains", contender.name);
+        pictures.push(Picture { caption, grains });
     }
-    let pictures: Vec<Picture> = heaps
-        .iter()
-        .map(|(caption, grains)| Picture {
-            caption: caption.clone(),
-            grains,
-        })
-        .collect();
     heap::draw(
         &output.join("liggghts-heap.svg"),
         "LIGGGHTS: ellipsoids settled between five planes",
@@ -176,23 +153,4 @@ pub fn settling(engine: &Engine, output: &Path) -> Result<Table> {
         None,
     )?;
     Ok(table)
-}
-
-/// How many grains each frame of a dump holds.
-fn grain_counts(dump: &str) -> Vec<usize> {
-    dump.split("ITEM: NUMBER OF ATOMS\n")
-        .skip(1)
-        .filter_map(|frame| frame.lines().next()?.trim().parse().ok())
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::grain_counts;
-
-    #[test]
-    fn every_frame_is_counted() {
-        let text = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n95\nITEM: BOX BOUNDS\nITEM: TIMESTEP\n9\nITEM: NUMBER OF ATOMS\n93\n";
-        assert_eq!(grain_counts(text), [95, 93]);
-    }
 }

@@ -6,11 +6,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use super::chart::{self, Curve, Panel, OURS, OURS_LIGHT};
 use super::deck;
 use super::engine::Engine;
 use super::material::Material;
 use super::table::Table;
+use crate::chart::{self, Panel, Series, OURS, OURS_LIGHT};
 
 const MATERIAL: Material = Material {
     youngs_modulus: 1e7,
@@ -80,10 +80,10 @@ pub fn linear_spring(engine: &Engine, output: &Path) -> Result<Table> {
     chart::draw(
         &output.join("linear-spring.svg"),
         "A linear spring fitted at one speed is tens of per cent off in force and contact time at ten times less or more",
-        &[
+        &[vec![
             panel("Peak force", "error in peak force (%)", in_force),
             panel("Contact time", "error in contact time (%)", in_time),
-        ],
+        ]],
     )?;
     Ok(table)
 }
@@ -137,25 +137,26 @@ fn per_cent(error: f64) -> String {
 
 fn panel(title: &str, y: &str, errors: Vec<(f64, f64)>) -> Panel {
     let ends = [errors[0].0, errors[errors.len() - 1].0];
-    Panel {
-        title: format!("{title} of two spheres of 4 mm, head-on, 5 mm/s to 50 cm/s"),
-        x_label: "log10 (impact speed / fitted speed)".into(),
-        y_label: y.into(),
-        curves: vec![
-            Curve {
-                label: "NFD from E, nu and two viscosities: the reference".into(),
-                points: ends.map(|x| (x, 0.0)).to_vec(),
-                colour: OURS,
-                dashed: true,
-            },
-            Curve {
-                label: "LSD, fitted to contact time and restitution at 5 cm/s".into(),
-                points: errors,
-                colour: OURS_LIGHT,
-                dashed: false,
-            },
+    let reference = ends.map(|x| (x, 0.0)).to_vec();
+    Panel::of_curves(
+        &format!("{title} of two spheres of 4 mm, head-on, 5 mm/s to 50 cm/s"),
+        "log10 (impact speed / fitted speed)",
+        y,
+        vec![
+            Series::curve(
+                "NFD from E, nu and two viscosities: the reference",
+                reference,
+                OURS,
+                true,
+            ),
+            Series::curve(
+                "LSD, fitted to contact time and restitution at 5 cm/s",
+                errors,
+                OURS_LIGHT,
+                false,
+            ),
         ],
-    }
+    )
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a fresh machine to real decks run, with a table and pictures of what they show.
 
-pub mod chart;
 mod contacts;
 mod deck;
 mod engine;
-pub mod first_deck;
+mod first_deck;
 mod heap;
 mod heaps;
 mod liggghts;

@@ -7,9 +7,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{bail, Result};
 
-use super::heap::{body_axes, Grain};
+use super::heap::{body_axes, read_tables, Grain};
 use crate::process::{jobs, run_logged};
 use crate::progress::Progress;
 
@@ -237,23 +237,11 @@ fn colour(part: f64) -> [f64; 3] {
 
 /// The corners of the simulation's box, from the head of a LAMMPS dump.
 pub fn box_of(dump: &Path) -> Result<([f64; 3], [f64; 3])> {
-    let text =
-        fs::read_to_string(dump).with_context(|| format!("cannot read {}", dump.display()))?;
-    parse_box(&text).with_context(|| format!("no box in {}", dump.display()))
-}
-
-fn parse_box(text: &str) -> Option<([f64; 3], [f64; 3])> {
-    let mut lines = text
-        .lines()
-        .skip_while(|line| !line.starts_with("ITEM: BOX BOUNDS"))
-        .skip(1);
-    let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
-    for k in 0..3 {
-        let mut words = lines.next()?.split_whitespace();
-        low[k] = words.next()?.parse().ok()?;
-        high[k] = words.next()?.parse().ok()?;
-    }
-    Some((low, high))
+    let frames = read_tables(dump)?;
+    let Some([x, y, z]) = frames.first().map(|frame| &frame.bounds[..]) else {
+        bail!("no box in {}", dump.display());
+    };
+    Ok(([x[0], y[0], z[0]], [x[1], y[1], z[1]]))
 }
 
 #[cfg(test)]
@@ -305,7 +293,13 @@ mod tests {
     fn the_box_is_in_the_head_of_the_dump() {
         let text =
             "ITEM: TIMESTEP\n0\nITEM: BOX BOUNDS ff ff ff\n0 1\n-2 3.5e0\n4 5\nITEM: ATOMS id\n";
-        assert_eq!(parse_box(text), Some(([0.0, -2.0, 4.0], [1.0, 3.5, 5.0])));
-        assert_eq!(parse_box("ITEM: ATOMS"), None);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(&file, text).unwrap();
+        assert_eq!(
+            box_of(file.path()).unwrap(),
+            ([0.0, -2.0, 4.0], [1.0, 3.5, 5.0])
+        );
+        fs::write(&file, "ITEM: ATOMS").unwrap();
+        assert!(box_of(file.path()).is_err());
     }
 }

@@ -6,10 +6,10 @@ use std::path::Path;
 use anyhow::{ensure, Result};
 use plotters::style::RGBColor;
 
-use super::chart::{self, Line, Panel, Series, Shape, BLUE, GREEN, SKY, VERMILION};
 use super::measurements::{scientific, Row, Table};
 use super::Section;
 use crate::bench::statistics::short;
+use crate::chart::{self, Line, Panel, Scale, Series, Shape, BLUE, GREEN, SKY, VERMILION};
 use crate::demo::table::Table as MarkdownTable;
 
 pub const PICTURE: &str = "contact-search.svg";
@@ -262,6 +262,7 @@ fn draw(path: &Path, table: &Table) -> Result<()> {
                 y: 1e-17..1e3,
                 series,
                 marks: Vec::new(),
+                scale: Scale::Decades,
             });
         }
         rows.push(panels);

@@ -6,10 +6,12 @@ use std::path::Path;
 use anyhow::{ensure, Result};
 use plotters::style::RGBColor;
 
-use super::chart::{self, Line, Panel, Series, Shape, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION};
 use super::measurements::{scientific, Table};
 use super::Section;
 use crate::bench::statistics::short;
+use crate::chart::{
+    self, Line, Panel, Scale, Series, Shape, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION,
+};
 use crate::demo::table::Table as MarkdownTable;
 
 pub const PICTURE: &str = "hertz-factors.svg";
@@ -185,6 +187,7 @@ fn draw(path: &Path, table: &Table, curves: &Table) -> Result<()> {
             y: 1e-16..30.0,
             series: against_time,
             marks: Vec::new(),
+            scale: Scale::Decades,
         },
         Panel {
             title: "Error along the axis ratio (iteration: one step)".into(),
@@ -194,6 +197,7 @@ fn draw(path: &Path, table: &Table, curves: &Table) -> Result<()> {
             y: 1e-16..30.0,
             series: along,
             marks: Vec::new(),
+            scale: Scale::Decades,
         },
     ];
     chart::draw(

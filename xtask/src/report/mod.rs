@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against run time: what accuracy costs, beside what the literature and the engines do. A page, pictures, numbers.
 
-mod chart;
 mod contact_search;
 mod hertz_factors;
 mod machine;

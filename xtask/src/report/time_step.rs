@@ -6,10 +6,12 @@ use std::path::Path;
 use anyhow::{ensure, Result};
 use plotters::style::RGBColor;
 
-use super::chart::{self, Line, Mark, Panel, Series, Shape, BLUE, GREEN, ORANGE, SKY, VERMILION};
 use super::measurements::{scientific, Table};
 use super::Section;
 use crate::bench::statistics::short;
+use crate::chart::{
+    self, Line, Mark, Panel, Scale, Series, Shape, BLUE, GREEN, ORANGE, SKY, VERMILION,
+};
 use crate::demo::table::Table as MarkdownTable;
 
 pub const PICTURE: &str = "time-step.svg";
@@ -152,6 +154,7 @@ fn draw(path: &Path, table: &Table, limits: &Table) -> Result<()> {
                         .fold(0.0, f64::max),
             y: 1e-9..0.2,
             series: by_time,
+            scale: Scale::Decades,
             marks: vec![
                 Mark {
                     x: 1e-3 * step / hertz,
@@ -170,6 +173,7 @@ fn draw(path: &Path, table: &Table, limits: &Table) -> Result<()> {
             x: 1.0..1500.0,
             y: 1e-9..0.2,
             series: by_steps,
+            scale: Scale::Decades,
             marks: vec![
                 Mark {
                     x: 1.0 / hertz,

@@ -8,9 +8,6 @@ use std::path::Path;
 use anyhow::{ensure, Context, Result};
 use plotters::style::RGBColor;
 
-use super::chart::{
-    self, Line, Panel, Series, Shape, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION,
-};
 use super::measurements::{self, scientific, Table};
 use super::Section;
 use crate::bench::contender::{Contender, Model};
@@ -19,6 +16,9 @@ use crate::bench::liggghts_run::{Files, Liggghts};
 use crate::bench::packing::{for_superellipsoids, Kind, Packing, CONTACT_RADIUS, MATERIAL};
 use crate::bench::scenes::{run_variables, steps_for};
 use crate::bench::statistics::{short, Measured};
+use crate::chart::{
+    self, Line, Panel, Scale, Series, Shape, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION,
+};
 use crate::demo::table::Table as MarkdownTable;
 use crate::engine_forces::{
     in_lammps, in_lammps_on, in_liggghts, pairs_in_reach, relative_error, LammpsStyle,
@@ -506,6 +506,7 @@ fn draw(path: &Path, table: &Table) -> Result<()> {
             y: 1e-16..3.0,
             series,
             marks: Vec::new(),
+            scale: Scale::Decades,
         });
     }
     chart::draw(

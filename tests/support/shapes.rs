@@ -67,6 +67,39 @@ pub fn about(axis: Vector, angle: f64) -> Quaternion {
     [c, s * u[0], s * u[1], s * u[2]]
 }
 
+/// Two unit vectors that make a right-handed frame with the unit vector `n` before them.
+pub fn tangents(n: Vector) -> (Vector, Vector) {
+    let helper = if n[0].abs() < 0.6 {
+        [1.0, 0.0, 0.0]
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    let u = unit(cross(n, helper));
+    (u, cross(n, u))
+}
+
+/// The axes of a body in the world.
+pub fn body_axes(q: Quaternion) -> [Vector; 3] {
+    std::array::from_fn(|k| rotate(q, std::array::from_fn(|c| f64::from(u8::from(c == k)))))
+}
+
+/// Angular velocity of a solid ellipsoid from its angular momentum, both in the world frame.
+pub fn angular_velocity(mass: f64, a: Vector, q: Quaternion, momentum: Vector) -> Vector {
+    let (body, moments) = (unrotate(q, momentum), inertia(mass, a));
+    rotate(q, std::array::from_fn(|k| body[k] / moments[k]))
+}
+
+/// Angular momentum of a solid ellipsoid, world frame.
+pub fn angular_momentum(mass: f64, a: Vector, q: Quaternion, velocity: Vector) -> Vector {
+    let (body, moments) = (unrotate(q, velocity), inertia(mass, a));
+    rotate(q, std::array::from_fn(|k| moments[k] * body[k]))
+}
+
+/// Mass of a solid ellipsoid.
+pub fn mass(density: f64, a: Vector) -> f64 {
+    density * 4.0 / 3.0 * std::f64::consts::PI * a[0] * a[1] * a[2]
+}
+
 /// Principal moments of a solid ellipsoid.
 pub fn inertia(mass: f64, a: Vector) -> Vector {
     let s = a.map(|x| x * x);
@@ -99,13 +132,7 @@ pub fn hertz_stiffness(
     other: (Vector, Quaternion),
     n: Vector,
 ) -> f64 {
-    let helper = if n[0].abs() < 0.6 {
-        [1.0, 0.0, 0.0]
-    } else {
-        [0.0, 1.0, 0.0]
-    };
-    let u = unit(cross(n, helper));
-    let v = cross(n, u);
+    let (u, v) = tangents(n);
     let (p, q) = (
         curvature(one.0, one.1, n, u, v),
         curvature(other.0, other.1, scale(-1.0, n), u, v),
@@ -187,11 +214,9 @@ pub fn perram_wertheim(
     other: (Vector, Quaternion, Vector),
 ) -> f64 {
     let shape = |(a, q): (Vector, Quaternion)| {
-        let axes: [Vector; 3] = std::array::from_fn(|k| {
-            rotate(q, std::array::from_fn(|c| if c == k { a[k] } else { 0.0 }))
-        });
         let mut s = [[0.0; 3]; 3];
-        for axis in axes {
+        for (axis, a) in body_axes(q).into_iter().zip(a) {
+            let axis = scale(a, axis);
             for r in 0..3 {
                 for c in 0..3 {
                     s[r][c] += axis[r] * axis[c];
@@ -249,9 +274,13 @@ impl Random {
         low + (high - low) * self.uniform()
     }
 
+    pub fn vector<const N: usize>(&mut self, low: f64, high: f64) -> [f64; N] {
+        std::array::from_fn(|_| self.between(low, high))
+    }
+
     pub fn direction(&mut self) -> Vector {
         loop {
-            let v: Vector = std::array::from_fn(|_| self.between(-1.0, 1.0));
+            let v: Vector = self.vector(-1.0, 1.0);
             let n = length(v);
             if n > 1e-3 && n < 1.0 {
                 return scale(1.0 / n, v);
@@ -261,7 +290,7 @@ impl Random {
 
     pub fn quaternion(&mut self) -> Quaternion {
         loop {
-            let q: Quaternion = std::array::from_fn(|_| self.between(-1.0, 1.0));
+            let q: Quaternion = self.vector(-1.0, 1.0);
             let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
             if n > 1e-2 && n < 1.0 {
                 return normalise(q);
@@ -272,7 +301,7 @@ impl Random {
 
 #[test]
 fn both_versions_force_factor_is_that_of_the_reference() {
-    let table = include_str!("../../../validation/reference/hertz_factors.csv");
+    let table = include_str!("../../validation/reference/hertz_factors.csv");
     let mut rows = 0;
     for line in table.lines().skip(1) {
         let values: Vec<f64> = line.split(',').map(|w| w.parse().unwrap()).collect();

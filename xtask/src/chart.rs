@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Points and curves on logarithmic axes, several panels and one legend in a picture.
+//! Points and curves on plain or logarithmic axes, several panels in one SVG picture.
 
 use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{anyhow, Context, Result};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -17,11 +18,19 @@ pub const ORANGE: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
 pub const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
 pub const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
 pub const GREY: RGBColor = RGBColor(0x70, 0x70, 0x70);
+/// One colour per law, told apart in grey as well.
+pub const OURS: RGBColor = RGBColor(0x1b, 0x4f, 0x9c);
+pub const OURS_LIGHT: RGBColor = RGBColor(0x7a, 0xa6, 0xda);
+pub const GRANULAR: RGBColor = RGBColor(0xc8, 0x5a, 0x17);
+pub const SUPERELLIPSOID: RGBColor = RGBColor(0x2f, 0x7d, 0x5b);
+pub const SUPERELLIPSOID_LIGHT: RGBColor = RGBColor(0x8b, 0xbf, 0xa3);
 const INK: RGBColor = RGBColor(0x33, 0x33, 0x33);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 
 /// plotters rounds to whole units of the picture: one FINE times as large, shown at its own size, is smooth.
 const FINE: i32 = 8;
+/// Of a curve; more would only make the file larger.
+const MOST_POINTS: usize = 400;
 const TITLE_HEIGHT: i32 = 40;
 const LEGEND_LINE: i32 = 22;
 
@@ -55,10 +64,31 @@ pub struct Series {
     pub line: Line,
 }
 
+impl Series {
+    /// A line; dashed, it is seen over another that it should lie on.
+    pub fn curve(label: &str, points: Vec<(f64, f64)>, colour: RGBColor, dashed: bool) -> Series {
+        Series {
+            label: label.into(),
+            points,
+            notes: Vec::new(),
+            colour,
+            shape: Shape::None,
+            filled: false,
+            line: if dashed { Line::Dashed } else { Line::Solid },
+        }
+    }
+}
+
 /// A vertical line across the panel.
 pub struct Mark {
     pub x: f64,
     pub label: String,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub enum Scale {
+    Plain,
+    Decades,
 }
 
 pub struct Panel {
@@ -70,6 +100,44 @@ pub struct Panel {
     pub y: Range<f64>,
     pub series: Vec<Series>,
     pub marks: Vec<Mark>,
+    pub scale: Scale,
+}
+
+impl Panel {
+    /// Curves on plain axes that hold all of them.
+    pub fn of_curves(title: &str, x_label: &str, y_label: &str, curves: Vec<Series>) -> Panel {
+        let points = || curves.iter().flat_map(|curve| &curve.points);
+        Panel {
+            title: title.into(),
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            x: ends(points().map(|point| point.0)),
+            y: with_zero(ends(points().map(|point| point.1))),
+            series: curves,
+            marks: Vec::new(),
+            scale: Scale::Plain,
+        }
+    }
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    if !low.is_finite() || low == high {
+        return -1.0..1.0;
+    }
+    let margin = 0.04 * (high - low);
+    low - margin..high + margin
+}
+
+/// From zero where the values are of one size, so that what hardly varies looks so.
+fn with_zero(range: Range<f64>) -> Range<f64> {
+    if range.start > 0.0 && range.start < 0.6 * range.end {
+        0.0..range.end
+    } else {
+        range
+    }
 }
 
 /// Of one panel.
@@ -79,13 +147,12 @@ pub const PANEL: (i32, i32) = (520, 390);
 pub fn draw(path: &Path, title: &str, rows: &[Vec<Panel>]) -> Result<()> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(1) as i32;
     let keys = keys(rows);
-    let key_columns = if columns == 1 { 2 } else { 3 };
-    let key_rows = (keys.len() as i32 + key_columns - 1) / key_columns;
+    let key_rows = keys.iter().map(Vec::len).max().unwrap_or(0) as i32;
     let width = columns * PANEL.0;
     let height = TITLE_HEIGHT + rows.len() as i32 * PANEL.1 + key_rows * LEGEND_LINE + 14;
     let size = ((width * FINE) as u32, (height * FINE) as u32);
     let mut svg = String::new();
-    draw_figure(&mut svg, size, title, rows, &keys, key_columns)
+    draw_figure(&mut svg, size, title, rows, &keys)
         .map_err(|error| anyhow!("{}: {error}", path.display()))?;
     // The first width and height of the text are those of the picture; its view box keeps the fine units.
     let svg = svg.replacen(
@@ -96,15 +163,34 @@ pub fn draw(path: &Path, title: &str, rows: &[Vec<Panel>]) -> Result<()> {
     std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// The first series of each label.
-fn keys(rows: &[Vec<Panel>]) -> Vec<Series> {
-    let mut keys: Vec<Series> = Vec::new();
-    for series in rows.iter().flatten().flat_map(|panel| &panel.series) {
-        if !series.label.is_empty() && !keys.iter().any(|key| key.label == series.label) {
-            keys.push(series.clone());
+/// The columns of the legend: the first series of each label. Where the curves of the panels of a row are others, those of a panel
+/// stand below it.
+fn keys(rows: &[Vec<Panel>]) -> Vec<Vec<Series>> {
+    let of = |panels: &mut dyn Iterator<Item = &Panel>| {
+        let mut keys: Vec<Series> = Vec::new();
+        for series in panels.flat_map(|panel| &panel.series) {
+            if !series.label.is_empty() && !keys.iter().any(|key| key.label == series.label) {
+                keys.push(series.clone());
+            }
+        }
+        keys
+    };
+    if let [row] = rows {
+        if row.iter().all(|panel| panel.scale == Scale::Plain) {
+            return row
+                .iter()
+                .map(|panel| of(&mut std::iter::once(panel)))
+                .collect();
         }
     }
-    keys
+    let columns = if rows.iter().all(|row| row.len() == 1) {
+        2
+    } else {
+        3
+    };
+    let all = of(&mut rows.iter().flatten());
+    let lines = all.len().div_ceil(columns).max(1);
+    all.chunks(lines).map(<[Series]>::to_vec).collect()
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -115,8 +201,7 @@ fn draw_figure(
     size: (u32, u32),
     title: &str,
     rows: &[Vec<Panel>],
-    keys: &[Series],
-    key_columns: i32,
+    keys: &[Vec<Series>],
 ) -> Drawn {
     let root = SVGBackend::with_string(svg, size).into_drawing_area();
     root.fill(&WHITE)?;
@@ -133,10 +218,13 @@ fn draw_figure(
         }
         below = rest;
     }
-    let width = size.0 as i32 / key_columns;
-    let lines = (keys.len() as i32 + key_columns - 1) / key_columns;
-    for (number, key) in keys.iter().enumerate() {
-        let (column, line) = (number as i32 / lines, number as i32 % lines);
+    let width = size.0 as i32 / keys.len().max(1) as i32;
+    let lines = keys.iter().map(Vec::len).max().unwrap_or(0) as i32;
+    let places = keys.iter().enumerate().flat_map(|(column, keys)| {
+        let key = move |(line, key)| (column as i32, line as i32, key);
+        keys.iter().enumerate().map(key)
+    });
+    for (column, line, key) in places {
         let (x, y) = (
             column * width + 30 * FINE,
             line * LEGEND_LINE * FINE + LEGEND_LINE / 2 * FINE,
@@ -184,10 +272,25 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel) -> Drawn {
         .caption(&panel.title, ("sans-serif", 15 * fine, &INK))
         .x_label_area_size(44 * fine)
         .y_label_area_size(62 * fine)
-        .build_cartesian_2d(Decades(panel.x.clone()), Decades(panel.y.clone()))?;
+        .build_cartesian_2d(
+            Axis(panel.x.clone(), panel.scale),
+            Axis(panel.y.clone(), panel.scale),
+        )?;
+    let light = match panel.scale {
+        Scale::Plain => WHITE.stroke_width(0),
+        Scale::Decades => GRID.mix(0.5).stroke_width(fine / 2),
+    };
+    let formatter = |value: &f64| match panel.scale {
+        Scale::Plain => trimmed(*value, 3),
+        Scale::Decades => number(*value),
+    };
     chart
         .configure_mesh()
-        .light_line_style(GRID.mix(0.5).stroke_width(fine / 2))
+        .light_line_style(light)
+        .x_labels(if panel.scale == Scale::Plain { 7 } else { 11 })
+        .y_labels(if panel.scale == Scale::Plain { 7 } else { 11 })
+        .x_label_formatter(&formatter)
+        .y_label_formatter(&formatter)
         .bold_line_style(GRID.stroke_width(fine))
         .axis_style(INK.stroke_width(fine))
         .set_all_tick_mark_size(5 * fine)
@@ -222,7 +325,10 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel) -> Drawn {
         ))?;
     }
     for series in &panel.series {
-        let points: Vec<(f64, f64)> = series.points.iter().copied().map(inside).collect();
+        let apart = series.points.len().div_ceil(MOST_POINTS).max(1);
+        let last = series.points.last().filter(|_| apart > 1);
+        let kept = series.points.iter().step_by(apart).chain(last);
+        let points: Vec<(f64, f64)> = kept.copied().map(inside).collect();
         let style = series.colour.stroke_width(stroke());
         match series.line {
             Line::None => {}
@@ -278,19 +384,25 @@ fn symbol(root: &Area, series: &Series, (x, y): (i32, i32)) -> Drawn {
     root.draw(&PathElement::new(path, outline))
 }
 
-/// A logarithmic axis, labelled at powers of ten (at 1, 2, 5 where there are few).
-struct Decades(Range<f64>);
+/// A logarithmic one is labelled at powers of ten (at 1, 2, 5 where there are few).
+struct Axis(Range<f64>, Scale);
 
-impl Ranged for Decades {
+impl Ranged for Axis {
     type ValueType = f64;
     type FormatOption = NoDefaultFormatting;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        if self.1 == Scale::Plain {
+            return RangedCoordf64::from(self.0.clone()).map(value, limit);
+        }
         let share = (value / self.0.start).ln() / (self.0.end / self.0.start).ln();
         limit.0 + (f64::from(limit.1 - limit.0) * share).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if self.1 == Scale::Plain {
+            return RangedCoordf64::from(self.0.clone()).key_points(hint);
+        }
         let (low, high) = (self.0.start.log10(), self.0.end.log10());
         let decades = (high - low).max(0.1);
         let within = |value: f64| value >= self.0.start * 0.999 && value <= self.0.end * 1.001;
@@ -323,18 +435,26 @@ impl Ranged for Decades {
     }
 }
 
-impl ValueFormatter<f64> for Decades {
+impl ValueFormatter<f64> for Axis {
     fn format(value: &f64) -> String {
         number(*value)
     }
 }
 
+/// Without the noise of binary fractions.
+fn trimmed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    text.strip_prefix("-0")
+        .filter(|rest| rest.is_empty())
+        .map_or(text, |_| "0")
+        .to_string()
+}
+
 /// 0.01 to 5000 as they are, beyond as powers of ten.
 fn number(value: f64) -> String {
     if (0.0099..9999.0).contains(&value) {
-        let text = format!("{value:.2}");
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        return text.to_string();
+        return trimmed(value, 2);
     }
     let power = (value.log10() + 1e-9).floor() as i32;
     let first = value / 10f64.powi(power);
@@ -381,6 +501,16 @@ mod tests {
         assert_eq!(number(1000.0), "1000");
         assert_eq!(number(1e-13), "10⁻¹³");
         assert_eq!(number(2e5), "2·10⁵");
+        assert_eq!(trimmed(0.1 + 0.2, 3), "0.3");
+        assert_eq!(trimmed(-0.0, 3), "0");
+        assert_eq!(trimmed(-12.0, 3), "-12");
+    }
+
+    #[test]
+    fn an_axis_begins_at_zero_where_that_leaves_the_curves_apart() {
+        assert_eq!(with_zero(240.0..650.0), 0.0..650.0);
+        assert_eq!(with_zero(600.0..650.0), 600.0..650.0);
+        assert_eq!(with_zero(-1.0..650.0), -1.0..650.0);
     }
 
     #[test]
@@ -406,8 +536,11 @@ mod tests {
                 x: 10.0,
                 label: "limit".into(),
             }],
+            scale: Scale::Decades,
         };
-        draw(&path, "what to conclude", &[vec![panel]]).unwrap();
+        let curve = Series::curve("a law", vec![(0.0, 0.0), (1.0, 2.0)], OURS, true);
+        let plain = Panel::of_curves("two spheres", "overlap (µm)", "force (mN)", vec![curve]);
+        draw(&path, "what to conclude", &[vec![panel], vec![plain]]).unwrap();
         let text = std::fs::read_to_string(path).unwrap();
         for word in [
             "what to conclude",
@@ -416,6 +549,10 @@ mod tests {
             "a method",
             "limit",
             "one",
+            "two spheres",
+            "overlap (µm)",
+            "force (mN)",
+            "a law",
         ] {
             assert!(text.contains(word), "{word}");
         }

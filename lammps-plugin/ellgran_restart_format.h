@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/// The versions of what this plugin writes into LAMMPS' restart files. They have nothing to do with the version of the binary
+/// interface of the library. Raise a version, and keep the code that reads the older ones, when
+///
+/// - a value is added, removed or moved, in the global data, in the histories or in the memory of a wall;
+/// - a value changes its meaning, for example the unit or the frame of a number of a history.
+///
+/// tests/restart_files has a file of each version, and tests/lammps/restart_files.rs reads them all.
+
+#ifndef ELLGRAN_RESTART_FORMAT_H
+#define ELLGRAN_RESTART_FORMAT_H
+
+namespace EllgranRestart {
+
+/// Pair style: the settings in the file, and the histories of the contacts (fix NEIGH_HISTORY).
+///
+/// | version | settings |
+/// |---|---|
+/// | 1 | int: PAIR_MARK_1, 1, size of EllgranLawParameters, number of types; double: cutoff, energies dissipated by viscosity and by friction; of each pair of types I <= J an int, 1 if it has coefficients, and then an EllgranLawParameters |
+/// | 2 | int: PAIR_MARK, 2; 32 characters: the version of ellgran that wrote it; int: size of EllgranLawParameters, number of types; then as version 1 |
+///
+/// The first two parts of version 2 stay what they are in all later versions.
+constexpr int PAIR_MARK_1 = 0x324c4547;
+constexpr int PAIR_MARK = 0x524c4547;
+constexpr int PAIR_FORMAT = 2;
+constexpr int WRITER_LENGTH = 32;
+
+/// fix wall/gran/ellipsoid: its global values, and the memory of its contacts per atom.
+///
+/// | version | global values, all of type double |
+/// |---|---|
+/// | 1 | energy dissipated by viscosity, time since the fix was made, energy dissipated by friction, work of the wall |
+/// | 2 | -2; the four of version 1; velocity of the region (3), rate of its rotation |
+///
+/// The first value of every later version is minus that version.
+constexpr int WALL_FORMAT = 2;
+
+}
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+
+#include "fix_ellgran_restart_format.h"
+
+#include <cstring>
+
+#include "comm.h"
+#include "ellgran.h"
+#include "error.h"
+#include "modify.h"
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+const char ID[] = "ellgran_restart_format";
+
+// In the restart file, in all versions of it.
+struct State {
+  int version;
+  char writer[28];  // version of ellgran
+};
+
+}
+
+FixEllgranRestartFormat::FixEllgranRestartFormat(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  restart_global = 1;
+}
+
+void FixEllgranRestartFormat::add(LAMMPS *lmp)
+{
+  if (lmp->modify->find_fix(ID) >= 0) return;
+  char id[] = "ellgran_restart_format", group[] = "all", style[] = "ellgran/restart_format";
+  char *words[] = {id, group, style};
+  lmp->modify->add_fix(3, words);
+}
+
+void FixEllgranRestartFormat::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  State state;
+  memset(&state, 0, sizeof(state));
+  state.version = VERSION;
+  strncpy(state.writer, ellgran_version(), sizeof(state.writer) - 1);
+  const int size = sizeof(state);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(&state, 1, sizeof(state), fp);
+}
+
+void FixEllgranRestartFormat::restart(char *buffer)
+{
+  State state;
+  memcpy(&state, buffer, sizeof(state));
+  state.writer[sizeof(state.writer) - 1] = '\0';
+  if (state.version >= 2 && state.version <= VERSION) return;
+  char message[400];
+  snprintf(message, sizeof(message),
+           "ellgran: the restart file has format version %d of contact histories, written by ellgran %s. This is ellgran %s, which "
+           "reads versions 1 to %d: use the ellgran that wrote the file, or a later one",
+           state.version, state.writer, ellgran_version(), static_cast<int>(VERSION));
+  error->all(FLERR, message);
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Are restart files of older versions of the plugin read for ever, and files of newer ones refused with one clear error?
+//!
+//! The files are in tests/restart_files; the newest is made there with the oldest LAMMPS that is supported (a newer LAMMPS reads the
+//! files of an older one), by
+//!
+//! ```sh
+//! lmp -in write.lmp -var plugin ellgranplugin.so -var name lammps_format_N
+//! ```
+//!
+//! `lammps_format_1` is by the plugin of commit 11dd2ff. LAMMPS' restart files are those of a byte order: these are of a
+//! little-endian machine.
+
+use std::path::Path;
+
+use crate::engines::restart_files::{difference, directory, kept, write_changed};
+use crate::harness::{execute, fresh_directory, last_lines, Engine};
+
+/// Goes on from the restart file `name` in `from`; whether that succeeded, and the output.
+fn go_on(engine: &Engine, run: &Path, from: &Path, name: &str, ranks: usize) -> (bool, String) {
+    let mut deck = String::new();
+    for (variable, value) in [
+        ("plugin", engine.plugin.display().to_string()),
+        ("directory", from.display().to_string()),
+        ("name", name.into()),
+    ] {
+        deck += &format!("variable {variable} index {value}\n");
+    }
+    deck += &std::fs::read_to_string(directory().join("read.lmp")).unwrap();
+    execute(engine, run, &deck, ranks)
+}
+
+#[test]
+fn both_versions_restart_files_of_older_versions_are_read() {
+    let engine = Engine::from_environment();
+    let names = kept("lammps");
+    assert_eq!(names, ["lammps_format_1", "lammps_format_2"]);
+    for name in names {
+        for ranks in [1, 2] {
+            let run = fresh_directory(&format!("{name}_{ranks}"));
+            let (success, output) = go_on(&engine, &run, &directory(), &name, ranks);
+            assert!(success, "{name}: {}", last_lines(&output));
+            let apart = difference(&run, &name);
+            println!("{name} on {ranks} ranks: apart by {apart:.1e}");
+            // Contacts amplify the rounding of another order of summation, 200 steps long.
+            assert!(apart < 1e-9, "{name} on {ranks} ranks: {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn both_versions_restart_files_of_newer_versions_are_refused() {
+    let engine = Engine::from_environment();
+    let pair = |version: i32| [*b"GELR", version.to_le_bytes()].concat();
+    let wall = |version: f64| (-version).to_le_bytes().to_vec();
+    for (what, from, to, words) in [
+        (
+            "pair",
+            pair(2),
+            pair(9),
+            &["format version 9", "ellgran 0.1.0", "1 to 2", "a later one"][..],
+        ),
+        (
+            "wall",
+            wall(2.0),
+            wall(9.0),
+            &[
+                "fix wall/gran/ellipsoid floor",
+                "format version 9",
+                "1 to 2",
+            ],
+        ),
+        (
+            "damaged",
+            pair(2),
+            [*b"GEL?", [0; 4]].concat(),
+            &["byte order", "write_data"],
+        ),
+    ] {
+        let run = fresh_directory(what);
+        write_changed(&directory(), "lammps_format_2", &run, &from, &to);
+        let (success, output) = go_on(&engine, &run, &run, "lammps_format_2", 2);
+        assert!(!success, "{what} is read");
+        let errors: Vec<&str> = output.lines().filter(|l| l.contains("ERROR")).collect();
+        assert_eq!(errors.len(), 1, "{what}: {errors:?}");
+        let error = errors[0].to_lowercase();
+        assert!(
+            words.iter().all(|w| error.contains(w)),
+            "{what}: {}",
+            errors[0]
+        );
+    }
+}

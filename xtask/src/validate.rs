@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The theory held against the full problem: boundary and finite elements in Python (validation/), whose results are stored, and
+//! the pages and pictures of docs/report made of them.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use crate::progress::{human_time, say};
+use crate::python_environment::Environment;
+use crate::workspace::root;
+use crate::{process, python};
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Only this comparison [default: all]
+    comparison: Vec<Comparison>,
+    /// Make page and picture of the stored results alone, in seconds
+    #[arg(long)]
+    page: bool,
+    /// Hold the stored results against coarse computations of now, in seconds, and write nothing
+    #[arg(long, conflicts_with_all = ["comparison", "page"])]
+    check: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Comparison {
+    /// The elastic normal force: boundary elements, exact shapes, whole bodies by finite elements
+    ElasticContact,
+    /// Friction: partial slip by boundary elements, in cycles
+    TangentialContact,
+    /// Viscosity: the Kelvin-Voigt half-space with its exact memory
+    ViscoelasticContact,
+}
+
+impl Comparison {
+    const ALL: [Comparison; 3] = [
+        Comparison::ElasticContact,
+        Comparison::TangentialContact,
+        Comparison::ViscoelasticContact,
+    ];
+
+    /// Its folder in validation.
+    fn folder(self) -> &'static str {
+        match self {
+            Comparison::ElasticContact => "elastic_contact",
+            Comparison::TangentialContact => "tangential_contact",
+            Comparison::ViscoelasticContact => "viscoelastic_contact",
+        }
+    }
+}
+
+pub fn validate(options: &Options) -> Result<()> {
+    let environment = environment()?;
+    if options.check {
+        return check(environment);
+    }
+    let programs = Programs::with(environment)?;
+    let chosen = if options.comparison.is_empty() {
+        Comparison::ALL.to_vec()
+    } else {
+        options.comparison.clone()
+    };
+    for comparison in chosen {
+        let folder = directory().join(comparison.folder());
+        let started = Instant::now();
+        if !options.page {
+            say(format!("== {}", comparison.folder()));
+            process::run_open(programs.python().arg(folder.join("compare.py")))?;
+        }
+        process::run_open(programs.python().arg(folder.join("page.py")))?;
+        say(format!(
+            "{} in {}",
+            comparison.folder(),
+            human_time(started.elapsed())
+        ));
+    }
+    Ok(())
+}
+
+/// The stored results against the law of now and coarse computations.
+pub fn check(environment: Environment) -> Result<()> {
+    process::run_open(
+        Programs::with(environment)?
+            .python()
+            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+            .arg(directory().join("tests")),
+    )
+}
+
+fn directory() -> PathBuf {
+    root().join("validation")
+}
+
+/// The packages of validation/requirements.txt, installed when missing.
+pub fn environment() -> Result<Environment> {
+    Environment::pinned(&directory().join("requirements.txt"))
+        .context("the comparisons with the full problem need packages for this Python")
+}
+
+/// These packages, and the shared library of this checkout.
+struct Programs {
+    environment: Environment,
+    prefix: tempfile::TempDir,
+}
+
+impl Programs {
+    fn with(environment: Environment) -> Result<Self> {
+        Ok(Programs {
+            environment,
+            prefix: python::library()?,
+        })
+    }
+
+    /// One thread, so that a result does not depend on how many cores there are.
+    fn python(&self) -> Command {
+        let mut command = self.environment.python();
+        command
+            .current_dir(directory())
+            .env("ELLGRAN_LIBRARY", library_in(self.prefix.path()))
+            .env("PYTHONPATH", python_path())
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .env("MPLBACKEND", "svg")
+            .env("OMP_NUM_THREADS", "1")
+            .env("OPENBLAS_NUM_THREADS", "1");
+        command
+    }
+}
+
+fn library_in(prefix: &Path) -> PathBuf {
+    prefix.join("lib").join("libellgran.so")
+}
+
+fn python_path() -> std::ffi::OsString {
+    std::env::join_paths([root().join("python"), directory()])
+        .expect("the checkout's path holds no colon")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{directory, Comparison};
+
+    #[test]
+    fn each_comparison_has_its_programs_and_its_page() {
+        for comparison in Comparison::ALL {
+            let folder = directory().join(comparison.folder());
+            for file in ["compare.py", "page.py", "origin.json"] {
+                assert!(folder.join(file).is_file(), "{}/{file}", folder.display());
+            }
+            let page = comparison.folder().replace('_', "-");
+            let page = crate::workspace::root().join(format!("docs/report/{page}.md"));
+            assert!(page.is_file(), "{}", page.display());
+        }
+    }
+}
