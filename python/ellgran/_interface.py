@@ -197,6 +197,17 @@ class EllgranMixture(ctypes.Structure):
     ]
 
 
+class EllgranMixture(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("effective_modulus", ctypes.c_double),
+        ("effective_shear_modulus", ctypes.c_double),
+        ("normal_relaxation_time", ctypes.c_double),
+        ("tangential_relaxation_time", ctypes.c_double),
+        ("share_i", ctypes.c_double),
+    ]
+
+
 class EllgranContactArrays(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),

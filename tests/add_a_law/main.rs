@@ -99,8 +99,11 @@ fn dependencies() -> String {
 
 /// A package of the copy, with a lock file that has the versions at hand.
 fn package(directory: &Path, name: &str, target: &str) {
+    // Without checks and debugging information, which take longer to translate than the laws.
+    let profile = "[profile.dev]\nopt-level = 1\ndebug = false\ndebug-assertions = false\n";
     let text = format!(
-        "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2021\"\npublish = false\n\n{target}\n{}\n\n[workspace]\n",
+        "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2021\"\npublish = false\nautolib = false\n\n{target}\n{}\n\n\
+         {profile}\n[workspace]\n",
         dependencies()
     );
     fs::write(directory.join("Cargo.toml"), text).unwrap();
