@@ -1279,6 +1279,15 @@ typedef struct EllgranWallLoad {
    Number of contacts.
    */
   int64_t contact_count;
+  /*
+   Sum over the contacts of a bound of their stiffness in any direction, force/length, friction without slip included: by at most
+   that the force changes with a displacement of the wall.
+   */
+  double stiffness;
+  /*
+   The same of their damping, force x time/length.
+   */
+  double damping;
 } EllgranWallLoad;
 
 /*
@@ -1330,6 +1339,36 @@ typedef struct EllgranRecordedWallContact {
    */
   double elastic_energy[2];
 } EllgranRecordedWallContact;
+
+/*
+ The settings of a servo and its state, which the caller keeps from step to step and over restarts: at first zeros.
+ */
+typedef struct EllgranServo {
+  /*
+   `sizeof(EllgranServo)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Force with which the wall is to press, in its direction, 0 or more.
+   */
+  double target;
+  /*
+   Share of the error that one step takes away at most, above 0 and at most 1; 0.5 serves.
+   */
+  double gain;
+  /*
+   Largest speed of the wall, above 0.
+   */
+  double largest_speed;
+  /*
+   State, written: the part of the velocity that does not come from the error of now.
+   */
+  double steady_velocity;
+  /*
+   State, written: the velocity in its direction with which the wall moves in the next step.
+   */
+  double velocity;
+} EllgranServo;
 
 /*
  The surface of a wall where a body touches it.
@@ -1618,6 +1657,23 @@ int32_t ellgran_law_parameters_parse(size_t word_count,
                                      const char *const *words,
                                      size_t *consumed,
                                      struct EllgranLawParameters *parameters);
+
+/*
+ Reads the material of a wall: `material E nu` with the law `hertz`, `material E nu eta1 eta2` with `nfd`, `material rigid` with
+ either, from the first word on.
+
+ `wall` becomes the wall's side of the contact with grains of the law `grain`: for `ellgran_laws_new` the parameters of a type of its
+ own, which is mixed with the grain's where the pair of the two is not set. The number of words read goes to `consumed`. Where the
+ first word is another one, `wall` becomes `grain`, and no word is read.
+
+ # Safety
+ `words` points to `word_count` strings that end with NUL; the other pointers are NULL or valid, `consumed` and `wall` for writes.
+ */
+int32_t ellgran_wall_material_parse(const struct EllgranLawParameters *grain,
+                                    size_t word_count,
+                                    const char *const *words,
+                                    size_t *consumed,
+                                    struct EllgranLawParameters *wall);
 
 /*
  Builds the laws of a scene with `type_count` types, counted from 1.
@@ -2108,6 +2164,67 @@ size_t ellgran_wall_recorded_count(const struct EllgranWall *wall);
 int32_t ellgran_wall_recorded(const struct EllgranWall *wall,
                               size_t index,
                               struct EllgranRecordedWallContact *contact);
+
+/*
+ Whether `ellgran_compute_wall` records the loads of triangles, which `ellgran_wall_triangle_loads` then gives.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_record_triangles(struct EllgranWall *wall,
+                                      int32_t record);
+
+/*
+ Number of triangles of all parts of a wall; 0 for NULL.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+size_t ellgran_wall_triangle_count(const struct EllgranWall *wall);
+
+/*
+ What acted on each triangle in the last call of `ellgran_compute_wall`, to `loads`, [`ellgran_wall_triangle_count`][4], in the order in
+ which triangles were added: the force on it, world frame, and the sum of the forces that press on its plane, each from
+ the side of its particle. A contact counts with the triangle that is deepest in the particle. Zeros where the last call did not
+ record them. Loads of ranks add.
+
+ # Safety
+ The pointers are NULL or valid; `loads` has four doubles for each triangle.
+ */
+int32_t ellgran_wall_triangle_loads(const struct EllgranWall *wall,
+                                    double *loads);
+
+/*
+ Writes the triangles of a wall, where `motion` has brought them (NULL: where they were described), and these loads of them
+ ([`ellgran_wall_triangle_count`][4], as `ellgran_wall_triangle_loads` gives them) to a file of the legacy VTK format, which ParaView
+ reads: for each triangle `force`, `area`, `normal_stress`, positive where particles press, and `shear_stress`, the magnitude of
+ the force in its plane over its area. The call writes a file and allocates.
+
+ # Safety
+ The pointers are NULL or valid; `loads` has four doubles for each triangle; `path` ends with NUL.
+ */
+int32_t ellgran_wall_write_triangle_loads(const struct EllgranWall *wall,
+                                          const struct EllgranWallMotion *motion,
+                                          const double *loads,
+                                          const char *path);
+
+/*
+ The velocity for the next step of a wall that keeps a force.
+
+ `force` is that with which the wall presses in its direction, minus the component of `EllgranWallLoad.force` along it; `stiffness`
+ and `damping` those of `EllgranWallLoad`; all three summed over ranks. The gain is in units of these: a step corrects the
+ share `gain` of the error, if what is behind the particles that touch does not give way, and the force does not overshoot from
+ step to step whatever the material, the number of contacts and the time step. A wall that must go on moving keeps its force
+ without an error. A wall that touches nothing approaches with `largest_speed`, or stays with a target of 0.
+
+ # Safety
+ `servo` is NULL or valid.
+ */
+int32_t ellgran_servo_follow(struct EllgranServo *servo,
+                             double force,
+                             double stiffness,
+                             double damping,
+                             double time_step);
 
 /*
  Volumes of ellipsoids. `semi_axes` is [count][3], with the ranges of `EllgranBody`; `volumes` is [count].

@@ -6,6 +6,26 @@ Generated from include/ellgran.h, do not edit; `cargo xtask header` writes it.
 import ctypes
 from typing import Any, Dict, List, Tuple
 
+ELLGRAN_NORMAL_HERTZ = 0
+ELLGRAN_NORMAL_NFD = 1
+ELLGRAN_NORMAL_LSD = 2
+ELLGRAN_FACTORS_EXACT = 0
+ELLGRAN_FACTORS_HALE = 1
+ELLGRAN_DAMPING_NONE = 0
+ELLGRAN_DAMPING_RESTITUTION = 1
+ELLGRAN_DAMPING_RELAXATION = 2
+ELLGRAN_CLOSURE_ENERGY = 0
+ELLGRAN_CLOSURE_SURFACE = 1
+ELLGRAN_CLOSURE_BRILLIANTOV = 2
+ELLGRAN_UNLOADING_TING = 0
+ELLGRAN_UNLOADING_FIRST_ORDER = 1
+ELLGRAN_TANGENTIAL_NONE = 0
+ELLGRAN_TANGENTIAL_TFD = 1
+ELLGRAN_TANGENTIAL_MINDLIN = 2
+ELLGRAN_TANGENTIAL_LINEAR = 3
+ELLGRAN_DISPLACEMENT_TOTAL = 0
+ELLGRAN_DISPLACEMENT_INCREMENTAL = 1
+ELLGRAN_DISPLACEMENT_RESCALED = 2
 ELLGRAN_OPTION_NO_WARM_START = 1
 ELLGRAN_SIDE_OF_CENTRE = 0
 ELLGRAN_SIDE_INSIDE = 1
@@ -164,36 +184,29 @@ class EllgranStagedGeometry(ctypes.Structure):
     ]
 
 
-class EllgranMixture(ctypes.Structure):
+class EllgranLawParameters(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
-        ("effective_modulus", ctypes.c_double),
-        ("effective_shear_modulus", ctypes.c_double),
-        ("normal_relaxation_time", ctypes.c_double),
-        ("tangential_relaxation_time", ctypes.c_double),
-        ("share_i", ctypes.c_double),
-    ]
-
-
-class EllgranMixture(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("effective_modulus", ctypes.c_double),
-        ("effective_shear_modulus", ctypes.c_double),
-        ("normal_relaxation_time", ctypes.c_double),
-        ("tangential_relaxation_time", ctypes.c_double),
-        ("share_i", ctypes.c_double),
-    ]
-
-
-class EllgranMixture(ctypes.Structure):
-    _fields_ = [
-        ("size", ctypes.c_size_t),
-        ("effective_modulus", ctypes.c_double),
-        ("effective_shear_modulus", ctypes.c_double),
-        ("normal_relaxation_time", ctypes.c_double),
-        ("tangential_relaxation_time", ctypes.c_double),
-        ("share_i", ctypes.c_double),
+        ("normal", ctypes.c_int32),
+        ("damping", ctypes.c_int32),
+        ("tangential", ctypes.c_int32),
+        ("closure", ctypes.c_int32),
+        ("unloading", ctypes.c_int32),
+        ("factors", ctypes.c_int32),
+        ("displacement", ctypes.c_int32),
+        ("conservative", ctypes.c_int32),
+        ("limit_force", ctypes.c_int32),
+        ("youngs_modulus", ctypes.c_double),
+        ("poissons_ratio", ctypes.c_double),
+        ("shear_viscosity", ctypes.c_double),
+        ("bulk_viscosity", ctypes.c_double),
+        ("relaxation_time", ctypes.c_double),
+        ("restitution", ctypes.c_double),
+        ("normal_stiffness", ctypes.c_double),
+        ("normal_damping", ctypes.c_double),
+        ("friction", ctypes.c_double),
+        ("tangential_stiffness", ctypes.c_double),
+        ("tangential_damping", ctypes.c_double),
     ]
 
 

@@ -174,9 +174,9 @@ pub unsafe extern "C" fn ellgran_law_parameters_parse(
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_wall_material_parse(
     grain: *const EllgranLawParameters,
-    word_count: size_t,
+    word_count: usize,
     words: *const *const c_char,
-    consumed: *mut size_t,
+    consumed: *mut usize,
     wall: *mut EllgranLawParameters,
 ) -> i32 {
     at_border("ellgran_wall_material_parse", || {
@@ -196,7 +196,7 @@ pub unsafe extern "C" fn ellgran_wall_material_parse(
 /// `words` points to `word_count` strings that end with NUL, for the lifetime that the caller gives them.
 unsafe fn given_words<'a>(
     words: *const *const c_char,
-    word_count: size_t,
+    word_count: usize,
 ) -> Result<Vec<&'a str>, Failure> {
     // SAFETY: promised by the caller.
     let pointers = unsafe { slice(words, word_count, "words") }?;

@@ -703,7 +703,7 @@ pub unsafe extern "C" fn ellgran_wall_record_triangles(wall: *mut EllgranWall, r
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_triangle_count(wall: *const EllgranWall) -> size_t {
+pub unsafe extern "C" fn ellgran_wall_triangle_count(wall: *const EllgranWall) -> usize {
     // SAFETY: promised by the caller.
     unsafe { wall.as_ref() }.map_or(0, |w| w.wall.triangles().count())
 }

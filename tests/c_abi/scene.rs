@@ -215,6 +215,8 @@ pub const NO_LOAD: EllgranWallLoad = EllgranWallLoad {
     torque: [0.0; 3],
     power: 0.0,
     contact_count: 0,
+    stiffness: 0.0,
+    damping: 0.0,
 };
 
 pub struct WorkspaceHandle(pub *mut EllgranWorkspace);

@@ -72,33 +72,6 @@ fn both_versions_the_blocks_of_the_reference_page_run() {
     assert!(ran >= 6, "{ran} blocks");
 }
 
-/// The columns of the dump get the names that OVITO knows; a test of the Python module has OVITO read them.
-#[test]
-fn both_versions_the_dump_for_ovito() {
-    let engine = Engine::from_environment();
-    let page = page("docs/tutorials/spheres_to_ellipsoids.md");
-    let [block] = blocks(&page, "lammps")[..] else {
-        panic!("one block");
-    };
-    let deck = crate::readme_deck::deck_without_plugin();
-    let (before, after) = deck.split_once("dump grains").expect("a dump");
-    let (dump, after) = after.split_once('\n').expect("commands after it");
-    let deck = format!(
-        "plugin load {}\n{before}dump grains{dump}\n{block}\n{after}",
-        engine.plugin.display()
-    )
-    .replace("run 20000", "run 0");
-    let directory = fresh_directory("ovito");
-    let (success, output) = execute(&engine, &directory, &deck, 1);
-    assert!(success, "{}", last_lines(&output));
-    let dump = fs::read_to_string(directory.join("grains.dump")).expect("a dump");
-    assert!(
-        dump.contains("ITEM: ATOMS id type x y z quatw quati quatj quatk shapex shapey shapez"),
-        "{}",
-        &dump[..400]
-    );
-}
-
 /// The rows of the table, by the deck that the page shows.
 #[test]
 fn both_versions_the_restitution_of_the_tutorial() {

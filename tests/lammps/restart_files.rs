@@ -67,7 +67,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
             &[
                 "fix wall/gran/ellipsoid floor",
                 "format version 9",
-                "1 to 2",
+                "1 to 3",
             ],
         ),
         (

@@ -26,7 +26,7 @@ fn read(path: &Path) -> Polygons {
     assert_eq!(lines.next(), Some("ASCII"));
     let mut words = lines.flat_map(str::split_whitespace);
     let mut next = || words.next().unwrap().to_string();
-    let mut expect = |wanted: &[&str], next: &mut dyn FnMut() -> String| {
+    let expect = |wanted: &[&str], next: &mut dyn FnMut() -> String| {
         for w in wanted {
             assert_eq!(next(), *w);
         }
