@@ -324,7 +324,7 @@ fn everything_else_of_one_contact() {
                 given.1[k] = x;
                 let (status, _) = contact(&laws, &bodies, &STEP, given, &what);
                 if status != 0 {
-                    let (place, value) = (format!("place {k}"), text(x));
+                    let (place, value) = (format!("value {k}"), text(x));
                     let words = ["particle 1234", "particle 5678", &place, &value];
                     fails(status, ELLGRAN_ERROR_HISTORY, &words);
                 }
@@ -498,7 +498,7 @@ fn lists() {
                     scene.list.history[0][k] = x;
                     let status = scene.call(&laws, &STEP, 0, &what);
                     if status != 0 {
-                        let (place, value) = (format!("place {k}"), text(x));
+                        let (place, value) = (format!("value {k}"), text(x));
                         let words = ["particle 1234", "particle 5678", &place, &value];
                         fails(status, ELLGRAN_ERROR_HISTORY, &words);
                     } else {
