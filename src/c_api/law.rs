@@ -182,8 +182,11 @@ pub unsafe extern "C" fn ellgran_wall_material_parse(
     at_border("ellgran_wall_material_parse", || {
         // SAFETY: promised by the caller, for all of this function.
         let grain = unsafe { given(grain, "grain") }?.to_core()?;
+        // SAFETY: `words` is NULL or has `word_count` pointers to texts that end with NUL, by this function's safety section.
         let texts = unsafe { given_words(words, word_count) }?;
+        // SAFETY: `consumed` is NULL or valid for writes, by this function's safety section.
         let consumed = unsafe { required_mut(consumed, "consumed") }?;
+        // SAFETY: `wall` is NULL or valid for writes of its `size` bytes, by this function's safety section.
         let mut out = unsafe { Output::new(wall, "wall") }?;
         let (p, read) = syntax::parse_wall_material(&grain, &texts).map_err(law_failure)?;
         *consumed = read;
@@ -286,7 +289,9 @@ pub unsafe extern "C" fn ellgran_laws_with_friction(
     at_border("ellgran_laws_with_friction", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `friction` is NULL or has one entry for each pair of types, by this function's safety section.
         let friction = unsafe { slice(friction, laws.types() * laws.types(), "friction") }?;
+        // SAFETY: `result` is NULL or valid for writes, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_friction(friction).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -310,7 +315,9 @@ pub unsafe extern "C" fn ellgran_laws_with_restitution(
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
         let restitution =
+            // SAFETY: `restitution` is NULL or has one entry for each pair of types, by this function's safety section.
             unsafe { slice(restitution, laws.types() * laws.types(), "restitution") }?;
+        // SAFETY: `result` is NULL or valid for writes, by this function's safety section.
         let out = unsafe { required_mut(result, "result") }?;
         let built = laws.with_restitution(restitution).map_err(law_failure)?;
         *out = Box::into_raw(EllgranLaws::new(built));
@@ -354,6 +361,7 @@ pub unsafe extern "C" fn ellgran_laws_mixture(
     at_border("ellgran_laws_mixture", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `mixture` is NULL or valid for writes of its `size` bytes, by this function's safety section.
         let mut out = unsafe { Output::new(mixture, "mixture") }?;
         let law = laws.get(
             check_type(laws, type_i, "type_i")?,
@@ -385,7 +393,9 @@ pub unsafe extern "C" fn ellgran_laws_create_energy(
     at_border("ellgran_laws_create_energy", || {
         // SAFETY: promised by the caller, for all of this function.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `type_i` is NULL or valid for writes, by this function's safety section.
         let out_i = unsafe { required_mut(type_i, "type_i") }?;
+        // SAFETY: `type_j` is NULL or valid for writes, by this function's safety section.
         let out_j = unsafe { required_mut(type_j, "type_j") }?;
         let (i, j) = laws.creates_energy().unwrap_or((0, 0));
         (*out_i, *out_j) = (i as i32, j as i32);

@@ -724,6 +724,7 @@ pub unsafe extern "C" fn ellgran_wall_triangle_loads(
         // SAFETY: promised by the caller, for all of this function.
         let wall = &unsafe { required(wall, "wall") }?.wall;
         let count = wall.triangles().count();
+        // SAFETY: `loads` is NULL or has four doubles for each triangle, by this function's safety section.
         let out = unsafe { slice_mut(loads.cast::<[f64; 4]>(), count, "loads") }?;
         out.fill([0.0; 4]);
         for (out, load) in out.iter_mut().zip(wall.triangle_loads()) {
@@ -751,13 +752,16 @@ pub unsafe extern "C" fn ellgran_wall_write_triangle_loads(
     at_border("ellgran_wall_write_triangle_loads", || {
         // SAFETY: promised by the caller, for all of this function.
         let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `path` is NULL or ends with NUL, by this function's safety section.
         let path = unsafe { text(path, "path") }?;
         let motion = if motion.is_null() {
             Motion::REST
         } else {
+            // SAFETY: `motion` is valid for reads: it is not NULL here, by this function's safety section.
             unsafe { given(motion, "motion") }?.to_core()?
         };
         let triangles: Vec<_> = wall.triangles().copied().collect();
+        // SAFETY: `loads` is NULL or has four doubles for each triangle, by this function's safety section.
         let loads = unsafe { slice(loads.cast::<[f64; 4]>(), triangles.len(), "loads") }?;
         let loads: Vec<TriangleLoad> = loads
             .iter()

@@ -48,6 +48,7 @@ pub unsafe extern "C" fn ellgran_servo_follow(
     at_border("ellgran_servo_follow", || {
         // SAFETY: promised by the caller, for all of this function.
         let mut state = *unsafe { given(servo, "servo") }?;
+        // SAFETY: `servo` is NULL or valid for writes, by this function's safety section; the reference of the line above is gone.
         let mut out = unsafe { Output::new(servo, "servo") }?;
         let wrong = |name: &str, value: f64, range: &str| {
             Failure::new(

@@ -35,6 +35,7 @@ pub unsafe extern "C" fn ellgran_volumes(
     at_border("ellgran_volumes", || {
         // SAFETY: promised by the caller, for all of this function.
         let semi_axes = unsafe { slice(semi_axes.cast::<[f64; 3]>(), count, "semi_axes") }?;
+        // SAFETY: `volumes` is NULL or has `count` entries, by this function's safety section.
         let volumes = unsafe { slice_mut(volumes, count, "volumes") }?;
         check(semi_axes)?;
         for (k, volume) in volumes.iter_mut().enumerate() {
@@ -59,7 +60,9 @@ pub unsafe extern "C" fn ellgran_moments_of_inertia(
     at_border("ellgran_moments_of_inertia", || {
         // SAFETY: promised by the caller, for all of this function.
         let semi_axes = unsafe { slice(semi_axes.cast::<[f64; 3]>(), count, "semi_axes") }?;
+        // SAFETY: `masses` is NULL or has `count` entries, by this function's safety section.
         let masses = unsafe { slice(masses, count, "masses") }?;
+        // SAFETY: `moments` is NULL or has `count` times three entries, by this function's safety section.
         let moments = unsafe { slice_mut(moments.cast::<[f64; 3]>(), count, "moments") }?;
         check(semi_axes)?;
         for (k, own) in moments.iter_mut().enumerate() {

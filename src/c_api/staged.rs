@@ -471,8 +471,11 @@ pub unsafe extern "C" fn ellgran_staged_circular_stiffness(
     at_border("ellgran_staged_circular_stiffness", || {
         // SAFETY: promised by the caller, for all of this function.
         let contact = unsafe { required(staged, "staged") }?.known()?;
+        // SAFETY: `laws` is NULL or valid, by this function's safety section.
         let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `normal` is NULL or valid for writes, by this function's safety section.
         let normal = unsafe { required_mut(normal, "normal") }?;
+        // SAFETY: `tangential` is NULL or valid for writes, by this function's safety section.
         let tangential = unsafe { required_mut(tangential, "tangential") }?;
         let law = laws.get(
             check_type(laws, type_i, "type_i")?,

@@ -20,7 +20,7 @@ pub struct Servo {
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,
-    /// `w` of the [module](self): the part of the velocity that does not come from the error of now.
+    /// `w` of this module: the part of the velocity that does not come from the error of now.
     pub steady_velocity: f64,
     /// Velocity in the direction in which it presses, for the next step.
     pub velocity: f64,

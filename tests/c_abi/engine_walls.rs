@@ -147,10 +147,11 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
                     force.pointer(),
                 ));
                 let f = *force.pointer();
-                for m in 0..3 {
-                    let (a, b) = (arrays.forces[k][m], -f.force[m]);
-                    assert!((a - b).abs() < 1e-9 * f.normal_force, "{step} {k}: {a} {b}");
-                    assert!((c.velocity[m] - speed[m]).abs() < 1e-12);
+                for (a, b) in arrays.forces[k].iter().zip(f.force) {
+                    assert!((a + b).abs() < 1e-9 * f.normal_force, "{step} {k}: {a} {b}");
+                }
+                for (own, expected) in c.velocity.iter().zip(speed) {
+                    assert!((own - expected).abs() < 1e-12);
                 }
                 assert!((c.point[2] + 0.9).abs() < 1e-12 && f.normal_force > 0.0);
             }

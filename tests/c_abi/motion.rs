@@ -158,11 +158,8 @@ fn torques_kick_angular_momenta_and_only_the_group_moves() {
         } else {
             [0.1, 0.2, 0.3]
         };
-        for axis in 0..3 {
-            assert!(
-                (bodies.l[k][axis] - expected[axis]).abs() < 1e-15,
-                "body {k}"
-            );
+        for (l, expected) in bodies.l[k].iter().zip(expected) {
+            assert!((l - expected).abs() < 1e-15, "body {k}");
         }
         let entry = bodies.index[k] as usize;
         assert_eq!(

@@ -51,11 +51,14 @@ pub enum Line {
     Dashed,
 }
 
+/// Abscissa and ordinate of each point of a curve.
+pub type Points = Vec<(f64, f64)>;
+
 #[derive(Clone)]
 pub struct Series {
     /// Series of the same label share a line of the legend.
     pub label: String,
-    pub points: Vec<(f64, f64)>,
+    pub points: Points,
     /// A word beside each point, or none at all.
     pub notes: Vec<String>,
     pub colour: RGBColor,
@@ -66,7 +69,7 @@ pub struct Series {
 
 impl Series {
     /// A line; dashed, it is seen over another that it should lie on.
-    pub fn curve(label: &str, points: Vec<(f64, f64)>, colour: RGBColor, dashed: bool) -> Series {
+    pub fn curve(label: &str, points: Points, colour: RGBColor, dashed: bool) -> Series {
         Series {
             label: label.into(),
             points,
@@ -328,7 +331,7 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel) -> Drawn {
         let apart = series.points.len().div_ceil(MOST_POINTS).max(1);
         let last = series.points.last().filter(|_| apart > 1);
         let kept = series.points.iter().step_by(apart).chain(last);
-        let points: Vec<(f64, f64)> = kept.copied().map(inside).collect();
+        let points: Points = kept.copied().map(inside).collect();
         let style = series.colour.stroke_width(stroke());
         match series.line {
             Line::None => {}

@@ -28,26 +28,29 @@ pub struct Options {
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Comparison {
     /// The elastic normal force: boundary elements, exact shapes, whole bodies by finite elements
-    ElasticContact,
+    #[value(name = "elastic-contact")]
+    Elastic,
     /// Friction: partial slip by boundary elements, in cycles
-    TangentialContact,
+    #[value(name = "tangential-contact")]
+    Tangential,
     /// Viscosity: the Kelvin-Voigt half-space with its exact memory
-    ViscoelasticContact,
+    #[value(name = "viscoelastic-contact")]
+    Viscoelastic,
 }
 
 impl Comparison {
     const ALL: [Comparison; 3] = [
-        Comparison::ElasticContact,
-        Comparison::TangentialContact,
-        Comparison::ViscoelasticContact,
+        Comparison::Elastic,
+        Comparison::Tangential,
+        Comparison::Viscoelastic,
     ];
 
     /// Its folder in validation.
     fn folder(self) -> &'static str {
         match self {
-            Comparison::ElasticContact => "elastic_contact",
-            Comparison::TangentialContact => "tangential_contact",
-            Comparison::ViscoelasticContact => "viscoelastic_contact",
+            Comparison::Elastic => "elastic_contact",
+            Comparison::Tangential => "tangential_contact",
+            Comparison::Viscoelastic => "viscoelastic_contact",
         }
     }
 }

@@ -10,7 +10,7 @@ use super::engine::Engine;
 use super::material::Material;
 use super::table::Table;
 use crate::chart::{
-    self, Panel, Series, GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT,
+    self, Panel, Points, Series, GRANULAR, OURS, OURS_LIGHT, SUPERELLIPSOID, SUPERELLIPSOID_LIGHT,
 };
 
 const MATERIAL: Material = Material {
@@ -60,7 +60,7 @@ impl Trial<'_> {
         engine.columns(&format!("{}.txt", self.name))
     }
 
-    fn curve(&self, points: Vec<(f64, f64)>) -> Series {
+    fn curve(&self, points: Points) -> Series {
         Series::curve(&self.label, points, self.colour, self.dashed)
     }
 }
@@ -349,7 +349,7 @@ pub fn tangential_force(engine: &Engine, output: &Path) -> Result<Table> {
 fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Result<Series> {
     let rows: Vec<[f64; 3]> = trial.run(engine, "compare/shear.lmp")?;
     // The force on the grain that is moved opposes the motion.
-    let points: Vec<(f64, f64)> = rows
+    let points: Points = rows
         .iter()
         .map(|row| (1e6 * row[0], -row[1] / row[2]))
         .collect();
@@ -380,7 +380,7 @@ fn sheared(engine: &Engine, trial: &Trial, scene: &str, table: &mut Table) -> Re
 
 /// Of time, force and kinetic energy: a row with the greatest force, the contact time and the share of the energy that is kept, and
 /// the force over the time since touch in ms.
-pub fn impact(label: &str, rows: &[[f64; 3]]) -> Result<(Vec<String>, Vec<(f64, f64)>)> {
+pub fn impact(label: &str, rows: &[[f64; 3]]) -> Result<(Vec<String>, Points)> {
     let contact: Vec<&[f64; 3]> = rows.iter().filter(|row| row[1] > 0.0).collect();
     let first = contact.first().context("the grains missed each other")?[0];
     let force: Vec<_> = contact
@@ -404,7 +404,7 @@ pub fn collision(engine: &Engine, output: &Path) -> Result<Table> {
     engine.run("collision.lmp", "collision", &[("out", example)])?;
     let rows: Vec<[f64; 8]> = engine.columns("collision.dat")?;
     let touching: Vec<&[f64; 8]> = rows.iter().filter(|row| row[2] > 0.0).collect();
-    let loop_of = |x: usize, y: usize| -> Vec<(f64, f64)> {
+    let loop_of = |x: usize, y: usize| -> Points {
         touching.iter().map(|row| (1e6 * row[x], row[y])).collect()
     };
     let own = |label: &str, points| Series::curve(label, points, OURS, false);

@@ -135,7 +135,7 @@ fn per_cent(error: f64) -> String {
     }
 }
 
-fn panel(title: &str, y: &str, errors: Vec<(f64, f64)>) -> Panel {
+fn panel(title: &str, y: &str, errors: chart::Points) -> Panel {
     let ends = [errors[0].0, errors[errors.len() - 1].0];
     let reference = ends.map(|x| (x, 0.0)).to_vec();
     Panel::of_curves(
