@@ -61,7 +61,7 @@ pub enum Frame {
 /// What the search for contacts is given.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
-    /// The particles that may touch ([`Wall::near`]), in that order.
+    /// The particles that may touch (`Wall::near`), in that order.
     pub near: &'a [Particle],
     /// Where the wall is and how it moves.
     pub motion: &'a Motion,
