@@ -36,6 +36,9 @@ namespace {
 // 'contact_area constant' among the modes of fix wall/gran
 const int CONTACT_AREA_CONSTANT = 1;
 
+// values with which histories of walls began in restart files of format version 1: a normal and a flag
+const int OLDER_BEGINNING = 4;
+
 bool is(const char *word, const char *what)
 {
   return strcmp(word, what) == 0;
@@ -181,7 +184,12 @@ void FixWallGranEllipsoid::unpack_restart(int particle, int place)
 
 void FixWallGranEllipsoid::post_create()
 {
+  // Histories are in our memory. LIGGGHTS keeps room for them too: none is needed for a primitive wall, and with a mesh, where it
+  // counts contacts, it must have the size of format version 1, or LIGGGHTS refuses older restart files.
+  const int history_length = dnum_;
+  dnum_ = primitiveWall_ ? 0 : OLDER_BEGINNING + history_length;
   FixWallGran::post_create();
+  dnum_ = history_length;
   if (memory_length_ > 0 && modify->nfix_restart_peratom > 0) read_older_memory();
 }
 
@@ -189,9 +197,9 @@ void FixWallGranEllipsoid::post_create()
 // made here for LIGGGHTS to fill them, and deleted.
 void FixWallGranEllipsoid::read_older_memory()
 {
-  // Of one record of a contact: head, then the history. Version 1 began histories with a normal and a flag.
-  const int head = 7, older_beginning = 4;
-  const int record = head + dnum_, older_record = head + older_beginning + dnum_;
+  // Of one record of a contact: head, then the history.
+  const int head = 7;
+  const int record = head + dnum_, older_record = head + OLDER_BEGINNING + dnum_;
   const int records = (memory_length_ - 1) / record;
   const int older_length = records * older_record;
   const int most_values = 20;  // of one such fix
@@ -223,6 +231,7 @@ void FixWallGranEllipsoid::read_older_memory()
     modify->delete_fix(name.c_str());
   }
   if (!found) return;
+  recent_restart = 1;  // or LIGGGHTS clears the memory when the run begins
   for (int i = 0; i < atom->nlocal; i++) {
     int kept = 0;
     for (int k = 0; k < records; k++) {
@@ -232,7 +241,7 @@ void FixWallGranEllipsoid::read_older_memory()
       to[0] = 1.0;  // the wall's only part
       vectorCopy3D(&from[1], &to[1]);
       for (int c = 0; c < 3; c++) to[4 + c] = -from[4 + c];
-      vectorCopyN(&from[head + older_beginning], &to[head], dnum_);
+      vectorCopyN(&from[head + OLDER_BEGINNING], &to[head], dnum_);
       kept++;
     }
     memory_[i][0] = kept;

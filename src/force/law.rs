@@ -115,18 +115,8 @@ impl PairLaw {
         let normal_damping =
             k.normal
                 .dashpot(&self.constants.normal, normal_stiffness, effective_mass);
-        let (stiffness, damping) = match k.tangential.law {
-            Tangential::None => (0.0, 0.0),
-            Tangential::Linear => (c.stiffness, c.damping),
-            Tangential::Tfd | Tangential::Mindlin => {
-                let least = c.kappa0.min(c.kappa0 - c.kappa1);
-                let viscous = c.tau0.max(c.tau0 - c.tau1).max(0.0);
-                (
-                    normal_stiffness / least,
-                    normal_stiffness * viscous / (least * least),
-                )
-            }
-        };
+        let (stiffness, damping) =
+            tangential::largest_tangential_stiffness(&k.tangential, c, normal_stiffness);
         (normal_stiffness.max(stiffness), normal_damping.max(damping))
     }
 

@@ -305,7 +305,7 @@ fn check(holds: bool, name: &str, value: f64, range: &str) -> Result<(), Paramet
 }
 
 /// The words of those choices for which something holds, for messages.
-fn words_of<C: Choice>(holds: impl Fn(C) -> bool) -> String {
+pub(super) fn words_of<C: Choice>(holds: impl Fn(C) -> bool) -> String {
     let words: Vec<&str> = C::ALL
         .iter()
         .filter(|c| holds(**c))

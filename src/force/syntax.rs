@@ -4,8 +4,9 @@
 //! `<normal> [damping ...] [tangential ...] [keywords]`: the tables of choices in [`super::parameters`], [`super::damping`]
 //! and [`super::tangential`] have the words, and which constants follow them.
 
+use super::choice::Choice;
 use super::parameters::{
-    Constant, FactorForm, Keyword, LawParameters, Normal, ParameterError, KEYWORDS,
+    words_of, Constant, FactorForm, Keyword, LawParameters, Normal, ParameterError, KEYWORDS,
     LARGEST_CONSTANT,
 };
 
@@ -168,16 +169,18 @@ pub fn parse_wall_material(
     if words.first() != Some(&"material") {
         return Ok((*grain, 0));
     }
-    let (law, what) = match grain.normal {
-        Normal::Hertz => ("material' with 'hertz", "E nu, or by rigid"),
-        Normal::Nfd => ("material' with 'nfd", "E nu eta1 eta2, or by rigid"),
-        Normal::Lsd => {
-            return Err(ParameterError(
-                "'material' goes with hertz and nfd: the constants of lsd are those of the contact, wall included"
-                    .into(),
-            ))
-        }
-    };
+    let word = grain.normal.word();
+    if !grain.normal.has_material() {
+        return Err(ParameterError(format!(
+            "'material' goes with {}: the constants of {word} are those of the contact, wall included",
+            words_of(Normal::has_material)
+        )));
+    }
+    let follow = grain.normal.constants().iter();
+    let constants: Vec<&Constant> = follow.map(|name| Constant::named(name)).collect();
+    let symbols: Vec<&str> = constants.iter().map(|c| c.symbol).collect();
+    let law = &format!("material' with '{word}");
+    let what = &format!("{}, or by rigid", symbols.join(" "));
     let mut w = Words { words, position: 1 };
     let mut wall = *grain;
     if words.get(1) == Some(&"rigid") {
@@ -186,11 +189,8 @@ pub fn parse_wall_material(
         (wall.shear_viscosity, wall.bulk_viscosity) = (0.0, 0.0);
         return Ok((wall, w.position));
     }
-    wall.youngs_modulus = w.number(law, what)?;
-    wall.poissons_ratio = w.number(law, what)?;
-    if grain.normal == Normal::Nfd {
-        wall.shear_viscosity = w.number(law, what)?;
-        wall.bulk_viscosity = w.number(law, what)?;
+    for constant in constants {
+        *(constant.of)(&mut wall) = w.number(law, what)?;
     }
     wall.validate()
         .map_err(|e| ParameterError(format!("material of the wall: {e}")))?;

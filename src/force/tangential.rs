@@ -326,6 +326,27 @@ pub fn tangential_stiffness(
     }
 }
 
+/// Bounds in any direction of the stiffness (force/length) and the damping (force x time/length) of a contact that has not
+/// slipped, whatever its ellipse (`beta` is from 0 to 1); zero for a law without a tangential part.
+pub fn largest_tangential_stiffness(
+    kinds: &TangentialKinds,
+    c: &TangentialConstants,
+    normal_stiffness: f64,
+) -> (f64, f64) {
+    match kinds.law {
+        Tangential::None => (0.0, 0.0),
+        law if !law.needs_material() => (c.stiffness, c.damping),
+        _ => {
+            let least = c.kappa0.min(c.kappa0 - c.kappa1);
+            let viscous = c.tau0.max(c.tau0 - c.tau1).max(0.0);
+            (
+                normal_stiffness / least,
+                normal_stiffness * viscous / (least * least),
+            )
+        }
+    }
+}
+
 /// How far a contact with `zeta` on or in the cone has slipped.
 #[derive(Clone, Copy)]
 struct Slip<T> {

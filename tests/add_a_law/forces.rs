@@ -18,7 +18,7 @@ fn main() {
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
             mass: 1.0,
-            kind: 1,
+            particle_type: 1,
             identifier: 1,
         };
         prepare_body(&body, Some(1)).expect("the body is valid")

@@ -12,6 +12,7 @@ use ellgran::c_api::contact::{EllgranBody, EllgranContactForce, EllgranContactGe
 use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::law::*;
 use ellgran::c_api::many_contacts::{EllgranContactArrays, EllgranStiffnessArrays};
+use ellgran::c_api::motion::EllgranMotion;
 use ellgran::c_api::neighbour_list::EllgranNeighbourList;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::plane::EllgranPlane;
@@ -87,6 +88,11 @@ fn claims() -> Claims {
         }
         EllgranMixture {
             size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,
+        }
+        EllgranMotion {
+            size, count, positions, velocities, angular_momenta, forces, torques, masses, shape_indices, semi_axes,
+            semi_axes_stride, quaternions, quaternions_stride, masks, group_mask,
+            identifier_bytes, identifiers,
         }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,

@@ -34,7 +34,10 @@ fn go_on(engine: &Engine, run: &Path, from: &Path, name: &str, ranks: usize) -> 
 fn both_versions_restart_files_of_older_versions_are_read() {
     let engine = Engine::from_environment();
     let names = kept("lammps");
-    assert_eq!(names, ["lammps_format_1", "lammps_format_2"]);
+    assert_eq!(
+        names,
+        ["lammps_format_1", "lammps_format_2", "lammps_format_3"]
+    );
     for name in names {
         for ranks in [1, 2] {
             let run = fresh_directory(&format!("{name}_{ranks}"));

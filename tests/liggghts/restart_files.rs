@@ -2,14 +2,11 @@
 //! Are restart files that older versions of the contact models wrote read for ever, and files of newer ones refused with one
 //! clear error?
 //!
-//! The files are in tests/restart_files. That of a new version is made there, before it becomes an older one, by
+//! The files are in tests/restart_files: with a plane for a floor, and with a mesh. Those of a new version are made there, before it
+//! becomes an older one, by the commands that `write.lig` begins with.
 //!
-//! ```sh
-//! liggghts -in write.lig -var name liggghts_format_N
-//! ```
-//!
-//! `liggghts_format_1` is by the contact models of commit 11dd2ff; today's file is written by the tests themselves. LIGGGHTS' restart files are those of a byte order: these are
-//! of a little-endian machine.
+//! Those of format 1 are by the contact models of commit 11dd2ff. LIGGGHTS' restart files are those of a byte order: these are of
+//! a little-endian machine.
 
 use std::path::Path;
 
@@ -26,8 +23,14 @@ fn deck(
     name: &str,
     ranks: usize,
 ) -> (bool, String) {
+    let floor = if name.starts_with("liggghts_mesh") {
+        "mesh n_meshes 1 meshes sheet"
+    } else {
+        "primitive type 1 zplane 0.0"
+    };
+    std::fs::copy(directory().join("sheet.stl"), run.join("sheet.stl")).unwrap();
     let mut text = format!(
-        "variable directory index {}\nvariable name index {name}\n",
+        "variable directory index {}\nvariable name index {name}\nvariable floor index \"{floor}\"\n",
         from.display()
     );
     text += &std::fs::read_to_string(directory().join(deck)).unwrap();
@@ -38,7 +41,12 @@ fn deck(
 fn restart_files_of_older_versions_are_read() {
     let engine = Engine::from_environment();
     let names = kept("liggghts");
-    assert!(names.contains(&"liggghts_format_1".to_string()));
+    for version in 1..=2 {
+        for floor in ["", "mesh_"] {
+            let name = format!("liggghts_{floor}format_{version}");
+            assert!(names.contains(&name), "no {name}");
+        }
+    }
     for name in names {
         for ranks in [1, 2] {
             let run = fresh_directory(&format!("{name}_{ranks}"));

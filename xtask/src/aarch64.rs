@@ -7,8 +7,8 @@ use std::process::Command;
 use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, output_of, run_open, run_visible};
-use crate::setup;
 use crate::workspace::{cargo, root};
+use crate::{setup, test};
 
 const TARGET: &str = "aarch64-unknown-linux-gnu";
 const C_COMPILER: &str = "aarch64-linux-gnu-gcc";
@@ -37,7 +37,7 @@ pub fn aarch64(options: &Options) -> Result<()> {
 }
 
 fn whole() -> Result<()> {
-    lints(&["--all-targets", "--all-features"])?;
+    lints(&test::ALL_TARGETS)?;
     tests(&["--test", "properties"], &[])?;
     consumers()
 }
