@@ -59,3 +59,46 @@ pub fn for_headers(
 fn define(name: &str, path: &Path) -> String {
     format!("-D{name}={}", path.display())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Built into LAMMPS, the styles are the same files as in the plugin, without what loads the plugin.
+    #[test]
+    fn both_ways_of_building_have_the_same_files() {
+        let directory = workspace::root().join("lammps-plugin");
+        let read = |name: &str| fs::read_to_string(directory.join(name)).unwrap();
+        let (plugin, built_in) = (read("CMakeLists.txt"), read("ellgran-builtin.cmake"));
+        let words = |text: &str| -> Vec<String> {
+            let separates = |c: char| c.is_whitespace() || "()\"/".contains(c);
+            text.split(separates).map(str::to_owned).collect()
+        };
+        let (plugin, built_in) = (words(&plugin), words(&built_in));
+        let mut seen = 0;
+        for entry in fs::read_dir(&directory).unwrap() {
+            let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+            let only_plugin = [
+                "borrowed_headers.cpp",
+                "ellgran_lammps_interface.cpp",
+                "ellgran_plugin.cpp",
+            ];
+            if name.ends_with(".cpp") && !only_plugin.contains(&name.as_str()) {
+                assert!(plugin.contains(&name), "CMakeLists.txt lacks {name}");
+                assert!(
+                    built_in.contains(&name),
+                    "ellgran-builtin.cmake lacks {name}"
+                );
+                seen += 1;
+            } else if name.ends_with(".h") && read(&name).contains("Style(") {
+                assert!(
+                    built_in.contains(&name),
+                    "ellgran-builtin.cmake lacks {name}"
+                );
+            }
+        }
+        assert!(seen > 10, "{seen}");
+    }
+}
