@@ -32,6 +32,7 @@ function(ellgran_add_to_lammps)
     "${ELLGRAN_STYLES_DIR}/ellgran_region.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_number_or_variable.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_wall_servo.cpp"
+    "${ELLGRAN_STYLES_DIR}/ellgran_wall_shape.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_half_step.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_step_limits.cpp"
     "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.cpp"
