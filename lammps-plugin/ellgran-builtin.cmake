@@ -20,12 +20,15 @@ set(ELLGRAN_STYLES_DIR "${CMAKE_CURRENT_LIST_DIR}")
 set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.h"
   "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid.h" "${ELLGRAN_STYLES_DIR}/fix_pour_ellipsoid.h")
+set_property(GLOBAL APPEND PROPERTY COMPUTE "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY COMMAND "${ELLGRAN_STYLES_DIR}/create_ellipsoids.h")
 
 # The target `lammps` exists only when LAMMPS' own CMakeLists.txt has been read.
 function(ellgran_add_to_lammps)
   target_sources(lammps PRIVATE
     "${ELLGRAN_STYLES_DIR}/ellgran_atoms.cpp"
+    "${ELLGRAN_STYLES_DIR}/ellgran_energy_balance.cpp"
+    "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_history.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_step_velocity.cpp"
     "${ELLGRAN_STYLES_DIR}/ellgran_refusals.cpp"
