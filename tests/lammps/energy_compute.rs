@@ -247,7 +247,11 @@ fn sheared(rotated: bool, time_step: f64, squeeze: u64, shear: u64) -> (Scene, D
     }
     let scene = Scene::periodic([0.0; 3], [edge; 3], grains);
     // the tilt, the velocity that shears and the coordinate with which it grows
-    let (tilt, along, across) = if rotated { ("yz", "vy", "z") } else { ("xy", "vx", "y") };
+    let (tilt, along, across) = if rotated {
+        ("yz", "vy", "z")
+    } else {
+        ("xy", "vx", "y")
+    };
     let (stress, spin) = if rotated { (6, 'x') } else { (4, 'z') };
     let deck = Deck {
         fixes: vec![
@@ -355,7 +359,10 @@ fn both_versions_wrong_words_of_the_compute() {
         );
     }
     let mut off = Deck {
-        fixes: vec!["compute balance all energy/ellipsoid\nfix deform all deform 1 x erate 1 remap v".into()],
+        fixes: vec![
+            "compute balance all energy/ellipsoid\nfix deform all deform 1 x erate 1 remap v"
+                .into(),
+        ],
         newton: false,
         skin: 1e-3,
         ..Deck::new(LAW)

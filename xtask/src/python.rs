@@ -42,20 +42,19 @@ pub fn test(engine: Option<Engine>) -> Result<()> {
 
 fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
     let prefix = library()?;
-    for (title, interpreter, tests) in [
-        ("the oldest Python and numpy", oldest(), "tests"),
-        (
-            "OVITO",
-            environment("requirements-ovito.txt"),
-            "tests/test_pictures.py",
-        ),
-        ("", environment("requirements.txt"), "tests"),
-    ] {
+    let with_ovito = || environment("requirements-ovito.txt");
+    let usual = || environment("requirements.txt");
+    let environments: [(&str, &dyn Fn() -> Result<PathBuf>, &str); 3] = [
+        ("the oldest Python and numpy", &oldest, "tests"),
+        ("OVITO", &with_ovito, "tests/test_pictures.py"),
+        ("", &usual, "tests"),
+    ];
+    for (title, interpreter, tests) in environments {
         // pytest fails where a filter leaves nothing.
         if title == "OVITO" && filter.is_some_and(|words| !words.contains("ovito")) {
             continue;
         }
-        let interpreter = match interpreter {
+        let interpreter = match interpreter() {
             Ok(interpreter) => interpreter,
             // Not to be had for every Python and every machine.
             Err(error) if !title.is_empty() => {
