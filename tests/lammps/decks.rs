@@ -200,8 +200,16 @@ fn both_versions_lists_by_type_of_a_mixture_miss_nothing() {
     assert!(row["v_touching"] > 10.0 && row["c_energy[11]"].abs() < 1e-3 * row["v_motion"]);
     assert_eq!(multi.states.len(), bin.states.len());
     let mut worst = 0.0f64;
-    for of in [|s: &State| s.position, |s: &State| s.force, |s: &State| s.torque] {
-        let largest = bin.states.iter().flat_map(of).fold(0.0, |m: f64, x| m.max(x.abs()));
+    for of in [
+        |s: &State| s.position,
+        |s: &State| s.force,
+        |s: &State| s.torque,
+    ] {
+        let largest = bin
+            .states
+            .iter()
+            .flat_map(of)
+            .fold(0.0, |m: f64, x| m.max(x.abs()));
         assert!(largest > 0.0);
         for (a, b) in multi.states.iter().zip(&bin.states) {
             for k in 0..3 {

@@ -20,10 +20,20 @@ fn mixture() -> Scene {
     while grains.len() < 600 {
         let normal = random.direction();
         let on = middles[grains.len() % 3];
-        let place = add(on, add(surface_point(coarse, IDENTITY, normal), scale(0.75e-3, normal)));
+        let place = add(
+            on,
+            add(
+                surface_point(coarse, IDENTITY, normal),
+                scale(0.75e-3, normal),
+            ),
+        );
         let near = |g: &Grain| length(sub(g.position, place)) < 1.5e-3;
         if !grains[3..].iter().any(near) {
-            grains.push(of(fine, place).turned(random.quaternion()).moving(scale(0.05, random.direction())));
+            grains.push(
+                of(fine, place)
+                    .turned(random.quaternion())
+                    .moving(scale(0.05, random.direction())),
+            );
         }
     }
     Scene::periodic([0.0; 3], [edge, 0.09, 0.09], grains)
@@ -60,7 +70,11 @@ fn a_mixture_of_one_to_twenty_misses_nothing() {
             ..Deck::new("nfd 5e6 0.3 100 100 tangential tfd 0.5")
         };
         let outcome = run(&engine, "size_ratio", &mixture(), &deck, ranks);
-        let touching: Vec<f64> = outcome.thermo().iter().map(|r| r["c_touching[4]"]).collect();
+        let touching: Vec<f64> = outcome
+            .thermo()
+            .iter()
+            .map(|r| r["c_touching[4]"])
+            .collect();
         (outcome.frames, touching)
     };
     let (all_pairs, touching) = frames("ellipsoid", "nsq", 1e-3, 1);
@@ -75,9 +89,16 @@ fn a_mixture_of_one_to_twenty_misses_nothing() {
     ] {
         let (found, of) = frames(atom_style, lists, skin, ranks);
         assert_eq!(found.len(), all_pairs.len());
-        let worst: Vec<f64> = found.iter().zip(&all_pairs).map(|(a, b)| apart(a, b)).collect();
+        let worst: Vec<f64> = found
+            .iter()
+            .zip(&all_pairs)
+            .map(|(a, b)| apart(a, b))
+            .collect();
         println!("{atom_style}, {lists}, skin {skin:.0e}, {ranks} ranks: {of:?} touching, apart by {:.1e}", worst.iter().fold(0.0, |m: f64, w| m.max(*w)));
         assert_eq!(of, touching);
-        assert!(worst.iter().all(|w| *w < 1e-8), "{atom_style}, {lists}, skin {skin}");
+        assert!(
+            worst.iter().all(|w| *w < 1e-8),
+            "{atom_style}, {lists}, skin {skin}"
+        );
     }
 }
