@@ -261,7 +261,7 @@ impl Block {
             for (set, list) in sets.iter().zip(&mut lists) {
                 if let Err(words) = list.advance(&now, &STEP) {
                     let words = format!("{}: {words}", set.name());
-                    counts.found(self.finding(Kind::Refused, 0, step, words, f64::INFINITY));
+                    counts.found(self.finding(Kind::Refused, 0, step, words, f64::MAX));
                     return;
                 }
             }
@@ -317,7 +317,7 @@ impl Block {
         for (set, given) in sets.iter().zip(given) {
             if !given.is_finite() {
                 let words = format!("{}: {given:?}", set.name());
-                counts.found(finding(Kind::NotFinite, words, f64::INFINITY));
+                counts.found(finding(Kind::NotFinite, words, f64::MAX));
                 return false;
             }
         }
@@ -365,9 +365,10 @@ impl Block {
                 })
             });
             let (kind, ratio) = (0..6)
+                .filter(|k| differences[*k] > 0.0)
                 .map(|k| (k, differences[k] / allowed[k]))
                 .max_by(|a, b| a.1.total_cmp(&b.1))
-                .expect("six kinds");
+                .expect("some kind differs");
             severity = severity.max(ratio);
             if ratio <= 1.0 {
                 continue;
