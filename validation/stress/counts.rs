@@ -35,7 +35,7 @@ pub struct Finding {
     pub step: usize,
     pub deck: String,
     pub words: String,
-    /// Times what is allowed.
+    /// Times what is allowed; the largest number where nothing is.
     pub severity: f64,
 }
 
