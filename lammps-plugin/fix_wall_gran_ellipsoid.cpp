@@ -772,6 +772,19 @@ double FixWallGranEllipsoid::compute_vector(int k)
   return output_all[k];
 }
 
+/* This rank's share. */
+
+void *FixWallGranEllipsoid::extract(const char *name, int &dimension_of)
+{
+  dimension_of = 0;
+  if (std::strcmp(name, "normal_elastic_energy") == 0) return &tallies.normal_elastic_energy;
+  if (std::strcmp(name, "tangential_elastic_energy") == 0) return &tallies.tangential_elastic_energy;
+  if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;
+  if (std::strcmp(name, "frictional_dissipation") == 0) return &friction;
+  if (std::strcmp(name, "work_of_walls") == 0) return &work_of_walls;
+  return nullptr;
+}
+
 double FixWallGranEllipsoid::memory_usage()
 {
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));

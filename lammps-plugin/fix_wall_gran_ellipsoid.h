@@ -39,6 +39,7 @@ class FixWallGranEllipsoid : public Fix {
 
   double compute_scalar() override;
   double compute_vector(int) override;
+  void *extract(const char *, int &) override;
 
   double memory_usage() override;
   void grow_arrays(int) override;

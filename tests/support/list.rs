@@ -28,6 +28,10 @@ pub struct PairList<'a> {
     workspace: Workspace,
     rows: Rows,
     steps: usize,
+    /// On the bodies of the last step, `i` and `j` of each pair in turn.
+    pub forces: Vec<[f64; 3]>,
+    /// The torques on them.
+    pub torques: Vec<[f64; 3]>,
 }
 
 struct Rows {
@@ -76,62 +80,71 @@ impl<'a> PairList<'a> {
                 length,
             },
             steps: 0,
+            forces: Vec::new(),
+            torques: Vec::new(),
         }
     }
 
-    /// One step: the penetration of each pair that touches, by the normal that the list found.
+    /// Whether a pair touches, and what is remembered of it.
+    pub fn remembered(&self, pair: usize) -> (bool, &[f64]) {
+        let length = self.rows.length;
+        let history = &self.rows.history[pair * length..(pair + 1) * length];
+        (self.rows.touching[pair] != 0, history)
+    }
+
+    /// One step of a microsecond: the penetration of each pair that touches, by the normal that the list found.
     pub fn step(&mut self, pairs: &[(Body, Body)]) -> Vec<Option<f64>> {
+        let step = Step {
+            time_step: 1e-6,
+            advance_history: true,
+        };
+        self.advance(pairs, &step).unwrap();
+        let at = self.laws.layout().normal.expect("normals are remembered");
+        pairs
+            .iter()
+            .enumerate()
+            .map(|(k, (i, j))| {
+                let (touching, history) = self.remembered(k);
+                let n = &history[at..at + 3];
+                touching.then(|| overlap(i, j, &Vector::new(n[0], n[1], n[2]).normalize()))
+            })
+            .collect()
+    }
+
+    /// One step; what is wrong with a body, if anything, in the library's words.
+    pub fn advance(&mut self, pairs: &[(Body, Body)], step: &Step) -> Result<(), String> {
         assert_eq!(pairs.len(), self.rows.neighbours.len());
         let bodies: Vec<&Body> = pairs.iter().flat_map(|(i, j)| [i, j]).collect();
         let of = |what: fn(&Body) -> [f64; 3]| bodies.iter().map(|b| what(b)).collect::<Vec<_>>();
         let (positions, velocities) = (of(|b| b.position), of(|b| b.velocity));
         let spins = of(|b| b.angular_velocity);
-        let types = vec![1; bodies.len()];
+        let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
+        let types: Vec<i32> = bodies.iter().map(|b| b.particle_type).collect();
         let arrays = ParticleArrays {
             owned: bodies.len(),
             positions: &positions,
             velocities: &velocities,
             rotation: Rotation::Velocity(&spins),
-            contact_masses: &[],
+            contact_masses: &masses,
             types: &types,
             shape: |k: usize| Some((bodies[k].semi_axes, bodies[k].quaternion)),
-            identifier: |k: usize| k as i64,
+            identifier: |k: usize| bodies[k].identifier,
         };
         self.workspace
             .prepare_for_pairs(&arrays, self.laws, self.steps > 0)
-            .unwrap();
+            .map_err(|e| e.to_string())?;
         self.steps += 1;
-        let mut forces = vec![[0.0; 3]; bodies.len()];
-        let mut torques = forces.clone();
+        self.forces = vec![[0.0; 3]; bodies.len()];
+        self.torques = self.forces.clone();
         let mut accumulators = Accumulators {
-            forces: &mut forces,
-            torques: &mut torques,
+            forces: &mut self.forces,
+            torques: &mut self.torques,
             reaction_below: bodies.len(),
             owned: bodies.len(),
         };
-        let step = Step {
-            time_step: 1e-6,
-            advance_history: true,
-        };
-        compute_pairs(
-            self.laws,
-            &mut self.workspace,
-            &mut self.rows,
-            &step,
-            &mut accumulators,
-            None,
-        )
-        .unwrap();
-        let at = self.laws.layout().normal.expect("normals are remembered");
-        let length = self.rows.length;
-        pairs
-            .iter()
-            .enumerate()
-            .map(|(k, (i, j))| {
-                let n = &self.rows.history[k * length + at..k * length + at + 3];
-                (self.rows.touching[k] != 0)
-                    .then(|| overlap(i, j, &Vector::new(n[0], n[1], n[2]).normalize()))
-            })
-            .collect()
+        let (rows, workspace) = (&mut self.rows, &mut self.workspace);
+        compute_pairs(self.laws, workspace, rows, step, &mut accumulators, None)
+            .map_err(|e| format!("{e:?}"))?;
+        Ok(())
     }
 }

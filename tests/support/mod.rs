@@ -12,4 +12,5 @@ pub mod motion;
 pub mod perram_wertheim;
 pub mod random;
 pub mod scene;
+pub mod stability;
 pub mod strategies;

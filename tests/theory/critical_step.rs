@@ -3,11 +3,11 @@
 //! it lasts: both found by integrating the motion.
 
 use crate::support::motion::{Motion, Partner, Rigid};
-use crate::support::random::Stream;
-use crate::support::scene::{advance, geometry, laws, position, Memory, Vector};
+use crate::support::scene::{advance, geometry, laws, position, Memory};
+use crate::support::stability::{grows, overlapping};
 use ellgran::contact::prepare_body;
 use ellgran::contact::stability::{collision, contact_stiffness};
-use ellgran::contact::{Body, Laws};
+use ellgran::contact::Body;
 
 fn grain(semi_axes: [f64; 3], quaternion: [f64; 4], position: [f64; 3], mass: f64) -> Body {
     Body {
@@ -20,67 +20,6 @@ fn grain(semi_axes: [f64; 3], quaternion: [f64; 4], position: [f64; 3], mass: f6
         particle_type: 1,
         identifier: 1,
     }
-}
-
-/// Two grains, `j` moved along the normal until they overlap by this.
-fn overlapping(i: Body, mut j: Body, overlap: f64) -> (Body, Body) {
-    for _ in 0..3 {
-        let found = geometry(&i, &j);
-        let shift = found.penetration - overlap;
-        let n = found.normal.to_array();
-        for (x, n) in j.position.iter_mut().zip(n) {
-            *x += shift * n;
-        }
-    }
-    let left = geometry(&i, &j).penetration;
-    assert!((left - overlap).abs() < 1e-6 * overlap, "{left}");
-    (i, j)
-}
-
-/// Whether a small motion about the pressed contact grows.
-fn grows(laws: &Laws, i: &Body, j: &Body, step: f64) -> bool {
-    let mut memory = Memory::new(laws);
-    let rest = advance(laws, i, j, 0.0, &mut memory).expect("a contact");
-    let amplitude = 1e-4 * rest.geometry.penetration / step;
-    let mut random = Stream::new(5);
-    let mut disturbed = |body: &Body| {
-        let mut body = *body;
-        let size = body.semi_axes[0];
-        for k in 0..3 {
-            body.velocity[k] = amplitude * random.uniform(-1.0, 1.0);
-            body.angular_velocity[k] = amplitude / size * random.uniform(-1.0, 1.0);
-        }
-        Rigid::new(body)
-    };
-    let (mut a, mut b) = (disturbed(i), disturbed(j));
-    let energy = |a: &Rigid, b: &Rigid| a.kinetic_energy() + b.kinetic_energy();
-    let first = energy(&a, &b);
-    let none = Vector::zeros();
-    let mut excess = [none; 3];
-    for _ in 0..300 {
-        for half in 0..2 {
-            let [force, torque_a, torque_b] = excess;
-            a.kick(-force, torque_a, 0.5 * step);
-            b.kick(force, torque_b, 0.5 * step);
-            if half == 0 {
-                a.drift(step);
-                b.drift(step);
-                // Between the steps: a mode that changes its sign in every step has no velocity at their ends.
-                if energy(&a, &b) > 1e4 * first {
-                    return true;
-                }
-                let Some(now) = advance(laws, &a.body, &b.body, step, &mut memory) else {
-                    return true;
-                };
-                excess = [
-                    now.force - rest.force,
-                    now.torque_i - rest.torque_i,
-                    now.torque_j - rest.torque_j,
-                ];
-            }
-        }
-    }
-    false
 }
 
 fn pairs() -> [(&'static str, Body, Body); 3] {

@@ -37,6 +37,7 @@ mod setup;
 #[path = "../../tests/support/shapes.rs"]
 mod shapes;
 mod site;
+mod stress;
 mod tarball;
 mod test;
 mod validate;
@@ -92,6 +93,8 @@ enum Task {
     Report(report::Options),
     /// Hold the theory against boundary and finite elements: results, pages and pictures from nothing, some minutes each
     Validate(validate::Options),
+    /// Random and adversarial pairs on each instruction set, for minutes, hours or a night; goes on where it stopped
+    Stress(stress::Options),
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
@@ -146,6 +149,7 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(options) => bench::bench(&options)?,
         Task::Report(options) => report::report(&options)?,
         Task::Validate(options) => validate::validate(&options)?,
+        Task::Stress(options) => stress::stress(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,

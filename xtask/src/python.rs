@@ -40,16 +40,22 @@ pub fn test(engine: Option<Engine>) -> Result<()> {
     run(None, engine)
 }
 
+/// What the tests run in: its name, empty for the one that there must be; how to get its interpreter; the tests.
+type Surroundings = (&'static str, fn() -> Result<PathBuf>, &'static str);
+
+const SURROUNDINGS: [Surroundings; 3] = [
+    ("the oldest Python and numpy", oldest, "tests"),
+    (
+        "OVITO",
+        || environment("requirements-ovito.txt"),
+        "tests/test_pictures.py",
+    ),
+    ("", || environment("requirements.txt"), "tests"),
+];
+
 fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
     let prefix = library()?;
-    let with_ovito = || environment("requirements-ovito.txt");
-    let usual = || environment("requirements.txt");
-    let environments: [(&str, &dyn Fn() -> Result<PathBuf>, &str); 3] = [
-        ("the oldest Python and numpy", &oldest, "tests"),
-        ("OVITO", &with_ovito, "tests/test_pictures.py"),
-        ("", &usual, "tests"),
-    ];
-    for (title, interpreter, tests) in environments {
+    for (title, interpreter, tests) in SURROUNDINGS {
         // pytest fails where a filter leaves nothing.
         if title == "OVITO" && filter.is_some_and(|words| !words.contains("ovito")) {
             continue;

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A block: pairs of one family under one law, through a neighbour list on each instruction set that the machine has, and what
+//! is wrong with the answers.
+//!
+//! The scalar path is the judge of the others. An answer is wrong if its penetration is deeper than what another path, or a
+//! descent from very many directions, found; if it touches where the other does not; or if its forces, torques or history differ
+//! from the scalar path's by more than rounding of the pair's own numbers can explain, which is measured: the scalar path is run
+//! again with each number changed by one unit in the last place.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use super::counts::{Counts, Finding, Kind, Sampled};
+use super::families::{Drawn, Family};
+use super::materials::{deck, set_in_motion, TIME_STEP};
+use crate::support::brute_force::deepest;
+use crate::support::list::{instruction_sets, overlap, PairList};
+use crate::support::random::Stream;
+use crate::support::scene::{laws, quaternion, rotation, size, Rotation, Vector};
+use ellgran::contact::{one_contact, prepare_body, Body, Laws, Step};
+use ellgran::geometry::{search, Outcome};
+use ellgran::simd::InstructionSet;
+
+/// Pairs of a block.
+pub const PAIRS: usize = 64;
+/// The first with nothing remembered, the others from the normal of the step before.
+pub const STEPS: usize = 2;
+/// Runs with changed numbers, to see what rounding of the input does; and where these do not explain a difference.
+pub const CHANGED: usize = 12;
+const CHANGED_OFTEN: usize = 1000;
+/// Times the largest change that was seen among them.
+const ALLOWED: f64 = 64.0;
+/// A difference below this, relative to the largest number of its kind, is none: it needs no explanation.
+const NO_DIFFERENCE: f64 = 1e-12;
+/// One pair in so many is held against descents from very many directions.
+const BRUTE_FORCE_EVERY: usize = 32;
+/// Minima as close as this, relative, the library does not tell apart (`RESOLUTION` in src/geometry/contact_search.rs).
+pub const RESOLUTION: f64 = 1e-6;
+
+/// Which block: with the seed of a run it says everything.
+#[derive(Clone, Copy, Debug)]
+pub struct Name {
+    pub seed: u64,
+    pub family: Family,
+    pub number: u64,
+}
+
+impl Name {
+    fn stream(self) -> Stream {
+        let family = Family::ALL.iter().position(|f| *f == self.family);
+        let family = family.expect("one of all") as u64;
+        Stream::new(
+            self.seed
+                .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+                .wrapping_add(self.number.wrapping_mul(0xD6E8_FEB8_6659_FD93))
+                .wrapping_add(family << 56),
+        )
+    }
+}
+
+pub struct Block {
+    pub name: Name,
+    pub deck: String,
+    pub pairs: Vec<Drawn>,
+}
+
+/// What a path gave for a pair in one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Given {
+    pub touching: bool,
+    /// Force on `i` and on `j`, torque on `i` and on `j`.
+    pub loads: [[f64; 3]; 4],
+    pub history: Vec<f64>,
+}
+
+impl Given {
+    pub fn of(list: &PairList, pair: usize) -> Given {
+        let (touching, history) = list.remembered(pair);
+        let (f, t) = (&list.forces[2 * pair..], &list.torques[2 * pair..]);
+        Given {
+            touching,
+            loads: [f[0], f[1], t[0], t[1]],
+            history: if touching {
+                history.to_vec()
+            } else {
+                Vec::new()
+            },
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let mut all = self.loads.iter().flatten().chain(&self.history);
+        all.all(|x| x.is_finite())
+    }
+
+    /// The remembered normal.
+    pub fn normal(&self) -> Vector {
+        Vector::from_column_slice(&self.history[..3]).normalize()
+    }
+
+    /// What is compared: vectors of one kind, each with its own scale.
+    fn kinds(&self) -> [&[f64]; 6] {
+        let h = &self.history;
+        [
+            self.loads[0].as_slice(),
+            &self.loads[1],
+            self.loads[2..].as_flattened(),
+            h.get(..3).unwrap_or(&[]),
+            h.get(3..6).unwrap_or(&[]),
+            h.get(6..).unwrap_or(&[]),
+        ]
+    }
+
+    /// Largest difference of each kind.
+    fn differences(&self, other: &Given) -> [f64; 6] {
+        let (a, b) = (self.kinds(), other.kinds());
+        core::array::from_fn(|k| {
+            if a[k].len() != b[k].len() {
+                // One touches, the other does not.
+                return largest(a[k]).max(largest(b[k]));
+            }
+            let pairs = a[k].iter().zip(b[k]);
+            pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+        })
+    }
+
+    fn sizes(&self) -> [f64; 6] {
+        self.kinds().map(largest)
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// The bodies of a pair after some steps.
+pub fn after(drawn: &Drawn, steps: usize) -> (Body, Body) {
+    let moved = |b: &Body| {
+        let mut b = *b;
+        if steps > 0 {
+            let time = TIME_STEP * steps as f64;
+            for (x, v) in b.position.iter_mut().zip(b.velocity) {
+                *x += v * time;
+            }
+            let length = largest(&b.quaternion);
+            let turn = Rotation::from_scaled_axis(Vector::from(b.angular_velocity) * time)
+                * rotation(b.quaternion.map(|q| q / length));
+            b.quaternion = quaternion(turn).map(|q| q * length);
+        }
+        b
+    };
+    (moved(&drawn.i), moved(&drawn.j))
+}
+
+/// The same poses with quaternions of length one, for formulas that square them.
+pub fn with_unit_quaternions((i, j): &(Body, Body)) -> (Body, Body) {
+    let unit = |b: &Body| {
+        let length = largest(&b.quaternion);
+        Body {
+            quaternion: quaternion(rotation(b.quaternion.map(|q| q / length))),
+            ..*b
+        }
+    };
+    (unit(i), unit(j))
+}
+
+/// What rounding may do to a penetration.
+pub fn slack(i: &Body, j: &Body, penetration: f64) -> f64 {
+    RESOLUTION * penetration + 64.0 * f64::EPSILON * size(i, j)
+}
+
+/// One contact alone, over the steps up to this one.
+fn alone(laws: &Laws, drawn: &Drawn, last: usize) -> Given {
+    let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
+    let mut loads = [[0.0; 3]; 4];
+    for step in 0..=last {
+        let (i, j) = after(drawn, step);
+        let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
+        let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
+            .expect("exact factors do not break");
+        loads = found.map_or([[0.0; 3]; 4], |(_, f)| {
+            [-f.force, f.force, f.torque_i, f.torque_j].map(|v| v.to_array())
+        });
+    }
+    if !touching {
+        history.clear();
+    }
+    Given {
+        touching,
+        loads,
+        history,
+    }
+}
+
+const STEP: Step = Step {
+    time_step: TIME_STEP,
+    advance_history: true,
+};
+
+/// By how much each kind of number changes when the last places of the pair's numbers do.
+pub fn rounding(laws: &Laws, drawn: &Drawn, last: usize, changed_times: usize) -> [f64; 6] {
+    let base = alone(laws, drawn, last);
+    let mut stream = Stream::new(7);
+    let mut most = [0.0f64; 6];
+    for _ in 0..changed_times {
+        let mut changed = *drawn;
+        let reach = size(&changed.i, &changed.j);
+        for body in [&mut changed.i, &mut changed.j] {
+            let mut relative = |numbers: &mut [f64]| {
+                for x in numbers {
+                    *x *= 1.0 + f64::EPSILON * stream.uniform(-1.0, 1.0);
+                }
+            };
+            relative(&mut body.semi_axes);
+            relative(&mut body.velocity);
+            relative(&mut body.angular_velocity);
+            let length = largest(&body.quaternion);
+            for q in &mut body.quaternion {
+                *q += length * f64::EPSILON * stream.uniform(-1.0, 1.0);
+            }
+            for x in &mut body.position {
+                *x += reach * f64::EPSILON * stream.uniform(-1.0, 1.0);
+            }
+        }
+        let differences = alone(laws, &changed, last).differences(&base);
+        for (m, d) in most.iter_mut().zip(differences) {
+            *m = m.max(d);
+        }
+    }
+    most
+}
+
+impl Block {
+    pub fn draw(name: Name) -> Block {
+        let mut stream = name.stream();
+        let deck = deck(&mut stream);
+        let revolution = stream.uniform(0.0, 1.0) < 0.4;
+        let pairs = (0..PAIRS)
+            .map(|_| {
+                let mut drawn = name.family.draw(&mut stream, revolution);
+                set_in_motion(&mut stream, &mut drawn);
+                drawn
+            })
+            .collect();
+        Block { name, deck, pairs }
+    }
+
+    /// Adds to the counts of its family.
+    pub fn run(&self, counts: &mut Counts) {
+        let laws = laws(&[&self.deck]);
+        let sets: Vec<InstructionSet> = instruction_sets().collect();
+        assert_eq!(sets[0], InstructionSet::Scalar);
+        let mut lists: Vec<PairList> = sets
+            .iter()
+            .map(|set| PairList::new(&laws, *set, PAIRS))
+            .collect();
+        counts.pairs += PAIRS as u64;
+        // Whether two paths took different ones of equal minima: what they remember differs from then on.
+        let mut parted = [false; PAIRS];
+        for step in 0..STEPS {
+            let now: Vec<(Body, Body)> = self.pairs.iter().map(|d| after(d, step)).collect();
+            for (set, list) in sets.iter().zip(&mut lists) {
+                if let Err(words) = list.advance(&now, &STEP) {
+                    let words = format!("{}: {words}", set.name());
+                    counts.found(self.finding(Kind::Refused, 0, step, words, f64::MAX));
+                    return;
+                }
+            }
+            for pair in 0..PAIRS {
+                let given: Vec<Given> = lists.iter().map(|l| Given::of(l, pair)).collect();
+                parted[pair] |= self.judge(
+                    counts,
+                    &laws,
+                    &sets,
+                    &given,
+                    &now[pair],
+                    (pair, step, parted[pair]),
+                );
+                if step == 0 {
+                    self.time_search(counts, pair, &now[pair]);
+                }
+            }
+        }
+    }
+
+    fn finding(
+        &self,
+        kind: Kind,
+        pair: usize,
+        step: usize,
+        words: String,
+        severity: f64,
+    ) -> Finding {
+        Finding {
+            kind,
+            block: self.name.number,
+            pair,
+            step,
+            deck: self.deck.clone(),
+            words,
+            severity,
+        }
+    }
+
+    /// Whether two paths took different ones of equal minima.
+    fn judge(
+        &self,
+        counts: &mut Counts,
+        laws: &Laws,
+        sets: &[InstructionSet],
+        given: &[Given],
+        now: &(Body, Body),
+        (pair, step, parted): (usize, usize, bool),
+    ) -> bool {
+        let scalar = &given[0];
+        counts.touching += u64::from(scalar.touching);
+        let finding = |kind, words, severity| self.finding(kind, pair, step, words, severity);
+        for (set, given) in sets.iter().zip(given) {
+            if !given.is_finite() {
+                let words = format!("{}: {given:?}", set.name());
+                counts.found(finding(Kind::NotFinite, words, f64::MAX));
+                return false;
+            }
+        }
+        // Penetrations by the normals that were found, by a formula of the test's own.
+        let unit = with_unit_quaternions(now);
+        let (i, j) = &unit;
+        let depths: Vec<f64> = given
+            .iter()
+            .map(|g| {
+                if g.touching {
+                    overlap(i, j, &g.normal())
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let mut least = depths.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        if (pair + step) % BRUTE_FORCE_EVERY == self.name.number as usize % BRUTE_FORCE_EVERY {
+            counts.by_brute_force += 1;
+            least = least.min(deepest(i, j, 100).0).max(0.0);
+        }
+        for (set, depth) in sets.iter().zip(&depths) {
+            let excess = (depth - least) / slack(i, j, least);
+            if excess > 1.0 {
+                let words = format!("{}: penetration {depth:e}, not {least:e}", set.name());
+                counts.found(finding(Kind::NotTheLeast, words, excess));
+                return false;
+            }
+        }
+        if parted {
+            return true;
+        }
+        let mut severity: f64 = 0.0;
+        let mut allowed = None;
+        for (set, other) in sets.iter().zip(given).skip(1) {
+            let differences = other.differences(scalar);
+            let sizes = scalar.sizes();
+            if (0..6).all(|k| differences[k] <= NO_DIFFERENCE * sizes[k]) {
+                continue;
+            }
+            let explained = |times: usize| {
+                let rounding = rounding(laws, &self.pairs[pair], step, times);
+                core::array::from_fn::<f64, 6, _>(|k| {
+                    ALLOWED * rounding[k] + NO_DIFFERENCE * sizes[k]
+                })
+            };
+            let worst = |allowed: &[f64; 6]| {
+                (0..6)
+                    .filter(|k| differences[*k] > 0.0)
+                    .map(|k| (k, differences[k] / allowed[k]))
+                    .max_by(|a, b| a.1.total_cmp(&b.1))
+                    .expect("some kind differs")
+            };
+            let (mut kind, mut ratio) = worst(allowed.get_or_insert_with(|| explained(CHANGED)));
+            if ratio > 1.0 {
+                (kind, ratio) = worst(&explained(CHANGED_OFTEN));
+            }
+            severity = severity.max(ratio);
+            if ratio <= 1.0 {
+                continue;
+            }
+            let apart = scalar.touching
+                && other.touching
+                && (other.normal() - scalar.normal()).norm() > 1e-6;
+            if apart {
+                // The penetrations are equal, as was seen above: other minima of the same depth.
+                counts.equal_minima += 1;
+                return true;
+            }
+            let of = [
+                "force on i",
+                "force on j",
+                "torques",
+                "normal",
+                "memory",
+                "energy",
+            ][kind];
+            let words = format!(
+                "{}: {of} differs by {:e}, {ratio:.1} times what rounding explains; penetration {:e}",
+                set.name(),
+                differences[kind],
+                depths[0]
+            );
+            counts.found(finding(Kind::Differs, words, ratio));
+            return false;
+        }
+        if allowed.is_some() {
+            counts.at_rounding += 1;
+        }
+        if scalar.touching {
+            let sampled = Sampled {
+                block: self.name.number,
+                pair,
+                step,
+                weight: severity,
+            };
+            counts.sample(sampled, self.name.lot(pair));
+        }
+        false
+    }
+
+    /// How long the longest search from nothing takes, and whether it ended at an isolated minimum.
+    fn time_search(&self, counts: &mut Counts, pair: usize, (i, j): &(Body, Body)) {
+        let [i, j] = [i, j].map(|b| prepare_body(b, None).expect("within the ranges"));
+        let d = j.position - i.position;
+        let once = || {
+            let started = Instant::now();
+            let outcome = black_box(search(&i.body, &j.body, black_box(d), None));
+            (started.elapsed().as_nanos() as u64, outcome)
+        };
+        let (mut time, outcome) = once();
+        if let Outcome::Touching(found) = outcome {
+            if !found.converged {
+                counts.not_isolated += 1;
+            }
+        }
+        if time > counts.slowest_nanoseconds {
+            // Another program may have had the processor: the shortest of some.
+            for _ in 0..5 {
+                time = time.min(once().0);
+            }
+            if time > counts.slowest_nanoseconds {
+                counts.slowest_nanoseconds = time;
+                counts.slowest = [self.name.number, pair as u64];
+            }
+        }
+    }
+}
+
+impl Name {
+    /// A number for one pair of the block, by which a sample is drawn.
+    fn lot(self, pair: usize) -> u64 {
+        let mut stream = Stream::new(self.number.wrapping_mul(1021) + pair as u64);
+        (stream.uniform(0.0, 1.0) * 1e15) as u64
+    }
+}
