@@ -1897,6 +1897,18 @@ int32_t ellgran_finish_step(const struct EllgranMotion *motion,
                             double time_step);
 
 /*
+ Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
+ `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
+
+ An error names the body: it is no ellipsoid, its quaternion has no length, or its mass is not a positive finite number.
+
+ # Safety
+ The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
+ */
+int32_t ellgran_angular_velocities(const struct EllgranMotion *motion,
+                                   double *angular_velocities);
+
+/*
  Forces and torques of all touching pairs of a neighbour list, added to the particles' arrays.
 
  Before anything is written, particles are checked, and in a new list the entries and the histories of touching pairs. On

@@ -19,6 +19,8 @@
 #include "lammps.h"
 #include "library.h"
 #include "modify.h"
+#include "respa.h"
+#include "update.h"
 
 #include "ellgran_class_layout.h"
 #include "ellgran_region_measures.h"
@@ -194,6 +196,22 @@ void check_regions(LAMMPS *lmp)
   }
 }
 
+// By the headers, what the commands have set.
+void check_respa(LAMMPS *lmp)
+{
+  lammps_command(lmp, "timestep 6");
+  lammps_command(lmp, "run_style respa 3 2 3");
+  lammps_command(lmp, "run 0");
+  const auto *respa = dynamic_cast<Respa *>(lmp->update->integrate);
+  compare("run_style respa is Respa", respa != nullptr, true);
+  if (!respa) return;
+  const double steps[] = {1, 2, 6};
+  compare("Respa::nlevels", respa->nlevels, 3);
+  for (int level = 0; level < 3 && respa->nlevels == 3; level++)
+    compare("Respa::step", respa->step[level], steps[level]);
+  lammps_command(lmp, "run_style verlet");
+}
+
 }    // namespace
 
 void *operator new(std::size_t size)
@@ -229,6 +247,7 @@ int main()
   }
 
   check_regions(lmp);
+  check_respa(lmp);
 
   const int length = 3;
   lammps_command(handle, "fix history all NEIGH_HISTORY 3");

@@ -15,32 +15,18 @@ if(NOT EXISTS "${ELLGRAN_LIBRARY}" OR NOT EXISTS "${ELLGRAN_INCLUDE_DIR}/ellgran
                       "with ellgran.h (now '${ELLGRAN_LIBRARY}' and '${ELLGRAN_INCLUDE_DIR}')")
 endif()
 set(ELLGRAN_STYLES_DIR "${CMAKE_CURRENT_LIST_DIR}")
+include("${ELLGRAN_STYLES_DIR}/ellgran-sources.cmake")
 
 # LAMMPS collects the headers of its styles in these two properties before it writes style_*.h.
 set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.h"
   "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid.h" "${ELLGRAN_STYLES_DIR}/fix_pour_ellipsoid.h")
+set_property(GLOBAL APPEND PROPERTY COMPUTE "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY COMMAND "${ELLGRAN_STYLES_DIR}/create_ellipsoids.h")
 
 # The target `lammps` exists only when LAMMPS' own CMakeLists.txt has been read.
 function(ellgran_add_to_lammps)
-  target_sources(lammps PRIVATE
-    "${ELLGRAN_STYLES_DIR}/ellgran_atoms.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_history.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_step_velocity.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_refusals.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_region.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_number_or_variable.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_wall_servo.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_half_step.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_step_limits.cpp"
-    "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.cpp"
-    "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.cpp"
-    "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_grain_mixture.cpp"
-    "${ELLGRAN_STYLES_DIR}/ellgran_grain_placement.cpp"
-    "${ELLGRAN_STYLES_DIR}/fix_pour_ellipsoid.cpp"
-    "${ELLGRAN_STYLES_DIR}/create_ellipsoids.cpp")
+  target_sources(lammps PRIVATE ${ELLGRAN_STYLE_SOURCES})
   target_include_directories(lammps PRIVATE "${ELLGRAN_STYLES_DIR}" "${ELLGRAN_INCLUDE_DIR}")
   target_link_libraries(lammps PRIVATE "${ELLGRAN_LIBRARY}" pthread dl m)
 endfunction()

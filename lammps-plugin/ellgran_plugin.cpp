@@ -4,6 +4,7 @@
 
 #include "lammpsplugin.h"
 
+#include "compute_energy_ellipsoid.h"
 #include "create_ellipsoids.h"
 #include "ellgran_class_layout.h"
 #include "fix_nve_ellipsoid.h"
@@ -61,6 +62,11 @@ Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
   return new FixPourEllipsoid(lmp, narg, arg);
 }
 
+Compute *create_balance(LAMMPS *lmp, int narg, char **arg)
+{
+  return new ComputeEnergyEllipsoid(lmp, narg, arg);
+}
+
 Command *create_fill(LAMMPS *lmp)
 {
   return new CreateEllipsoids(lmp);
@@ -68,6 +74,9 @@ Command *create_fill(LAMMPS *lmp)
 
 // LAMMPS' classes as the headers describe them.
 struct FixByHeaders : public Fix {
+  virtual void after_last() {}
+};
+struct ComputeByHeaders : public Compute {
   virtual void after_last() {}
 };
 struct HistoryByHeaders : public FixNeighHistory {
@@ -99,6 +108,7 @@ std::string changed_class(LAMMPS *lmp)
   };
   if (differs(ellgran_virtual_functions(&PairByHeaders::after_last), "N9LAMMPS_NS4PairE")) return "Pair";
   if (differs(ellgran_virtual_functions(&FixByHeaders::after_last), "N9LAMMPS_NS3FixE")) return "Fix";
+  if (differs(ellgran_virtual_functions(&ComputeByHeaders::after_last), "N9LAMMPS_NS7ComputeE")) return "Compute";
   if (differs(ellgran_virtual_functions(&HistoryByHeaders::after_last), "N9LAMMPS_NS15FixNeighHistoryE"))
     return "FixNeighHistory";
 
@@ -186,6 +196,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
       {"fix", "wall/gran/ellipsoid", nullptr, two(&create_fix)},
       {"fix", "nve/ellipsoid", nullptr, two(&create_integrator)},
       {"fix", "pour/ellipsoid", nullptr, two(&create_pour)},
+      {"compute", "energy/ellipsoid", nullptr, two(&create_balance)},
       {"command", "create_ellipsoids", one(&create_fill), nullptr},
   };
 

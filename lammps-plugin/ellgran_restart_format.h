@@ -36,6 +36,13 @@ constexpr int WRITER_LENGTH = 32;
 /// The first value of every later version is minus that version.
 constexpr int WALL_FORMAT = 3;
 
+/// The fix behind compute energy/ellipsoid: its global values, all of type double.
+///
+/// | version | global values |
+/// |---|---|
+/// | 1 | 1; for each column of the compute its change in all runs so far, for the last the sum left over |
+constexpr int ENERGY_BALANCE_FORMAT = 1;
+
 }
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
+#include "ellgran_wall_shape.h"
 #include "ellgran_step_velocity.h"
 
 #include "atom.h"
@@ -31,8 +32,8 @@ const char CALLER[] = "Fix wall/gran/ellipsoid";
 const char SYNTAX[] =
     "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] [material ...] <wall> [motion ...] "
     "[contacts] [vtk N file], "
-    "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or mesh FILE [scale s] [turn "
-    "angle ax ay az] [move x y z]";
+    "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or shape NAME ..., or mesh FILE "
+    "[scale s] [turn angle ax ay az] [move x y z]";
 const char MOTIONS[] =
     "wiggle dim amplitude period, shear dim velocity, velocity vx vy vz, rotate px py pz ax ay az period, omega px py pz ax ay "
     "az rate, servo ax ay az target speed [area A] [gain g]";
@@ -194,6 +195,7 @@ int FixWallGranEllipsoid::parse_wall(int iarg, int narg, char **arg)
   const std::string word = arg[iarg];
   if (word == "region") return parse_region(iarg, narg, arg);
   if (word == "mesh") return parse_mesh(iarg, narg, arg);
+  if (word == "shape") return parse_shapes(iarg, narg, arg);
   if (!word.empty() && word[0] >= 'x' && word[0] <= 'z') {
     dimension = word[0] - 'x';
     if (word.substr(1) == "plane") return parse_planes(iarg, narg, arg);
@@ -258,6 +260,14 @@ int FixWallGranEllipsoid::parse_region(int iarg, int narg, char **arg)
   if (ellgran_wall_part_count(wall) == 0)
     error->all(FLERR, "{} {}: region {} has no surface", CALLER, id, region_id);
   return iarg + 2;
+}
+
+int FixWallGranEllipsoid::parse_shapes(int iarg, int narg, char **arg)
+{
+  const std::string caller = std::string(CALLER) + " " + id;
+  while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0)
+    iarg += 1 + add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
+  return iarg;
 }
 
 int FixWallGranEllipsoid::parse_mesh(int iarg, int narg, char **arg)
@@ -760,6 +770,19 @@ double FixWallGranEllipsoid::compute_vector(int k)
   if (k >= DISPLACEMENT) return displacement[k - DISPLACEMENT];
   sum_output();
   return output_all[k];
+}
+
+/* This rank's share. */
+
+void *FixWallGranEllipsoid::extract(const char *name, int &dimension_of)
+{
+  dimension_of = 0;
+  if (std::strcmp(name, "normal_elastic_energy") == 0) return &tallies.normal_elastic_energy;
+  if (std::strcmp(name, "tangential_elastic_energy") == 0) return &tallies.tangential_elastic_energy;
+  if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;
+  if (std::strcmp(name, "frictional_dissipation") == 0) return &friction;
+  if (std::strcmp(name, "work_of_walls") == 0) return &work_of_walls;
+  return nullptr;
 }
 
 double FixWallGranEllipsoid::memory_usage()

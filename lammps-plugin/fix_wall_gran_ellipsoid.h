@@ -39,6 +39,7 @@ class FixWallGranEllipsoid : public Fix {
 
   double compute_scalar() override;
   double compute_vector(int) override;
+  void *extract(const char *, int &) override;
 
   double memory_usage() override;
   void grow_arrays(int) override;
@@ -149,6 +150,7 @@ class FixWallGranEllipsoid : public Fix {
   int parse_planes(int iarg, int narg, char **arg);
   int parse_cylinder(int iarg, int narg, char **arg);
   int parse_region(int iarg, int narg, char **arg);
+  int parse_shapes(int iarg, int narg, char **arg);
   int parse_mesh(int iarg, int narg, char **arg);
   int parse_keywords(int iarg, int narg, char **arg);
   void parse_wiggle(char **arg);

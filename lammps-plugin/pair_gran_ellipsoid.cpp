@@ -11,6 +11,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "compute.h"
+#include "domain.h"
 #include "error.h"
 #include "fix.h"
 #include "force.h"
@@ -111,7 +112,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
-    fix_half_step(nullptr), work_wanted(false), deep_told(0)
+    image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
   single_enable = 1;
   single_extra = NUMBER_OF_SINGLE;
@@ -187,11 +188,21 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   std::fill_n(pvector, nextra, 0.0);
   reserve_loads();
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
+  std::fill_n(tallies.virial, 6, 0.0);
   // A processor without atoms still takes part in the messages of others.
   if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
   follow_dissipation();
   // What acts on a ghost acts on its owner.
-  if (work_wanted && force->newton_pair) comm->reverse_comm(this);
+  if (work_wanted && force->newton_pair) {
+    const bool images_move = domain->deform_vremap != 0;
+    if (images_move) image_powers = inelastic_powers(atom->nlocal + atom->nghost);
+    comm->reverse_comm(this);
+    if (images_move) {
+      const auto of_owners = inelastic_powers(atom->nlocal);
+      for (int k = 0; k < 2; k++) image_powers[k] -= of_owners[k];
+    } else
+      image_powers = {};
+  }
   if (work_wanted && update->ntimestep == output->next_restart) gather_work();
 }
 
@@ -311,6 +322,25 @@ void PairGranEllipsoid::add_following_half_step()
   const EllgranParticles particles = atoms.view();
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
+  tallies.viscous_dissipation -= 0.5 * update->dt * image_powers[0];
+  tallies.tangential_work -= 0.5 * update->dt * image_powers[1];
+}
+
+/* Powers of the viscous forces and of the other tangential ones on the centres of the first atoms. Images turn as their
+   owners do, so that torques do not tell them apart. */
+
+std::array<double, 2> PairGranEllipsoid::inelastic_powers(int count) const
+{
+  std::array<double, 2> powers{};
+  for (int i = 0; i < count; i++) {
+    const double *const load = &inelastic_loads[static_cast<std::size_t>(i) * LOADS_PER_ATOM];
+    for (int k = 0; k < 3; k++) {
+      powers[0] += load[k] * atom->v[i][k];
+      powers[1] += load[6 + k] * atom->v[i][k];
+    }
+  }
+  return powers;
 }
 
 int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
@@ -449,7 +479,7 @@ void PairGranEllipsoid::init_style()
     if (!modify->get_fix_by_style(style).empty()) shapes_may_change = true;
 
   gather_work();
-  work_wanted = !modify->get_compute_by_style("^pair$").empty();
+  work_wanted = !modify->get_compute_by_style("^pair$").empty() || !modify->get_compute_by_style("^energy/ellipsoid$").empty();
   evaluation_wanted = !modify->get_compute_by_style("^pair/local$").empty();
   evaluation.count = -1;
 
@@ -1000,6 +1030,12 @@ void *PairGranEllipsoid::extract(const char *name, int &dimension)
   if (std::strcmp(name, "history_length") == 0) return &history_length;
   if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;
   if (std::strcmp(name, "frictional_dissipation") == 0) return &friction;
+  if (std::strcmp(name, "normal_elastic_energy") == 0) return &tallies.normal_elastic_energy;
+  if (std::strcmp(name, "tangential_elastic_energy") == 0) return &tallies.tangential_elastic_energy;
+  if (std::strcmp(name, "contact_virial") == 0) {
+    dimension = 1;
+    return tallies.virial;
+  }
   return nullptr;
 }
 

@@ -16,6 +16,7 @@ PairStyle(gran/ellipsoid,PairGranEllipsoid);
 #include "ellgran_atoms.h"
 #include "ellgran_step_limits.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -106,6 +107,7 @@ class PairGranEllipsoid : public Pair {
   EllgranTallies tallies;
   double friction;
   std::vector<double> inelastic_loads;
+  std::array<double, 2> image_powers;    // of these loads on images, beyond those on their owners: a deforming box alone
   class FixEllgranHalfStep *fix_half_step;
   bool work_wanted;
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
@@ -135,6 +137,7 @@ class PairGranEllipsoid : public Pair {
   void place_half_step_fix();
   void reserve_loads();
   void add_following_half_step();
+  [[nodiscard]] std::array<double, 2> inelastic_powers(int count) const;
   void record_evaluation(const EllgranParticles &particles,
                          const EllgranNeighbourList &neighbours, const EllgranStep &step);
   void copy_history(int i, int j, int *touching);

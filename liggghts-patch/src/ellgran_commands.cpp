@@ -25,7 +25,7 @@ struct Refusal {
 const char *const NO_SEMI_AXES =
     "gives grains a radius and no semi-axes; use particletemplate/superquadric with blockiness 2 2";
 const char *const NO_CLUMPS = "does not carry the shape and orientation of ellipsoids; clumps of ellipsoids are not available";
-const char *const NO_ROTATION = "does not turn ellipsoids by their inertia; use nve/superquadric";
+const char *const NO_ROTATION = "does not turn ellipsoids by their inertia; use nve/ellipsoid or nve/superquadric";
 const char *const BOUNDING_SPHERE = "takes each grain for its bounding sphere";
 
 const Refusal FIXES[] = {

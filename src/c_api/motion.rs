@@ -8,7 +8,9 @@ use super::status::{
 };
 use crate::contact::ranges::LONGEST_TIME_STEP;
 use crate::message::Number;
-use crate::motion::{finish_step, start_step, Bodies, BodyArrays, Selection};
+use crate::motion::{
+    angular_velocities, finish_step, start_step, Bodies, BodyArrays, MotionError, Selection,
+};
 use core::ffi::c_void;
 
 /// Pointers to an engine's own arrays of rigid bodies that are solid ellipsoids. World frame; any consistent units.
@@ -120,6 +122,17 @@ fn identifier(motion: &EllgranMotion, k: usize) -> i64 {
     }
 }
 
+fn failure(motion: &EllgranMotion, error: MotionError) -> Failure {
+    Failure::new(
+        ELLGRAN_ERROR_PARTICLE,
+        format!(
+            "particle {}: {}",
+            identifier(motion, error.body),
+            error.what
+        ),
+    )
+}
+
 /// The arrays of a call, which its checks have passed.
 ///
 /// # Safety
@@ -218,16 +231,7 @@ pub unsafe extern "C" fn ellgran_start_step(
         let motion = &*unsafe { given(motion, "motion") }?;
         // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
         let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
-        start_step(set, &mut arrays, selection, time_step).map_err(|error| {
-            Failure::new(
-                ELLGRAN_ERROR_PARTICLE,
-                format!(
-                    "particle {}: {}",
-                    identifier(motion, error.body),
-                    error.what
-                ),
-            )
-        })
+        start_step(set, &mut arrays, selection, time_step).map_err(|error| failure(motion, error))
     })
 }
 
@@ -244,5 +248,29 @@ pub unsafe extern "C" fn ellgran_finish_step(motion: *const EllgranMotion, time_
         let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
         finish_step(&mut arrays, selection, time_step);
         Ok(())
+    })
+}
+
+/// Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
+/// `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
+///
+/// An error names the body: it is no ellipsoid, its quaternion has no length, or its mass is not a positive finite number.
+///
+/// # Safety
+/// The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_angular_velocities(
+    motion: *const EllgranMotion,
+    angular_velocities: *mut f64,
+) -> i32 {
+    at_border("ellgran_angular_velocities", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let motion = &*unsafe { given(motion, "motion") }?;
+        // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
+        let (arrays, selection) = unsafe { arrays(motion, 0.0) }?;
+        let found = angular_velocities.cast::<[f64; 3]>();
+        // SAFETY: `angular_velocities` is NULL or has `count` times three entries, by this function's safety section.
+        let found = unsafe { slice_mut(found, motion.count, "angular_velocities") }?;
+        self::angular_velocities(&arrays, selection, found).map_err(|error| failure(motion, error))
     })
 }

@@ -56,6 +56,24 @@ impl Laws {
     ///
     /// # Panics
     /// If the slice is not `types * types` long.
+    ///
+    /// # Example
+    /// Soft grains of type 1 and hard ones of type 2 (pressures in Pa); friction between the two is given, all else is mixed:
+    /// ```
+    /// use ellgran::contact::Laws;
+    /// use ellgran::force::syntax::parse;
+    ///
+    /// let (soft, _) = parse(&["hertz", "1e6", "0.3", "tangential", "mindlin", "0.5"])?;
+    /// let (hard, _) = parse(&["hertz", "1e9", "0.2", "tangential", "mindlin", "0.3"])?;
+    /// let laws = Laws::new(2, &[Some(soft), None, None, Some(hard)], true)?;
+    /// let compliance = |e: f64, nu: f64| (1.0 - nu * nu) / e;
+    /// let expected = 1.0 / (compliance(1e6, 0.3) + compliance(1e9, 0.2));
+    /// assert!((laws.get(1, 2).effective_modulus() / expected - 1.0).abs() < 1e-14);
+    ///
+    /// let laws = laws.with_friction(&[0.5, 0.9, 0.9, 0.3])?;
+    /// assert_eq!(laws.get(2, 1).constants.tangential.friction, 0.9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(
         types: usize,
         parameters: &[Option<LawParameters>],

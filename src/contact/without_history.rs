@@ -9,6 +9,26 @@ use crate::geometry::contact_search::closest;
 use crate::vector::Vector3;
 
 /// Gap of two bodies, minus the penetration where they overlap, and the unit normal from `i` to `j` along which it is measured.
+///
+/// # Example
+/// The tips of two needles, 0.1 apart; lengths in any unit:
+/// ```
+/// use ellgran::contact::{prepare_body, without_history::gap, Body};
+///
+/// let needle = |x: f64| Body {
+///     position: [x, 0.0, 0.0],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [5.0, 1.0, 1.0],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1.0,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let (distance, normal) = gap(&prepare_body(&needle(0.0), Some(1))?, &prepare_body(&needle(10.1), Some(1))?);
+/// assert!((distance - 0.1).abs() < 1e-12 && (normal.x - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn gap(i: &Particle, j: &Particle) -> (f64, Vector3) {
     let d = j.position - i.position;
     let found = if i.sphere && j.sphere {

@@ -27,6 +27,19 @@ pub struct PlaneContact {
 }
 
 /// Penetration `h(-m) - m.(x - p)` of a body with centre `x` and the plane through `p` with normal `m`.
+///
+/// # Example
+/// An ellipsoid that stands on its tip, 0.1 deep in the plane z = 0; lengths in any unit:
+/// ```
+/// use ellgran::geometry::{touch_plane, Ellipsoid, Plane};
+/// use ellgran::vector::Vector3;
+///
+/// let body = Ellipsoid::new([1.0, 1.0, 2.0], [1.0, 0.0, 0.0, 0.0])?;
+/// let floor = Plane { point: Vector3::ZERO, normal: Vector3::new(0.0, 0.0, 1.0) };
+/// let found = touch_plane(&body, Vector3::new(0.0, 0.0, 1.9), &floor);
+/// assert!((found.penetration - 0.1).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn touch_plane(body: &Ellipsoid, centre: Vector3, plane: &Plane) -> PlaneContact {
     let normal = -plane.normal;
     let support = body.support(normal);

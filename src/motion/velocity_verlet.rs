@@ -79,6 +79,41 @@ pub struct MotionError {
 /// # Errors
 /// The first body, in the order of the arrays' chunks, that is no ellipsoid, whose mass is not a positive finite number, or
 /// that would turn by more than half a circle. Other bodies may have been moved then.
+///
+/// # Example
+/// A free grain that turns about its long axis, by a quarter of a circle in one step; any consistent units:
+/// ```
+/// use ellgran::motion::{finish_step, start_step, Bodies, BodyArrays, Selection};
+/// use ellgran::simd::InstructionSet;
+///
+/// struct Grain([f64; 4]);
+/// impl Bodies for Grain {
+///     fn shape(&self, _: usize) -> Option<([f64; 3], [f64; 4])> {
+///         Some(([2.0, 1.0, 1.0], self.0))
+///     }
+///     fn turn(&mut self, _: usize, quaternion: [f64; 4]) {
+///         self.0 = quaternion;
+///     }
+/// }
+///
+/// // Moment of inertia m (b^2 + c^2)/5 = 0.4 for mass 1.
+/// let quarter = core::f64::consts::FRAC_PI_2;
+/// let mut grain = BodyArrays {
+///     positions: &mut [[0.0; 3]],
+///     velocities: &mut [[3.0, 0.0, 0.0]],
+///     angular_momenta: &mut [[0.4 * quarter, 0.0, 0.0]],
+///     forces: &[[0.0; 3]],
+///     torques: &[[0.0; 3]],
+///     masses: &[1.0],
+///     bodies: Grain([1.0, 0.0, 0.0, 0.0]),
+/// };
+/// let all = Selection { groups: &[], bits: 0 };
+/// start_step(InstructionSet::choose()?, &mut grain, all, 1.0).expect("it can be moved");
+/// finish_step(&mut grain, all, 1.0);
+/// assert_eq!(grain.positions[0], [3.0, 0.0, 0.0]);
+/// assert!((grain.bodies.0[1] - (quarter / 2.0).sin()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn start_step<B: Bodies>(
     set: InstructionSet,
     arrays: &mut BodyArrays<'_, B>,
@@ -110,6 +145,56 @@ pub fn finish_step<B: Bodies>(
         if selection.takes(k) {
             kick(arrays, k, 0.5 * time_step);
         }
+    }
+}
+
+/// The angular velocities, world frame, that go with the angular momenta and attitudes of now, of the bodies that move; the
+/// others' are left as they are.
+///
+/// # Errors
+/// The first body that is no ellipsoid, whose quaternion has no length, or whose mass is not a positive finite number.
+pub fn angular_velocities<B: Bodies>(
+    arrays: &BodyArrays<'_, B>,
+    selection: Selection<'_>,
+    found: &mut [[f64; 3]],
+) -> Result<(), MotionError> {
+    for (k, found) in found.iter_mut().enumerate() {
+        if !selection.takes(k) {
+            continue;
+        }
+        let wrong = |what| MotionError { body: k, what };
+        let (semi_axes, q) = arrays.bodies.shape(k).ok_or_else(|| wrong(no_shape()))?;
+        let q = normalised(q).map_err(wrong)?;
+        let mass = checked_mass(arrays.masses[k]).map_err(wrong)?;
+        let axes = rotation_columns(q, 2.0);
+        let momentum = Vector3::from_array(arrays.angular_momenta[k]);
+        let own = body_velocity(axes, momentum, moments(mass, semi_axes).0);
+        *found = (axes[0] * own.x + axes[1] * own.y + axes[2] * own.z).to_array();
+    }
+    Ok(())
+}
+
+fn no_shape() -> String {
+    "it has no shape: every body that is moved must be an ellipsoid".into()
+}
+
+fn normalised(q: [f64; 4]) -> Result<[f64; 4], String> {
+    let length = q.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+    if length > 0.0 && length.is_finite() {
+        Ok(q.map(|x| x / length))
+    } else {
+        Err(format!("its quaternion has length {}", Number(length)))
+    }
+}
+
+fn checked_mass(mass: f64) -> Result<f64, String> {
+    if mass > 0.0 && mass.is_finite() {
+        Ok(mass)
+    } else {
+        Err(format!(
+            "mass = {} must be a finite number greater than 0",
+            Number(mass)
+        ))
     }
 }
 
@@ -247,7 +332,7 @@ impl<B: Bodies> Turn<'_, '_, B> {
         if shape.is_none() {
             *self.outcome = Err(MotionError {
                 body: k,
-                what: "it has no shape: every body that is moved must be an ellipsoid".into(),
+                what: no_shape(),
             });
             return None;
         }
@@ -416,17 +501,8 @@ fn turned(
     semi_axes: [f64; 3],
     time: f64,
 ) -> Result<[f64; 4], String> {
-    let length = q.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(format!("its quaternion has length {}", Number(length)));
-    }
-    let mut q = q.map(|x| x / length);
-    if !(mass > 0.0 && mass.is_finite()) {
-        return Err(format!(
-            "mass = {} must be a finite number greater than 0",
-            Number(mass)
-        ));
-    }
+    let mut q = normalised(q)?;
+    let mass = checked_mass(mass)?;
     let (inverse_moments, ratios) = moments(mass, semi_axes);
     let omega_of = |q: [f64; 4]| body_velocity(rotation_columns(q, 2.0), momentum, inverse_moments);
     let turn = omega_of(q).norm() * time;

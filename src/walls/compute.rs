@@ -57,6 +57,59 @@ pub enum WallError {
 ///
 /// # Errors
 /// Before anything is written.
+///
+/// # Example
+/// A ball of radius 1 mm, 10 micrometres deep in a floor of the same material (SI units):
+/// ```
+/// use ellgran::contact::{prepare_body, Body, Laws, Step};
+/// use ellgran::vector::Vector3;
+/// use ellgran::walls::{compute_wall, End, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput};
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let mut floor = Wall::new();
+/// let plane = ShapeParameters {
+///     point: Vector3::ZERO,
+///     axis: Vector3::new(0.0, 0.0, 1.0),
+///     radii: [0.0; 2],
+///     bounds: [f64::NEG_INFINITY, f64::INFINITY],
+///     ends: [End::None; 2],
+///     side: Side::Inside,
+/// };
+/// floor.add_shape("plane", &plane)?;
+/// let ball = Body {
+///     position: [0.0, 0.0, 0.99e-3],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [1e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1e-5,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let near = floor.find_near(&Motion::REST, 1, |_| Some((Vector3::from_array(ball.position), 1e-3)));
+/// assert_eq!(near, [0]);
+/// let (mut forces, mut torques) = ([[0.0; 3]], [[0.0; 3]]);
+/// let mut memory = vec![0.0; floor.memory(&laws).length()];
+/// let load = compute_wall(
+///     &mut floor,
+///     &WallInput {
+///         laws: &laws,
+///         wall_type: 1,
+///         near: &[prepare_body(&ball, Some(1))?],
+///         motion: &Motion::REST,
+///         step: &Step { time_step: 1e-6, advance_history: true },
+///     },
+///     &mut WallOutput { acts_on: &|_| true, memory: &mut memory, forces: &mut forces, torques: &mut torques },
+///     None,
+/// )
+/// .expect("exact factors, and a memory of zeros");
+/// let modulus = 1e7 / (2.0 * (1.0 - 0.3f64.powi(2)));
+/// let hertz = 4.0 / 3.0 * modulus * 1e-3f64.sqrt() * 1e-5f64.powf(1.5);
+/// assert!((forces[0][2] / hertz - 1.0).abs() < 1e-9);
+/// assert_eq!(load.force.z, -forces[0][2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compute_wall(
     wall: &mut Wall,
     input: &WallInput<'_>,

@@ -18,6 +18,9 @@ struct ConeWall {
     side: Side,
 }
 
+/// Relative error of two depths of one contact that were computed in two ways.
+const ROUNDING: f64 = 1e-9;
+
 /// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.
 const REMEMBERED: usize = 2;
 
@@ -157,7 +160,9 @@ impl Shape for ConvexSolid {
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        if self.caps.iter().any(|cap| !(cap.depth(grain) > 0.0)) {
+        let shallowest =
+            (self.caps.iter().map(|cap| cap.depth(grain))).fold(f64::INFINITY, f64::min);
+        if !(shallowest > 0.0) {
             return;
         }
         let mut is_behind_side = false;
@@ -181,7 +186,11 @@ impl Shape for ConvexSolid {
         for rim in &self.rims {
             rim.touch(grain, search, &mut offer);
         }
-        if let Some((_, surface)) = least {
+        // A body beside the rim may reach behind each surface by itself and be apart from the solid. Then the surface where it would be
+        // least deep has no contact, and a deeper one, such as that of the far end, is none either.
+        if let Some((_, surface)) =
+            least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
+        {
             found(surface, 0);
         }
     }

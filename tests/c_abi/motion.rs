@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A step of velocity Verlet through the C interface: in an oscillator, on arrays with strides, and with what cannot be.
 
-use ellgran::c_api::motion::{ellgran_finish_step, ellgran_start_step, EllgranMotion};
+use ellgran::c_api::motion::{
+    ellgran_angular_velocities, ellgran_finish_step, ellgran_start_step, EllgranMotion,
+};
 use ellgran::c_api::particles::{ellgran_workspace_free, ellgran_workspace_new, EllgranWorkspace};
 use ellgran::c_api::status::{
     ellgran_last_error, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
@@ -221,4 +223,46 @@ fn what_cannot_move_is_an_error_that_names_it() {
         unsafe { ellgran_start_step(bodies.workspace, &none, 0.1) },
         ELLGRAN_SUCCESS
     );
+}
+
+#[test]
+fn angular_velocities_go_with_angular_momenta() {
+    let mut bodies = Bodies::new(6);
+    bodies.mask[4] = 2;
+    let motion = EllgranMotion {
+        group_mask: 1,
+        ..bodies.motion()
+    };
+    let mut omega = [[7.0; 3]; 6];
+    // SAFETY: the arrays have these lengths.
+    let status = unsafe { ellgran_angular_velocities(&motion, omega.as_mut_ptr().cast()) };
+    assert_eq!(status, ELLGRAN_SUCCESS, "{}", message());
+    assert_eq!(omega[4], [7.0; 3], "a body that does not move");
+    for k in [0, 1, 2, 3, 5] {
+        let entry = &bodies.entries[bodies.index[k] as usize];
+        let [a, b, c] = entry.semi_axes.map(|x| x * x);
+        let moments = [b + c, c + a, a + b].map(|x| bodies.mass[k] / 5.0 * x);
+        // This quaternion turns the body's x, y, z to -z, -x, y of the world.
+        let columns = [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        for axis in 0..3 {
+            let own = dot(columns[axis], omega[k]) * moments[axis];
+            let expected = dot(columns[axis], bodies.l[k]);
+            assert!((own - expected).abs() < 1e-15, "body {k}: {own} {expected}");
+        }
+    }
+
+    bodies.entries[bodies.index[3] as usize].quaternion = [0.0; 4];
+    let motion = bodies.motion();
+    // SAFETY: as above.
+    let status = unsafe { ellgran_angular_velocities(&motion, omega.as_mut_ptr().cast()) };
+    assert_eq!(status, ELLGRAN_ERROR_PARTICLE);
+    assert!(
+        message().contains("particle 103: its quaternion has length 0"),
+        "{}",
+        message()
+    );
+    // SAFETY: NULL is an error.
+    let status = unsafe { ellgran_angular_velocities(&motion, core::ptr::null_mut()) };
+    assert_eq!(status, ELLGRAN_ERROR_NULL_POINTER);
 }

@@ -5,7 +5,7 @@
 use crate::harness::{kinetic_energy, run, Deck, Engine, Grain, Scene};
 use crate::shapes::{
     about, add, compose, cross, curvature, dot, length, normalise, rotate, scale, stiffness_of,
-    sub, tangents, unit, Random, Vector,
+    sub, tangents, unit, unrotate, Quaternion, Random, Vector,
 };
 
 const MODULUS: f64 = 1e7;
@@ -172,6 +172,20 @@ fn ball(sign: f64) -> Surface {
     surface(move |p| sign * (length(p) - 1.0), move |_, _| -sign)
 }
 
+fn turned(q: Quaternion, of: Surface) -> Surface {
+    let Surface { depth, bend } = of;
+    surface(
+        move |p| depth(unrotate(q, p)),
+        move |p, t| bend(unrotate(q, p), unrotate(q, t)),
+    )
+}
+
+/// The words of a shape about the axis that `q` turns z to, of another length than 1.
+fn shape_about(q: Quaternion, name: &str, words: &str) -> String {
+    let [x, y, z] = rotate(q, [0.0, 0.0, 2.5]);
+    format!("shape {name} axis {x:.17e} {y:.17e} {z:.17e} {words}")
+}
+
 fn region(words: &str) -> Vec<String> {
     vec![format!("region place {words}")]
 }
@@ -183,6 +197,9 @@ fn walls() -> Vec<Wall> {
         words: words.into(),
         surfaces,
     };
+    // A needle along x still lies across it.
+    let tilted = about([1.0, 0.0, 0.0], 0.4);
+    let inclined = about([0.6, -0.8, 0.3], 0.5);
     vec![
         wall("in a cylinder", vec![], "zcylinder 1", vec![cone(0.0, 1.0)]),
         wall(
@@ -237,6 +254,33 @@ fn walls() -> Vec<Wall> {
                     surface(move |p| sign * p[k / 2] - 1.0, flat)
                 })
                 .collect(),
+        ),
+        wall(
+            "in a tilted cylinder",
+            vec![],
+            &shape_about(tilted, "cylinder", "radius 1 side inside"),
+            vec![turned(tilted, cone(0.0, 1.0))],
+        ),
+        wall(
+            "on an inclined cone",
+            vec![],
+            &shape_about(inclined, "cone", "radii 0.4 2.2 bounds -2 4 side outside"),
+            vec![turned(inclined, cone(0.3, -1.0))],
+        ),
+        wall(
+            "on a shape's sphere",
+            vec![],
+            "shape sphere radius 1",
+            vec![ball(-1.0)],
+        ),
+        wall(
+            "on a shape's plane",
+            vec![],
+            "shape plane point 0 0 -1 axis 1 2 2 side inside",
+            vec![surface(
+                |p| -dot(add(p, AXIS_Z), [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]),
+                flat,
+            )],
         ),
         wall(
             "on a region's plane",

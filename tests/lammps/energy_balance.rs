@@ -226,7 +226,7 @@ fn both_versions_a_collision_is_accounted_for_to_second_order() {
 }
 
 /// Grains thrown into a box.
-fn cloud() -> Scene {
+pub fn cloud() -> Scene {
     let mut random = Random(7);
     let cell = 8.5e-3;
     let mut grains = vec![];

@@ -340,6 +340,34 @@ fn both_versions_walls() {
         ("hertz 1e7 0.3 zcylinder -1", &["radius", "-1"]),
         ("hertz 1e7 0.3 zcylinder 4 shear x 1", &["shear", "axis"]),
         ("hertz 1e7 0.3 zsphere 4", &["zsphere"]),
+        ("hertz 1e7 0.3 shape", &["shape", "name"]),
+        (
+            "hertz 1e7 0.3 shape torus",
+            &["torus", "plane, cylinder, cone, sphere"],
+        ),
+        ("hertz 1e7 0.3 shape sphere radius", &["radius", "1 value"]),
+        ("hertz 1e7 0.3 shape sphere radius 0", &["radius"]),
+        (
+            "hertz 1e7 0.3 shape sphere radius 4 radius 5",
+            &["radius", "twice"],
+        ),
+        (
+            "hertz 1e7 0.3 shape sphere radius 4 side left",
+            &["side", "inside", "left"],
+        ),
+        (
+            "hertz 1e7 0.3 shape cylinder axis 0 0 0 radius 4",
+            &["axis"],
+        ),
+        (
+            "hertz 1e7 0.3 shape cone radii 1 2 bounds 3 2",
+            &["bound", "3"],
+        ),
+        (
+            "hertz 1e7 0.3 shape plane point 0 0",
+            &["point", "3 values"],
+        ),
+        ("hertz 1e7 0.3 shape plane shear x 1", &["shear"]),
         ("hertz 1e7 0.3 region", &["region", "1 value"]),
         ("hertz 1e7 0.3 region nowhere", &["nowhere", "exist"]),
         ("hertz 1e7 0.3 mesh", &["mesh", "1 value"]),

@@ -168,10 +168,67 @@ fn both_versions_the_shell_blocks_run() {
     for name in ["docs/start.md", "examples/lammps/README.md"] {
         for block in blocks(&page(name), "sh") {
             if block.contains("-in ") && !block.contains("pip install") {
-                shell(&directory, &block, &answers, &engine.mpirun);
+                let output = shell(&directory, &block, &answers, &engine.mpirun);
+                // Both run the same deck, whose line of the log another page shows.
+                for log in blocks(&page("lammps-plugin/README.md"), "text") {
+                    let line = log.trim_end();
+                    if line.starts_with("time step ") {
+                        assert!(output.contains(line), "{line}\n{}", last_lines(&output));
+                        ran += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(ran, 2);
+}
+
+/// The commands with which one builds by hand, up to where the compiler would be at work for minutes: what is built into LAMMPS has all
+/// styles.
+#[test]
+#[cfg(unix)]
+fn the_configuring_commands_run() {
+    use std::os::unix::fs::symlink;
+    let engine = Engine::from_environment();
+    let headers = std::env::var_os("ELLGRAN_TEST_LAMMPS_HEADERS")
+        .expect("run these tests with `cargo xtask test`");
+    let lammps = Path::new(&headers).parent().expect("the top of LAMMPS");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let directory = fresh_directory("configured");
+    for name in ["lammps-plugin", "include"] {
+        symlink(root.join(name), directory.join(name)).unwrap();
+    }
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
+    symlink(target, directory.join("target")).unwrap();
+    let mut ran = 0;
+    for block in blocks(&page("lammps-plugin/README.md"), "sh") {
+        for command in block.replace("\\\n", " ").lines() {
+            if command.starts_with("cmake -S") {
+                let command = format!("LAMMPS={}\n{command}", lammps.display());
+                shell(&directory, &command, &[], &engine.mpirun);
                 ran += 1;
             }
         }
     }
     assert_eq!(ran, 2);
+    assert!(directory.join("build-plugin/CMakeCache.txt").is_file());
+    for (list, headers) in [
+        ("pair", vec!["pair_gran_ellipsoid.h"]),
+        (
+            "fix",
+            vec![
+                "fix_wall_gran_ellipsoid.h",
+                "fix_nve_ellipsoid.h",
+                "fix_pour_ellipsoid.h",
+                "fix_nve_asphere.h",
+            ],
+        ),
+        ("command", vec!["create_ellipsoids.h"]),
+    ] {
+        let file = directory.join(format!("build-lammps/styles/style_{list}.h"));
+        let text = fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        for header in headers {
+            assert!(text.contains(header), "{} lacks {header}", file.display());
+        }
+    }
 }

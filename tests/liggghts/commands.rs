@@ -452,6 +452,14 @@ const ALONE: &[Alone] = &[
         // half of the angle of 300 * 200 * 1e-6
         holds: |outcome| orientations(outcome).iter().all(|quaternion| (quaternion[3] - 0.03f64.sin()).abs() < 1e-4),
     },
+    Alone {
+        name: "fix nve/ellipsoid",
+        verdict: "works",
+        before: &[],
+        fixes: &["unfix move", "fix move all nve/ellipsoid", "set group all omegaz 300", ORIENTATIONS],
+        // exact: what is left are the digits of the dump
+        holds: |outcome| orientations(outcome).iter().all(|quaternion| (quaternion[3] - 0.03f64.sin()).abs() < 1e-7),
+    },
 ];
 
 #[test]

@@ -58,6 +58,8 @@ pub struct Deck {
     pub before: Vec<String>,
     /// Commands before the run.
     pub fixes: Vec<String>,
+    /// Of ellipsoids: `superquadric` or `ellipsoid`.
+    pub integrator: &'static str,
     pub time_step: f64,
     pub steps: u64,
     /// Dump every so many steps; 0 dumps the first and the last step only.
@@ -83,6 +85,7 @@ impl Deck {
             wall_fix: "wall/gran/ellipsoid".into(),
             before: vec![],
             fixes: vec![],
+            integrator: "superquadric",
             time_step: 1e-6,
             steps: 0,
             dump_every: 0,
@@ -180,10 +183,8 @@ impl Deck {
         }
         lines.push(format!("timestep {:e}", self.time_step));
         let sphere = self.atom_style != "superquadric";
-        lines.push(format!(
-            "fix move all nve/{}",
-            if sphere { "sphere" } else { "superquadric" }
-        ));
+        let integrator = if sphere { "sphere" } else { self.integrator };
+        lines.push(format!("fix move all nve/{integrator}"));
         lines.extend(self.fixes.iter().cloned());
         let momentum = if sphere {
             ""

@@ -21,6 +21,7 @@ mod commands;
 mod crowded;
 mod cylinder;
 mod decomposition;
+mod elastic_collision;
 mod examples;
 mod golden_pairs;
 mod installer;

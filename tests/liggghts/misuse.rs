@@ -56,6 +56,26 @@ fn another_blockiness() {
     );
 }
 
+#[test]
+fn what_nve_ellipsoid_cannot_move() {
+    let with = |before: &str, fixes: &[&str]| Deck {
+        before: before.lines().map(String::from).collect(),
+        fixes: fixes.iter().map(|line| line.to_string()).collect(),
+        integrator: "ellipsoid",
+        ..plain()
+    };
+    refuse(
+        "nve_ellipsoid_word",
+        with("", &["unfix move", "fix move all nve/ellipsoid fast"]),
+        &["fix nve/ellipsoid", "'fast'"],
+    );
+    refuse(
+        "nve_ellipsoid_spin",
+        with("set atom 2 omegax 1e10", &[]),
+        &["nve/ellipsoid", "particle 2", "half a circle"],
+    );
+}
+
 /// LIGGGHTS itself refuses an axis of zero, but not one that is no number.
 #[test]
 fn axes_that_are_none() {

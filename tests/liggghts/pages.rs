@@ -49,6 +49,14 @@ fn with(whole: &str, fragment: &str) -> String {
     let mesh = mesh.map_or(String::new(), |name| {
         format!("fix {name} all mesh/surface file {name}.stl type 1\n")
     });
+    // A fragment with an integrator has it in place of the deck's.
+    let integrator = "fix move all nve/superquadric\n";
+    assert!(set_up.contains(integrator));
+    let set_up = if fragment.contains(" nve/") {
+        set_up.replace(integrator, "")
+    } else {
+        set_up.to_owned()
+    };
     if !fragment.contains("pair_style") {
         return format!("{before}{pair_style}{set_up}{mesh}{fragment}{run}");
     }

@@ -10,7 +10,7 @@
 
 use std::path::Path;
 
-use crate::engines::restart_files::{difference, directory, kept, write_changed};
+use crate::engines::restart_files::{differences, directory, kept, write_changed};
 use crate::harness::{execute, fresh_directory, last_lines, Engine};
 
 /// Runs one of the two decks in `run`, for the restart file `name`, which `read.lig` takes from `from`; whether that succeeded, and
@@ -52,7 +52,7 @@ fn restart_files_of_older_versions_are_read() {
             let run = fresh_directory(&format!("{name}_{ranks}"));
             let (success, output) = deck(&engine, "read.lig", &run, &directory(), &name, ranks);
             assert!(success, "{name}: {}", last_lines(&output));
-            let apart = difference(&run, &name);
+            let (apart, _) = differences(&run, &name);
             println!("{name} on {ranks} ranks: apart by {apart:.1e}");
             // Contacts amplify the rounding of another order of summation, 200 steps long.
             assert!(apart < 1e-9, "{name} on {ranks} ranks: {apart:e}");

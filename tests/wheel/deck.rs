@@ -14,7 +14,7 @@ use crate::stock::{fresh_directory, from_source, stock};
 type Frames = Vec<BTreeMap<u64, Vec<f64>>>;
 
 /// The README's deck for `steps`, its dump in full precision, without its line that loads the plugin.
-fn deck(steps: u32) -> String {
+pub fn deck(steps: u32) -> String {
     let dump = "dump grains all custom 2000 grains.dump id type x y z c_quat[*] c_shape[*]\n";
     let text = &blocks(&page("README.md"), "lammps")[0];
     let plugin = text.lines().find(|line| line.starts_with("plugin load"));

@@ -9,4 +9,5 @@ mod stock;
 mod contents;
 mod deck;
 mod other_lammps;
+mod printed_blocks;
 mod uninstalled;

@@ -59,3 +59,49 @@ pub fn for_headers(
 fn define(name: &str, path: &Path) -> String {
     format!("-D{name}={}", path.display())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Built into LAMMPS, the styles are the same files as in the plugin, without what loads the plugin.
+    #[test]
+    fn both_ways_of_building_have_all_files() {
+        let directory = workspace::root().join("lammps-plugin");
+        let words = |name: &str| -> Vec<String> {
+            let text = fs::read_to_string(directory.join(name)).unwrap();
+            let separates = |c: char| c.is_whitespace() || "()\"/".contains(c);
+            text.split(separates).map(str::to_owned).collect()
+        };
+        let list = "ellgran-sources.cmake";
+        let (sources, built_in) = (words(list), words("ellgran-builtin.cmake"));
+        for file in ["CMakeLists.txt", "ellgran-builtin.cmake"] {
+            assert!(words(file).iter().any(|word| word == list), "{file}");
+        }
+        let mut seen = 0;
+        for entry in fs::read_dir(&directory).unwrap() {
+            let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+            let only_plugin = [
+                "borrowed_headers.cpp",
+                "ellgran_lammps_interface.cpp",
+                "ellgran_plugin.cpp",
+            ];
+            if name.ends_with(".cpp") && !only_plugin.contains(&name.as_str()) {
+                assert!(sources.contains(&name), "{list} lacks {name}");
+                seen += 1;
+            } else if name.ends_with(".h")
+                && fs::read_to_string(directory.join(&name))
+                    .unwrap()
+                    .contains("Style(")
+            {
+                assert!(
+                    built_in.contains(&name),
+                    "ellgran-builtin.cmake lacks {name}"
+                );
+            }
+        }
+        assert!(seen > 10, "{seen}");
+    }
+}

