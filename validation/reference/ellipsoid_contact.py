@@ -317,7 +317,7 @@ class HertzFactors:
         with mp.extradps(25):
             # near a circle the differences E/k^2 - K and K - E lose as many digits as 1 - k has zeros
             log_ratio = mpmath.log(ratio)
-            if log_ratio < mpf("1e-20"):  # spheres, to the rounding of A and B: first orders suffice
+            if log_ratio < mpf("1e-10"):  # nearly circles, where the integrals cancel: F1, F2 are right to the fourth power of this
                 self.axis_ratio = mpmath.exp(-2 * log_ratio / 3)
                 m = -mpmath.expm1(-4 * log_ratio / 3)
                 self.f1 = self.f2 = 1 - log_ratio**2 / 72

@@ -352,11 +352,16 @@ impl Block {
             return true;
         }
         let mut severity: f64 = 0.0;
-        let mut allowed = None;
+        let (mut allowed, mut at_rounding) = (None, false);
         for (set, other) in sets.iter().zip(given).skip(1) {
             let differences = other.differences(scalar);
             let sizes = scalar.sizes();
             if (0..6).all(|k| differences[k] <= NO_DIFFERENCE * sizes[k]) {
+                continue;
+            }
+            if scalar.touching != other.touching {
+                // By less than rounding of the bodies' size, as was seen above.
+                at_rounding = true;
                 continue;
             }
             let explained = |times: usize| {
@@ -380,9 +385,7 @@ impl Block {
             if ratio <= 1.0 {
                 continue;
             }
-            let apart = scalar.touching
-                && other.touching
-                && (other.normal() - scalar.normal()).norm() > 1e-6;
+            let apart = scalar.touching && (other.normal() - scalar.normal()).norm() > 1e-6;
             if apart {
                 // The penetrations are equal, as was seen above: other minima of the same depth.
                 counts.equal_minima += 1;
@@ -402,12 +405,10 @@ impl Block {
                 differences[kind],
                 depths[0]
             );
-            counts.found(finding(Kind::Differs, words, ratio));
+            counts.found(finding(Kind::Differs, words, ratio.min(f64::MAX)));
             return false;
         }
-        if allowed.is_some() {
-            counts.at_rounding += 1;
-        }
+        counts.at_rounding += u64::from(at_rounding || allowed.is_some());
         if scalar.touching {
             let sampled = Sampled {
                 block: self.name.number,

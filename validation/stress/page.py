@@ -90,13 +90,16 @@ def pairs_part(state, rows):
 
 
 def findings_part(state):
+    """The findings, and known.md: what is known of those of the stored run, written by hand."""
     lines = []
-    for index, (family, c) in enumerate(state["families"].items()):
+    for family, c in state["families"].items():
         for f in c["findings"]:
             lines.append(f"- {family}, block {f['block']}, pair {f['pair']}, step {f['step']}, law `{f['deck']}`: {f['words']}")
     lines += [f"- {words}" for words in state["refusals"]["wrong"]]
     text = "## What was found wrong\n\n"
-    return text + ("\n".join(lines) + "\n" if lines else "Nothing.\n")
+    known = HERE / "known.md"
+    explained = "\n" + known.read_text() if lines and known.exists() else ""
+    return text + ("\n".join(lines) + "\n" if lines else "Nothing.\n") + explained
 
 
 def reference_part(rows):

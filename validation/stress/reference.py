@@ -67,13 +67,13 @@ def vectors(bodies, truth, conservative, material):
     contact = truth.contact
     if contact is None or contact.delta <= 0:
         return None
-    if not conservative:
-        _, force, torque_i, torque_j = reference.plain_force(*bodies, contact, material, material)
-        return force, torque_i, torque_j
     radius = 1 / max(contact.curvatures_i) + 1 / max(contact.curvatures_j)
-    if contact.delta > CLOSED_FORM_ENDS * radius:
+    if conservative and contact.delta > CLOSED_FORM_ENDS * radius:
         return None
     try:
+        if not conservative:
+            _, force, torque_i, torque_j = reference.plain_force(*bodies, contact, material, material)
+            return force, torque_i, torque_j
         _, force, torque_i, torque_j = reference.conservative_force(*bodies, contact, material, material)
     except (ArithmeticError, ZeroDivisionError, ValueError):
         return None
