@@ -124,7 +124,7 @@ def reference_part(rows):
     text = (
         "## A sample against 60 digits\n\n"
         "Pairs drawn at random, those whose paths differed most, those of the slowest searches, and all findings, at rest and elastic, against "
-        "[the reference](../../validation/reference/README.md), which finds the contact by another formulation. On each instruction set, with the force along the normal and with "
+        "the reference in `validation/reference`, which finds the contact by another formulation. On each instruction set, with the force along the normal and with "
         "the complete gradient. Where several minima are equally deep, or the contact is deeper than the closed form of the gradient, penetrations alone are compared.\n\n"
         + table(head, [line(name, rows) for name, rows in families.items()] + [line("**all**", rows)])
     )
