@@ -136,9 +136,9 @@ impl Case {
             // A hair apart, and then part of a step.
             let back = 2e-3 * penetration + SPEED * step * phase as f64 / PHASES as f64;
             let n = geometry(&i, &j).normal.to_array();
-            for k in 0..3 {
-                j.position[k] += back * n[k];
-                j.velocity[k] = -SPEED * n[k];
+            j.velocity = n.map(|n| -SPEED * n);
+            for (x, n) in j.position.iter_mut().zip(n) {
+                *x += back * n;
             }
             let mut motion = Motion::new(laws, i, Partner::Body(Rigid::new(j)), step);
             let before = motion.kinetic_energy();
