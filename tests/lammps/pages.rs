@@ -223,6 +223,7 @@ fn the_configuring_commands_run() {
                 "fix_nve_asphere.h",
             ],
         ),
+        ("compute", vec!["compute_energy_ellipsoid.h"]),
         ("command", vec!["create_ellipsoids.h"]),
     ] {
         let file = directory.join(format!("build-lammps/styles/style_{list}.h"));

@@ -136,9 +136,9 @@ impl Case {
             // A hair apart, and then part of a step.
             let back = 2e-3 * penetration + SPEED * step * phase as f64 / PHASES as f64;
             let n = geometry(&i, &j).normal.to_array();
-            j.velocity = n.map(|n| -SPEED * n);
-            for (x, n) in j.position.iter_mut().zip(n) {
-                *x += back * n;
+            for (k, n) in n.into_iter().enumerate() {
+                j.position[k] += back * n;
+                j.velocity[k] = -SPEED * n;
             }
             let mut motion = Motion::new(laws, i, Partner::Body(Rigid::new(j)), step);
             let before = motion.kinetic_energy();
