@@ -34,11 +34,10 @@ pub struct PlaneContact {
 /// use ellgran::geometry::{touch_plane, Ellipsoid, Plane};
 /// use ellgran::vector::Vector3;
 ///
-/// let body = Ellipsoid::new([1.0, 1.0, 2.0], [1.0, 0.0, 0.0, 0.0])?;
+/// let body = Ellipsoid::new([1.0, 1.0, 2.0], [1.0, 0.0, 0.0, 0.0]).expect("semi-axes in range");
 /// let floor = Plane { point: Vector3::ZERO, normal: Vector3::new(0.0, 0.0, 1.0) };
 /// let found = touch_plane(&body, Vector3::new(0.0, 0.0, 1.9), &floor);
 /// assert!((found.penetration - 0.1).abs() < 1e-15);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn touch_plane(body: &Ellipsoid, centre: Vector3, plane: &Plane) -> PlaneContact {
     let normal = -plane.normal;
