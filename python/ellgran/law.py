@@ -13,7 +13,7 @@ from ._library import call, library, sized
 
 #: The constants of a law: the fields of the struct that are numbers, as the library's table has them.
 _CONSTANTS = frozenset(
-    name for name, kind in _interface.EllgranLawParameters._fields_ if kind is ctypes.c_double
+    field[0] for field in _interface.EllgranLawParameters._fields_ if field[1] is ctypes.c_double
 )
 
 
