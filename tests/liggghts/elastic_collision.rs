@@ -42,7 +42,8 @@ fn error(engine: &Engine, model: &str, time_step: f64) -> f64 {
     energy(rows.len() - 1) / energy(0) - 1.0
 }
 
-/// LIGGGHTS' are off by the same at each step: it is the law that loses, not the integration.
+/// LIGGGHTS' are off by the same at each step: it is the law that loses, not the integration. What ours is off by is the integrator's,
+/// and depends on where in a step the contact begins and ends.
 #[test]
 fn ours_keeps_its_energy_and_superquadrics_do_not_at_any_step() {
     let engine = Engine::from_environment();
@@ -50,11 +51,11 @@ fn ours_keeps_its_energy_and_superquadrics_do_not_at_any_step() {
     let own = "hertz tangential off surface superquadric";
     let mean = &format!("{own} meanCurvature yes curvatureLimitFactor 100");
     for (model, keeps) in [(ours, true), (own, false), (mean, false)] {
-        let [coarse, fine] = [4e-6, 1e-6].map(|step| error(&engine, model, step));
-        println!("{model}: energy error {coarse:.2e} at 4 us, {fine:.2e} at 1 us");
+        let [coarse, fine] = [4e-6, 2.5e-7].map(|step| error(&engine, model, step));
+        println!("{model}: energy error {coarse:.2e} at 4 us, {fine:.2e} at 0.25 us");
         if keeps {
-            // Seen: 5e-9 at both steps.
-            assert!(coarse.abs() < 2e-8 && fine.abs() < 2e-8, "{model}");
+            // Seen: 5e-9 and 7e-11.
+            assert!(coarse.abs() < 2e-8 && fine.abs() < 1e-9, "{model}");
         } else {
             assert!(fine.abs() > 1e-3, "{model}");
             assert!((coarse / fine - 1.0).abs() < 1e-2, "{model}");
