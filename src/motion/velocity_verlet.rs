@@ -17,6 +17,9 @@ use crate::vector::Vector3;
 /// Largest angle, radian, by which a body may turn in a step: a contact sees nothing of what is faster.
 const LARGEST_TURN: f64 = core::f64::consts::PI;
 
+/// How far the square of a quaternion's length may be from 1 for the quaternion to be taken as it is.
+const UNIT: f64 = 1e-12;
+
 /// More parts of a step than a turn of [`LARGEST_TURN`] needs.
 const MOST_PARTS: usize = 100_000;
 
@@ -164,7 +167,13 @@ pub fn angular_velocities<B: Bodies>(
         }
         let wrong = |what| MotionError { body: k, what };
         let (semi_axes, q) = arrays.bodies.shape(k).ok_or_else(|| wrong(no_shape()))?;
-        let q = normalised(q).map_err(wrong)?;
+        let square: f64 = q.iter().map(|x| x * x).sum();
+        // Those of `start_step` are.
+        let q = if (square - 1.0).abs() < UNIT {
+            q
+        } else {
+            normalised(q).map_err(wrong)?
+        };
         let mass = checked_mass(arrays.masses[k]).map_err(wrong)?;
         let axes = rotation_columns(q, 2.0);
         let momentum = Vector3::from_array(arrays.angular_momenta[k]);
@@ -357,7 +366,7 @@ impl<B: Bodies> Turn<'_, '_, B> {
             by_two_rotations(registers, q, momentum, mass, a, self.time_step)
         };
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-        let unit = (square - 1.0).abs().less(square.constant(1e-12));
+        let unit = (square - 1.0).abs().less(square.constant(UNIT));
         let good = registers.bits(registers.and(good, unit));
         let mut new = [[0.0; MOST_LANES]; 4];
         turned[0].store(&mut new[0]);

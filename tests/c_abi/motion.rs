@@ -233,6 +233,8 @@ fn angular_velocities_go_with_angular_momenta() {
         group_mask: 1,
         ..bodies.motion()
     };
+    // Of any length.
+    bodies.entries[bodies.index[1] as usize].quaternion = [1.0, -1.0, 1.0, 1.0];
     let mut omega = [[7.0; 3]; 6];
     // SAFETY: the arrays have these lengths.
     let status = unsafe { ellgran_angular_velocities(&motion, omega.as_mut_ptr().cast()) };
