@@ -13,6 +13,7 @@
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
 #include "error.h"
+#include "ellgran_shape.h"
 #include "fix_ellgran_restart_format.h"
 #include "fix_wall_gran.h"
 #include "force.h"
@@ -141,19 +142,8 @@ EllgranBody EllgranContact::ellipsoid(int i) const
   body.mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
   body.particle_type = atom->type[i];
   body.identifier = atom->tag[i];
-  check_blockiness(i);
+  ellgran_check_blockiness(lmp, "surface ellipsoid", i);
   return body;
-}
-
-void EllgranContact::check_blockiness(int i) const
-{
-  const double *blockiness = lmp->atom->blockiness[i];
-  if (blockiness[0] == 2.0 && blockiness[1] == 2.0) return;
-  char message[200];
-  snprintf(message, sizeof(message),
-           "ellgran: particle %d: blockiness %g %g: surface ellipsoid needs blockiness 2 2, an ellipsoid",
-           lmp->atom->tag[i], blockiness[0], blockiness[1]);
-  lmp->error->one(FLERR, message);
 }
 
 EllgranBody EllgranContact::sphere(int i, double radius) const
@@ -325,7 +315,7 @@ EllgranParticles EllgranContact::particles() const
   all.owned_count = atom->nlocal;
   all.count = count;
   if (count == 0) return all;
-  for (int i = 0; i < count; i++) check_blockiness(i);
+  for (int i = 0; i < count; i++) ellgran_check_blockiness(lmp, "surface ellipsoid", i);
   if (lmp->neighbor->ago == 0)
     for (int i = 0; i < count; i++) check_radius(lmp, i);
   all.positions = atom->x[0];

@@ -94,7 +94,6 @@ private:
   EllgranContact(const EllgranContact &);
   EllgranContact &operator=(const EllgranContact &);
 
-  void check_blockiness(int i) const;
   void build_list_laws();
   void warn_of_created_energy();
 

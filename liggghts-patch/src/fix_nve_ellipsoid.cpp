@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "atom.h"
+#include "ellgran_shape.h"
 #include "error.h"
 #include "force.h"
 #include "modify.h"
@@ -42,20 +43,8 @@ void FixNVEEllipsoid::init()
   // its implicit drag is a part of LIGGGHTS' own integrators
   if (modify->n_fixes_style("couple/cfd/force/implicit") > 0)
     error->fix_error(FLERR, this, "does not go with fix couple/cfd/force/implicit: use nve/superquadric");
-  check_shapes();
-}
-
-void FixNVEEllipsoid::check_shapes() const
-{
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit)) continue;
-    const double *const blockiness = atom->blockiness[i];
-    if (blockiness[0] == 2.0 && blockiness[1] == 2.0) continue;
-    char message[300];
-    snprintf(message, sizeof(message), "particle %d has blockiness %g %g: ellipsoids have 2 2", static_cast<int>(atom->tag[i]),
-             blockiness[0], blockiness[1]);
-    error->one(FLERR, message);
-  }
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) ellgran_check_blockiness(lmp, style, i);
 }
 
 EllgranMotion FixNVEEllipsoid::motion() const

@@ -28,7 +28,6 @@ class FixNVEEllipsoid : public Fix {
   // The grains of this processor as the library sees them; count 0 where there are none.
   EllgranMotion motion() const;
   void check(int status) const;
-  void check_shapes() const;
 };
 
 }

@@ -74,6 +74,15 @@ fn what_nve_ellipsoid_cannot_move() {
         with("set atom 2 omegax 1e10", &[]),
         &["nve/ellipsoid", "particle 2", "half a circle"],
     );
+    // LIGGGHTS' own model takes any blockiness: it is the integrator that refuses.
+    refuse(
+        "nve_ellipsoid_blockiness",
+        Deck {
+            model: "hertz tangential off surface superquadric".into(),
+            ..with("set atom 2 blockiness 3 2", &[])
+        },
+        &["particle 2", "blockiness 3 2", "nve/ellipsoid needs"],
+    );
 }
 
 /// LIGGGHTS itself refuses an axis of zero, but not one that is no number.
