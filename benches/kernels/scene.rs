@@ -121,6 +121,7 @@ impl Scene {
             positions: &frame.positions,
             velocities: &frame.velocities,
             rotation: Rotation::Velocity(&frame.rotations),
+            changes: &[],
             contact_masses: &[],
             types: &self.types,
             shape: |k| Some((self.semi_axes, frame.quaternions[k])),

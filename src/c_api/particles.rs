@@ -32,7 +32,8 @@ pub struct EllgranParticles {
     pub count: usize,
     /// Centres, [count][3]; components up to 1e20.
     pub positions: *const f64,
-    /// Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
+    /// Velocities of the centres at the half step (see `EllgranStep`), or at the step with `velocity_changes`, [count][3];
+    /// components up to 1e25.
     pub velocities: *const f64,
     /// Angular velocities, [count][3]; components up to 1e25. NULL: they are computed from `angular_momenta` and `masses`.
     pub angular_velocities: *const f64,
@@ -67,9 +68,13 @@ pub struct EllgranParticles {
     pub forces: *mut f64,
     /// Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
     pub torques: *mut f64,
+    /// What the velocities and the angular momenta (or angular velocities) above have more than those of the half step,
+    /// [count][6], as `ellgran_start_step` writes it: viscous forces take the velocities above, tangential displacements and
+    /// the work of a force those of the half step. NULL: the velocities above are those of the half step, and serve for all.
+    pub velocity_changes: *const f64,
 }
 
-growing!(EllgranParticles);
+growing!(EllgranParticles, torques: *mut f64);
 
 /// Time step, and whether histories are advanced by it.
 #[repr(C)]
@@ -234,6 +239,18 @@ pub(super) enum Purpose<'a> {
     Pairs { unchanged: bool },
 }
 
+/// What the first `count` particles have more than at the half step; empty where that is not known.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+pub(super) unsafe fn changes(p: &EllgranParticles, count: usize) -> &[[f64; 6]] {
+    if p.velocity_changes.is_null() {
+        return &[];
+    }
+    // SAFETY: promised by the caller; the pointer is not NULL.
+    unsafe { core::slice::from_raw_parts(p.velocity_changes.cast(), count) }
+}
+
 /// Checks the arrays' pointers and prepares the first `count` particles in the workspace; without laws any type
 /// from 1 is right, and contact masses are not read.
 ///
@@ -296,6 +313,13 @@ pub(super) unsafe fn prepare(
     } else {
         &[]
     };
+    // Without friction nothing asks for the half step: the velocities of the step serve for all.
+    let changes = if laws.is_some_and(|l| l.features().friction) {
+        // SAFETY: promised by the caller.
+        unsafe { changes(p, count) }
+    } else {
+        &[]
+    };
     let shape_indices = if p.shape_indices.is_null() {
         None
     } else {
@@ -307,6 +331,7 @@ pub(super) unsafe fn prepare(
         positions: rows(p.positions, "positions")?,
         velocities: rows(p.velocities, "velocities")?,
         rotation,
+        changes,
         contact_masses,
         // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         types: unsafe { slice(p.types, count, "types") }?,

@@ -284,6 +284,7 @@ fn contacts<
         records,
         types,
         inverse_masses,
+        changes,
         sums,
         shapes,
     } = particles;
@@ -295,6 +296,7 @@ fn contacts<
         remembers_normals: pass.layout.normal.is_some(),
         time: pass.step.elapsed(),
         only_law: one_type.then(|| laws.get(1, 1)),
+        changes,
         tally: pass.tallies.is_some(),
         loads: pass
             .tallies
@@ -309,6 +311,7 @@ fn contacts<
         records,
         types,
         inverse_masses,
+        changes,
         shapes,
     };
     let (batches, participants) = candidates.parts();
@@ -529,12 +532,18 @@ struct Single<'a> {
     records: &'a [Record],
     types: &'a [u32],
     inverse_masses: &'a [f64],
+    changes: &'a [Line],
     shapes: Shapes,
 }
 
 impl Single<'_> {
     fn particle(&self, k: usize) -> Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
-        self.records[k].particle(self.shapes, self.types[k], inverse_mass)
+        self.records[k].particle(
+            self.shapes,
+            self.types[k],
+            inverse_mass,
+            self.changes.get(k),
+        )
     }
 }

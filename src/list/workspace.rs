@@ -119,13 +119,15 @@ impl Workspace {
         }
         let count = arrays.positions.len();
         let with_masses = !arrays.contact_masses.is_empty();
-        let same_masses = with_masses != self.records.inverse_masses.is_empty();
+        let with_changes = !arrays.changes.is_empty();
+        let same_contents = with_masses != self.records.inverse_masses.is_empty()
+            && with_changes != self.records.changes.is_empty();
         let mut outcome = Prepared::default();
         if !unchanged {
             // Of another list: there is no place any more for what was kept.
             self.candidates.batches.discard();
         }
-        if unchanged && same_masses {
+        if unchanged && same_contents {
             let mut hold = self.candidates.are_for(count);
             if hold {
                 self.candidates.count_step();
@@ -161,6 +163,11 @@ impl Workspace {
         r.inverse_masses.clear();
         if with_masses {
             r.inverse_masses.resize(count, 0.0);
+        }
+        r.changes.clear();
+        if with_changes {
+            reserve(&mut r.changes, count, self.allocated);
+            r.changes.resize(count, Line::ZERO);
         }
         self.instruction_set.run(Prepare {
             arrays,

@@ -125,6 +125,7 @@ impl<'a> PairList<'a> {
             positions: &positions,
             velocities: &velocities,
             rotation: Rotation::Velocity(&spins),
+            changes: &[],
             contact_masses: &masses,
             types: &types,
             shape: |k: usize| Some((bodies[k].semi_axes, bodies[k].quaternion)),
