@@ -121,6 +121,7 @@ impl Scene {
             positions: &frame.positions,
             velocities: &frame.velocities,
             rotation: Rotation::Velocity(&frame.rotations),
+            of_step: false,
             changes: &[],
             contact_masses: &[],
             types: &self.types,

@@ -68,9 +68,12 @@ pub struct EllgranParticles {
     pub forces: *mut f64,
     /// Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
     pub torques: *mut f64,
-    /// What the velocities and the angular momenta (or angular velocities) above have more than those of the half step,
-    /// [count][6], as `ellgran_start_step` writes it: viscous forces take the velocities above, tangential displacements and
-    /// the work of a force those of the half step. NULL: the velocities above are those of the half step, and serve for all.
+    /// Where velocities and angular momenta (or angular velocities) above are those of the step at which the forces are
+    /// computed: what they have more than those of the half step before, [count][6], as `ellgran_start_step` writes it. Viscous
+    /// forces then take the velocities of the step, and those of a contact that began within the step are such that their sum
+    /// has the impulse of its begin; tangential displacements and the work of forces take the velocities of the half step.
+    /// Without friction and without `inelastic_loads` of the tallies the values are not read. NULL: the velocities above are
+    /// those of the half step, and serve for all.
     pub velocity_changes: *const f64,
 }
 
@@ -331,6 +334,7 @@ pub(super) unsafe fn prepare(
         positions: rows(p.positions, "positions")?,
         velocities: rows(p.velocities, "velocities")?,
         rotation,
+        of_step: !p.velocity_changes.is_null(),
         changes,
         contact_masses,
         // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.

@@ -5,6 +5,7 @@ use crate::force::conservative::{
     additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
     NormalResponse,
 };
+use crate::force::contact_begin::begin_factor;
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, TangentialForce,
 };
@@ -88,6 +89,9 @@ pub struct Contact<T: Real = f64> {
     /// Of `i` and `j`, where velocities of the step are known beside those of the half step, which `i` and `j` hold: viscous
     /// forces take them. Else the velocities of the half step serve for all.
     pub changes: Option<[MotionChange<T>; 2]>,
+    /// The time step, where viscous forces are to have the impulse of a contact that began within it (`force/contact_begin.rs`):
+    /// where velocities are those of the step.
+    pub begin_time: Option<T>,
 }
 
 impl<T: Real> Contact<T> {
@@ -529,11 +533,15 @@ pub fn contact_forces<
     };
     let at_step = motion.at_step::<WALL>(x);
     let rate = at_step.rate;
+    let viscous_rate = match x.begin_time {
+        Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, motion.rate, time),
+        None => rate,
+    };
     let normal = normal_force(
         &kinds.normal,
         &c.normal,
         x.penetration,
-        rate,
+        viscous_rate,
         curvature.determinant(),
         factors,
         x.effective_mass,
@@ -599,7 +607,13 @@ pub fn contact_forces<
             // step before.
             zero.less(remembered.time),
             velocity * time,
-            velocity_at_step,
+            match x.begin_time {
+                Some(time) => {
+                    let begin = kinds.tangential.begin();
+                    velocity_at_step * begin_factor(begin, x.penetration, motion.rate, time)
+                }
+                None => velocity_at_step,
+            },
         );
         load.add_tangential::<WALL>(t.force, r_i, r_j);
         result.tangential_force = x.tangent.vector(t.force);

@@ -96,6 +96,7 @@ pub(crate) fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> C
             (None, None) => None,
             (i, j) => Some([i, j].map(|change| change.unwrap_or(MotionChange::NONE))),
         },
+        begin_time: None,
     }
 }
 
@@ -126,6 +127,7 @@ pub(crate) fn contact_with_wall(
         effective_mass: effective_mass(i.inverse_mass, 0.0),
         inverse_hessian: None,
         changes: i.change.map(|change| [change, MotionChange::NONE]),
+        begin_time: None,
     }
 }
 
@@ -232,6 +234,10 @@ pub(crate) fn through_law<
     step: &Step,
 ) -> ContactForces {
     let remembered = recall(layout, history, touched, step, x.normal, before);
+    let x = &Contact {
+        begin_time: x.changes.map(|_| step.time_step),
+        ..*x
+    };
     let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, WALL>(
         &law.kinds,
         &law.constants,

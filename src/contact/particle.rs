@@ -37,7 +37,7 @@ pub struct Particle {
     pub velocity: Vector3,
     /// Angular velocity, world frame.
     pub omega: Vector3,
-    /// What the motion at the step has more, where it is known.
+    /// What the motion at the step has more, where forces are to see velocities of the step.
     pub change: Option<MotionChange>,
     /// Inverse of the mass for effective masses.
     pub inverse_mass: f64,

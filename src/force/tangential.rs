@@ -28,6 +28,7 @@
 //!   compliance along `zeta`. The energy that is remembered falls by so much. A displacement along one line loses nothing.
 
 use super::choice::{choices, resolved_constants, Choice};
+use super::contact_begin::Begin;
 use super::hertz_factors::Factors;
 use crate::real::Real;
 use crate::vector::{Symmetric2, Vector2};
@@ -103,6 +104,15 @@ pub struct TangentialKinds {
 }
 
 impl TangentialKinds {
+    /// How the viscous force of a contact begins.
+    #[inline(always)]
+    pub(crate) fn begin(&self) -> Begin {
+        if self.law.needs_material() {
+            Begin::SquareRoot
+        } else {
+            Begin::Jump
+        }
+    }
     /// Whether there is a tangential force.
     #[inline(always)]
     pub fn any(&self) -> bool {

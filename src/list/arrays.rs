@@ -18,7 +18,10 @@ pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: F
     pub velocities: &'a [[f64; 3]],
     /// Angular velocities in the world frame, or angular momenta.
     pub rotation: Rotation<'a>,
-    /// What velocities and rotations have more than those of the half step; empty where they are those of the half step.
+    /// Whether velocities and rotations are those of the step at which the forces are computed; else they are those of the half
+    /// step before.
+    pub of_step: bool,
+    /// What those of the step have more than those of the half step; empty where nobody asks for the latter.
     pub changes: &'a [[f64; 6]],
     /// Masses for effective masses; empty where no law reads them.
     pub contact_masses: &'a [f64],
@@ -113,7 +116,8 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
         body,
         velocity,
         omega,
-        change: change.map(|&[x, y, z, a, b, c]| {
+        change: arrays.of_step.then(|| {
+            let [x, y, z, a, b, c] = change.copied().unwrap_or_default();
             let rotation = Vector3::new(a, b, c);
             MotionChange {
                 velocity: Vector3::new(x, y, z),

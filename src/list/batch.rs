@@ -47,6 +47,8 @@ pub(super) struct Common<'a> {
     pub only_law: Option<&'a PairLaw>,
     /// What velocities and angular velocities of the particles have more at the step; empty where that is not known.
     pub changes: &'a [Line],
+    /// The time step, where forces see velocities of the step.
+    pub begin_time: Option<f64>,
     /// Whether energies are asked for.
     pub tally: bool,
     /// Whether the loads that are not elastic are asked for.
@@ -260,11 +262,16 @@ pub(super) fn run<
     };
     let mut x = contact_of(&found, &i, &j, effective_mass);
     let viscous = kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
-    if FRICTION && RATE && viscous && !common.changes.is_empty() {
-        x.changes = Some([
-            change(registers, &records_of!(common.changes, batch.i, S::LANES)),
-            change(registers, &records_of!(common.changes, batch.j, S::LANES)),
-        ]);
+    if RATE && viscous {
+        if let Some(time) = common.begin_time {
+            x.begin_time = Some(Lanes::splat(registers, time));
+        }
+        if FRICTION && !common.changes.is_empty() {
+            x.changes = Some([
+                change(registers, &records_of!(common.changes, batch.i, S::LANES)),
+                change(registers, &records_of!(common.changes, batch.j, S::LANES)),
+            ]);
+        }
     }
     let remembered = if FRICTION {
         recall::<S, K>(registers, bits, numbers, common, start, &found, (&i, &j))
@@ -365,6 +372,7 @@ fn contact_of<S: Registers, K: Kind>(
         effective_mass,
         inverse_hessian: Some(found.inverse_hessian),
         changes: None,
+        begin_time: None,
     }
 }
 

@@ -106,7 +106,7 @@ impl Record {
         shapes: Shapes,
         particle_type: u32,
         inverse_mass: f64,
-        change: Option<&Line>,
+        change: Option<MotionChange>,
     ) -> Particle {
         let (p, m) = (&self.pose.0, &self.motion.0);
         let (axes, semi_axes, motion) = if shapes == Shapes::Ellipsoids {
@@ -139,10 +139,7 @@ impl Record {
             body,
             velocity: Vector3::new(motion[0], motion[1], motion[2]),
             omega: Vector3::new(motion[3], motion[4], motion[5]),
-            change: change.map(|Line(c)| MotionChange {
-                velocity: Vector3::new(c[0], c[1], c[2]),
-                omega: Vector3::new(c[3], c[4], c[5]),
-            }),
+            change,
             inverse_mass,
             particle_type,
             sphere: body.is_sphere(),
@@ -170,8 +167,10 @@ pub(super) struct Records {
     /// Empty where no law reads masses.
     pub inverse_masses: Vec<f64>,
     /// What velocity and angular velocity at the step have more than those of the records, which are then those of the half
-    /// step; empty where nothing is known of the step.
+    /// step; empty where nobody asks for the latter.
     pub changes: Vec<Line>,
+    /// Whether forces see velocities of the step.
+    pub of_step: bool,
     /// Force and torque of this step, zero between steps.
     pub sums: Vec<Line>,
     /// What the records are made for.

@@ -121,7 +121,8 @@ impl Workspace {
         let with_masses = !arrays.contact_masses.is_empty();
         let with_changes = !arrays.changes.is_empty();
         let same_contents = with_masses != self.records.inverse_masses.is_empty()
-            && with_changes != self.records.changes.is_empty();
+            && with_changes != self.records.changes.is_empty()
+            && arrays.of_step == self.records.of_step;
         let mut outcome = Prepared::default();
         if !unchanged {
             // Of another list: there is no place any more for what was kept.
@@ -154,6 +155,7 @@ impl Workspace {
         }
         self.candidates.forget();
         let r = &mut self.records;
+        r.of_step = arrays.of_step;
         r.shapes = Shapes::of_all(arrays);
         r.records.clear();
         reserve(&mut r.records, count, self.allocated);

@@ -125,6 +125,7 @@ impl<'a> PairList<'a> {
             positions: &positions,
             velocities: &velocities,
             rotation: Rotation::Velocity(&spins),
+            of_step: false,
             changes: &[],
             contact_masses: &masses,
             types: &types,
