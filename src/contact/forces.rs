@@ -595,6 +595,11 @@ pub fn contact_forces<
         let approach = motion.rate.max(zero.constant(1e-300));
         let since = (x.penetration / approach).min(remembered.time);
         let time = T::select(remembered.continued, remembered.time, since);
+        let mut increment = velocity * time;
+        if x.begin_time.is_some() {
+            let way = motion.rate * time;
+            increment = increment * kinds.tangential.mean_stiffness(x.penetration, way);
+        }
         let t: TangentialForce<T> = tangential_force(
             &kinds.tangential,
             &c.tangential,
@@ -606,7 +611,7 @@ pub fn contact_forces<
             // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
             // step before.
             zero.less(remembered.time),
-            velocity * time,
+            increment,
             match x.begin_time {
                 Some(time) => {
                     let begin = kinds.tangential.begin();
