@@ -244,8 +244,8 @@ void PairGranEllipsoid::add_forces()
   EllgranParticles particles = atoms.view();
   if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   // Without friction the law takes the velocities of the step for all, and nobody asks for those of the half step.
-  const bool half_step_wanted = work_wanted || ellgran_laws_memory_offset(laws) >= 0;
-  if (velocities_of_step && half_step_wanted) velocities_of_step->lend_changes(particles, true);
+  const bool half_step_wanted = work_wanted || evaluation_wanted || ellgran_laws_memory_offset(laws) >= 0;
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, half_step_wanted);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
@@ -376,6 +376,13 @@ void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
   if (e.count > 0) {
     e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
     e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
+    // A single contact is computed with velocities of the half step alone.
+    if (const double *change = particles.velocity_changes; change)
+      for (int i = 0; i < e.count; i++, change += 6)
+        for (int k = 0; k < 3; k++) {
+          e.velocities[3 * i + k] -= change[k];
+          e.angular_momenta[3 * i + k] -= change[3 + k];
+        }
   }
   e.rows.assign(e.count, -1);
   e.touching.clear();

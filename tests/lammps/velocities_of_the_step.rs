@@ -88,7 +88,7 @@ fn both_versions_split_and_restarted_runs_go_on_under_viscous_laws() {
         two.runs = vec![
             format!("run {}", HALF - 50),
             "run 0".into(),
-            "run 50 pre no".into(),
+            format!("run {}", 50),
             format!("run {HALF} every 70 NULL"),
         ];
         let two = run(&engine, "step_velocities_split", &scene, &two, ranks[1]);
@@ -131,7 +131,7 @@ fn both_versions_other_forces_see_velocities_of_the_step_too() {
     }
 }
 
-/// Without forces that read velocities the motion is the same to rounding; and two fixes for two groups are one for both.
+/// Without viscosity and friction the motion is the same to rounding; and two fixes for two groups are one for both.
 #[test]
 fn both_versions_elastic_motion_is_that_of_the_half_step() {
     let engine = Engine::from_environment();
@@ -143,7 +143,7 @@ fn both_versions_elastic_motion_is_that_of_the_half_step() {
         };
         run(&engine, name, &between_walls(), &deck, ranks)
     };
-    let elastic = "hertz 1e8 0.3 tangential mindlin 0.5";
+    let elastic = "hertz 1e8 0.3 conservative yes";
     let half = moved(
         "elastic_half",
         elastic,

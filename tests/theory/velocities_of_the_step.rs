@@ -102,11 +102,12 @@ fn viscous_collisions_keep_their_energy_better_with_velocities_of_the_step() {
     assert_eq!(elastic_half, elastic);
     assert!(normal[1] < 1.5e-5 && normal[3] < 4e-7, "{normal:?}");
     assert!(normal[3] < 0.3 * normal_half[3]);
-    assert!(friction[0] < 0.5 * friction_half[0], "{friction:?}");
-    // Order 3/2: the viscous force of a Hertzian contact begins with a vertical slope.
+    assert!(friction[0] < 0.2 * friction_half[0], "{friction:?}");
+    assert!(friction[3] < 0.1 * friction_half[3], "{friction:?}");
+    // Second order without friction. Where a contact begins or ends to slide within a step an error of the first order is left.
     let order = |errors: [f64; 4]| (errors[0] / errors[3]).ln() / (steps[3] / steps[0]).ln();
     println!("orders {:.2} and {:.2}", order(normal), order(friction));
-    assert!(order(normal) > 1.5 && order(friction) > 1.4);
+    assert!(order(normal) > 1.9 && order(friction) > 1.1);
 }
 
 /// The largest step, times the angular frequency of the contact, at which a grain pressed onto a wall by a load stays there.
