@@ -149,6 +149,18 @@ void FixNVEEllipsoid::swap(double sign)
   }
 }
 
+void FixNVEEllipsoid::with_integrated_velocities(Modify *modify, const std::function<void()> &action)
+{
+  std::vector<FixNVEEllipsoid *> swapped;
+  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
+    auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
+    if (found && found->keeper && (found->keeper->swapped_bits & found->groupbit)) swapped.push_back(found);
+  }
+  for (auto *fix : swapped) fix->swap(-1.0);
+  action();
+  for (auto *fix : swapped) fix->swap(1.0);
+}
+
 void FixNVEEllipsoid::lend_changes(EllgranParticles &particles, bool with_ghosts)
 {
   if (with_ghosts) comm->forward_comm(this);

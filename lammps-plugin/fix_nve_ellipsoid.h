@@ -18,6 +18,7 @@ FixStyle(nve/ellipsoid,FixNVEEllipsoid);
 #include "ellgran.h"
 #include "ellgran_atoms.h"
 
+#include <functional>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -47,6 +48,9 @@ class FixNVEEllipsoid : public Fix {
   /// ghosts it communicates: all processors call it in the same step. When a run starts, hands out the velocities that
   /// the last forces of the run before saw, where `v` is no longer (or not yet) that.
   void lend_changes(EllgranParticles &particles, bool with_ghosts);
+
+  /// Does something that reads the velocities of the step as integrated, while a run starts or at any other time.
+  static void with_integrated_velocities(class Modify *modify, const std::function<void()> &action);
 
   double memory_usage() override;
   void grow_arrays(int) override;
