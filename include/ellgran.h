@@ -395,7 +395,8 @@ typedef struct EllgranStep {
   /*
    Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
    moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
-   With velocities of the full step the tangential displacement has an error of the order of the time step.
+   With velocities of the full step the tangential displacement has an error of the order of the time step, unless
+   `velocity_changes` of the particles tell what they have more than those of the half step.
    */
   double time_step;
 } EllgranStep;

@@ -80,7 +80,7 @@ pub fn section(output: &Path) -> Result<Section> {
         "**Conclusion.** The energy error of an elastic collision falls with the square of the step and faster when the law is a gradient: {} of it is \
          lost or gained at T/20, {} at T/100. With the force along the normal alone, as in the engines' own styles, it stops at {} whatever the step. The viscoelastic \
          law converges in the first order where forces see velocities of the half step, as with the engines' own integrators; its error at T/50 ({}) is smaller than that of \
-         the plain force. With velocities of the step, as `fix nve/ellipsoid` hands them out, it converges in the second: {} at T/100 in place of {}, with friction {} in place of {}. \
+         the plain force. With velocities of the step, as LAMMPS' `fix nve/ellipsoid` hands them out, it converges in the second: {} at T/100 in place of {}, with friction {} in place of {}. \
          Time is steps: no law's step costs more than {} % above the cheapest; the linear spring saves nothing, and at the same step errs more than Hertz, since its \
          stiffness begins with a jump.\n\n\
          The stability limit, measured on a grain that rests on a wall under a load that gives the same overlap: {} T for Hertz (velocity Verlet's 2 over the angular \
