@@ -93,14 +93,7 @@ fn both_versions_split_and_restarted_runs_go_on_under_viscous_laws() {
         let two = run(&engine, "step_velocities_split", &scene, &two, ranks[1]);
         for (what, outcome) in [("restarted", &restarted), ("split", &two)] {
             let gap = apart(&format!("{law}, {what}"), outcome, &whole);
-            // The viscous part of `tfd` goes with the root of what is left until the contact slides: of a sliding contact the
-            // evaluation at the start of a run has 1e-8 of it, the root of a rounding, where the step before had none.
-            let most = if law.starts_with("nfd") && law.contains("tfd") {
-                1e-10
-            } else {
-                1e-12
-            };
-            assert!(gap < most, "{law}, {what}: {gap:e}");
+            assert!(gap < 1e-12, "{law}, {what}: {gap:e}");
         }
     }
 }
