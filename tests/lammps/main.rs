@@ -42,5 +42,6 @@ mod spheres;
 mod tangential_force;
 mod tangential_motion;
 mod too_new;
+mod velocities_of_the_step;
 mod wall_material;
 mod wall_stress_files;
