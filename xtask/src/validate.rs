@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The theory held against the full problem: boundary and finite elements in Python (validation/), whose results are stored, and
-//! the pages and pictures of docs/report made of them.
+//! the pages and pictures of docs/report made of them. What is published about many grains and single impacts is compared in the same
+//! way, with LAMMPS.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +12,7 @@ use anyhow::{Context, Result};
 use crate::progress::{human_time, say};
 use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{process, python};
+use crate::{lammps, plugin, process, python};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -26,7 +27,7 @@ pub struct Options {
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Comparison {
+pub enum Comparison {
     /// The elastic normal force: boundary elements, exact shapes, whole bodies by finite elements
     #[value(name = "elastic-contact")]
     Elastic,
@@ -36,13 +37,17 @@ enum Comparison {
     /// Viscosity: the Kelvin-Voigt half-space with its exact memory
     #[value(name = "viscoelastic-contact")]
     Viscoelastic,
+    /// Random packings against shape, with LAMMPS: solid fraction and coordination
+    #[value(name = "packings")]
+    Packings,
 }
 
 impl Comparison {
-    const ALL: [Comparison; 3] = [
+    const ALL: [Comparison; 4] = [
         Comparison::Elastic,
         Comparison::Tangential,
         Comparison::Viscoelastic,
+        Comparison::Packings,
     ];
 
     /// Its folder in validation.
@@ -51,27 +56,43 @@ impl Comparison {
             Comparison::Elastic => "elastic_contact",
             Comparison::Tangential => "tangential_contact",
             Comparison::Viscoelastic => "viscoelastic_contact",
+            Comparison::Packings => "packings",
         }
+    }
+
+    fn needs_lammps(self) -> bool {
+        self == Comparison::Packings
     }
 }
 
 pub fn validate(options: &Options) -> Result<()> {
-    let environment = environment()?;
     if options.check {
-        return check(environment);
+        return check(environment()?);
     }
-    let programs = Programs::with(environment)?;
-    let chosen = if options.comparison.is_empty() {
-        Comparison::ALL.to_vec()
+    if options.comparison.is_empty() {
+        make(&Comparison::ALL, options.page)
     } else {
-        options.comparison.clone()
-    };
+        make(&options.comparison, options.page)
+    }
+}
+
+/// Makes these comparisons, or of what is stored `pages` alone.
+pub fn make(chosen: &[Comparison], pages: bool) -> Result<()> {
+    let programs = Programs::with(environment()?)?;
     for comparison in chosen {
         let folder = directory().join(comparison.folder());
         let started = Instant::now();
-        if !options.page {
+        if !pages {
             say(format!("== {}", comparison.folder()));
-            process::run_open(programs.python().arg(folder.join("compare.py")))?;
+            let mut compare = programs.python();
+            if comparison.needs_lammps() {
+                let source = lammps::source()?;
+                compare
+                    .env("ELLGRAN_LAMMPS", source.binary()?)
+                    .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
+                    .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+            }
+            process::run_open(compare.arg(folder.join("compare.py")))?;
         }
         process::run_open(programs.python().arg(folder.join("page.py")))?;
         say(format!(
@@ -117,7 +138,7 @@ impl Programs {
         })
     }
 
-    /// One thread, so that a result does not depend on how many cores there are.
+    /// One thread a program, so that a result does not depend on how many cores there are.
     fn python(&self) -> Command {
         let mut command = self.environment.python();
         command
