@@ -40,14 +40,18 @@ pub enum Comparison {
     /// Random packings against shape, with LAMMPS: solid fraction and coordination
     #[value(name = "packings")]
     Packings,
+    /// Single grains, with LAMMPS: the tests of Chung and Ooi, and impacts that were measured
+    #[value(name = "single-grains")]
+    SingleGrains,
 }
 
 impl Comparison {
-    const ALL: [Comparison; 4] = [
+    const ALL: [Comparison; 5] = [
         Comparison::Elastic,
         Comparison::Tangential,
         Comparison::Viscoelastic,
         Comparison::Packings,
+        Comparison::SingleGrains,
     ];
 
     /// Its folder in validation.
@@ -57,11 +61,12 @@ impl Comparison {
             Comparison::Tangential => "tangential_contact",
             Comparison::Viscoelastic => "viscoelastic_contact",
             Comparison::Packings => "packings",
+            Comparison::SingleGrains => "single_grains",
         }
     }
 
     fn needs_lammps(self) -> bool {
-        self == Comparison::Packings
+        matches!(self, Comparison::Packings | Comparison::SingleGrains)
     }
 }
 
