@@ -55,10 +55,11 @@ def main() -> None:
             rows = [row for row in oblique if row["test"] == name and row["words"] == law]
             plots[3].plot([row["incidence"] for row in rows], [row["point_after"] for row in rows], style, color=colour, markersize=4, label=f"test {name}" if law == "tfd" else None)
     line = np.linspace(0, 14, 2)
-    plots[3].plot(line, line - 7, color="#333333", linewidth=0.8, label="sliding all the time, e = 1")
+    plots[3].plot(line, line - 7, color="#333333", linewidth=0.8, label="sliding all the time, e 1")
+    plots[3].plot(line, (line - 5.25) / 0.5, "--", color="#333333", linewidth=0.8, label="sliding all the time, e 0.5")
     plots[3].set(xlim=(0, 14.5), ylim=(-3, 7), xlabel="velocity of the point before / (mu v_n)", ylabel="after / (mu v_n after)", title="o tfd, x mindlin")
     plots[3].legend(loc="upper left")
-    save(figure, HERE, "Oblique rebound of aluminium oxide spheres, measured and by the law from constants; the tests of Chung and Ooi")
+    save(figure, HERE, "Oblique rebound from constants alone: on the measured points where the contact slides, near them where it sticks; right, the tests of Chung and Ooi")
 
     def mean(law: str, quantity: str) -> float:
         return float(np.mean(np.abs(differences[law][quantity])))

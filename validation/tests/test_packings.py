@@ -63,9 +63,10 @@ def test_the_stored_packings_are_as_known():
     assert mean("1:1:1", "solid_fraction") == pytest.approx(0.64, abs=0.01)
     assert mean("1:1:1", "coordination") == pytest.approx(6.0, abs=0.25)
     # Maxima of about 0.71 on both sides, the ends lower.
-    fractions = {shape: mean(shape, "solid_fraction") for shape in spheroids}
-    densest = {side: max((f, float(s.split(":")[0])) for s, f in fractions.items() if side(float(s.split(":")[0]))) for side in (lambda x: x < 1, lambda x: x > 1)}
-    for (fraction, aspect), (low, high) in zip(densest.values(), ((0.5, 0.75), (1.4, 1.9))):
+    fractions = {float(shape.split(":")[0]): mean(shape, "solid_fraction") for shape in spheroids}
+    oblate = max((fraction, aspect) for aspect, fraction in fractions.items() if aspect < 1)
+    prolate = max((fraction, aspect) for aspect, fraction in fractions.items() if aspect > 1)
+    for (fraction, aspect), (low, high) in ((oblate, (0.5, 0.75)), (prolate, (1.4, 1.9))):
         assert 0.68 < fraction < 0.73
         assert low < aspect < high
     assert mean("1.25:1:0.8", "solid_fraction") == pytest.approx(0.735, abs=0.015)
