@@ -103,18 +103,19 @@ def main() -> None:
     three_mean = {quantity: mean_and_scatter(three, quantity)[0] for quantity in ("solid_fraction", "coordination")}
     most = max(mean_and_scatter(of(rows, shape, smooth), "coordination")[0] for shape in spheroids)
     rough = [mean_and_scatter(of(rows, shape, ("compressed", 0.5)), "solid_fraction")[0] - mean_and_scatter(of(rows, shape, smooth), "solid_fraction")[0] for shape in shapes if of(rows, shape, ("compressed", 0.5))]
-    apart = [
-        abs(mean_and_scatter(of(rows, shape, ("settled", 0.0)), "solid_fraction")[0] - mean_and_scatter(of(rows, shape, smooth), "solid_fraction")[0])
+    apart = max(
+        (abs(mean_and_scatter(of(rows, shape, ("settled", 0.0)), "solid_fraction")[0] - mean_and_scatter(of(rows, shape, smooth), "solid_fraction")[0]), shape)
         for shape in shapes
-        if of(rows, shape, ("settled", 0.0))
-    ]
+        if of(rows, shape, ("settled", 0.0)) and of(rows, shape, smooth)
+    )
+    aligned = mean_and_scatter(of(rows, apart[1], ("settled", 0.0)), "order")[0]
     conclusion = (
         f"Without friction, compressed from a random state, spheres pack to {sphere['solid_fraction']:.3f} with {sphere['coordination']:.2f} contacts a grain (0.64 and 6 are known). "
         f"Among the aspect ratios tried the densest are {oblate[0]} ({oblate[1]:.3f}) and {prolate[0]} ({prolate[1]:.3f}); known are maxima of about 0.71 near 0.6 and 1.5 to 1.8. "
         f"Axes of {THREE_AXES} pack to {three_mean['solid_fraction']:.3f} with {three_mean['coordination']:.2f} contacts; Man et al. measured 0.74 ± 0.005. "
         f"Spheroids have at most {most:.2f} contacts, fewer than the ten that their five degrees of freedom would take. "
         f"Friction of 0.5 lowers the solid fraction by {-max(rough):.3f} to {-min(rough):.3f}. "
-        f"The two protocols, which agree for the sphere, differ without friction by up to {max(apart):.3f}."
+        f"The two protocols agree for the sphere; without friction they differ most, by {apart[0]:.3f}, at {apart[1]}, which settles with its axes aligned (order {aligned:.2f})."
     )
     realisations = sorted({len(of(rows, shape, kind)) for shape in shapes for kind in KINDS if of(rows, shape, kind)})
     how_many = f"{realisations[0]}" if len(realisations) == 1 else f"{realisations[0]} to {realisations[-1]}"
@@ -126,13 +127,13 @@ def main() -> None:
 
     references = "".join(f"{int(row['reference'])}. {row['source']}.\n" for row in {row["reference"]: row for row in published}.values())
     parts = [
-        f"{grains} equal grains each, {how_many} {'realisation' if how_many == '1' else 'realisations'}; ± is the standard deviation of one realisation. "
-        "Hertz contacts with a restitution of 0.1 and, where there is friction, `tangential tfd 0.5`.",
+        f"{grains} equal grains each, {how_many} {'realisation' if how_many == '1' else 'realisations'}; ± is the standard deviation of one realisation, where there are several. "
+        "Hertz contacts with a restitution of 0.5 and, where there is friction, `tangential tfd 0.5`.",
         "## The protocols\n\n"
         "- **compressed** (`compress.lmp`): grains that do not touch, at random places and in random poses of a periodic cube of solid fraction 0.2. The cube shrinks until the pressure "
-        "is 1e-4 of Young's modulus, the grains come to rest, and the pressure is lowered to 1e-6, where the mean overlap of spheres is 2e-4 of the diameter and adds less than 0.001 to the solid fraction.\n"
+        "is 1e-4 of Young's modulus, the grains come to rest, and the pressure is lowered to 1e-6, where the mean overlap of spheres is 1.6e-4 of the diameter and adds 0.0003 to the solid fraction.\n"
         "- **settled** (`settle.lmp`): such grains fall onto a flat floor, periodic along it; at rest, nine tenths of their weight are taken away. Measured in the middle half of the height. "
-        "The pressure there is of the order of 1e-5 of the modulus, and overlaps add about 0.002.",
+        "The pressure there is about 5e-6 of the modulus, and overlaps add about 0.001.",
         "## Solid fraction\n\n" + quantity_table("solid_fraction", 4) + "\nOverlaps count twice.",
         "## Coordination\n\nMean number of contacts of the grains that bear load: grains with fewer than 4 contacts (2 with friction) are removed, again and again.\n\n"
         + quantity_table("coordination", 2)
