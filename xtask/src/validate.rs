@@ -24,6 +24,9 @@ pub struct Options {
     /// Hold the stored results against coarse computations of now, in seconds, and write nothing
     #[arg(long, conflicts_with_all = ["comparison", "page"])]
     check: bool,
+    /// Words for the program of the comparison: `packings -- --grains 2000 --realisations 1`, or `packings -- --go-on`
+    #[arg(last = true, requires = "comparison")]
+    words: Vec<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -75,14 +78,14 @@ pub fn validate(options: &Options) -> Result<()> {
         return check(environment()?);
     }
     if options.comparison.is_empty() {
-        make(&Comparison::ALL, options.page)
+        make(&Comparison::ALL, options.page, &[])
     } else {
-        make(&options.comparison, options.page)
+        make(&options.comparison, options.page, &options.words)
     }
 }
 
-/// Makes these comparisons, or of what is stored `pages` alone.
-pub fn make(chosen: &[Comparison], pages: bool) -> Result<()> {
+/// Makes these comparisons, with `words` for their programs, or of what is stored `pages` alone.
+pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> {
     let programs = Programs::with(environment()?)?;
     for comparison in chosen {
         let folder = directory().join(comparison.folder());
@@ -97,7 +100,7 @@ pub fn make(chosen: &[Comparison], pages: bool) -> Result<()> {
                     .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
                     .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
             }
-            process::run_open(compare.arg(folder.join("compare.py")))?;
+            process::run_open(compare.arg(folder.join("compare.py")).args(words))?;
         }
         process::run_open(programs.python().arg(folder.join("page.py")))?;
         say(format!(

@@ -78,7 +78,7 @@ pub struct Section {
 
 pub fn report(options: &Options) -> Result<()> {
     if !options.chapter.is_empty() {
-        return validate::make(&options.chapter, false);
+        return validate::make(&options.chapter, false, &[]);
     }
     let output = match &options.output {
         Some(output) => output.clone(),
