@@ -128,7 +128,7 @@ def main() -> None:
     references = "".join(f"{int(row['reference'])}. {row['source']}.\n" for row in {row["reference"]: row for row in published}.values())
     parts = [
         f"{grains} equal grains each, {how_many} {'realisation' if how_many == '1' else 'realisations'}; ± is the standard deviation of one realisation, where there are several. "
-        "`cargo xtask validate packings -- --grains 2000 --realisations 1` takes others; without these words there are three realisations, in some 35 minutes of processor time, "
+        "`cargo xtask validate packings -- --grains 2000 --realisations 1` takes others; without these words there are three realisations, in an estimated 35 minutes of processor time, "
         "made side by side on the cores there are. Hertz contacts with a restitution of 0.5 and, where there is friction, `tangential tfd 0.5`.",
         "## The protocols\n\n"
         "- **compressed** (`compress.lmp`): grains that do not touch, at random places and in random poses of a periodic cube of solid fraction 0.2. The cube shrinks until the pressure "
