@@ -41,6 +41,7 @@ mod size_ratio;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
+mod time_step;
 mod too_new;
 mod wall_material;
 mod wall_stress_files;

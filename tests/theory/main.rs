@@ -24,4 +24,5 @@ mod principal_curvatures;
 mod relative_curvature;
 mod restitution;
 mod sphere_on_plane;
+mod stable_step;
 mod tangential_rebound;

@@ -7,6 +7,7 @@
 #[path = "../dump.rs"]
 pub mod dump;
 pub mod frames;
+pub mod pressed;
 pub mod printed;
 pub mod process;
 pub mod restart_files;
