@@ -366,44 +366,34 @@ fn wrong_arguments_are_named_and_nothing_is_written() {
     let (mut step, mut limiting) = (Untouched::<f64>::new(), Untouched::<i64>::new());
     // SAFETY: pointers are NULL or valid.
     unsafe {
-        for (status, word) in [
-            (
-                ellgran_add_pairs_to_step_sums(null(), w, &p, &v, s, e),
-                "laws",
-            ),
-            (
-                ellgran_add_pairs_to_step_sums(l, null_mut(), &p, &v, s, e),
-                "workspace",
-            ),
-            (
-                ellgran_add_pairs_to_step_sums(l, w, null(), &v, s, e),
-                "particles",
-            ),
-            (
-                ellgran_add_pairs_to_step_sums(l, w, &p, null(), s, e),
-                "list",
-            ),
-            (
-                ellgran_add_pairs_to_step_sums(l, w, &p, &v, null_mut(), e),
-                "sums",
-            ),
-            (
-                ellgran_add_wall_to_step_sums(l, w, null(), &p, null(), s, e),
-                "wall",
-            ),
-            (
-                ellgran_stable_step(null(), 1, step.pointer(), null_mut()),
-                "sums",
-            ),
-            (ellgran_stable_step(s, 1, null_mut(), null_mut()), "step"),
-            (
-                ellgran_step_for_error(l, null(), 1e-3, step.pointer()),
-                "extremes",
-            ),
-            (ellgran_step_for_error(l, e, 1e-3, null_mut()), "step"),
-        ] {
-            fails(status, ELLGRAN_ERROR_NULL_POINTER, &[word]);
-        }
+        // One after the other: the message is that of the last call.
+        let null_is = |status: i32, word: &str| fails(status, ELLGRAN_ERROR_NULL_POINTER, &[word]);
+        let (n, step_at) = (null_mut(), step.pointer());
+        null_is(
+            ellgran_add_pairs_to_step_sums(null(), w, &p, &v, s, e),
+            "laws",
+        );
+        null_is(
+            ellgran_add_pairs_to_step_sums(l, null_mut(), &p, &v, s, e),
+            "workspace",
+        );
+        null_is(
+            ellgran_add_pairs_to_step_sums(l, w, null(), &v, s, e),
+            "particles",
+        );
+        null_is(
+            ellgran_add_pairs_to_step_sums(l, w, &p, null(), s, e),
+            "list",
+        );
+        null_is(ellgran_add_pairs_to_step_sums(l, w, &p, &v, n, e), "sums");
+        null_is(
+            ellgran_add_wall_to_step_sums(l, w, null(), &p, null(), s, e),
+            "wall",
+        );
+        null_is(ellgran_stable_step(null(), 1, step_at, null_mut()), "sums");
+        null_is(ellgran_stable_step(s, 1, n, null_mut()), "step");
+        null_is(ellgran_step_for_error(l, null(), 1e-3, step_at), "extremes");
+        null_is(ellgran_step_for_error(l, e, 1e-3, n), "step");
         assert!(sums.iter().all(|x| *x == 0.0));
         assert_eq!(extremes.touching_count, 0);
         sums[LENGTH + 3] = f64::NAN;

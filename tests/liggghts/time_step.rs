@@ -7,7 +7,6 @@ use std::fs;
 use crate::engines::pressed::{pressed, CELL};
 use crate::harness::{attempt, attempt_in, fresh_directory, run, Deck, Engine, Material, Scene};
 use crate::lammps;
-use crate::meshes::sheet;
 
 const VISCOUS: Material = [1e6, 0.3, 20.0, 20.0];
 const SIDE: usize = 3;
@@ -37,6 +36,21 @@ fn scene() -> Scene {
 
 fn values(row: &std::collections::HashMap<String, f64>, name: &str) -> [f64; 5] {
     std::array::from_fn(|k| row[&format!("{name}[{}]", k + 1)])
+}
+
+/// Two triangles at z = 0 that reach beyond the grains and not beyond the box.
+fn floor() -> String {
+    let (low, high) = (-0.9 * CELL, (SIDE as f64 + 0.9) * CELL);
+    let corners = [[low, low], [high, low], [high, high], [low, high]];
+    let mut text = String::from("solid sheet\n");
+    for triangle in [[0, 1, 2], [0, 2, 3]] {
+        text += "facet normal 0 0 1\nouter loop\n";
+        for [x, y] in triangle.map(|k| corners[k]) {
+            text += &format!("vertex {x:e} {y:e} 0\n");
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid sheet\n"
 }
 
 #[test]
@@ -96,7 +110,7 @@ fn the_same_as_in_lammps_on_planes_and_on_meshes_on_any_ranks() {
 
     // the floor of triangles in place of the lower plane along z
     let directory = fresh_directory("step_mesh");
-    fs::write(directory.join("sheet.stl"), sheet(1)).unwrap();
+    fs::write(directory.join("sheet.stl"), floor()).unwrap();
     let mut deck = checked("1 1.0 energy_error 1e-2");
     deck.before = vec!["fix sheet all mesh/surface file sheet.stl type 1".into()];
     deck.walls[4] = "mesh n_meshes 1 meshes sheet".into();
