@@ -2359,8 +2359,8 @@ int32_t ellgran_add_wall_to_step_sums(const struct EllgranLaws *laws,
  NULL) the index of the particle that limits it. INFINITY, and -1, where nothing touches. The minimum of several ranks is that of the whole.
 
  With it, velocity Verlet with damping by the velocities of the half step does not let small motions about the present state grow, friction
- that does not slip, rotations, lever arms and viscosity included. It is exact for the fastest mode of a contact alone where it meets both
- bodies in their stiffest direction, and below the true limit elsewhere: the more contacts share a mode unevenly, the more
+ that does not slip, rotations, lever arms and viscosity included. It is exact at walls and for two equal bodies that meet in their
+ stiffest directions, and below the true limit elsewhere: by a tenth to a fifth in packings, by up to a third for overdamped contacts
  (docs/theory.md, section 8). Left out are the rotation of the normal, smaller by the penetration over the radii of curvature; that
  contacts become deeper, and so stiffer; and contacts that slide.
 
