@@ -6,6 +6,7 @@
 #include "ellgran_history.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
+#include "ellgran_scene_step.h"
 #include "ellgran_step_velocity.h"
 #include "fix_nve_ellipsoid.h"
 
@@ -109,7 +110,7 @@ double length(const double *v)
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr),
-    limits(lmp, CALLER), workspace(nullptr),
+    limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
     shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
@@ -351,6 +352,13 @@ std::array<double, 2> PairGranEllipsoid::inelastic_powers(int count) const
 
 int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
 {
+  if (step_sums) {
+    const int length = std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from);
+    for (int k = 0; k < n; k++)
+      buffer = std::copy_n(step_sums + static_cast<std::size_t>(first + k) * ELLGRAN_STEP_SUMS_LENGTH + step_sums_from,
+                           length, buffer);
+    return n * length;
+  }
   std::copy_n(inelastic_loads.data() + static_cast<std::size_t>(first) * LOADS_PER_ATOM,
               n * LOADS_PER_ATOM, buffer);
   return n * LOADS_PER_ATOM;
@@ -358,6 +366,14 @@ int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
 
 void PairGranEllipsoid::unpack_reverse_comm(int n, int *indices, double *buffer)
 {
+  if (step_sums) {
+    const int length = std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from);
+    for (int k = 0; k < n; k++) {
+      double *of_atom = step_sums + static_cast<std::size_t>(indices[k]) * ELLGRAN_STEP_SUMS_LENGTH + step_sums_from;
+      for (int c = 0; c < length; c++) of_atom[c] += *buffer++;
+    }
+    return;
+  }
   for (int k = 0; k < n; k++) {
     double *loads = &inelastic_loads[static_cast<std::size_t>(indices[k]) * LOADS_PER_ATOM];
     for (int c = 0; c < LOADS_PER_ATOM; c++) loads[c] += buffer[k * LOADS_PER_ATOM + c];
@@ -597,6 +613,51 @@ void PairGranEllipsoid::tell_step_limits()
   }
   limits_told = text;
   excess_told = excess;
+}
+
+/* Neighbour lists are built now: a warning where the contacts that exist do not allow the time step. Said once for a step. */
+
+void PairGranEllipsoid::setup()
+{
+  if (update->whichflag == 2 || update->dt == step_told) return;
+  EllgranSceneStep scene(lmp, CALLER);
+  scene.find_sources();
+  if (scene.first_pair() != this) return;    // under pair_style hybrid one speaks for all
+  scene.find();
+  if (!(update->dt > scene.stable_step())) return;
+  step_told = update->dt;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "{}: the time step {:.4g} is longer than {:.4g}, the largest with which the contacts that exist now are stable "
+                   "(that of atom {} limits it): grains may gain energy and be lost: reduce the time step to that or less",
+                   CALLER, update->dt, scene.stable_step(), scene.limiting_particle());
+}
+
+void PairGranEllipsoid::add_to_step_sums(EllgranWorkspace *own, const EllgranParticles &particles, double *sums,
+                                         EllgranContactExtremes *extremes) const
+{
+  if (!laws || !list) error->all(FLERR, "{}: there are no contacts yet: 'run 0' first", CALLER);
+  const EllgranNeighbourList neighbours = view_list();
+  if (ellgran_add_pairs_to_step_sums(laws, own, &particles, &neighbours, sums, extremes) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
+/* In as many messages as the loads of a step have room for. */
+
+void PairGranEllipsoid::add_step_sums_of_images(double *sums)
+{
+  step_sums = sums;
+  for (step_sums_from = 0; step_sums_from < ELLGRAN_STEP_SUMS_LENGTH; step_sums_from += LOADS_PER_ATOM)
+    comm->reverse_comm(this, std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from));
+  step_sums = nullptr;
+}
+
+void PairGranEllipsoid::tell_contact_masses(std::vector<double> &masses) const
+{
+  const int count = atom->nlocal + atom->nghost;
+  masses.resize(count);
+  for (int i = 0; i < count; i++)
+    masses[i] = (atom->mask[i] & freeze_group_bit) ? std::numeric_limits<double>::infinity() : contact_mass(i);
 }
 
 /* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */

@@ -10,6 +10,7 @@ pub mod pair;
 pub mod particle;
 pub mod ranges;
 pub mod stability;
+pub mod stable_step;
 pub mod staged;
 pub mod without_history;
 

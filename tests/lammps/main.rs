@@ -43,6 +43,7 @@ mod size_ratio;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
+mod time_step;
 mod too_new;
 mod velocities_of_the_step;
 mod wall_material;

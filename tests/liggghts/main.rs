@@ -43,6 +43,7 @@ mod rolling;
 mod same_motion;
 mod spheres;
 mod stored_forces;
+mod time_step;
 mod vtk;
 mod wall_memory;
 mod wall_outputs;

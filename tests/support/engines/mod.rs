@@ -8,6 +8,7 @@ pub mod closed_forms;
 #[path = "../dump.rs"]
 pub mod dump;
 pub mod frames;
+pub mod pressed;
 pub mod printed;
 pub mod process;
 pub mod restart_files;
