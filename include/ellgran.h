@@ -395,7 +395,8 @@ typedef struct EllgranStep {
   /*
    Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
    moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
-   With velocities of the full step the tangential displacement has an error of the order of the time step.
+   With velocities of the full step the tangential displacement has an error of the order of the time step, unless
+   `velocity_changes` of the particles tell what they have more than those of the half step.
    */
   double time_step;
 } EllgranStep;
@@ -529,7 +530,8 @@ typedef struct EllgranParticles {
    */
   const double *positions;
   /*
-   Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
+   Velocities of the centres at the half step (see `EllgranStep`), or at the step with `velocity_changes`, [count][3];
+   components up to 1e25.
    */
   const double *velocities;
   /*
@@ -593,6 +595,15 @@ typedef struct EllgranParticles {
    Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
    */
   double *torques;
+  /*
+   Where velocities and angular momenta (or angular velocities) above are those of the step at which the forces are
+   computed: what they have more than those of the half step before, [count][6], as `ellgran_start_step` writes it. Viscous
+   forces then take the velocities of the step, and those of a contact that began within the step are such that their sum
+   has the impulse of its begin; tangential displacements and the work of forces take the velocities of the half step.
+   Without friction and without `inelastic_loads` of the tallies the values are not read. NULL: the velocities above are
+   those of the half step, and serve for all.
+   */
+  const double *velocity_changes;
 } EllgranParticles;
 
 /*
@@ -1026,6 +1037,22 @@ typedef struct EllgranMotion {
    What to call a body in a message, [count] integers, or NULL: index + 1.
    */
   const void *identifiers;
+  /*
+   NULL: `ellgran_start_step` leaves velocities and angular momenta of the half step. Else [count][6]: it leaves those of
+   the end of the step, extrapolated, for forces that depend on them, and writes here what they have more than those of
+   the half step. `ellgran_finish_step` writes what they had more than those that it leaves, so that between steps the
+   sum of velocities and changes is what the last forces were computed with.
+   */
+  double *velocity_changes;
+  /*
+   Forces and torques of the step before, [count][6]; read and written by `ellgran_start_step` with `velocity_changes`.
+   Where the first component of a body is INFINITY they are not known: the forces of now stand for them.
+   */
+  double *loads_before;
+  /*
+   Time step of the step before, for the extrapolation; 0: the same as that of now.
+   */
+  double time_step_before;
 } EllgranMotion;
 
 /*
@@ -1478,6 +1505,8 @@ typedef struct EllgranContactStiffness {
 
 
 
+
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1873,8 +1902,8 @@ int32_t ellgran_rayleigh_times(size_t type_count,
                                double *times);
 
 /*
- First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
- end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
+ First half of a step of velocity Verlet: velocities and angular momenta of the half step (or those extrapolated to its end,
+ see `velocity_changes`), positions and quaternions of its end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 
  The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
  moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive

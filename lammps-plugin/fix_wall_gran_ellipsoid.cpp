@@ -6,6 +6,7 @@
 #include "ellgran_restart_format.h"
 #include "ellgran_wall_shape.h"
 #include "ellgran_step_velocity.h"
+#include "fix_nve_ellipsoid.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -68,7 +69,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
-    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), memory_length(0),
+    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), memory_length(0),
     contact_memory(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true)
 {
@@ -506,6 +507,7 @@ void FixWallGranEllipsoid::min_post_force(int vflag)
 
 void FixWallGranEllipsoid::place_step_velocity_fix()
 {
+  velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
   if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
   if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
   fix_step_velocity = add_step_velocity(modify, std::string("ELLGRAN_STEP_VELOCITY_") + id);
@@ -623,7 +625,8 @@ void FixWallGranEllipsoid::post_integrate()
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
-  const EllgranParticles particles = atoms.view();
+  EllgranParticles particles = atoms.view();
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 }
@@ -657,6 +660,7 @@ void FixWallGranEllipsoid::post_force(int)
   if (atom->nlocal > 0) {
     EllgranParticles particles = atoms.view();
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
+    if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));

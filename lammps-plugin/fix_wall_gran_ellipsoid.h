@@ -96,6 +96,7 @@ class FixWallGranEllipsoid : public Fix {
 
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;    // nullptr: `atom->v` is right
+  class FixNVEEllipsoid *velocities_of_step;          // nullptr: forces see those of the half step
 
   // What is remembered of the contacts of each atom, one row per atom
   int memory_length;

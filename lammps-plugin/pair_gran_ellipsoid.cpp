@@ -7,6 +7,7 @@
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
 #include "ellgran_step_velocity.h"
+#include "fix_nve_ellipsoid.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -110,6 +111,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr),
     limits(lmp, CALLER), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
+    velocities_of_step(nullptr),
     shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
@@ -190,7 +192,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
   std::fill_n(tallies.virial, 6, 0.0);
   // A processor without atoms still takes part in the messages of others.
-  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
+  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity || velocities_of_step) add_forces();
   follow_dissipation();
   // What acts on a ghost acts on its owner.
   if (work_wanted && force->newton_pair) {
@@ -241,6 +243,9 @@ void PairGranEllipsoid::add_forces()
 {
   EllgranParticles particles = atoms.view();
   if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
+  // Without friction the law takes the velocities of the step for all, and nobody asks for those of the half step.
+  const bool half_step_wanted = work_wanted || evaluation_wanted || ellgran_laws_memory_offset(laws) >= 0;
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, half_step_wanted);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
@@ -319,7 +324,8 @@ void PairGranEllipsoid::add_following_half_step()
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
-  const EllgranParticles particles = atoms.view();
+  EllgranParticles particles = atoms.view();
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
@@ -370,6 +376,13 @@ void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
   if (e.count > 0) {
     e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
     e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
+    // A single contact is computed with velocities of the half step alone.
+    if (const double *change = particles.velocity_changes; change)
+      for (int i = 0; i < e.count; i++, change += 6)
+        for (int k = 0; k < 3; k++) {
+          e.velocities[3 * i + k] -= change[k];
+          e.angular_momenta[3 * i + k] -= change[3 + k];
+        }
   }
   e.rows.assign(e.count, -1);
   e.touching.clear();
@@ -721,6 +734,7 @@ void PairGranEllipsoid::refuse_what_cannot_work()
 
 void PairGranEllipsoid::place_step_velocity_fix()
 {
+  velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
   if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
   if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
   fix_step_velocity = add_step_velocity(modify, "ELLGRAN_STEP_VELOCITY_PAIR");

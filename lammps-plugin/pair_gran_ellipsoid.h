@@ -75,6 +75,7 @@ class PairGranEllipsoid : public Pair {
   // Velocities over the last step, where a fix needs it; nullptr: `atom->v` is right
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;
+  class FixNVEEllipsoid *velocities_of_step;    // nullptr: forces see those of the half step
 
   // Something may change shapes while a run goes on: ghosts are told in every step
   bool shapes_may_change;

@@ -145,6 +145,7 @@ class EllgranParticles(ctypes.Structure):
         ("identifier_bytes", ctypes.c_int32),
         ("forces", ctypes.c_void_p),
         ("torques", ctypes.c_void_p),
+        ("velocity_changes", ctypes.c_void_p),
     ]
 
 
@@ -278,6 +279,9 @@ class EllgranMotion(ctypes.Structure):
         ("group_mask", ctypes.c_int32),
         ("identifier_bytes", ctypes.c_int32),
         ("identifiers", ctypes.c_void_p),
+        ("velocity_changes", ctypes.c_void_p),
+        ("loads_before", ctypes.c_void_p),
+        ("time_step_before", ctypes.c_double),
     ]
 
 

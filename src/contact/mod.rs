@@ -13,7 +13,7 @@ pub mod stability;
 pub mod staged;
 pub mod without_history;
 
-pub use forces::{Contact, ContactForces};
+pub use forces::{Contact, ContactForces, MotionChange};
 pub use history::{HistoryLayout, Step};
 pub use laws::Laws;
 pub use one_contact::{one_contact, OneContact};

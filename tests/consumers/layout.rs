@@ -92,7 +92,7 @@ fn claims() -> Claims {
         EllgranMotion {
             size, count, positions, velocities, angular_momenta, forces, torques, masses, shape_indices, semi_axes,
             semi_axes_stride, quaternions, quaternions_stride, masks, group_mask,
-            identifier_bytes, identifiers,
+            identifier_bytes, identifiers, velocity_changes, loads_before, time_step_before,
         }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,
@@ -101,7 +101,7 @@ fn claims() -> Claims {
         EllgranParticles {
             size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
-            identifier_bytes, forces, torques,
+            identifier_bytes, forces, torques, velocity_changes,
         }
         EllgranWallSurface {
             size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,

@@ -17,6 +17,7 @@ mod support;
 use engines::shapes;
 
 mod bounce;
+mod closed_forms;
 mod commands;
 mod crowded;
 mod cylinder;

@@ -43,6 +43,7 @@ impl Free {
             torques: &still,
             masses: &masses,
             bodies: self,
+            extrapolation: None,
         };
         for _ in 0..count {
             start_step(set, &mut arrays, ALL, time_step).unwrap();
@@ -363,6 +364,7 @@ fn what_cannot_be_moved_is_refused() {
                 torques: &still,
                 masses: &masses,
                 bodies: &mut free,
+                extrapolation: None,
             };
             let error = start_step(set, &mut arrays, ALL, 1e-3).unwrap_err();
             assert_eq!(error.body, 3, "{}", set.name());

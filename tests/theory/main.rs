@@ -25,3 +25,4 @@ mod relative_curvature;
 mod restitution;
 mod sphere_on_plane;
 mod tangential_rebound;
+mod velocities_of_the_step;

@@ -92,7 +92,8 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
-    /// Hold the theory against boundary and finite elements: results, pages and pictures from nothing, some minutes each
+    /// Hold the theory against boundary and finite elements, and packings against what is published: results, pages and pictures from
+    /// nothing, minutes to half an hour each
     Validate(validate::Options),
     /// Random and adversarial pairs on each instruction set, for minutes, hours or a night; goes on where it stopped
     Stress(stress::Options),

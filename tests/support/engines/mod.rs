@@ -4,6 +4,7 @@
 // Each test target takes what it needs.
 #![allow(dead_code)]
 
+pub mod closed_forms;
 #[path = "../dump.rs"]
 pub mod dump;
 pub mod frames;
