@@ -32,6 +32,7 @@ mod python_interface;
 mod release;
 mod report;
 mod rooms;
+mod sanitize;
 mod setup;
 #[allow(dead_code)]
 #[path = "../../tests/support/shapes.rs"]
@@ -96,6 +97,8 @@ enum Task {
     Validate(validate::Options),
     /// Random and adversarial pairs on each instruction set, for minutes, hours or a night; goes on where it stopped
     Stress(stress::Options),
+    /// Look for errors of memory in LAMMPS with the plugin, by valgrind
+    Sanitize,
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core and its C consumers on AArch64, in an emulator
@@ -151,6 +154,7 @@ fn run(task: Task) -> Result<()> {
         Task::Report(options) => report::report(&options)?,
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,
+        Task::Sanitize => sanitize::sanitize()?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
