@@ -36,6 +36,8 @@ struct Deck {
     high: Vector,
     /// A quarter turn about z comes before all else, so that what lies along x lies along the line of sight.
     turned: bool,
+    /// Whether the scene repeats along x and y, from `low` to `high`.
+    periodic: bool,
 }
 
 const DECKS: [Deck; 6] = [
@@ -46,6 +48,7 @@ const DECKS: [Deck; 6] = [
         low: [-0.03, -0.0165, -0.03],
         high: [0.03, 0.0165, 0.03],
         turned: true,
+        periodic: false,
     },
     Deck {
         name: "hopper",
@@ -55,6 +58,7 @@ const DECKS: [Deck; 6] = [
         low: [-0.03, -0.03, -0.08],
         high: [0.03, 0.03, 0.05],
         turned: false,
+        periodic: false,
     },
     Deck {
         name: "heap",
@@ -63,6 +67,7 @@ const DECKS: [Deck; 6] = [
         low: [-0.032, -0.032, -0.006],
         high: [0.032, 0.032, 0.024],
         turned: false,
+        periodic: false,
     },
     Deck {
         name: "mixer",
@@ -71,6 +76,7 @@ const DECKS: [Deck; 6] = [
         low: [-0.026, -0.026, 0.0],
         high: [0.026, 0.026, 0.036],
         turned: false,
+        periodic: false,
     },
     Deck {
         name: "vibrated_bed",
@@ -79,6 +85,7 @@ const DECKS: [Deck; 6] = [
         low: [0.0, 0.0, -0.001],
         high: [0.03, 0.03, 0.03],
         turned: false,
+        periodic: true,
     },
     Deck {
         name: "size_mixture",
@@ -87,6 +94,7 @@ const DECKS: [Deck; 6] = [
         low: [0.0, 0.0, 0.0],
         high: [0.045, 0.045, 0.045],
         turned: false,
+        periodic: true,
     },
 ];
 
@@ -184,8 +192,14 @@ fn draw(of: &Deck, path: &Path, picture: &Path) -> Result<usize> {
     let chosen = chosen.with_context(|| format!("no such step in {}", path.display()))?;
     let (mut grains, identifiers) = heap::frame(chosen, "id")?;
     let (values, most, quantity, written) = colours(of, &tables[0], &grains, &identifiers)?;
-    if of.turned {
-        for grain in &mut grains {
+    for grain in &mut grains {
+        if of.periodic {
+            for k in 0..2 {
+                let width = of.high[k] - of.low[k];
+                grain.centre[k] = of.low[k] + (grain.centre[k] - of.low[k]).rem_euclid(width);
+            }
+        }
+        if of.turned {
             turn(grain);
         }
     }

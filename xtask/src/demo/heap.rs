@@ -74,7 +74,8 @@ fn grains(table: &Table) -> Result<Vec<Grain>> {
         let [a, b, c] = names.map(|name| needed(table, name));
         Ok([a?, b?, c?])
     };
-    let (kind, centre) = (needed(table, "type")?, places(["x", "y", "z"])?);
+    let kind = needed(table, "type")?;
+    let centre = places(["x", "y", "z"]).or_else(|_| places(["xu", "yu", "zu"]))?;
     let (sizes, attitude, factor) = if table.column(SEMI_AXES[0]).is_some() {
         (SEMI_AXES, LIGGGHTS_ATTITUDE, 1.0)
     } else {

@@ -218,7 +218,7 @@ impl Scene {
                 "text{{internal 1 \"{words}\" 0.01,0 scale 0.1 translate <{x},{y},0> pigment{{rgb 0.15}} finish{{ambient 1 diffuse 0}}}}"
             )?;
         }
-        let place = [0, 1, 2].map(|k| centre[k] + radius * (0.98 * right[k] - 0.45 * up[k]));
+        let place = [0, 1, 2].map(|k| centre[k] + radius * (0.98 * right[k] - 0.3 * up[k]));
         let scaled = |axis: [f64; 3]| triple(axis.map(|component| component * radius));
         writeln!(
             text,
