@@ -91,7 +91,6 @@ class FixNVEEllipsoid : public Fix {
   void finish(double time_step);
   void swap(double sign);
   void forget();
-  [[nodiscard]] bool keeps() const { return of_step && changes; }
 };
 
 }    // namespace LAMMPS_NS
