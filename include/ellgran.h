@@ -292,7 +292,8 @@ typedef struct EllgranBody {
    */
   double semi_axes[3];
   /*
-   Velocity of the centre; components up to 1e25. See `EllgranStep`.
+   Velocity of the centre; components up to 1e25. That of the half step (see `EllgranStep`), or of the step with
+   `velocities_of_step`.
    */
   double velocity[3];
   /*
@@ -312,6 +313,20 @@ typedef struct EllgranBody {
    Number by which error messages name the body.
    */
   int64_t identifier;
+  /*
+   With `velocities_of_step`: what `velocity` has more than the velocity of the half step.
+   */
+  double velocity_change[3];
+  /*
+   With `velocities_of_step`: what `angular_velocity` has more than that of the half step.
+   */
+  double angular_velocity_change[3];
+  /*
+   1: the velocities are those of the step at which the force is computed, as with `velocity_changes` of
+   `EllgranParticles`, which says what the law then does. If one of two bodies has it, the other one is taken to be in
+   steady motion. 0: they are those of the half step, and the changes are not read.
+   */
+  int64_t velocities_of_step;
 } EllgranBody;
 
 /*
@@ -2430,6 +2445,17 @@ int32_t ellgran_staged_new(struct EllgranStagedContact **staged);
  `staged` is NULL or came from `ellgran_staged_new` and is not used again.
  */
 void ellgran_staged_free(struct EllgranStagedContact *staged);
+
+/*
+ Tells the time step of the contacts that follow, from 0 to 1e15, for `ellgran_staged_normal`: where velocities are those of the step
+ (`velocity_changes` of `EllgranParticles`), the viscous force of a contact that began within the step is such that the sum over the
+ steps has the impulse of its begin. 0, as in a new `EllgranStagedContact`: it is what the velocities make it.
+
+ # Safety
+ `staged` is NULL or valid.
+ */
+int32_t ellgran_staged_set_time_step(struct EllgranStagedContact *staged,
+                                     double time_step);
 
 /*
  Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is allowed; masses are not

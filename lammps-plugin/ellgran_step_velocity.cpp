@@ -163,14 +163,31 @@ void FixEllgranStepVelocity::replace_velocities(EllgranParticles &particles, boo
       velocities[3 * i + k] = atom->v[i][k] + difference[i][k];
       angular_momenta[3 * i + k] = atom->angmom[i][k] + difference[i][3 + k];
     }
+  if (particles.velocity_changes) keep_velocities_of_step(particles, count);
   particles.velocities = velocities.data();
   particles.angular_momenta = angular_momenta.data();
+}
+
+/* `fix move` has the velocities of the step in `v`. Those of a rigid body are known at the half step alone. */
+
+void FixEllgranStepVelocity::keep_velocities_of_step(EllgranParticles &particles, int count)
+{
+  changes.assign(particles.velocity_changes, particles.velocity_changes + DIFFERENCES * static_cast<std::size_t>(count));
+  for (int i = 0; i < count; i++) {
+    if (!(atom->mask[i] & moved_bits) || (atom->mask[i] & rigid_bits)) continue;
+    for (int k = 0; k < 3; k++) {
+      velocities[3 * i + k] = atom->v[i][k];
+      angular_momenta[3 * i + k] = atom->angmom[i][k];
+    }
+    for (int k = 0; k < DIFFERENCES; k++) changes[DIFFERENCES * static_cast<std::size_t>(i) + k] = -difference[i][k];
+  }
+  particles.velocity_changes = changes.data();
 }
 
 double FixEllgranStepVelocity::memory_usage()
 {
   const double counts = static_cast<double>(DIFFERENCES + STARTS) * atom->nmax +
-      static_cast<double>(velocities.capacity() + angular_momenta.capacity());
+      static_cast<double>(velocities.capacity() + angular_momenta.capacity() + changes.capacity());
   return counts * sizeof(double);
 }
 

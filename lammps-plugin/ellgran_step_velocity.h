@@ -35,7 +35,8 @@ class FixEllgranStepVelocity : public Fix {
   static bool needed(class Modify *modify);
 
   /// Lets `velocities` and `angular_momenta` point to those over the last step where the atoms' own are not those; of
-  /// ghosts too if asked for. With ghosts it communicates: all processors call it in the same step.
+  /// ghosts too if asked for. Where `velocity_changes` are lent, those that are velocities of the step stay, and their changes become
+  /// what they have more than those over the step. With ghosts it communicates: all processors call it in the same step.
   void replace_velocities(EllgranParticles &particles, bool with_ghosts);
 
   double memory_usage() override;
@@ -57,9 +58,10 @@ class FixEllgranStepVelocity : public Fix {
   int rigid_bits;         // groups of rigid bodies
   double **difference;    // velocity and angular momentum over the last step less the atom's own
   double **start;         // position, velocity, quaternion when the step began, valid until atoms change processors
-  std::vector<double> velocities, angular_momenta;
+  std::vector<double> velocities, angular_momenta, changes;
 
   void store_start(int i);
+  void keep_velocities_of_step(EllgranParticles &particles, int count);
 };
 
 /// Adds the fix under a name that begins with `prefix` and is not taken; the owner deletes it by its ID.

@@ -34,7 +34,7 @@ constexpr double UNKNOWN = std::numeric_limits<double>::infinity();
 
 FixNVEEllipsoid::FixNVEEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), atoms(lmp, "Fix nve/ellipsoid"), workspace(nullptr), of_step(true), keeper(nullptr),
-    swapped_bits(0), time_step_before(0.0), changes(nullptr), loads_before(nullptr)
+    step_bits(0), groups_change(false), swapped(false), time_step_before(0.0), changes(nullptr), loads_before(nullptr)
 {
   for (int k = 3; k < narg; k += 2) {
     if (std::strcmp(arg[k], "velocities") != 0)
@@ -65,6 +65,7 @@ FixNVEEllipsoid::FixNVEEllipsoid(LAMMPS *lmp, int narg, char **arg) :
 FixNVEEllipsoid::~FixNVEEllipsoid()
 {
   if (of_step) {
+    leave_to_another();
     atom->delete_callback(id, Atom::GROW);
     atom->delete_callback(id, Atom::RESTART);
     memory->destroy(changes);
@@ -76,8 +77,8 @@ FixNVEEllipsoid::~FixNVEEllipsoid()
 int FixNVEEllipsoid::setmask()
 {
   int mask = INITIAL_INTEGRATE | FINAL_INTEGRATE | INITIAL_INTEGRATE_RESPA | FINAL_INTEGRATE_RESPA;
-  // For what is to be done when a run starts.
-  if (of_step) mask |= PRE_EXCHANGE | PRE_FORCE;
+  // For what is to be done when a run starts, and for atoms that leave a dynamic group.
+  if (of_step) mask |= PRE_EXCHANGE | PRE_FORCE | POST_FORCE;
   return mask;
 }
 
@@ -88,22 +89,49 @@ void FixNVEEllipsoid::init()
                update->unit_style);
   atoms.require_shapes(groupbit);
   keeper = of_step ? keeper_of(modify) : nullptr;
-  swapped_bits = 0;
+  swapped = false;
   if (!of_step) return;
+  step_bits = 0;
+  groups_change = false;
+  for (const auto *fix : all_of_step(modify)) {
+    step_bits |= fix->groupbit;
+    if (group->dynamic[fix->igroup]) groups_change = true;
+  }
   if (!keeper && comm->me == 0)
     error->warning(FLERR, "Fix nve/ellipsoid: with run_style respa forces see velocities of the half step");
-  // A minimisation changes forces while no time passes, and `rerun` brings other atoms.
-  if (update->whichflag == 2 || (input->command && std::strcmp(input->command, "rerun") == 0)) forget();
+  // A minimisation changes forces while no time passes, `rerun` brings other atoms, and rRESPA knows nothing of what is kept here.
+  if (!keeper || update->whichflag == 2 || (input->command && std::strcmp(input->command, "rerun") == 0)) forget();
+  if (this == keeper) forget_others();
+}
+
+std::vector<FixNVEEllipsoid *> FixNVEEllipsoid::all_of_step(Modify *modify)
+{
+  std::vector<FixNVEEllipsoid *> all;
+  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
+    auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
+    if (found && found->of_step) all.push_back(found);
+  }
+  return all;
 }
 
 FixNVEEllipsoid *FixNVEEllipsoid::keeper_of(Modify *modify)
 {
-  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
-    auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
-    if (found && found->of_step)
-      return utils::strmatch(found->update->integrate_style, "^respa") ? nullptr : found;
+  const auto all = all_of_step(modify);
+  if (all.empty() || utils::strmatch(all.front()->update->integrate_style, "^respa")) return nullptr;
+  return all.front();
+}
+
+/* What this fix kept for all is kept by the next one from now on. */
+
+void FixNVEEllipsoid::leave_to_another()
+{
+  const auto all = all_of_step(modify);
+  if (all.size() < 2 || all.front() != this) return;
+  FixNVEEllipsoid *const next = all[1];
+  for (int i = 0; i < atom->nlocal; i++) {
+    std::copy_n(changes[i], CHANGES, next->changes[i]);
+    std::copy_n(loads_before[i], LOADS, next->loads_before[i]);
   }
-  return nullptr;
 }
 
 /* Nothing is known of the steps before: the velocities that the forces saw are those that there are. */
@@ -114,51 +142,57 @@ void FixNVEEllipsoid::forget()
   time_step_before = 0.0;
 }
 
+/* Atoms that no fix of this style moves any more have the velocities that there are. */
+
+void FixNVEEllipsoid::forget_others()
+{
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->mask[i] & step_bits)) FixNVEEllipsoid::set_arrays(i);
+}
+
 /* LAMMPS computes forces anew when a run starts. They must be those with which the last run ended: of the velocities that
    these saw, on images too. What reads velocities when all is set up shall see those of the step. */
 
 void FixNVEEllipsoid::setup_pre_exchange()
 {
-  swap(1.0);
+  // `write_data` calls this too, and no run begins.
+  if (keeper && update->setupflag) keeper->swap(1.0);
 }
 
 void FixNVEEllipsoid::setup_pre_force(int)
 {
   // 'run ... pre no' exchanges no atoms: images still have the velocities of the last forces.
-  swap(1.0);
+  if (keeper) keeper->swap(1.0);
 }
 
 void FixNVEEllipsoid::setup(int)
 {
-  swap(-1.0);
+  if (keeper && all_of_step(modify).back() == this) keeper->swap(-1.0);
 }
+
+/* Of all atoms: changes are 0 where no fix of this style moves them, and a dynamic group may change between the two swaps. */
 
 void FixNVEEllipsoid::swap(double sign)
 {
-  if (!keeper) return;
-  const bool swapped = keeper->swapped_bits & groupbit;
-  if (swapped == (sign > 0.0)) return;
-  keeper->swapped_bits ^= groupbit;
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit)) continue;
-    const double *const change = keeper->changes[i];
+  if (this != keeper || swapped == (sign > 0.0)) return;
+  swapped = !swapped;
+  for (int i = 0; i < atom->nlocal; i++)
     for (int k = 0; k < 3; k++) {
-      atom->v[i][k] += sign * change[k];
-      atom->angmom[i][k] += sign * change[3 + k];
+      atom->v[i][k] += sign * changes[i][k];
+      atom->angmom[i][k] += sign * changes[i][3 + k];
     }
-  }
 }
 
 void FixNVEEllipsoid::with_integrated_velocities(Modify *modify, const std::function<void()> &action)
 {
-  std::vector<FixNVEEllipsoid *> swapped;
-  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
-    auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
-    if (found && found->keeper && (found->keeper->swapped_bits & found->groupbit)) swapped.push_back(found);
+  FixNVEEllipsoid *const found = keeper_of(modify);
+  if (!found || !found->swapped) {
+    action();
+    return;
   }
-  for (auto *fix : swapped) fix->swap(-1.0);
+  found->swap(-1.0);
   action();
-  for (auto *fix : swapped) fix->swap(1.0);
+  found->swap(1.0);
 }
 
 void FixNVEEllipsoid::lend_changes(EllgranParticles &particles, bool with_ghosts)
@@ -166,16 +200,14 @@ void FixNVEEllipsoid::lend_changes(EllgranParticles &particles, bool with_ghosts
   if (with_ghosts) comm->forward_comm(this);
   if (atom->nlocal + atom->nghost == 0) return;
   particles.velocity_changes = changes[0];
-  if (!update->setupflag || update->whichflag != 1) return;
+  if (!update->setupflag || update->whichflag != 1 || swapped) return;
   velocities.assign(particles.velocities, particles.velocities + 3 * particles.count);
   angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * particles.count);
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (atom->mask[i] & swapped_bits) continue;
+  for (int i = 0; i < atom->nlocal; i++)
     for (int k = 0; k < 3; k++) {
       velocities[3 * i + k] += changes[i][k];
       angular_momenta[3 * i + k] += changes[i][3 + k];
     }
-  }
   particles.velocities = velocities.data();
   particles.angular_momenta = angular_momenta.data();
 }
@@ -212,10 +244,8 @@ EllgranMotion FixNVEEllipsoid::motion() const
 
 void FixNVEEllipsoid::start(double time_step)
 {
-  // What has left the group no longer differs.
-  if (keeper && group->dynamic[igroup])
-    for (int i = 0; i < atom->nlocal; i++)
-      if (!(atom->mask[i] & groupbit)) keeper->set_arrays(i);
+  // When the run started a dynamic group may have lost atoms after forces were computed.
+  if (this == keeper && groups_change) forget_others();
   const EllgranMotion grains = motion();
   if (ellgran_start_step(workspace, &grains, time_step) != ELLGRAN_SUCCESS)
     error->one(FLERR, "Fix nve/ellipsoid: {}", ellgran_last_error());
@@ -232,6 +262,21 @@ void FixNVEEllipsoid::finish(double time_step)
 void FixNVEEllipsoid::initial_integrate(int)
 {
   start(update->dt);
+}
+
+/* LAMMPS makes dynamic groups anew when forces are known. From velocities of the half step any integrator goes on. */
+
+void FixNVEEllipsoid::post_force(int)
+{
+  if (this != keeper || !groups_change) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (atom->mask[i] & step_bits) continue;
+    for (int k = 0; k < 3; k++) {
+      atom->v[i][k] -= changes[i][k];
+      atom->angmom[i][k] -= changes[i][3 + k];
+    }
+    FixNVEEllipsoid::set_arrays(i);
+  }
 }
 
 void FixNVEEllipsoid::final_integrate()
@@ -326,6 +371,8 @@ int FixNVEEllipsoid::pack_restart(int i, double *buffer)
 
 void FixNVEEllipsoid::unpack_restart(int nlocal, int nth)
 {
+  // 'velocities half' under the ID of a fix of the file that had velocities of the step.
+  if (!of_step) return;
   double *extra = atom->extra[nlocal];
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   if (static_cast<int>(extra[0]) != 1 + STATE)

@@ -36,6 +36,7 @@ class FixNVEEllipsoid : public Fix {
   void setup_pre_force(int) override;
   void setup(int) override;
   void initial_integrate(int) override;
+  void post_force(int) override;
   void final_integrate() override;
   void initial_integrate_respa(int, int, int) override;
   void final_integrate_respa(int, int) override;
@@ -76,7 +77,9 @@ class FixNVEEllipsoid : public Fix {
   EllgranWorkspace *workspace;
   bool of_step;              // the word `velocities step`: forces see velocities of the step
   FixNVEEllipsoid *keeper;   // has the arrays for this fix too; nullptr: velocities of the half step
-  int swapped_bits;          // of the keeper, while a run starts: groups whose `v` is what the last forces saw
+  int step_bits;             // groups of all fixes with velocities of the step
+  bool groups_change;        // some of these are dynamic
+  bool swapped;              // of the keeper, while a run starts: `v` is what the last forces saw
   double time_step_before;   // 0: not known
 
   // With the velocity changes of the half step while forces are computed, with those to the velocities that the last
@@ -91,6 +94,10 @@ class FixNVEEllipsoid : public Fix {
   void finish(double time_step);
   void swap(double sign);
   void forget();
+  void forget_others();
+  void leave_to_another();
+  // The fixes of this style with velocities of the step, in LAMMPS' order; the first one is the keeper.
+  static std::vector<FixNVEEllipsoid *> all_of_step(class Modify *modify);
 };
 
 }    // namespace LAMMPS_NS

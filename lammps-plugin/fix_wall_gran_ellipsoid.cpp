@@ -662,8 +662,8 @@ void FixWallGranEllipsoid::post_force(int)
 
   if (atom->nlocal > 0) {
     EllgranParticles particles = atoms.view();
-    if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
+    if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));

@@ -243,10 +243,10 @@ void PairGranEllipsoid::write_history()
 void PairGranEllipsoid::add_forces()
 {
   EllgranParticles particles = atoms.view();
-  if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   // Without friction the law takes the velocities of the step for all, and nobody asks for those of the half step.
   const bool half_step_wanted = work_wanted || evaluation_wanted || ellgran_laws_memory_offset(laws) >= 0;
   if (velocities_of_step) velocities_of_step->lend_changes(particles, half_step_wanted);
+  if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
@@ -392,14 +392,12 @@ void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
   if (e.count > 0) {
     e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
     e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
-    // A single contact is computed with velocities of the half step alone.
-    if (const double *change = particles.velocity_changes; change)
-      for (int i = 0; i < e.count; i++, change += 6)
-        for (int k = 0; k < 3; k++) {
-          e.velocities[3 * i + k] -= change[k];
-          e.angular_momenta[3 * i + k] -= change[3 + k];
-        }
   }
+  e.of_step = particles.velocity_changes != nullptr;
+  e.changes.assign(e.of_step ? 6 * static_cast<std::size_t>(e.count) : 0, 0.0);
+  // Without friction the library does not read them.
+  if (e.of_step && e.count > 0 && ellgran_laws_memory_offset(laws) >= 0)
+    std::copy_n(particles.velocity_changes, e.changes.size(), e.changes.begin());
   e.rows.assign(e.count, -1);
   e.touching.clear();
   e.history.clear();
@@ -1053,9 +1051,16 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   // The force that acted: computed once more from what it was computed from.
   const bool recorded = evaluation.count == atom->nlocal + atom->nghost;
   const auto body = [&](int k) {
-    return recorded ? atoms.body(k, contact_mass(k), &evaluation.velocities[3 * k],
-                                 &evaluation.angular_momenta[3 * k])
-                    : atoms.body(k, contact_mass(k));
+    if (!recorded) return atoms.body(k, contact_mass(k));
+    EllgranBody found = atoms.body(k, contact_mass(k), &evaluation.velocities[3 * k], &evaluation.angular_momenta[3 * k]);
+    if (!evaluation.of_step) return found;
+    found.velocities_of_step = 1;
+    const double *const change = &evaluation.changes[6 * static_cast<std::size_t>(k)];
+    std::copy_n(change, 3, found.velocity_change);
+    // Angular velocities are linear in angular momenta.
+    const EllgranBody of_change = atoms.body(k, found.mass, change, change + 3);
+    std::copy_n(of_change.angular_velocity, 3, found.angular_velocity_change);
+    return found;
   };
   const EllgranBody body_i = body(i), body_j = body(j);
   int touching = 0;
@@ -1120,7 +1125,7 @@ double PairGranEllipsoid::memory_usage()
   bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
   bytes += static_cast<double>(inelastic_loads.capacity()) * sizeof(double);
   const Evaluation &e = evaluation;
-  bytes += static_cast<double>(e.velocities.capacity() + e.angular_momenta.capacity() +
+  bytes += static_cast<double>(e.velocities.capacity() + e.angular_momenta.capacity() + e.changes.capacity() +
                                e.history.capacity()) * sizeof(double);
   bytes += static_cast<double>(e.rows.capacity() + e.touching.capacity()) * sizeof(int);
   bytes += static_cast<double>(ellgran_workspace_bytes(workspace));

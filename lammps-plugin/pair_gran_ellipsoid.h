@@ -99,6 +99,8 @@ class PairGranEllipsoid : public Pair {
     EllgranStep step = ELLGRAN_INIT(EllgranStep);
     int count = -1;    // atoms, ghosts included; -1: nothing recorded
     std::vector<double> velocities, angular_momenta;
+    bool of_step = false;           // these are velocities of the step
+    std::vector<double> changes;    // 6 of each atom: what they then have more than those of the half step
     std::vector<int> rows;    // of each atom: place of its first neighbour, -1 for none
     std::vector<int> touching;
     std::vector<double> history;

@@ -15,6 +15,7 @@
 #include "error.h"
 #include "ellgran_shape.h"
 #include "fix_ellgran_restart_format.h"
+#include "fix_nve_ellipsoid.h"
 #include "fix_wall_gran.h"
 #include "force.h"
 #include "global_properties.h"
@@ -85,6 +86,13 @@ EllgranContact *EllgranContact::of(const IContactHistorySetup *owner)
   for (Table::iterator entry = table().begin(); entry != table().end(); ++entry)
     if (entry->second->owner == owner) return entry->second;
   return NULL;
+}
+
+bool EllgranContact::any_has_friction()
+{
+  for (Table::iterator entry = table().begin(); entry != table().end(); ++entry)
+    if (entry->second->tangential_is_tfd) return true;
+  return false;
 }
 
 EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
@@ -330,12 +338,14 @@ EllgranParticles EllgranContact::particles() const
   all.identifier_bytes = sizeof(atom->tag[0]);
   all.forces = atom->f[0];
   all.torques = atom->torque[0];
+  FixNVEEllipsoid::lend_velocities(lmp, all);
   return all;
 }
 
 void EllgranContact::prepare_particles()
 {
   const EllgranParticles all = particles();
+  check(ellgran_staged_set_time_step(staged, lmp->update->dt));
   check(ellgran_staged_prepare(staged, &all));
 }
 

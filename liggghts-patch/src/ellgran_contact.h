@@ -31,6 +31,8 @@ struct EllgranContact {
   static void release(ContactModelBase *model);
   // that of the pair style or wall which keeps this contact history; NULL if it has no model of ours
   static EllgranContact *of(const IContactHistorySetup *owner);
+  // whether any contact model has tangential tfd
+  static bool any_has_friction();
 
   IContactHistorySetup *owner;
   EllgranStagedContact *staged;
@@ -85,7 +87,7 @@ struct EllgranContact {
   // of the contact at hand, but for its forces
   EllgranContactReport geometry_report() const;
 
-  // all particles as the library reads them, checked
+  // all particles as the library reads them, checked, with the velocities that forces see
   EllgranParticles particles() const;
   // the laws with the coefficients of friction of tangential tfd; NULL without model nfd
   const EllgranLaws *laws_with_friction();

@@ -356,6 +356,7 @@ void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
 {
   EllgranContact *const model = EllgranContact::of(this);
   const EllgranParticles particles = model->particles();
+  check(ellgran_staged_set_time_step(model->staged, update->dt));
   double *const remembered = memory_ ? memory_[0] : NULL;
   check(ellgran_find_wall_contacts(workspace_, wall_, &particles, atom->mask, groupbit, motion, dnum_, remembered));
   const size_t count = ellgran_wall_found_count(wall_);

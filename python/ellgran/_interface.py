@@ -58,6 +58,9 @@ class EllgranBody(ctypes.Structure):
         ("mass", ctypes.c_double),
         ("particle_type", ctypes.c_int32),
         ("identifier", ctypes.c_int64),
+        ("velocity_change", ctypes.c_double * 3),
+        ("angular_velocity_change", ctypes.c_double * 3),
+        ("velocities_of_step", ctypes.c_int64),
     ]
 
 
@@ -508,6 +511,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_step_for_error": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_staged_free": (None, [ctypes.c_void_p]),
+    "ellgran_staged_set_time_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double]),
     "ellgran_staged_prepare": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_neighbours": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_staged_pair": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p]),

@@ -8,6 +8,7 @@ use super::plane::EllgranPlane;
 use super::status::{
     at_border, required, slice_mut, Failure, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
+use crate::contact::forces::MotionChange;
 use crate::contact::one_contact::{geometry, one_contact_or_gap};
 use crate::contact::{
     one_contact, prepare_body, Body, ContactForces, HistoryLayout, Laws, OneContact, Particle, Step,
@@ -28,7 +29,8 @@ pub struct EllgranBody {
     pub quaternion: [f64; 4],
     /// Semi-axes along the body axes, from 1e-20 to 1e20, the largest at most 1e6 times the smallest.
     pub semi_axes: [f64; 3],
-    /// Velocity of the centre; components up to 1e25. See `EllgranStep`.
+    /// Velocity of the centre; components up to 1e25. That of the half step (see `EllgranStep`), or of the step with
+    /// `velocities_of_step`.
     pub velocity: [f64; 3],
     /// Angular velocity, world frame; components up to 1e25.
     pub angular_velocity: [f64; 3],
@@ -39,9 +41,17 @@ pub struct EllgranBody {
     pub particle_type: i32,
     /// Number by which error messages name the body.
     pub identifier: i64,
+    /// With `velocities_of_step`: what `velocity` has more than the velocity of the half step.
+    pub velocity_change: [f64; 3],
+    /// With `velocities_of_step`: what `angular_velocity` has more than that of the half step.
+    pub angular_velocity_change: [f64; 3],
+    /// 1: the velocities are those of the step at which the force is computed, as with `velocity_changes` of
+    /// `EllgranParticles`, which says what the law then does. If one of two bodies has it, the other one is taken to be in
+    /// steady motion. 0: they are those of the half step, and the changes are not read.
+    pub velocities_of_step: i64,
 }
 
-growing!(EllgranBody);
+growing!(EllgranBody, identifier: i64);
 
 /// Geometry of a contact.
 #[repr(C)]
@@ -115,20 +125,35 @@ growing!(EllgranContactForce);
 
 impl EllgranBody {
     pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
-        prepare_body(
+        let of_step = self.velocities_of_step != 0;
+        let half = |now: [f64; 3], change: [f64; 3]| {
+            if of_step {
+                core::array::from_fn(|k| now[k] - change[k])
+            } else {
+                now
+            }
+        };
+        let particle = prepare_body(
             &Body {
                 position: self.position,
                 quaternion: self.quaternion,
                 semi_axes: self.semi_axes,
-                velocity: self.velocity,
-                angular_velocity: self.angular_velocity,
+                velocity: half(self.velocity, self.velocity_change),
+                angular_velocity: half(self.angular_velocity, self.angular_velocity_change),
                 mass: self.mass,
                 particle_type: self.particle_type,
                 identifier: self.identifier,
             },
             types,
         )
-        .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+        .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))?;
+        Ok(Particle {
+            change: of_step.then(|| MotionChange {
+                velocity: Vector3::from_array(self.velocity_change),
+                omega: Vector3::from_array(self.angular_velocity_change),
+            }),
+            ..particle
+        })
     }
 }
 

@@ -199,19 +199,24 @@ pub unsafe extern "C" fn ellgran_workspace_deep_contacts_count(
     unsafe { workspace.as_ref() }.map_or(0, |w| w.workspace.deep_contacts as i64)
 }
 
+pub(super) fn checked_time_step(time_step: f64) -> Result<f64, Failure> {
+    if (0.0..=LONGEST_TIME_STEP).contains(&time_step) {
+        Ok(time_step)
+    } else {
+        Err(Failure::new(
+            ELLGRAN_ERROR_ARGUMENT,
+            format!(
+                "time_step = {} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}",
+                Number(time_step)
+            ),
+        ))
+    }
+}
+
 impl EllgranStep {
     pub(super) fn to_core(self) -> Result<Step, Failure> {
-        if !(0.0..=LONGEST_TIME_STEP).contains(&self.time_step) {
-            return Err(Failure::new(
-                ELLGRAN_ERROR_ARGUMENT,
-                format!(
-                    "time_step = {} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}",
-                    Number(self.time_step)
-                ),
-            ));
-        }
         Ok(Step {
-            time_step: self.time_step,
+            time_step: checked_time_step(self.time_step)?,
             advance_history: self.advance_history != 0,
         })
     }
@@ -317,8 +322,8 @@ pub(super) unsafe fn prepare(
     } else {
         &[]
     };
-    // Without friction nothing asks for the half step: the velocities of the step serve for all.
-    let changes = if laws.is_some_and(|l| l.features().friction) {
+    // Without friction nothing asks for the half step: the velocities of the step serve for all. Without laws it is not known.
+    let changes = if laws.is_none_or(|l| l.features().friction) {
         // SAFETY: promised by the caller.
         unsafe { changes(p, count) }
     } else {

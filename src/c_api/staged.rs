@@ -5,8 +5,8 @@ use super::contact::{force_of, EllgranBody, EllgranContactForce};
 use super::growing::{given, growing, Output};
 use super::law::{check_type, EllgranLaws};
 use super::particles::{
-    hale_failure, history_failure, identifier, prepare, result_failure, EllgranParticles,
-    EllgranStep, Purpose,
+    checked_time_step, hale_failure, history_failure, identifier, prepare, result_failure,
+    EllgranParticles, EllgranStep, Purpose,
 };
 use super::status::{
     at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
@@ -179,6 +179,8 @@ growing!(EllgranStagedPast);
 pub struct EllgranStagedContact {
     pub(super) contact: Option<StagedContact>,
     pub(super) identifiers: (i64, Option<i64>),
+    /// For the begin of contacts, of normal forces alone.
+    time_step: f64,
     /// The particles of a step, and what to call them.
     workspace: Workspace,
     names: Vec<i64>,
@@ -262,6 +264,7 @@ pub unsafe extern "C" fn ellgran_staged_new(staged: *mut *mut EllgranStagedConta
         *out = Box::into_raw(Box::new(EllgranStagedContact {
             contact: None,
             identifiers: (0, None),
+            time_step: 0.0,
             workspace: Workspace::new(InstructionSet::Scalar),
             names: Vec::new(),
         }));
@@ -279,6 +282,25 @@ pub unsafe extern "C" fn ellgran_staged_free(staged: *mut EllgranStagedContact) 
         // SAFETY: promised by the caller.
         drop(unsafe { Box::from_raw(staged) });
     }
+}
+
+/// Tells the time step of the contacts that follow, from 0 to 1e15, for `ellgran_staged_normal`: where velocities are those of the step
+/// (`velocity_changes` of `EllgranParticles`), the viscous force of a contact that began within the step is such that the sum over the
+/// steps has the impulse of its begin. 0, as in a new `EllgranStagedContact`: it is what the velocities make it.
+///
+/// # Safety
+/// `staged` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_staged_set_time_step(
+    staged: *mut EllgranStagedContact,
+    time_step: f64,
+) -> i32 {
+    at_border("ellgran_staged_set_time_step", || {
+        // SAFETY: promised by the caller.
+        let staged = unsafe { required_mut(staged, "staged") }?;
+        staged.time_step = checked_time_step(time_step)?;
+        Ok(())
+    })
 }
 
 /// Checks and prepares all particles of a step, for `ellgran_staged_neighbours`. Any type from 1 is allowed; masses are not
@@ -536,7 +558,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
         let contact = staged.known()?;
         let effective_mass = checked_mass(law, effective_mass)?;
         let f = contact
-            .normal_force(law, effective_mass)
+            .normal_force(law, effective_mass, staged.time_step)
             .map_err(|ratio| staged.hale(ratio))?;
         let result = force_of(None, &f);
         result.check(staged.identifiers.0, staged.identifiers.1)?;

@@ -534,7 +534,8 @@ pub fn contact_forces<
     let at_step = motion.at_step::<WALL>(x);
     let rate = at_step.rate;
     let viscous_rate = match x.begin_time {
-        Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, motion.rate, time),
+        // By the rate at the step, which is the same where a run goes on from it.
+        Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, rate, time),
         None => rate,
     };
     let normal = normal_force(
@@ -615,7 +616,7 @@ pub fn contact_forces<
             match x.begin_time {
                 Some(time) => {
                     let begin = kinds.tangential.begin();
-                    velocity_at_step * begin_factor(begin, x.penetration, motion.rate, time)
+                    velocity_at_step * begin_factor(begin, x.penetration, rate, time)
                 }
                 None => velocity_at_step,
             },

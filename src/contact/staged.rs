@@ -174,7 +174,8 @@ impl StagedContact {
         std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
     }
 
-    /// Normal force and the further terms of the conservative law, without the tangential force.
+    /// Normal force and the further terms of the conservative law, without the tangential force. The time step is for the begin
+    /// of contacts whose velocities are those of the step; 0: not known.
     ///
     /// # Errors
     /// Only with `factors hale`.
@@ -182,11 +183,13 @@ impl StagedContact {
         &self,
         law: &PairLaw,
         effective_mass: f64,
+        time_step: f64,
     ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
         law.kinds.tangential.law = Tangential::None;
         let x = Contact {
             effective_mass,
+            begin_time: self.x.changes.map(|_| time_step),
             ..self.x
         };
         let nothing = Remembered {
@@ -266,6 +269,7 @@ impl StagedContact {
         }
         let x = Contact {
             effective_mass,
+            begin_time: self.x.changes.map(|_| step.time_step),
             ..self.x
         };
         let known = past.touched && past.normal.is_unit();

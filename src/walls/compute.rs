@@ -301,7 +301,10 @@ fn check_factors(wall: &Wall, input: &WallInput<'_>) -> Result<(), WallError> {
     }
     for c in wall.found.all() {
         let i = &input.near[c.near];
-        if let Err(ratio) = c.contact.normal_force(law_of(input, i), effective_mass(i)) {
+        if let Err(ratio) = c
+            .contact
+            .normal_force(law_of(input, i), effective_mass(i), 0.0)
+        {
             return Err(WallError::Hale {
                 particle: c.particle,
                 ratio: ratio.0,

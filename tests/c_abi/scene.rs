@@ -302,6 +302,9 @@ pub fn sphere_at(x: f64) -> EllgranBody {
         mass: 1.0,
         particle_type: 1,
         identifier: 7,
+        velocity_change: [0.0; 3],
+        angular_velocity_change: [0.0; 3],
+        velocities_of_step: 0,
     }
 }
 
@@ -312,7 +315,6 @@ pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
         .map(|k| {
             let lattice = [k % 4, k / 4 % 4, k / 16].map(|c| 2.0 * c as f64);
             EllgranBody {
-                size: size_of::<EllgranBody>(),
                 position: lattice.map(|c| c + random.between(-0.1, 0.1)),
                 quaternion: random.vector(-1.0, 1.0),
                 semi_axes: random.vector(0.7, 1.35),
@@ -321,6 +323,7 @@ pub fn random_bodies(seed: u64) -> Vec<EllgranBody> {
                 mass: random.between(0.5, 2.0),
                 particle_type: 1 + (k % 2),
                 identifier: 1000 + i64::from(k),
+                ..sphere_at(0.0)
             }
         })
         .collect();
@@ -363,6 +366,8 @@ pub struct Arrays {
     pub identifiers: Vec<i64>,
     pub forces: Vec<[f64; 3]>,
     pub torques: Vec<[f64; 3]>,
+    /// Empty where the velocities of all bodies are those of the half step.
+    pub velocity_changes: Vec<[f64; 6]>,
 }
 
 impl Arrays {
@@ -382,6 +387,14 @@ impl Arrays {
             identifiers: all(bodies, |b| b.identifier),
             forces: vec![[0.0; 3]; bodies.len()],
             torques: vec![[0.0; 3]; bodies.len()],
+            velocity_changes: bodies
+                .iter()
+                .filter(|b| b.velocities_of_step != 0)
+                .map(|b| {
+                    let ([x, y, z], [a, b, c]) = (b.velocity_change, b.angular_velocity_change);
+                    [x, y, z, a, b, c]
+                })
+                .collect(),
         }
     }
 
@@ -406,7 +419,12 @@ impl Arrays {
             identifier_bytes: 8,
             forces: self.forces.as_mut_ptr().cast(),
             torques: self.torques.as_mut_ptr().cast(),
-            velocity_changes: ptr::null(),
+            velocity_changes: if self.velocity_changes.is_empty() {
+                ptr::null()
+            } else {
+                assert_eq!(self.velocity_changes.len(), self.positions.len());
+                self.velocity_changes.as_ptr().cast()
+            },
         }
     }
 }

@@ -135,6 +135,7 @@ fn pointers_of_the_stages() {
         }
         let p = crowd.particles();
         is_null(ellgran_staged_prepare(null_mut(), &p), "staged");
+        is_null(ellgran_staged_set_time_step(null_mut(), 1.0), "staged");
         is_null(ellgran_staged_prepare(s, null()), "particles");
         let call = |s, n, g| ellgran_staged_neighbours(s, 0, 1, 0.5, n, g);
         is_null(call(null_mut(), n, g), "staged");
@@ -244,6 +245,10 @@ fn values_of_the_stages() {
             &["direction"],
         );
         assert_eq!(start, [0.0; 3]);
+        for time_step in [-1.0, f64::NAN, 2e15] {
+            let status = ellgran_staged_set_time_step(s, time_step);
+            fails(status, argument, &["time_step", "at most 1e15"]);
+        }
 
         let mut found = Untouched::sized();
         ok(ellgran_staged_pair(
@@ -306,6 +311,14 @@ fn stages_of_a_pair_add_up_to_the_contact() {
     for k in 0..20 {
         let bodies = random_bodies(40 + k);
         let (mut i, mut j) = (bodies[k as usize], bodies[k as usize + 1]);
+        // Half of them with velocities of the step, contacts that begin within it among them.
+        if k % 2 == 1 {
+            for body in [&mut i, &mut j] {
+                body.velocities_of_step = 1;
+                body.velocity_change = body.velocity.map(|v| 0.1 * v);
+                body.angular_velocity_change = body.angular_velocity.map(|w| -0.2 * w);
+            }
+        }
         let (mut start, mut beside) = ([0.0; 3], [0.0; 3]);
         let (mut memory, mut memory_of_both) = ([0.0; 4], [0.0; 4]);
         let mut past = PAST;
@@ -338,6 +351,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                     start.as_mut_ptr(),
                     geometry.pointer(),
                 ));
+                ok(ellgran_staged_set_time_step(staged.0, STEP.time_step));
                 ok(ellgran_staged_prepare(staged.0, &arrays.particles()));
                 ok(ellgran_staged_neighbours(
                     staged.0,

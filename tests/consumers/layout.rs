@@ -73,7 +73,10 @@ macro_rules! constants {
 fn claims() -> Claims {
     let mut claims = Claims::default();
     structures! { claims:
-        EllgranBody { size, position, quaternion, semi_axes, velocity, angular_velocity, mass, particle_type, identifier }
+        EllgranBody {
+            size, position, quaternion, semi_axes, velocity, angular_velocity, mass, particle_type, identifier,
+            velocity_change, angular_velocity_change, velocities_of_step,
+        }
         EllgranContactGeometry {
             size, touching, penetration, normal, contact_point, witness_i, witness_j, curvature_a, curvature_b,
             major_direction,

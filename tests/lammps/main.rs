@@ -45,6 +45,7 @@ mod tangential_force;
 mod tangential_motion;
 mod time_step;
 mod too_new;
+mod velocities_in_company;
 mod velocities_of_the_step;
 mod wall_material;
 mod wall_stress_files;
