@@ -228,7 +228,14 @@ fn split_and_restarted_runs_go_on_under_viscous_laws() {
         assert!(touching.count() >= 6, "{name}: few grains touch");
         let split = with(
             "split",
-            &["run 100", "write_restart between", "run 0", "run 50", "run 80", "run 70"],
+            &[
+                "run 100",
+                "write_restart between",
+                "run 0",
+                "run 50",
+                "run 80",
+                "run 70",
+            ],
             &[],
             ranks[1],
         );
