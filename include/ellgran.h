@@ -185,6 +185,11 @@ template <typename Type> inline Type init()
 #define ELLGRAN_END_CLOSED 2
 
 /*
+ Doubles that `ellgran_add_pairs_to_step_sums` and `ellgran_add_wall_to_step_sums` keep of each particle.
+ */
+#define ELLGRAN_STEP_SUMS_LENGTH 42
+
+/*
  The call succeeded.
  */
 #define ELLGRAN_SUCCESS 0
@@ -395,7 +400,8 @@ typedef struct EllgranStep {
   /*
    Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
    moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
-   With velocities of the full step the tangential displacement has an error of the order of the time step.
+   With velocities of the full step the tangential displacement has an error of the order of the time step, unless
+   `velocity_changes` of the particles tell what they have more than those of the half step.
    */
   double time_step;
 } EllgranStep;
@@ -529,7 +535,8 @@ typedef struct EllgranParticles {
    */
   const double *positions;
   /*
-   Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
+   Velocities of the centres at the half step (see `EllgranStep`), or at the step with `velocity_changes`, [count][3];
+   components up to 1e25.
    */
   const double *velocities;
   /*
@@ -593,6 +600,15 @@ typedef struct EllgranParticles {
    Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
    */
   double *torques;
+  /*
+   Where velocities and angular momenta (or angular velocities) above are those of the step at which the forces are
+   computed: what they have more than those of the half step before, [count][6], as `ellgran_start_step` writes it. Viscous
+   forces then take the velocities of the step, and those of a contact that began within the step are such that their sum
+   has the impulse of its begin; tangential displacements and the work of forces take the velocities of the half step.
+   Without friction and without `inelastic_loads` of the tallies the values are not read. NULL: the velocities above are
+   those of the half step, and serve for all.
+   */
+  const double *velocity_changes;
 } EllgranParticles;
 
 /*
@@ -1026,6 +1042,22 @@ typedef struct EllgranMotion {
    What to call a body in a message, [count] integers, or NULL: index + 1.
    */
   const void *identifiers;
+  /*
+   NULL: `ellgran_start_step` leaves velocities and angular momenta of the half step. Else [count][6]: it leaves those of
+   the end of the step, extrapolated, for forces that depend on them, and writes here what they have more than those of
+   the half step. `ellgran_finish_step` writes what they had more than those that it leaves, so that between steps the
+   sum of velocities and changes is what the last forces were computed with.
+   */
+  double *velocity_changes;
+  /*
+   Forces and torques of the step before, [count][6]; read and written by `ellgran_start_step` with `velocity_changes`.
+   Where the first component of a body is INFINITY they are not known: the forces of now stand for them.
+   */
+  double *loads_before;
+  /*
+   Time step of the step before, for the extrapolation; 0: the same as that of now.
+   */
+  double time_step_before;
 } EllgranMotion;
 
 /*
@@ -1371,6 +1403,57 @@ typedef struct EllgranServo {
 } EllgranServo;
 
 /*
+ What a set of contacts has in common. Zero before the first contact; each call that is given it adds its contacts.
+ */
+typedef struct EllgranContactExtremes {
+  /*
+   `sizeof(EllgranContactExtremes)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Number of contacts that were added.
+   */
+  int64_t touching_count;
+  /*
+   The duration of the shortest elastic collision, of those that pass through a contact with its present penetration and its present
+   speed along the normal; damping makes it longer. 0: there is none.
+   */
+  double shortest_collision;
+  /*
+   Speed along the normal with which that collision begins.
+   */
+  double collision_speed;
+  /*
+   Normal stiffness of that contact at a penetration of one unit of length, force/length.
+   */
+  double collision_stiffness;
+  /*
+   Acceleration of its penetration by a unit force, rotations included, 1/mass.
+   */
+  double collision_inverse_mass;
+  /*
+   The effective mass that its damping with a coefficient of restitution reads; 0 where no law reads it.
+   */
+  double collision_effective_mass;
+  /*
+   Identifiers of its particles; the second is 0 for a wall.
+   */
+  int64_t collision_identifiers[2];
+  /*
+   Their types.
+   */
+  int32_t collision_types[2];
+  /*
+   The largest penetration over the least semi-axis of the two particles, or of the one at a wall.
+   */
+  double deepest_overlap;
+  /*
+   Identifiers of the particles of that contact; the second is 0 for a wall.
+   */
+  int64_t deepest_identifiers[2];
+} EllgranContactExtremes;
+
+/*
  The surface of a wall where a body touches it.
  */
 typedef struct EllgranWallSurface {
@@ -1473,6 +1556,8 @@ typedef struct EllgranContactStiffness {
    */
   double critical_step;
 } EllgranContactStiffness;
+
+
 
 
 
@@ -1873,8 +1958,8 @@ int32_t ellgran_rayleigh_times(size_t type_count,
                                double *times);
 
 /*
- First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
- end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
+ First half of a step of velocity Verlet: velocities and angular momenta of the half step (or those extrapolated to its end,
+ see `velocity_changes`), positions and quaternions of its end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 
  The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
  moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
@@ -2261,6 +2346,76 @@ int32_t ellgran_moments_of_inertia(size_t count,
                                    double *moments);
 
 /*
+ Adds what the touching pairs of a neighbour list contribute to a bound of the stable step of their particles to `sums`,
+ [count][ELLGRAN_STEP_SUMS_LENGTH], and what is extreme among them to `extremes`, which may be NULL.
+
+ Zero the sums before the first call for a step; those of several lists and of walls add. With `newton` = 1 add the sums of ghosts to
+ those of their owners; with `newton` = 0 ignore them. Then ask `ellgran_stable_step`.
+
+ `masses` are needed: they are those of the inertia, with that of a solid ellipsoid. INFINITY there or in `contact_masses` makes a particle
+ fixed; other `contact_masses` are read by the law alone: of a particle in a rigid body its own mass counts here, which is safe, since to move as
+ one makes no body faster. Forces, histories and the step are not read. This call allocates in its first use of a workspace; do not
+ take one that keeps histories of a list.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as `EllgranParticles`, `EllgranNeighbourList` and this comment state.
+ */
+int32_t ellgran_add_pairs_to_step_sums(const struct EllgranLaws *laws,
+                                       struct EllgranWorkspace *workspace,
+                                       const struct EllgranParticles *particles,
+                                       const struct EllgranNeighbourList *list,
+                                       double *sums,
+                                       struct EllgranContactExtremes *extremes);
+
+/*
+ The same for the contacts with a wall that `ellgran_find_wall_contacts` found in the last call with this workspace and these particles.
+ `wall_types` has the type of the wall at each of them, [ellgran_wall_found_count]; `sums` are those of the owned particles,
+ [owned_count][ELLGRAN_STEP_SUMS_LENGTH]. The wall moves as it is made to, whatever presses on it.
+
+ # Safety
+ The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.
+ */
+int32_t ellgran_add_wall_to_step_sums(const struct EllgranLaws *laws,
+                                      struct EllgranWorkspace *workspace,
+                                      const struct EllgranWall *wall,
+                                      const struct EllgranParticles *particles,
+                                      const int32_t *wall_types,
+                                      double *sums,
+                                      struct EllgranContactExtremes *extremes);
+
+/*
+ The largest time step that is stable by the sums of all contacts, [count][ELLGRAN_STEP_SUMS_LENGTH], and to `limiting` (which may be
+ NULL) the index of the particle that limits it. INFINITY, and -1, where nothing touches. The minimum of several ranks is that of the whole.
+
+ With it, velocity Verlet with damping by the velocities of the half step does not let small motions about the present state grow, friction
+ that does not slip, rotations, lever arms and viscosity included. It is exact at walls and for two equal bodies that meet in their
+ stiffest directions, and below the true limit elsewhere: by a tenth to a fifth in packings, by up to a third for overdamped contacts
+ (docs/theory.md, section 8). Left out are the rotation of the normal, smaller by the penetration over the radii of curvature; that
+ contacts become deeper, and so stiffer; and contacts that slide.
+
+ # Safety
+ The pointers are NULL or valid; `sums` has so many doubles.
+ */
+int32_t ellgran_stable_step(const double *sums,
+                            size_t count,
+                            double *step,
+                            int64_t *limiting);
+
+/*
+ The longest time step with which the shortest collision of `extremes` ends with the right kinetic energy to `error`, from 1e-6 to 0.5, as a
+ part of the energy with which it began: the root of the mean square over first touches anywhere within a step, of a central impact by
+ velocity Verlet with velocities of the half step, which this call integrates. INFINITY where there is no collision. Friction and rotation are not
+ in it: a collision with friction errs by up to a few times as much. The call takes some milliseconds where `error` is small.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_step_for_error(const struct EllgranLaws *laws,
+                               const struct EllgranContactExtremes *extremes,
+                               double error,
+                               double *step);
+
+/*
  Memory for the stages of a contact.
 
  # Safety
@@ -2432,9 +2587,8 @@ const char *ellgran_last_error(void);
  With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
  relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue
  of `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. The stiffness that comes from the rotation of the
- normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. In a packing whose
- particles have at most n contacts each, the smallest critical step divided by sqrt(n) is safe (each contact has a share
- 1/n of the masses: Irons' theorem). The stiffness grows with the penetration: evaluate it at the largest one that you
+ normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. `ellgran_stable_step` has the
+ step of particles with many contacts. The stiffness grows with the penetration: evaluate it at the largest one that you
  expect.
 
  # Safety

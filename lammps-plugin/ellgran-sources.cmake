@@ -4,6 +4,7 @@
 
 set(ELLGRAN_STYLE_SOURCES
   compute_energy_ellipsoid.cpp
+  compute_timestep_ellipsoid.cpp
   create_ellipsoids.cpp
   ellgran_atoms.cpp
   ellgran_energy_balance.cpp
@@ -14,6 +15,7 @@ set(ELLGRAN_STYLE_SOURCES
   ellgran_number_or_variable.cpp
   ellgran_refusals.cpp
   ellgran_region.cpp
+  ellgran_scene_step.cpp
   ellgran_step_limits.cpp
   ellgran_step_velocity.cpp
   ellgran_wall_servo.cpp

@@ -2,6 +2,8 @@
 
 #include "ellgran_energy_balance.h"
 
+#include "fix_nve_ellipsoid.h"
+
 #include "ellgran_restart_format.h"
 #include "ellgran_substitute.h"
 
@@ -120,8 +122,10 @@ void FixEllgranEnergyBalance::setup(int)
   record_box();
   walls_are_ready = false;
   runs = true;
-  start = terms_now();
-  power = contact_power + power_of_motion(spin);
+  FixNVEEllipsoid::with_integrated_velocities(modify, [this] {
+    start = terms_now();
+    power = contact_power + power_of_motion(spin);
+  });
 }
 
 /* Nobody's forces change between the set-up and the first step. */

@@ -5,6 +5,7 @@
 #include "lammpsplugin.h"
 
 #include "compute_energy_ellipsoid.h"
+#include "compute_timestep_ellipsoid.h"
 #include "create_ellipsoids.h"
 #include "ellgran_class_layout.h"
 #include "fix_nve_ellipsoid.h"
@@ -65,6 +66,11 @@ Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
 Compute *create_balance(LAMMPS *lmp, int narg, char **arg)
 {
   return new ComputeEnergyEllipsoid(lmp, narg, arg);
+}
+
+Compute *create_step(LAMMPS *lmp, int narg, char **arg)
+{
+  return new ComputeTimestepEllipsoid(lmp, narg, arg);
 }
 
 Command *create_fill(LAMMPS *lmp)
@@ -197,6 +203,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
       {"fix", "nve/ellipsoid", nullptr, two(&create_integrator)},
       {"fix", "pour/ellipsoid", nullptr, two(&create_pour)},
       {"compute", "energy/ellipsoid", nullptr, two(&create_balance)},
+      {"compute", "timestep/ellipsoid", nullptr, two(&create_step)},
       {"command", "create_ellipsoids", one(&create_fill), nullptr},
   };
 

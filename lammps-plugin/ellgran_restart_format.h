@@ -43,6 +43,13 @@ constexpr int WALL_FORMAT = 3;
 /// | 1 | 1; for each column of the compute its change in all runs so far, for the last the sum left over |
 constexpr int ENERGY_BALANCE_FORMAT = 1;
 
+/// fix nve/ellipsoid with velocities of the step: its global values, all of type double, and the values of an atom.
+///
+/// | version | global values | of an atom |
+/// |---|---|---|
+/// | 1 | 1; time step of the last step, 0 if there was none | what the velocity (3) and the angular momentum (3) that the last forces saw have more than those in the file; force (3) and torque (3) when the last step began, the first of them infinite if they are not known |
+constexpr int MOTION_FORMAT = 1;
+
 }
 
 #endif

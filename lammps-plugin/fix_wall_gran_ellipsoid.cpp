@@ -6,6 +6,7 @@
 #include "ellgran_restart_format.h"
 #include "ellgran_wall_shape.h"
 #include "ellgran_step_velocity.h"
+#include "fix_nve_ellipsoid.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -68,9 +69,10 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
-    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), memory_length(0),
+    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), memory_length(0),
     contact_memory(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
-    work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true)
+    work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
+    motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -506,6 +508,7 @@ void FixWallGranEllipsoid::min_post_force(int vflag)
 
 void FixWallGranEllipsoid::place_step_velocity_fix()
 {
+  velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
   if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
   if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
   fix_step_velocity = add_step_velocity(modify, std::string("ELLGRAN_STEP_VELOCITY_") + id);
@@ -623,7 +626,8 @@ void FixWallGranEllipsoid::post_integrate()
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
-  const EllgranParticles particles = atoms.view();
+  EllgranParticles particles = atoms.view();
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 }
@@ -638,6 +642,8 @@ void FixWallGranEllipsoid::post_force(int)
   const bool time_passes = update->setupflag == 0 && update->whichflag != 2;
   follow_time(time_passes);
   const EllgranWallMotion motion = motion_now(time_passes);
+  motion_of_forces = motion;
+  has_forces = true;
   std::copy_n(motion.displacement, 3, displacement);
   std::copy_n(motion.velocity, 3, wall_velocity);
   // Half of the work of a force is done with the velocity to which it has led.
@@ -657,6 +663,7 @@ void FixWallGranEllipsoid::post_force(int)
   if (atom->nlocal > 0) {
     EllgranParticles particles = atoms.view();
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
+    if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));
@@ -688,6 +695,22 @@ void FixWallGranEllipsoid::post_force(int)
   output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
   output_here[TOUCHING] = tallies.touching_count;
   output_here[WORK_OF_WALLS] = work_of_walls;
+}
+
+/* The wall is where forces were computed last. Before the first ones it is where its motion has it, if no variable has to be asked,
+   which may not be ready then. */
+
+void FixWallGranEllipsoid::add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes)
+{
+  if (!has_forces) {
+    if (varies() || (!region_id.empty() && domain->get_region_by_id(region_id)->dynamic)) return;
+    follow_time(false);
+    motion_of_forces = motion_now(false);
+  }
+  if (atom->nlocal == 0) return;
+  check(ellgran_find_wall_contacts(workspace, wall, &particles, atom->mask, groupbit, &motion_of_forces, 0, nullptr));
+  const std::vector<int32_t> types(ellgran_wall_found_count(wall), wall_type);
+  check(ellgran_add_wall_to_step_sums(laws, workspace, wall, &particles, types.data(), sums, extremes));
 }
 
 /* One row for each contact of this rank. */

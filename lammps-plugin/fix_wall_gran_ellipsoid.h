@@ -41,6 +41,10 @@ class FixWallGranEllipsoid : public Fix {
   double compute_vector(int) override;
   void *extract(const char *, int &) override;
 
+  /// Adds what the contacts with the wall contribute to the bound of the stable step (`ellgran_add_wall_to_step_sums`).
+  void add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes);
+  [[nodiscard]] const EllgranLaws *contact_laws() const { return laws; }
+
   double memory_usage() override;
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
@@ -96,6 +100,7 @@ class FixWallGranEllipsoid : public Fix {
 
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;    // nullptr: `atom->v` is right
+  class FixNVEEllipsoid *velocities_of_step;          // nullptr: forces see those of the half step
 
   // What is remembered of the contacts of each atom, one row per atom
   int memory_length;
@@ -144,6 +149,8 @@ class FixWallGranEllipsoid : public Fix {
   double output_here[NUMBER_OF_SUMS], output_all[NUMBER_OF_SUMS];
   double displacement[3], wall_velocity[3];
   bool summed;
+  EllgranWallMotion motion_of_forces;    // the motion with which forces were computed last
+  bool has_forces;                       // whether they were
 
   int parse_law(int narg, char **arg);
   int parse_wall(int iarg, int narg, char **arg);

@@ -6,7 +6,9 @@
 #include "ellgran_history.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
+#include "ellgran_scene_step.h"
 #include "ellgran_step_velocity.h"
+#include "fix_nve_ellipsoid.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -108,8 +110,9 @@ double length(const double *v)
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr),
-    limits(lmp, CALLER), workspace(nullptr),
+    limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
+    velocities_of_step(nullptr),
     shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
@@ -190,7 +193,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
   std::fill_n(tallies.virial, 6, 0.0);
   // A processor without atoms still takes part in the messages of others.
-  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity) add_forces();
+  if (atom->nlocal + atom->nghost > 0 || fix_step_velocity || velocities_of_step) add_forces();
   follow_dissipation();
   // What acts on a ghost acts on its owner.
   if (work_wanted && force->newton_pair) {
@@ -241,6 +244,9 @@ void PairGranEllipsoid::add_forces()
 {
   EllgranParticles particles = atoms.view();
   if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
+  // Without friction the law takes the velocities of the step for all, and nobody asks for those of the half step.
+  const bool half_step_wanted = work_wanted || evaluation_wanted || ellgran_laws_memory_offset(laws) >= 0;
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, half_step_wanted);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   const EllgranNeighbourList neighbours = view_list();
 
@@ -319,7 +325,8 @@ void PairGranEllipsoid::add_following_half_step()
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
-  const EllgranParticles particles = atoms.view();
+  EllgranParticles particles = atoms.view();
+  if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
@@ -345,6 +352,13 @@ std::array<double, 2> PairGranEllipsoid::inelastic_powers(int count) const
 
 int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
 {
+  if (step_sums) {
+    const int length = std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from);
+    for (int k = 0; k < n; k++)
+      buffer = std::copy_n(step_sums + static_cast<std::size_t>(first + k) * ELLGRAN_STEP_SUMS_LENGTH + step_sums_from,
+                           length, buffer);
+    return n * length;
+  }
   std::copy_n(inelastic_loads.data() + static_cast<std::size_t>(first) * LOADS_PER_ATOM,
               n * LOADS_PER_ATOM, buffer);
   return n * LOADS_PER_ATOM;
@@ -352,6 +366,14 @@ int PairGranEllipsoid::pack_reverse_comm(int n, int first, double *buffer)
 
 void PairGranEllipsoid::unpack_reverse_comm(int n, int *indices, double *buffer)
 {
+  if (step_sums) {
+    const int length = std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from);
+    for (int k = 0; k < n; k++) {
+      double *of_atom = step_sums + static_cast<std::size_t>(indices[k]) * ELLGRAN_STEP_SUMS_LENGTH + step_sums_from;
+      for (int c = 0; c < length; c++) of_atom[c] += *buffer++;
+    }
+    return;
+  }
   for (int k = 0; k < n; k++) {
     double *loads = &inelastic_loads[static_cast<std::size_t>(indices[k]) * LOADS_PER_ATOM];
     for (int c = 0; c < LOADS_PER_ATOM; c++) loads[c] += buffer[k * LOADS_PER_ATOM + c];
@@ -370,6 +392,13 @@ void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
   if (e.count > 0) {
     e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
     e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
+    // A single contact is computed with velocities of the half step alone.
+    if (const double *change = particles.velocity_changes; change)
+      for (int i = 0; i < e.count; i++, change += 6)
+        for (int k = 0; k < 3; k++) {
+          e.velocities[3 * i + k] -= change[k];
+          e.angular_momenta[3 * i + k] -= change[3 + k];
+        }
   }
   e.rows.assign(e.count, -1);
   e.touching.clear();
@@ -586,6 +615,51 @@ void PairGranEllipsoid::tell_step_limits()
   excess_told = excess;
 }
 
+/* Neighbour lists are built now: a warning where the contacts that exist do not allow the time step. Said once for a step. */
+
+void PairGranEllipsoid::setup()
+{
+  if (update->whichflag == 2 || update->dt == step_told) return;
+  EllgranSceneStep scene(lmp, CALLER);
+  scene.find_sources();
+  if (scene.first_pair() != this) return;    // under pair_style hybrid one speaks for all
+  scene.find();
+  if (!(update->dt > scene.stable_step())) return;
+  step_told = update->dt;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "{}: the time step {:.4g} is longer than {:.4g}, the largest with which the contacts that exist now are stable "
+                   "(that of atom {} limits it): grains may gain energy and be lost: reduce the time step to that or less",
+                   CALLER, update->dt, scene.stable_step(), scene.limiting_particle());
+}
+
+void PairGranEllipsoid::add_to_step_sums(EllgranWorkspace *own, const EllgranParticles &particles, double *sums,
+                                         EllgranContactExtremes *extremes) const
+{
+  if (!laws || !list) error->all(FLERR, "{}: there are no contacts yet: 'run 0' first", CALLER);
+  const EllgranNeighbourList neighbours = view_list();
+  if (ellgran_add_pairs_to_step_sums(laws, own, &particles, &neighbours, sums, extremes) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
+/* In as many messages as the loads of a step have room for. */
+
+void PairGranEllipsoid::add_step_sums_of_images(double *sums)
+{
+  step_sums = sums;
+  for (step_sums_from = 0; step_sums_from < ELLGRAN_STEP_SUMS_LENGTH; step_sums_from += LOADS_PER_ATOM)
+    comm->reverse_comm(this, std::min(LOADS_PER_ATOM, ELLGRAN_STEP_SUMS_LENGTH - step_sums_from));
+  step_sums = nullptr;
+}
+
+void PairGranEllipsoid::tell_contact_masses(std::vector<double> &masses) const
+{
+  const int count = atom->nlocal + atom->nghost;
+  masses.resize(count);
+  for (int i = 0; i < count; i++)
+    masses[i] = (atom->mask[i] & freeze_group_bit) ? std::numeric_limits<double>::infinity() : contact_mass(i);
+}
+
 /* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */
 
 std::string PairGranEllipsoid::describe_laws() const
@@ -721,6 +795,7 @@ void PairGranEllipsoid::refuse_what_cannot_work()
 
 void PairGranEllipsoid::place_step_velocity_fix()
 {
+  velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
   if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
   if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
   fix_step_velocity = add_step_velocity(modify, "ELLGRAN_STEP_VELOCITY_PAIR");

@@ -32,6 +32,7 @@ class PairGranEllipsoid : public Pair {
   void coeff(int, char **) override;
   void init_style() override;
   double init_one(int, int) override;
+  void setup() override;
   void finish() override;
 
   void write_restart(FILE *) override;
@@ -49,6 +50,14 @@ class PairGranEllipsoid : public Pair {
   void transfer_history(double *, double *, int, int) override;
   double memory_usage() override;
 
+  /// Adds what the pairs contribute to the bound of the stable step (`ellgran_add_pairs_to_step_sums`); what images have, to
+  /// their owners; masses of bodies in contact, infinite for frozen atoms.
+  void add_to_step_sums(EllgranWorkspace *own, const EllgranParticles &particles, double *sums,
+                        EllgranContactExtremes *extremes) const;
+  void add_step_sums_of_images(double *sums);
+  void tell_contact_masses(std::vector<double> &masses) const;
+  [[nodiscard]] const EllgranLaws *contact_laws() const { return laws; }
+
  private:
   EllgranAtoms atoms;
   double cutoff_global;    // < 0: from the semi-axes
@@ -62,6 +71,9 @@ class PairGranEllipsoid : public Pair {
   std::string warned;       // of implausible masses, as last written to the log
   EllgranStepLimits limits;
   std::string limits_told, excess_told;    // of the time step, as last written to the log
+  double step_told;                        // the time step of which was said that the contacts do not allow it; 0: none
+  double *step_sums;                       // what the next reverse communication carries, from `step_sums_from` on; nullptr: loads
+  int step_sums_from;
 
   EllgranWorkspace *workspace;
 
@@ -75,6 +87,7 @@ class PairGranEllipsoid : public Pair {
   // Velocities over the last step, where a fix needs it; nullptr: `atom->v` is right
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;
+  class FixNVEEllipsoid *velocities_of_step;    // nullptr: forces see those of the half step
 
   // Something may change shapes while a run goes on: ghosts are told in every step
   bool shapes_may_change;

@@ -48,8 +48,9 @@ def read_csv(path: Path) -> List[Dict[str, Any]]:
         return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
 
 
-def write_origin(folder: Path, started: float) -> None:
-    """origin.json: how the numbers of a folder came about. `started` is `time.monotonic()` at the beginning."""
+def write_origin(folder: Path, started: float, **more: Any) -> None:
+    """origin.json: how the numbers of a folder came about. `started` is `time.monotonic()` at the beginning; `more` adds entries, or
+    takes their place."""
     origin = {
         "command": f"cargo xtask validate {folder.name.replace('_', '-')}",
         "seconds": round(time.monotonic() - started),
@@ -59,4 +60,5 @@ def write_origin(folder: Path, started: float) -> None:
         "ellgran": ellgran.__version__,
     }
     origin.update({name: metadata.version(name) for name in _PACKAGES})
+    origin.update(more)
     (folder / "origin.json").write_text(json.dumps(origin, indent=2) + "\n")

@@ -121,6 +121,8 @@ impl Scene {
             positions: &frame.positions,
             velocities: &frame.velocities,
             rotation: Rotation::Velocity(&frame.rotations),
+            of_step: false,
+            changes: &[],
             contact_masses: &[],
             types: &self.types,
             shape: |k| Some((self.semi_axes, frame.quaternions[k])),

@@ -415,6 +415,12 @@ void EllgranContact::build_list_laws()
   check(ellgran_laws_with_friction(laws, &coefficients[0], &list_laws));
 }
 
+const EllgranLaws *EllgranContact::laws_with_friction()
+{
+  if (laws && !list_laws) build_list_laws();
+  return list_laws;
+}
+
 bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addflag)
 {
   const Atom *const atom = lmp->atom;

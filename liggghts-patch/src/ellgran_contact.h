@@ -87,6 +87,8 @@ struct EllgranContact {
 
   // all particles as the library reads them, checked
   EllgranParticles particles() const;
+  // the laws with the coefficients of friction of tangential tfd; NULL without model nfd
+  const EllgranLaws *laws_with_friction();
 
 private:
   EllgranContact(LAMMPS_NS::LAMMPS *lmp, ContactModelBase *model);

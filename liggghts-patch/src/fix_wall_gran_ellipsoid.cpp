@@ -363,7 +363,7 @@ void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
   if (computeflag_) check(ellgran_remember_wall_contacts(wall_, atom->nlocal, atom->mask, groupbit, remembered));
 }
 
-void FixWallGranEllipsoid::post_force_primitive(int)
+EllgranWallMotion FixWallGranEllipsoid::motion_of_primitive() const
 {
   EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
   if (shear_ && shearAxis_ >= 0) {
@@ -371,7 +371,41 @@ void FixWallGranEllipsoid::post_force_primitive(int)
     vectorCopy3D(shearAxisVec_, motion.angular_velocity);
   } else if (shear_)
     motion.velocity[shearDim_] = vshear_;
+  return motion;
+}
+
+void FixWallGranEllipsoid::post_force_primitive(int)
+{
+  const EllgranWallMotion motion = motion_of_primitive();
   act(&motion);
+}
+
+const EllgranLaws *FixWallGranEllipsoid::laws_with_friction() const
+{
+  return EllgranContact::of(this)->laws_with_friction();
+}
+
+bool FixWallGranEllipsoid::has_laws() const
+{
+  const EllgranContact *const model = EllgranContact::of(this);
+  return model && model->laws;
+}
+
+void FixWallGranEllipsoid::add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes)
+{
+  EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
+  if (!is_mesh_wall()) motion = motion_of_primitive();
+  check(ellgran_find_wall_contacts(workspace_, wall_, &particles, atom->mask, groupbit, &motion, 0, NULL));
+  std::vector<int32_t> types(ellgran_wall_found_count(wall_), atom_type_wall_);
+  if (is_mesh_wall())
+    for (size_t index = 0; index < types.size(); index++) {
+      EllgranFoundWallContact contact = ELLGRAN_INIT(EllgranFoundWallContact);
+      check(ellgran_wall_found(wall_, index, &contact));
+      types[index] = FixMesh_list_[near_[contact.triangle].mesh]->atomTypeWall();
+    }
+  const int32_t none = 1;
+  check(ellgran_add_wall_to_step_sums(laws_with_friction(), workspace_, wall_, &particles, types.empty() ? &none : &types[0],
+                                      sums, extremes));
 }
 
 // LIGGGHTS counts the contacts with a mesh in its own history of them, and compute wall/gran/local makes room for as many.

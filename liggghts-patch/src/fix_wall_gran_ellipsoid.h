@@ -45,6 +45,11 @@ class FixWallGranEllipsoid : public FixWallGran {
   virtual int pack_restart(int particle, double *buffer);
   virtual void unpack_restart(int particle, int place);
 
+  // what the contacts of now contribute to the bound of the stable step, after forces were computed; whether there is a model nfd
+  void add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes);
+  const EllgranLaws *laws_with_friction() const;
+  bool has_laws() const;
+
  protected:
   virtual void pre_neighbor();
   virtual void post_force_primitive(int);
@@ -88,6 +93,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   void read_older_memory();
   void add_shape(const char *style, const double *parameters);
   void lend_triangles();
+  EllgranWallMotion motion_of_primitive() const;
   void act(const EllgranWallMotion *motion);
   void act(LIGGGHTS::ContactModels::EllgranContact &model, size_t index);
   void store_again(int particle, int place, const double *force_before, const double *torque_before);

@@ -33,6 +33,7 @@ ELLGRAN_SIDE_OUTSIDE = 2
 ELLGRAN_END_NONE = 0
 ELLGRAN_END_OPEN = 1
 ELLGRAN_END_CLOSED = 2
+ELLGRAN_STEP_SUMS_LENGTH = 42
 ELLGRAN_SUCCESS = 0
 ELLGRAN_ERROR_NULL_POINTER = 1
 ELLGRAN_ERROR_ARGUMENT = 2
@@ -145,6 +146,7 @@ class EllgranParticles(ctypes.Structure):
         ("identifier_bytes", ctypes.c_int32),
         ("forces", ctypes.c_void_p),
         ("torques", ctypes.c_void_p),
+        ("velocity_changes", ctypes.c_void_p),
     ]
 
 
@@ -278,6 +280,9 @@ class EllgranMotion(ctypes.Structure):
         ("group_mask", ctypes.c_int32),
         ("identifier_bytes", ctypes.c_int32),
         ("identifiers", ctypes.c_void_p),
+        ("velocity_changes", ctypes.c_void_p),
+        ("loads_before", ctypes.c_void_p),
+        ("time_step_before", ctypes.c_double),
     ]
 
 
@@ -381,6 +386,22 @@ class EllgranServo(ctypes.Structure):
     ]
 
 
+class EllgranContactExtremes(ctypes.Structure):
+    _fields_ = [
+        ("size", ctypes.c_size_t),
+        ("touching_count", ctypes.c_int64),
+        ("shortest_collision", ctypes.c_double),
+        ("collision_speed", ctypes.c_double),
+        ("collision_stiffness", ctypes.c_double),
+        ("collision_inverse_mass", ctypes.c_double),
+        ("collision_effective_mass", ctypes.c_double),
+        ("collision_identifiers", ctypes.c_int64 * 2),
+        ("collision_types", ctypes.c_int32 * 2),
+        ("deepest_overlap", ctypes.c_double),
+        ("deepest_identifiers", ctypes.c_int64 * 2),
+    ]
+
+
 class EllgranWallSurface(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
@@ -481,6 +502,10 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_servo_follow": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_double, ctypes.c_double]),
     "ellgran_volumes": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_moments_of_inertia": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_add_pairs_to_step_sums": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_add_wall_to_step_sums": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_stable_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_step_for_error": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p]),
     "ellgran_staged_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_staged_free": (None, [ctypes.c_void_p]),
     "ellgran_staged_prepare": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),

@@ -113,6 +113,50 @@ class Packing:
         """
         return _neighbours(self.bodies, self.box, distance)
 
+    def indices(self, identifiers: ArrayLike) -> Integers:
+        """Where the bodies with these identifiers stand, in the shape of `identifiers`.
+
+        Raises
+        ------
+        ValueError
+            No body has one of them.
+        """
+        wanted = np.asarray(identifiers, dtype=np.int64)
+        order = np.argsort(self.bodies.identifiers, kind="stable")
+        known = self.bodies.identifiers[order]
+        places = np.minimum(np.searchsorted(known, wanted), max(len(known) - 1, 0))
+        missing = wanted[known[places] != wanted] if len(known) else wanted.ravel()
+        if len(missing):
+            raise ValueError(f"no body has the identifier {missing[0]}")
+        return order[places].astype(np.int32)
+
+    def network(self, pairs: ArrayLike, images: Optional[ArrayLike] = None) -> Tuple[Floats, Integers]:
+        """Pairs as straight lines from centre to centre, for programs that draw points and lines.
+
+        Parameters
+        ----------
+        pairs : array_like of int, shape (m, 2)
+            Indices of the bodies; of a dump's identifiers, `indices` gives them.
+        images : array_like of int, shape (m, 3), optional
+            Which periodic image of the second body is meant, in edges of the box, as in `PackingContacts`; default: the nearest, by
+            the difference in parts of the edges.
+
+        Returns
+        -------
+        points : numpy.ndarray, shape (2 m, 3)
+            Length. Those of one line are next to each other, so that a line over a periodic boundary ends beyond it.
+        lines : numpy.ndarray of int32, shape (m, 2)
+            Indices of the points.
+        """
+        ends = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+        first, second = self.bodies.positions[ends[:, 0]], self.bodies.positions[ends[:, 1]]
+        if images is None:
+            fractions = (second - first) @ np.linalg.inv(self.box.edges)
+            images = np.where(self.box.periodic, -np.round(fractions), 0.0)
+        second = second + np.asarray(images).reshape(-1, 3) @ self.box.edges
+        points = np.stack([first, second], axis=1).reshape(-1, 3)
+        return points, np.arange(len(points), dtype=np.int32).reshape(-1, 2)
+
     def contacts(
         self, laws: Union[Laws, Law, str], *, quantities: Optional[Iterable[str]] = None
     ) -> PackingContacts:

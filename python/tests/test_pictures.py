@@ -160,6 +160,102 @@ def test_ovito_reads_the_dump_of_the_tutorial(packing, tmp_path):
     is_right(picture, packing, 1.5 * edge / WIDTH, (-0.25 * edge, -0.25 * edge))
 
 
+def dense():
+    """A packing with contacts over its periodic boundaries, and the contacts."""
+    packing = ellgran.packing("hertz 1e6 0.3", [1.5, 1.0, 0.8], 0.68, count=80, seed=3)
+    packing.bodies.positions = packing.box.wrapped(packing.bodies.positions)
+    contacts = packing.contacts("hertz 1e6 0.3")
+    assert len(contacts) > 80 and contacts.images.any()
+    return packing, contacts
+
+
+def test_a_network_has_a_line_for_each_contact():
+    packing, contacts = dense()
+    points, lines = packing.network(contacts.pairs, contacts.images)
+    assert np.allclose(points[lines[:, 1]] - points[lines[:, 0]], contacts.branch, atol=1e-12)
+    # A dump has identifiers and no images. In a box more than twice as wide as a contact reaches, the nearest is the one.
+    packing.bodies.identifiers = np.random.default_rng(5).permutation(1000)[: len(packing.bodies)]
+    pairs = packing.indices(packing.bodies.identifiers[contacts.pairs])
+    assert (pairs == contacts.pairs).all()
+    assert packing.box.edges[0, 0] > 2.0 * np.linalg.norm(contacts.branch, axis=1).max()
+    assert np.allclose(packing.network(pairs)[0], points, atol=1e-12)
+    with pytest.raises(ValueError, match="identifier 1001"):
+        packing.indices([[1001, 1001]])
+
+
+def test_paraview_gets_the_network(tmp_path):
+    """As docs/python.md writes it; ParaView's own library reads it."""
+    pyvista = pytest.importorskip("pyvista", exc_type=ImportError)
+    packing, contacts = dense()
+    points, lines = packing.network(contacts.pairs, contacts.images)
+    network = pyvista.PolyData(points, lines=np.insert(lines, 0, 2, axis=1))
+    network.cell_data["normal force"] = contacts.normal_force
+    network.save(tmp_path / "network.vtp")
+    read = pyvista.read(tmp_path / "network.vtp")
+    assert read.n_lines == len(contacts)
+    assert np.allclose(read.compute_cell_sizes(area=False, volume=False)["Length"], np.linalg.norm(contacts.branch, axis=1))
+    assert np.allclose(read["normal force"], contacts.normal_force)
+
+
+def test_ovito_gets_the_network():
+    pytest.importorskip("ovito")
+    from ovito.data import DataCollection, SimulationCell
+
+    packing, contacts = dense()
+    data = DataCollection()
+    cell = SimulationCell(pbc=(True, True, True))
+    cell[:, :3] = packing.box.edges.T
+    data.objects.append(cell)
+    particles = data.create_particles(count=len(packing.bodies))
+    particles.create_property("Position", data=packing.bodies.positions)
+    bonds = particles.create_bonds(count=len(contacts))
+    bonds.create_property("Topology", data=contacts.pairs)
+    bonds.create_property("Periodic Image", data=contacts.images)
+    bonds.create_property("Normal force", data=contacts.normal_force)
+    first, second = (np.asarray(particles.positions)[bonds.topology[:, k]] for k in (0, 1))
+    vectors = second + np.asarray(bonds.pbc_vectors) @ np.asarray(data.cell[:, :3]).T - first
+    assert np.allclose(vectors, contacts.branch, atol=1e-5)
+
+
+def test_ovito_reads_the_network_of_the_page(tmp_path):
+    """The dump of the plugin's page, loaded with the columns that it names; pairs that do not touch are selected by their force."""
+    pytest.importorskip("ovito")
+    from ovito.io import import_file
+    from ovito.modifiers import LoadTrajectoryModifier
+
+    packing, contacts = dense()
+    page = (Path(__file__).parents[2] / "lammps-plugin" / "README.md").read_text()
+    dump = re.search(r"^dump network all local 1000 \S+ (.*)$", page, re.M)[1].split()
+    columns = [name.strip() for name in re.search(r"^Columns for OVITO: (.*)\.$", page, re.M)[1].replace("`", "").split(",")]
+    assert len(columns) == len(dump)
+    bodies = packing.bodies
+    box = "\n".join(f"0 {edge:.17g}" for edge in np.diag(packing.box.edges))
+
+    def write(name, what, title, rows):
+        with open(tmp_path / name, "w") as file:
+            file.write(f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF {what}\n{len(rows)}\nITEM: BOX BOUNDS pp pp pp\n{box}\n")
+            file.write(f"ITEM: {title}\n" + "\n".join(" ".join(f"{x:.17g}" for x in row) for row in rows) + "\n")
+
+    ones = np.ones(len(bodies))
+    write("grains.dump", "ATOMS", "ATOMS id type x y z", np.column_stack([bodies.identifiers + 1, ones, bodies.positions]))
+    identifiers = bodies.identifiers[contacts.pairs] + 1
+    touching = np.column_stack([np.arange(len(contacts)) + 1, identifiers, contacts.penetration, contacts.normal_force])
+    apart = [[len(contacts) + 1, 1, 2, 0.0, 0.0]]
+    write("network.dump", "ENTRIES", f"ENTRIES {' '.join(dump)}", np.concatenate([touching, apart]))
+    pipeline = import_file(str(tmp_path / "grains.dump"))
+    modifier = LoadTrajectoryModifier()
+    modifier.source.load(str(tmp_path / "network.dump"), columns=[None if name == "none" else name for name in columns])
+    pipeline.modifiers.append(modifier)
+    data = pipeline.compute()
+    bonds = data.particles.bonds
+    force = np.asarray(bonds["Normal force"])
+    assert np.allclose(force[force > 0], contacts.normal_force, rtol=1e-5) and len(force) == len(contacts) + 1
+    positions = np.asarray(data.particles.positions)
+    images = np.asarray(bonds["Periodic Image"])
+    vectors = positions[bonds.topology[:, 1]] - positions[bonds.topology[:, 0]] + images @ packing.box.edges
+    assert np.allclose(vectors[force > 0], contacts.branch, atol=1e-5)
+
+
 def test_pandas_takes_the_columns(packing):
     pandas = pytest.importorskip("pandas")
     contacts = packing.contacts("hertz 1e6 0.3")

@@ -40,11 +40,15 @@ macro_rules! growing {
     };
     // The last field of the first version is a double.
     ($name:ident, $last:ident) => {
+        growing!($name, $last: f64);
+    };
+    // The last field of the first version is of this type.
+    ($name:ident, $last:ident: $type:ty) => {
         const _: () = assert!(core::mem::offset_of!($name, size) == 0);
         // SAFETY: as above.
         unsafe impl crate::c_api::growing::Growing for $name {
             const NAME: &'static str = stringify!($name);
-            const FIRST_SIZE: usize = core::mem::offset_of!($name, $last) + size_of::<f64>();
+            const FIRST_SIZE: usize = core::mem::offset_of!($name, $last) + size_of::<$type>();
         }
     };
 }

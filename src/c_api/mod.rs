@@ -29,6 +29,7 @@ pub mod recorded;
 pub mod rigid_wall;
 pub mod servo;
 pub mod solid;
+pub mod stable_step;
 pub mod staged;
 pub mod status;
 pub mod stiffness;

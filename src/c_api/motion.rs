@@ -9,7 +9,8 @@ use super::status::{
 use crate::contact::ranges::LONGEST_TIME_STEP;
 use crate::message::Number;
 use crate::motion::{
-    angular_velocities, finish_step, start_step, Bodies, BodyArrays, MotionError, Selection,
+    angular_velocities, finish_step, start_step, Bodies, BodyArrays, Extrapolation, MotionError,
+    Selection,
 };
 use core::ffi::c_void;
 
@@ -55,9 +56,19 @@ pub struct EllgranMotion {
     pub identifier_bytes: i32,
     /// What to call a body in a message, [count] integers, or NULL: index + 1.
     pub identifiers: *const c_void,
+    /// NULL: `ellgran_start_step` leaves velocities and angular momenta of the half step. Else [count][6]: it leaves those of
+    /// the end of the step, extrapolated, for forces that depend on them, and writes here what they have more than those of
+    /// the half step. `ellgran_finish_step` writes what they had more than those that it leaves, so that between steps the
+    /// sum of velocities and changes is what the last forces were computed with.
+    pub velocity_changes: *mut f64,
+    /// Forces and torques of the step before, [count][6]; read and written by `ellgran_start_step` with `velocity_changes`.
+    /// Where the first component of a body is INFINITY they are not known: the forces of now stand for them.
+    pub loads_before: *mut f64,
+    /// Time step of the step before, for the extrapolation; 0: the same as that of now.
+    pub time_step_before: f64,
 }
 
-growing!(EllgranMotion);
+growing!(EllgranMotion, identifiers: *const c_void);
 
 /// Shapes and attitudes as the engine has them.
 struct Entries<'a> {
@@ -189,7 +200,42 @@ unsafe fn arrays(
         groups,
         bits: motion.group_mask,
     };
+    let extrapolation = if motion.velocity_changes.is_null() {
+        None
+    } else {
+        let time_step_before = if motion.time_step_before == 0.0 {
+            time_step
+        } else {
+            motion.time_step_before
+        };
+        if !(time_step_before > 0.0 || time_step == 0.0) || time_step_before > LONGEST_TIME_STEP {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "time_step_before = {} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}",
+                    Number(time_step_before)
+                ),
+            ));
+        }
+        // SAFETY: promised by the caller.
+        let (changes, loads_before) = unsafe {
+            (
+                slice_mut(motion.velocity_changes.cast(), n, "velocity_changes")?,
+                slice_mut(motion.loads_before.cast(), n, "loads_before")?,
+            )
+        };
+        Some(Extrapolation {
+            changes,
+            loads_before,
+            step_ratio: if time_step > 0.0 {
+                time_step / time_step_before
+            } else {
+                1.0
+            },
+        })
+    };
     let arrays = BodyArrays {
+        extrapolation,
         positions: written(motion.positions, "positions")?,
         velocities: written(motion.velocities, "velocities")?,
         angular_momenta: written(motion.angular_momenta, "angular_momenta")?,
@@ -207,8 +253,8 @@ fn required_pointer(pointer: *const f64, name: &str) -> Result<(), Failure> {
     unsafe { required(pointer, name) }.map(|_| ())
 }
 
-/// First half of a step of velocity Verlet: velocities and angular momenta of the half step, positions and quaternions of its
-/// end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
+/// First half of a step of velocity Verlet: velocities and angular momenta of the half step (or those extrapolated to its end,
+/// see `velocity_changes`), positions and quaternions of its end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 ///
 /// The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
 /// moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive

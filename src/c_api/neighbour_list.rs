@@ -212,8 +212,94 @@ impl ListLook {
     }
 }
 
+/// The index of a central particle.
+fn central_index(central: i32, particles: usize) -> Result<usize, Failure> {
+    usize::try_from(central)
+        .ok()
+        .filter(|k| *k < particles)
+        .ok_or_else(|| {
+            Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("central names particle {central}, which is not one of {particles}"),
+            )
+        })
+}
+
+/// How to read the entries of a list.
+///
+/// # Safety
+/// `special_factors` of the list is NULL or valid for reads of 4 values.
+unsafe fn entries_of(list: &EllgranNeighbourList) -> Result<Entries, Failure> {
+    let mut entries = Entries {
+        mask: list.index_mask,
+        shift: 0,
+        excluded: [false; 4],
+    };
+    // SAFETY: promised by the caller.
+    if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
+        entries.shift = u32::try_from(list.special_shift)
+            .ok()
+            .filter(|s| *s <= 30)
+            .ok_or_else(|| {
+                Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!(
+                        "special_shift = {} must be between 0 and 30: two bits of an entry above it select a factor",
+                        list.special_shift
+                    ),
+                )
+            })?;
+        for (e, f) in entries.excluded.iter_mut().zip(factors) {
+            *e = *f == 0.0;
+        }
+    }
+    Ok(entries)
+}
+
+/// The rows of a list for its pairs alone: `touching` and `history` are not read.
+///
+/// # Safety
+/// The arrays of the list are as `EllgranNeighbourList` demands, but for those two, while the rows are used.
+pub(super) unsafe fn pairs_of(
+    list: &EllgranNeighbourList,
+    particles: usize,
+) -> Result<impl NeighbourRows + '_, Failure> {
+    // SAFETY: `central` is NULL or valid for reads of `list.count` elements, as `EllgranNeighbourList` demands.
+    let central = unsafe { slice(list.central, list.count, "central") }?;
+    if list.count > 0 {
+        for (is_null, name) in [
+            (list.neighbour_counts.is_null(), "neighbour_counts"),
+            (list.neighbours.is_null(), "neighbours"),
+        ] {
+            if is_null {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_NULL_POINTER,
+                    format!("{name} must not be NULL"),
+                ));
+            }
+        }
+    }
+    for &c in central {
+        let k = central_index(c, particles)?;
+        // SAFETY: promised by the caller; the outer pointers are not NULL here. Rows are read where they have entries.
+        if unsafe { *list.neighbour_counts.add(k) > 0 && (*list.neighbours.add(k)).is_null() } {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_NULL_POINTER,
+                format!("neighbours[{k}] must not be NULL"),
+            ));
+        }
+    }
+    // SAFETY: `special_factors` is as `EllgranNeighbourList` demands; with a history of no doubles `touching` and `history` are not
+    // read.
+    unsafe { Ok(Rows::new(list, central, 0, entries_of(list)?)) }
+}
+
 /// What is wrong with a list, with the particles that it concerns.
-fn list_failure(p: &EllgranParticles, list: &EllgranNeighbourList, error: ListError) -> Failure {
+pub(super) fn list_failure(
+    p: &EllgranParticles,
+    list: &EllgranNeighbourList,
+    error: ListError,
+) -> Failure {
     match error {
         ListError::Hale(e) => hale_failure(identifier(p, e.i), Some(identifier(p, e.j)), e.ratio),
         ListError::History { i, j, place, value } => {
@@ -324,18 +410,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
             rows: list.count as u64,
         };
         for &c in central {
-            let k = usize::try_from(c)
-                .ok()
-                .filter(|k| *k < p.count)
-                .ok_or_else(|| {
-                    Failure::new(
-                        ELLGRAN_ERROR_ARGUMENT,
-                        format!(
-                            "central names particle {c}, which is not one of {}",
-                            p.count
-                        ),
-                    )
-                })?;
+            let k = central_index(c, p.count)?;
             // SAFETY: promised by the caller; the outer pointers are not NULL here. Rows are read where they have entries.
             let rows = unsafe {
                 let count = *list.neighbour_counts.add(k);
@@ -361,26 +436,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         if let Some(last) = last_list.filter(|_| list.unchanged != 0) {
             look.require_like(&last)?;
         }
-        let mut excluded = [false; 4];
-        let mut shift = 0;
         // SAFETY: `special_factors` is NULL or valid for reads of 4 values, as `EllgranNeighbourList` demands.
-        if let Some(factors) = unsafe { list.special_factors.cast::<[f64; 4]>().as_ref() } {
-            shift = u32::try_from(list.special_shift)
-                .ok()
-                .filter(|s| *s <= 30)
-                .ok_or_else(|| {
-                    Failure::new(
-                        ELLGRAN_ERROR_ARGUMENT,
-                        format!(
-                            "special_shift = {} must be between 0 and 30: two bits of an entry above it select a factor",
-                            list.special_shift
-                        ),
-                    )
-                })?;
-            for (e, f) in excluded.iter_mut().zip(factors) {
-                *e = *f == 0.0;
-            }
-        }
+        let entries = unsafe { entries_of(list) }?;
         // SAFETY: `forces` is NULL or valid for reads and writes of `p.count` elements, and not aliased, as
         // `EllgranParticles` demands.
         let forces = unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), p.count, "forces") }?;
@@ -406,11 +463,6 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         prepared?;
         workspace.keeps_history = list.keep_history != 0;
         workspace.records_contacts = list.record_contacts != 0;
-        let entries = Entries {
-            mask: list.index_mask,
-            shift,
-            excluded,
-        };
         // SAFETY: the arrays are as `EllgranNeighbourList` demands, by this function's safety section; `central` is the list's own.
         let mut rows = unsafe { Rows::new(list, central, length, entries) };
         let mut accumulators = Accumulators {

@@ -32,7 +32,8 @@ pub struct EllgranParticles {
     pub count: usize,
     /// Centres, [count][3]; components up to 1e20.
     pub positions: *const f64,
-    /// Velocities of the centres at the half step (see `EllgranStep`), [count][3]; components up to 1e25.
+    /// Velocities of the centres at the half step (see `EllgranStep`), or at the step with `velocity_changes`, [count][3];
+    /// components up to 1e25.
     pub velocities: *const f64,
     /// Angular velocities, [count][3]; components up to 1e25. NULL: they are computed from `angular_momenta` and `masses`.
     pub angular_velocities: *const f64,
@@ -67,9 +68,16 @@ pub struct EllgranParticles {
     pub forces: *mut f64,
     /// Torques about the centres, [count][3]: the torques of the contacts are added, as with `forces`.
     pub torques: *mut f64,
+    /// Where velocities and angular momenta (or angular velocities) above are those of the step at which the forces are
+    /// computed: what they have more than those of the half step before, [count][6], as `ellgran_start_step` writes it. Viscous
+    /// forces then take the velocities of the step, and those of a contact that began within the step are such that their sum
+    /// has the impulse of its begin; tangential displacements and the work of forces take the velocities of the half step.
+    /// Without friction and without `inelastic_loads` of the tallies the values are not read. NULL: the velocities above are
+    /// those of the half step, and serve for all.
+    pub velocity_changes: *const f64,
 }
 
-growing!(EllgranParticles);
+growing!(EllgranParticles, torques: *mut f64);
 
 /// Time step, and whether histories are advanced by it.
 #[repr(C)]
@@ -82,7 +90,8 @@ pub struct EllgranStep {
     pub advance_history: i32,
     /// Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
     /// moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.
-    /// With velocities of the full step the tangential displacement has an error of the order of the time step.
+    /// With velocities of the full step the tangential displacement has an error of the order of the time step, unless
+    /// `velocity_changes` of the particles tell what they have more than those of the half step.
     pub time_step: f64,
 }
 
@@ -234,6 +243,18 @@ pub(super) enum Purpose<'a> {
     Pairs { unchanged: bool },
 }
 
+/// What the first `count` particles have more than at the half step; empty where that is not known.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+pub(super) unsafe fn changes(p: &EllgranParticles, count: usize) -> &[[f64; 6]] {
+    if p.velocity_changes.is_null() {
+        return &[];
+    }
+    // SAFETY: promised by the caller; the pointer is not NULL.
+    unsafe { core::slice::from_raw_parts(p.velocity_changes.cast(), count) }
+}
+
 /// Checks the arrays' pointers and prepares the first `count` particles in the workspace; without laws any type
 /// from 1 is right, and contact masses are not read.
 ///
@@ -296,6 +317,13 @@ pub(super) unsafe fn prepare(
     } else {
         &[]
     };
+    // Without friction nothing asks for the half step: the velocities of the step serve for all.
+    let changes = if laws.is_some_and(|l| l.features().friction) {
+        // SAFETY: promised by the caller.
+        unsafe { changes(p, count) }
+    } else {
+        &[]
+    };
     let shape_indices = if p.shape_indices.is_null() {
         None
     } else {
@@ -307,6 +335,8 @@ pub(super) unsafe fn prepare(
         positions: rows(p.positions, "positions")?,
         velocities: rows(p.velocities, "velocities")?,
         rotation,
+        of_step: !p.velocity_changes.is_null(),
+        changes,
         contact_masses,
         // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         types: unsafe { slice(p.types, count, "types") }?,

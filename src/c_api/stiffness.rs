@@ -37,9 +37,8 @@ growing!(EllgranContactStiffness);
 /// With `K` and `C` stiffness and damping in the frame of the contact and `A` the acceleration of the contact points
 /// relative to one another by a unit force, `sum 1/m + [r]x^T I^-1 [r]x`, the critical step is where the largest eigenvalue
 /// of `A (dt^2 K + 2 dt C)` is 4; without damping `2/sqrt(lambda(A K))`. The stiffness that comes from the rotation of the
-/// normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. In a packing whose
-/// particles have at most n contacts each, the smallest critical step divided by sqrt(n) is safe (each contact has a share
-/// 1/n of the masses: Irons' theorem). The stiffness grows with the penetration: evaluate it at the largest one that you
+/// normal is left out; it is smaller than `K` by the ratio of penetration to radius of curvature. `ellgran_stable_step` has the
+/// step of particles with many contacts. The stiffness grows with the penetration: evaluate it at the largest one that you
 /// expect.
 ///
 /// # Safety

@@ -2,7 +2,7 @@
 //! Energies, virial and counts that a caller may ask for.
 
 use super::growing::{given, growing, Output};
-use super::particles::{shape_of, EllgranParticles, EllgranStep};
+use super::particles::{changes, shape_of, EllgranParticles, EllgranStep};
 use super::status::{
     at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
 };
@@ -142,7 +142,18 @@ unsafe fn motion<'a>(
             slice(rotation.cast::<[f64; 3]>(), count, name)?,
         )
     };
-    Ok(move |k: usize| (velocities[k], rotations[k]))
+    // SAFETY: promised by the caller.
+    let changes = unsafe { changes(p, count) };
+    Ok(move |k: usize| {
+        let (mut velocity, mut rotation) = (velocities[k], rotations[k]);
+        if let Some(change) = changes.get(k) {
+            for axis in 0..3 {
+                velocity[axis] -= change[axis];
+                rotation[axis] -= change[3 + axis];
+            }
+        }
+        (velocity, rotation)
+    })
 }
 
 /// Ends a call that tallied the loads of the first `count` particles: makes of their torques what answers to

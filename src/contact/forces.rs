@@ -5,6 +5,7 @@ use crate::force::conservative::{
     additional_torque, body_gradient, curvature_gradient, normal_response, BodyAtContact,
     NormalResponse,
 };
+use crate::force::contact_begin::begin_factor;
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, TangentialForce,
 };
@@ -50,6 +51,23 @@ impl<T: Real> Surface<T> {
     }
 }
 
+/// What the motion of a body has more at a step than at the half step before it, by which the body came to where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionChange<T = f64> {
+    /// Velocity of the centre.
+    pub velocity: Vector3<T>,
+    /// Angular velocity, world frame.
+    pub omega: Vector3<T>,
+}
+
+impl MotionChange {
+    /// Of a body whose motion is steady.
+    pub const NONE: MotionChange = MotionChange {
+        velocity: Vector3::ZERO,
+        omega: Vector3::ZERO,
+    };
+}
+
 /// A touching pair: geometry and motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<T: Real = f64> {
@@ -68,6 +86,12 @@ pub struct Contact<T: Real = f64> {
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
     /// curvature.
     pub inverse_hessian: Option<Symmetric2<T>>,
+    /// Of `i` and `j`, where velocities of the step are known beside those of the half step, which `i` and `j` hold: viscous
+    /// forces take them. Else the velocities of the half step serve for all.
+    pub changes: Option<[MotionChange<T>; 2]>,
+    /// The time step, where viscous forces are to have the impulse of a contact that began within it (`force/contact_begin.rs`):
+    /// where velocities are those of the step.
+    pub begin_time: Option<T>,
 }
 
 impl<T: Real> Contact<T> {
@@ -194,6 +218,14 @@ impl<T: Real> InFrame<T> {
     fn cross_subtract(self, a: Self, b: Self) -> Self {
         a.cross_add(self, b)
     }
+    /// Componentwise.
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        InFrame {
+            tangential: self.tangential + other.tangential,
+            normal: self.normal + other.normal,
+        }
+    }
     /// `self + s (direction, along)`.
     #[inline(always)]
     fn plus(self, s: T, (direction, along): (Vector2<T>, T)) -> Self {
@@ -241,14 +273,40 @@ impl<T: Real> Motion<T> {
         }
     }
 
+    /// At the half step.
     #[inline(always)]
     fn of<const WALL: bool>(x: &Contact<T>) -> Self {
-        let relative = InFrame::of(x.j.velocity - x.i.velocity, x);
-        let omega_i = InFrame::of(x.i.omega, x);
+        Self::with::<WALL>(x, x.j.velocity - x.i.velocity, x.i.omega, x.j.omega)
+    }
+
+    /// At the step, where it is known.
+    #[inline(always)]
+    fn at_step<const WALL: bool>(&self, x: &Contact<T>) -> Self {
+        let Some([i, j]) = &x.changes else {
+            return *self;
+        };
+        let change = Self::with::<WALL>(x, j.velocity - i.velocity, i.omega, j.omega);
+        Motion {
+            relative: self.relative.add(change.relative),
+            omega_i: self.omega_i.add(change.omega_i),
+            omega_j: self.omega_j.add(change.omega_j),
+            rate: self.rate + change.rate,
+        }
+    }
+
+    #[inline(always)]
+    fn with<const WALL: bool>(
+        x: &Contact<T>,
+        relative: Vector3<T>,
+        omega_i: Vector3<T>,
+        omega_j: Vector3<T>,
+    ) -> Self {
+        let relative = InFrame::of(relative, x);
+        let omega_i = InFrame::of(omega_i, x);
         let omega_j = if WALL {
             InFrame::none(x.penetration.constant(0.0))
         } else {
-            InFrame::of(x.j.omega, x)
+            InFrame::of(omega_j, x)
         };
         // Any point between the witnesses has the same velocity along n: they lie on one line along n.
         let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
@@ -263,6 +321,20 @@ impl<T: Real> Motion<T> {
             omega_j,
             rate,
         }
+    }
+
+    /// Tangential velocity of `j` relative to `i` at the contact point.
+    #[inline(always)]
+    fn tangential_velocity<const WALL: bool>(
+        &self,
+        r_i: InFrame<T>,
+        r_j: InFrame<T>,
+    ) -> Vector2<T> {
+        let mut relative = self.omega_i.cross_subtract(r_i, self.relative);
+        if !WALL {
+            relative = self.omega_j.cross_add(r_j, relative);
+        }
+        relative.tangential
     }
 }
 
@@ -459,12 +531,17 @@ pub fn contact_forces<
     } else {
         Motion::none(zero)
     };
-    let rate = motion.rate;
+    let at_step = motion.at_step::<WALL>(x);
+    let rate = at_step.rate;
+    let viscous_rate = match x.begin_time {
+        Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, motion.rate, time),
+        None => rate,
+    };
     let normal = normal_force(
         &kinds.normal,
         &c.normal,
         x.penetration,
-        rate,
+        viscous_rate,
         curvature.determinant(),
         factors,
         x.effective_mass,
@@ -509,9 +586,20 @@ pub fn contact_forces<
     if FRICTION && kinds.tangential.any() {
         let turn = Turn::of(x, &motion, remembered);
         let velocity = turn.velocity_at_half_step::<WALL>(&motion, r_i, r_j);
+        let velocity_at_step = if x.changes.is_some() {
+            at_step.tangential_velocity::<WALL>(r_i, r_j)
+        } else {
+            velocity
+        };
         // A contact that began within this step slid only since then.
-        let since = (x.penetration / rate.max(zero.constant(1e-300))).min(remembered.time);
+        let approach = motion.rate.max(zero.constant(1e-300));
+        let since = (x.penetration / approach).min(remembered.time);
         let time = T::select(remembered.continued, remembered.time, since);
+        let mut increment = velocity * time;
+        if x.begin_time.is_some() {
+            let way = motion.rate * time;
+            increment = increment * kinds.tangential.mean_stiffness(x.penetration, way);
+        }
         let t: TangentialForce<T> = tangential_force(
             &kinds.tangential,
             &c.tangential,
@@ -523,8 +611,14 @@ pub fn contact_forces<
             // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
             // step before.
             zero.less(remembered.time),
-            velocity * time,
-            velocity,
+            increment,
+            match x.begin_time {
+                Some(time) => {
+                    let begin = kinds.tangential.begin();
+                    velocity_at_step * begin_factor(begin, x.penetration, motion.rate, time)
+                }
+                None => velocity_at_step,
+            },
         );
         load.add_tangential::<WALL>(t.force, r_i, r_j);
         result.tangential_force = x.tangent.vector(t.force);
@@ -534,7 +628,7 @@ pub fn contact_forces<
         let viscous = t.force - t.elastic_force;
         result.viscous_force = result.viscous_force + x.tangent.vector(viscous);
         result.frictional_force = x.tangent.vector(t.elastic_force);
-        result.viscous_power = result.viscous_power - viscous.dot(velocity);
+        result.viscous_power = result.viscous_power - viscous.dot(velocity_at_step);
         result.tangential_power = -(t.elastic_force.dot(velocity));
     }
     result.force = load.force.to_world(x);

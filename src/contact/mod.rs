@@ -10,10 +10,11 @@ pub mod pair;
 pub mod particle;
 pub mod ranges;
 pub mod stability;
+pub mod stable_step;
 pub mod staged;
 pub mod without_history;
 
-pub use forces::{Contact, ContactForces};
+pub use forces::{Contact, ContactForces, MotionChange};
 pub use history::{HistoryLayout, Step};
 pub use laws::Laws;
 pub use one_contact::{one_contact, OneContact};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whether and where a pair touches, and what the law needs of it.
 
-use super::forces::{contact_forces, Contact, ContactForces, Surface};
+use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
 use super::history::{recall, remember, HistoryLayout, Step};
 use super::particle::{effective_mass, Particle};
 use crate::force::{hertz_factors, Factors, PairLaw};
@@ -92,6 +92,11 @@ pub(crate) fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> C
         j: surface(j, &found.support_j, &found.tangent),
         effective_mass: effective_mass(i.inverse_mass, j.inverse_mass),
         inverse_hessian: None,
+        changes: match (i.change, j.change) {
+            (None, None) => None,
+            (i, j) => Some([i, j].map(|change| change.unwrap_or(MotionChange::NONE))),
+        },
+        begin_time: None,
     }
 }
 
@@ -121,6 +126,8 @@ pub(crate) fn contact_with_wall(
         },
         effective_mass: effective_mass(i.inverse_mass, 0.0),
         inverse_hessian: None,
+        changes: i.change.map(|change| [change, MotionChange::NONE]),
+        begin_time: None,
     }
 }
 
@@ -227,6 +234,10 @@ pub(crate) fn through_law<
     step: &Step,
 ) -> ContactForces {
     let remembered = recall(layout, history, touched, step, x.normal, before);
+    let x = &Contact {
+        begin_time: x.changes.map(|_| step.time_step),
+        ..*x
+    };
     let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, WALL>(
         &law.kinds,
         &law.constants,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A body prepared for its contacts: shape, pose and motion, checked.
 
+use super::forces::MotionChange;
 use super::ranges;
 use crate::geometry::ellipsoid::{LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::geometry::{Ellipsoid, ShapeError};
@@ -36,6 +37,8 @@ pub struct Particle {
     pub velocity: Vector3,
     /// Angular velocity, world frame.
     pub omega: Vector3,
+    /// What the motion at the step has more, where forces are to see velocities of the step.
+    pub change: Option<MotionChange>,
     /// Inverse of the mass for effective masses.
     pub inverse_mass: f64,
     /// Type, counted from 1.
@@ -92,6 +95,7 @@ pub fn prepare_body(body: &Body, types: Option<usize>) -> Result<Particle, Parti
         body: shape,
         velocity: ranges::velocity(body.velocity).map_err(fail)?,
         omega: ranges::angular_velocity(body.angular_velocity).map_err(fail)?,
+        change: None,
         inverse_mass,
         particle_type: body.particle_type.max(0) as u32,
         sphere: shape.is_sphere(),

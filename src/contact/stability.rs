@@ -6,6 +6,7 @@ use super::laws::Laws;
 use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
 use super::particle::Particle;
 pub use crate::force::normal::Collision;
+use crate::force::normal::NormalForce;
 use crate::force::{normal_force, tangential_stiffness, Factors, LawParameters, PairLaw};
 use crate::geometry::contact_search::closest;
 use crate::geometry::relative_curvature;
@@ -39,11 +40,11 @@ impl ContactStiffness {
 }
 
 /// A symmetric 3x3 matrix in the frame of a contact: its tangential part and its normal row.
-#[derive(Clone, Copy)]
-struct Matrix([[f64; 3]; 3]);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Matrix(pub(super) [[f64; 3]; 3]);
 
 impl Matrix {
-    fn of(tangential: Symmetric2, normal: f64) -> Self {
+    pub(super) fn of(tangential: Symmetric2, normal: f64) -> Self {
         Matrix([
             [tangential.uu, tangential.uv, 0.0],
             [tangential.uv, tangential.vv, 0.0],
@@ -62,7 +63,7 @@ impl Matrix {
     }
 
     /// `L` of `self = L L^T`, for a positive definite matrix.
-    fn root(self) -> [[f64; 3]; 3] {
+    pub(super) fn root(self) -> [[f64; 3]; 3] {
         let a = self.0;
         let mut l = [[0.0; 3]; 3];
         for i in 0..3 {
@@ -79,7 +80,7 @@ impl Matrix {
     }
 
     /// `L^T self L`.
-    fn between(self, l: &[[f64; 3]; 3]) -> Self {
+    pub(super) fn between(self, l: &[[f64; 3]; 3]) -> Self {
         let mut product = [[0.0; 3]; 3];
         for (i, row) in product.iter_mut().enumerate() {
             for (j, x) in row.iter_mut().enumerate() {
@@ -94,7 +95,7 @@ impl Matrix {
     }
 
     /// The largest eigenvalue, by the trigonometric solution of the characteristic equation (Smith 1961).
-    fn largest_eigenvalue(self) -> f64 {
+    pub(super) fn largest_eigenvalue(self) -> f64 {
         let a = self.0;
         let mean = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
         let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
@@ -112,28 +113,102 @@ impl Matrix {
     }
 }
 
-/// How easily the bodies give way at the contact: the acceleration of the contact point of `j` relative to that of `i` is
-/// this matrix times the force on `j`, `sum 1/m + [r]x^T I^-1 [r]x` in the frame (u, v, n).
-fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
-    let frame = [x.tangent.u, x.tangent.v, x.normal];
-    let share = x.penetration * share_i;
-    let arm_i = x.tangent.vector(x.i.witness) + x.normal * (x.i.h - share);
-    let arm_j = x.normal * (x.penetration - share - x.j.h) - x.tangent.vector(x.j.witness);
-    let mut sum = [[0.0; 3]; 3];
-    for (body, arm) in [(i, arm_i), (j, arm_j)] {
+/// The velocity of the contact point with a body: its components in the frame (u, v, n), row by row, over the six velocities of
+/// the body along and about its principal axes, each times the root of its inertia. Zero for a fixed body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jacobian(pub(super) [[f64; 6]; 3]);
+
+impl Jacobian {
+    /// `arm` leads from the centre to the contact point.
+    pub(super) fn of(body: &Particle, inverse_mass: f64, arm: Vector3, x: &Contact) -> Self {
+        let frame = [x.tangent.u, x.tangent.v, x.normal];
+        let root = inverse_mass.sqrt();
         let moments = body.body.squares_across().to_array();
-        let levers = frame.map(|e| body.body.to_body(arm.cross(e)).to_array());
-        for (p, row) in sum.iter_mut().enumerate() {
-            for (q, entry) in row.iter_mut().enumerate() {
-                let rotation: f64 = (0..3)
-                    .map(|k| 5.0 / moments[k] * levers[p][k] * levers[q][k])
-                    .sum();
-                let translation = f64::from(u8::from(p == q));
-                *entry += body.inverse_mass * (translation + rotation);
-            }
-        }
+        Jacobian(frame.map(|e| {
+            let along = body.body.to_body(e).to_array();
+            let about = body.body.to_body(arm.cross(e)).to_array();
+            core::array::from_fn(|k| match k {
+                0..3 => root * along[k],
+                _ => root * (5.0 / moments[k - 3]).sqrt() * about[k - 3],
+            })
+        }))
     }
-    Matrix(sum)
+
+    /// How easily the body gives way at the contact: the acceleration of the contact point is this matrix times the force on
+    /// it, `1/m + [r]x^T I^-1 [r]x`.
+    pub(super) fn mobility(&self) -> Matrix {
+        let entry = |p: usize, q: usize| -> f64 {
+            self.0[p].iter().zip(&self.0[q]).map(|(a, b)| a * b).sum()
+        };
+        Matrix(core::array::from_fn(|p| {
+            core::array::from_fn(|q| entry(p, q))
+        }))
+    }
+}
+
+/// From the centres of the bodies to the contact point; the second has no meaning for a wall.
+pub(super) fn arms(x: &Contact, share_i: f64) -> [Vector3; 2] {
+    let share = x.penetration * share_i;
+    [
+        x.tangent.vector(x.i.witness) + x.normal * (x.i.h - share),
+        x.normal * (x.penetration - share - x.j.h) - x.tangent.vector(x.j.witness),
+    ]
+}
+
+/// How easily the bodies give way at the contact: the acceleration of the contact point of `j` relative to that of `i` is
+/// this matrix times the force on `j`.
+fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
+    let [arm_i, arm_j] = arms(x, share_i);
+    let of_i = Jacobian::of(i, i.inverse_mass, arm_i, x).mobility();
+    let of_j = Jacobian::of(j, j.inverse_mass, arm_j, x).mobility();
+    of_i.combined(1.0, of_j, 1.0)
+}
+
+/// The springs and dashpots of a contact, in its frame.
+pub(super) struct Springs {
+    pub(super) normal_stiffness: f64,
+    pub(super) tangential_stiffness: Symmetric2,
+    pub(super) normal_damping: f64,
+    pub(super) tangential_damping: Symmetric2,
+    /// Elastic energy of the normal deformation.
+    pub(super) elastic_energy: f64,
+    pub(super) factors: Factors,
+}
+
+impl Springs {
+    /// `m` is the curvature that the law reads.
+    pub(super) fn of(law: &PairLaw, x: &Contact, m: Symmetric2) -> Result<Self, HaleRatio> {
+        let factors = checked_factors(law, m)?;
+        let at_rest = at_rest(law, &factors, x, m, x.penetration);
+        let normal_stiffness = at_rest.stiffness;
+        let (tangential_stiffness, tangential_damping) = tangential_stiffness(
+            &law.kinds.tangential,
+            &law.constants.tangential,
+            normal_stiffness,
+            &factors,
+            m,
+        );
+        let c = &law.constants;
+        Ok(Springs {
+            normal_stiffness,
+            tangential_stiffness,
+            normal_damping: law
+                .kinds
+                .normal
+                .dashpot(&c.normal, normal_stiffness, x.effective_mass),
+            tangential_damping,
+            elastic_energy: at_rest.elastic_energy,
+            factors,
+        })
+    }
+
+    pub(super) fn stiffness(&self) -> Matrix {
+        Matrix::of(self.tangential_stiffness, self.normal_stiffness)
+    }
+
+    pub(super) fn damping(&self) -> Matrix {
+        Matrix::of(self.tangential_damping, self.normal_damping)
+    }
 }
 
 /// Springs and dashpots of two bodies that touch, and the largest stable time step; `None` where they do not.
@@ -143,8 +218,7 @@ fn mobility(x: &Contact, i: &Particle, j: &Particle, share_i: f64) -> Matrix {
 /// the velocities of the half step, as the engines have it, becomes unstable where a mode changes its sign in every step
 /// while it grows: where the largest eigenvalue of `A (dt^2 K + 2 dt C)` is 4; without damping `dt = 2/sqrt(lambda(A K))`.
 /// What the normal's own rotation adds to `K` is left out: it is smaller by the penetration over the radius of curvature.
-/// Where particles have up to n contacts each, the smallest of these steps over sqrt(n) is safe: each contact then has a share
-/// 1/n of the masses, and no mode of the whole is faster than the fastest of the parts (Irons' theorem).
+/// [`super::stable_step`] has the step of particles with many contacts.
 ///
 /// # Errors
 /// Only with `factors hale`.
@@ -184,25 +258,11 @@ pub fn contact_stiffness(
     let law = laws.get(i.particle_type as usize, j.particle_type as usize);
     let x = contact_of(&found, i, j);
     let m = x.curvature();
-    let factors = checked_factors(law, m)?;
-    let normal = at_rest(law, &factors, &x, m, x.penetration);
-    let (stiffness, damping) = tangential_stiffness(
-        &law.kinds.tangential,
-        &law.constants.tangential,
-        normal,
-        &factors,
-        m,
-    );
-    let c = &law.constants;
-    let normal_damping = law
-        .kinds
-        .normal
-        .dashpot(&c.normal, normal, x.effective_mass);
-    let mobility = mobility(&x, i, j, c.share_i);
+    let springs = Springs::of(law, &x, m)?;
     let critical_step = critical_step(
-        mobility,
-        Matrix::of(stiffness, normal),
-        Matrix::of(damping, normal_damping),
+        mobility(&x, i, j, law.constants.share_i),
+        springs.stiffness(),
+        springs.damping(),
     );
     let major = found
         .tangent
@@ -212,16 +272,22 @@ pub fn contact_stiffness(
         [major.dot(s.apply(major)), minor.dot(s.apply(minor))]
     };
     Ok(Some(ContactStiffness {
-        normal_stiffness: normal,
-        tangential_stiffness: along(stiffness),
-        normal_damping,
-        tangential_damping: along(damping),
+        normal_stiffness: springs.normal_stiffness,
+        tangential_stiffness: along(springs.tangential_stiffness),
+        normal_damping: springs.normal_damping,
+        tangential_damping: along(springs.tangential_damping),
         critical_step,
     }))
 }
 
-/// Normal stiffness at a penetration, the bodies at rest.
-fn at_rest(law: &PairLaw, factors: &Factors, x: &Contact, m: Symmetric2, penetration: f64) -> f64 {
+/// The normal force at a penetration, the bodies at rest.
+pub(super) fn at_rest(
+    law: &PairLaw,
+    factors: &Factors,
+    x: &Contact,
+    m: Symmetric2,
+    penetration: f64,
+) -> NormalForce {
     normal_force(
         &law.kinds.normal,
         &law.constants.normal,
@@ -231,7 +297,6 @@ fn at_rest(law: &PairLaw, factors: &Factors, x: &Contact, m: Symmetric2, penetra
         factors,
         x.effective_mass,
     )
-    .stiffness
 }
 
 fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
@@ -286,7 +351,7 @@ pub fn collision(
         ..x
     };
     let inverse_mass = mobility(&touching, i, j, law.constants.share_i).0[2][2];
-    let stiffness = at_rest(law, &factors, &x, m, 1.0);
+    let stiffness = at_rest(law, &factors, &x, m, 1.0).stiffness;
     let formula = law.kinds.normal.formula;
     Ok(formula.collision(stiffness, inverse_mass, speed))
 }

@@ -3,6 +3,7 @@
 
 pub mod choice;
 pub(crate) mod conservative;
+pub(crate) mod contact_begin;
 pub mod damping;
 pub mod elliptic_integrals;
 pub mod hertz_factors;

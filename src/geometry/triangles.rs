@@ -12,6 +12,9 @@
 //! its share (`facet_shares`): so a contact goes over a fold of any angle without a jump, and many small facets act as the
 //! curved surface that they approach. Faces cut each other's contacts where they meet.
 //!
+//! The deepest point of a long body across a block's edge can lie over a face that the body does not reach, or of which it is on the
+//! other side. So a face acts if a part of its plane's triangles is in the body, and if no other triangle hides it from the body's centre.
+//!
 //! The time goes with `n log n` of the triangles near the body: what meets at a place is asked of a tree of boxes.
 //!
 //! What is not continuous: where convex edges lie within the same overlap as folds. A face beyond a fold is there taken as
@@ -88,6 +91,10 @@ const SAME_PLANE: f64 = 1e-8;
 /// taken as that contact, so that neighbouring triangles do not act twice. Not derived: a compromise between real edges and
 /// flaws of meshes.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
+
+/// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
+/// at which triangles meet: clear of what meets it at its border, and still near.
+const INSIDE: f64 = 100.0;
 
 /// No index.
 const NOTHING: usize = usize::MAX;
@@ -265,13 +272,19 @@ impl TriangleSearch {
             let over = self.boxes[k].overlaps(&Extent::about(foot.to_array(), meeting))
                 && t.has(foot, meeting);
             let point = if over {
+                let reaches = |q: &Near| q.is_in_section(body, &support, penetration);
+                let reached =
+                    reaches(t) || self.near.iter().any(|q| q.plane == t.plane && reaches(q));
+                if !reached || self.is_hidden(k, foot, meeting) {
+                    continue;
+                }
                 foot
             } else {
                 if known != NOTHING || !t.is_in_section(body, &support, penetration) {
                     continue;
                 }
                 let point = t.nearest_to(body, &support, foot);
-                if !self.folds_up(k, point, meeting) {
+                if !self.folds_up(k, point, meeting) || self.is_hidden(k, point, meeting) {
                     continue;
                 }
                 point
@@ -321,6 +334,24 @@ impl TriangleSearch {
             !rises
         });
         rises
+    }
+
+    /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
+    /// of a block, seen from within, do not act on a body that lies across its edges.
+    fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
+        let seen = point + inwards * (INSIDE * meeting / inwards.norm()).min(1.0);
+        let way = Extent {
+            low: seen.to_array().map(|x| x.min(0.0)),
+            high: seen.to_array().map(|x| x.max(0.0)),
+        };
+        let mut hidden = false;
+        self.tree.visit(&self.boxes, &way, |k| {
+            hidden = k != own && self.near[k].stands_before(t, seen, meeting);
+            !hidden
+        });
+        hidden
     }
 
     /// Whether a normal at a point points away from all triangles that meet there.
@@ -550,6 +581,16 @@ impl Near {
         let place = self.corners.map(|c| tangent.components(c - p));
         let nearest = combine(&self.corners, nearest_to_origin(place));
         (nearest - p).norm_squared() <= margin * margin
+    }
+
+    /// Whether the way from the body's centre to a point of another triangle passes through this one, and that other lies behind
+    /// this one's plane as a whole. A larger one, on which this one stands, goes on in front of it.
+    fn stands_before(&self, other: &Near, seen: Vector3, meeting: f64) -> bool {
+        let height = |p: Vector3| self.normal.dot(p) + self.distance;
+        let depth = -height(seen);
+        depth > TOLERANCE * seen.norm()
+            && other.corners.iter().all(|&p| height(p) <= meeting)
+            && self.has(seen * (self.distance / (self.distance + depth)), meeting)
     }
 
     /// Whether two triangles that meet are of one plane.

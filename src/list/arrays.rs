@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An engine's particle arrays, and one particle of them checked and prepared.
 
+use crate::contact::forces::MotionChange;
 use crate::contact::particle::{angular_velocity, describe, Particle};
 use crate::contact::ranges;
 use crate::geometry::Ellipsoid;
 use crate::message::Number;
+use crate::vector::Vector3;
 
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
 pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> {
@@ -16,6 +18,11 @@ pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: F
     pub velocities: &'a [[f64; 3]],
     /// Angular velocities in the world frame, or angular momenta.
     pub rotation: Rotation<'a>,
+    /// Whether velocities and rotations are those of the step at which the forces are computed; else they are those of the half
+    /// step before.
+    pub of_step: bool,
+    /// What those of the step have more than those of the half step; empty where nobody asks for the latter.
+    pub changes: &'a [[f64; 6]],
     /// Masses for effective masses; empty where no law reads them.
     pub contact_masses: &'a [f64],
     /// Types, counted from 1.
@@ -33,6 +40,17 @@ pub enum Rotation<'a> {
     Velocity(&'a [[f64; 3]]),
     /// Angular momenta in the world frame, of solid ellipsoids of these masses.
     Momentum(&'a [[f64; 3]], &'a [f64]),
+}
+
+impl Rotation<'_> {
+    /// Angular velocity or momentum of a particle.
+    #[inline(always)]
+    pub(super) fn of(&self, k: usize) -> [f64; 3] {
+        match self {
+            Rotation::Velocity(omega) => omega[k],
+            Rotation::Momentum(momenta, _) => momenta[k],
+        }
+    }
 }
 
 #[cold]
@@ -54,7 +72,15 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
     types: usize,
 ) -> Result<Particle, String> {
     let position = ranges::position(arrays.positions[k])?;
-    let velocity = ranges::velocity(arrays.velocities[k])?;
+    let change = arrays.changes.get(k);
+    let (mut velocity, mut rotation) = (arrays.velocities[k], arrays.rotation.of(k));
+    if let Some(change) = change {
+        for axis in 0..3 {
+            velocity[axis] -= change[axis];
+            rotation[axis] -= change[3 + axis];
+        }
+    }
+    let velocity = ranges::velocity(velocity)?;
     let particle_type = arrays.types[k];
     if particle_type < 1 || particle_type as usize > types {
         return Err(format!("type {particle_type} is not between 1 and {types}"));
@@ -63,9 +89,9 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
     let body =
         Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;
     let omega = match arrays.rotation {
-        Rotation::Velocity(w) => ranges::angular_velocity(w[k])?,
-        Rotation::Momentum(l, masses) => {
-            let l = ranges::vector(l[k], f64::MAX, "angular momentum")?;
+        Rotation::Velocity(_) => ranges::angular_velocity(rotation)?,
+        Rotation::Momentum(_, masses) => {
+            let l = ranges::vector(rotation, f64::MAX, "angular momentum")?;
             let mass = masses[k];
             if !(ranges::is_mass(mass) && mass.is_finite()) {
                 return Err(format!(
@@ -90,6 +116,17 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
         body,
         velocity,
         omega,
+        change: arrays.of_step.then(|| {
+            let [x, y, z, a, b, c] = change.copied().unwrap_or_default();
+            let rotation = Vector3::new(a, b, c);
+            MotionChange {
+                velocity: Vector3::new(x, y, z),
+                omega: match arrays.rotation {
+                    Rotation::Velocity(_) => rotation,
+                    Rotation::Momentum(_, masses) => angular_velocity(&body, masses[k], rotation),
+                },
+            }
+        }),
         inverse_mass,
         particle_type: particle_type as u32,
         sphere: body.is_sphere(),

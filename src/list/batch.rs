@@ -8,7 +8,8 @@ use super::batches::{LaneBits, Numbers};
 use super::records::Record;
 use super::shapes::{Kind, Side};
 use crate::contact::forces::{
-    contact_forces, relative_curvature_matrix, Contact, ContactForces, Remembered, Surface,
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
+    Surface,
 };
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
 use crate::force::hertz_factors::{
@@ -44,6 +45,10 @@ pub(super) struct Common<'a> {
     pub time: f64,
     /// The law, where there is only one.
     pub only_law: Option<&'a PairLaw>,
+    /// What velocities and angular velocities of the particles have more at the step; empty where that is not known.
+    pub changes: &'a [Line],
+    /// The time step, where forces see velocities of the step.
+    pub begin_time: Option<f64>,
     /// Whether energies are asked for.
     pub tally: bool,
     /// Whether the loads that are not elastic are asked for.
@@ -255,7 +260,19 @@ pub(super) fn run<
     } else {
         zero
     };
-    let x = contact_of(&found, &i, &j, effective_mass);
+    let mut x = contact_of(&found, &i, &j, effective_mass);
+    let viscous = kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
+    if RATE && viscous {
+        if let Some(time) = common.begin_time {
+            x.begin_time = Some(Lanes::splat(registers, time));
+        }
+        if FRICTION && !common.changes.is_empty() {
+            x.changes = Some([
+                change(registers, &records_of!(common.changes, batch.i, S::LANES)),
+                change(registers, &records_of!(common.changes, batch.j, S::LANES)),
+            ]);
+        }
+    }
     let remembered = if FRICTION {
         recall::<S, K>(registers, bits, numbers, common, start, &found, (&i, &j))
     } else {
@@ -354,6 +371,18 @@ fn contact_of<S: Registers, K: Kind>(
         j: surface(j, &found.support_j, found.weingarten_j),
         effective_mass,
         inverse_hessian: Some(found.inverse_hessian),
+        changes: None,
+        begin_time: None,
+    }
+}
+
+/// What the motions of particles have more at the step.
+#[inline(always)]
+fn change<S: Registers>(registers: S, changes: &[&Line; MOST_LANES]) -> MotionChange<Lanes<S>> {
+    let c = Lanes::all(registers, registers.columns(changes));
+    MotionChange {
+        velocity: Vector3::new(c[0], c[1], c[2]),
+        omega: Vector3::new(c[3], c[4], c[5]),
     }
 }
 

@@ -12,6 +12,7 @@ use super::rows::{check_history, ListError, NeighbourRow};
 use super::scalar_pass::{Pass, Place};
 use super::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use super::workspace::Workspace;
+use crate::contact::forces::MotionChange;
 use crate::contact::particle::Particle;
 use crate::contact::Laws;
 use crate::simd::{Line, Registers, Stage, MOST_LANES};
@@ -284,6 +285,8 @@ fn contacts<
         records,
         types,
         inverse_masses,
+        changes,
+        of_step,
         sums,
         shapes,
     } = particles;
@@ -295,6 +298,8 @@ fn contacts<
         remembers_normals: pass.layout.normal.is_some(),
         time: pass.step.elapsed(),
         only_law: one_type.then(|| laws.get(1, 1)),
+        changes,
+        begin_time: of_step.then_some(pass.step.time_step),
         tally: pass.tallies.is_some(),
         loads: pass
             .tallies
@@ -309,6 +314,8 @@ fn contacts<
         records,
         types,
         inverse_masses,
+        changes,
+        of_step: *of_step,
         shapes,
     };
     let (batches, participants) = candidates.parts();
@@ -529,12 +536,21 @@ struct Single<'a> {
     records: &'a [Record],
     types: &'a [u32],
     inverse_masses: &'a [f64],
+    changes: &'a [Line],
+    of_step: bool,
     shapes: Shapes,
 }
 
 impl Single<'_> {
     fn particle(&self, k: usize) -> Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
-        self.records[k].particle(self.shapes, self.types[k], inverse_mass)
+        let change = self.of_step.then(|| {
+            let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
+            MotionChange {
+                velocity: Vector3::new(x, y, z),
+                omega: Vector3::new(a, b, c),
+            }
+        });
+        self.records[k].particle(self.shapes, self.types[k], inverse_mass, change)
     }
 }

@@ -66,6 +66,8 @@ use crate::tallies::Tallies;
 ///     positions: &[[0.0; 3], [0.0, 0.0, 1.99]],
 ///     velocities: &[[0.0; 3]; 2],
 ///     rotation: Rotation::Velocity(&[[0.0; 3]; 2]),
+///     of_step: false,
+///     changes: &[],
 ///     contact_masses: &[],
 ///     types: &[1, 1],
 ///     shape,

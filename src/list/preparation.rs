@@ -51,7 +51,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
         let mut chunk = Chunk {
             particles: [0; MOST_LANES],
             length: 0,
-            lines: [[Line::ZERO; MOST_LANES]; 2],
+            lines: [[Line::ZERO; MOST_LANES]; 3],
             masses: [1.0; MOST_LANES],
             sound: true,
         };
@@ -86,6 +86,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
             for lane in chunk.length..S::LANES {
                 chunk.lines[0][lane] = chunk.lines[0][0];
                 chunk.lines[1][lane] = chunk.lines[1][0];
+                chunk.lines[2][lane] = chunk.lines[2][0];
                 chunk.masses[lane] = chunk.masses[0];
             }
             self.finish(registers, &mut chunk);
@@ -97,8 +98,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
 struct Chunk {
     particles: [usize; MOST_LANES],
     length: usize,
-    /// What will be the records.
-    lines: [[Line; MOST_LANES]; 2],
+    /// What will be the records, and what the motions have more at the step.
+    lines: [[Line; MOST_LANES]; 3],
     masses: [f64; MOST_LANES],
     /// Whether nothing looks wrong.
     sound: bool,
@@ -126,6 +127,13 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         };
         chunk.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
         chunk.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
+        if let Some(&[x, y, z, a, b, c]) = arrays.changes.get(k) {
+            let before = &mut chunk.lines[1][lane].0;
+            for (value, change) in before[2..].iter_mut().zip([x, y, z, a, b, c]) {
+                *value -= change;
+            }
+            chunk.lines[2][lane] = Line([x, y, z, a, b, c, 0.0, 0.0]);
+        }
         let particle_type = arrays.types[k];
         chunk.sound &= particle_type >= 1 && particle_type as usize <= self.types;
         self.outcome.types_changed |= self.records.types[k] != particle_type as u32;
@@ -151,6 +159,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
                 &mut chunk.lines,
                 &chunk.masses,
                 from_momenta,
+                !self.arrays.changes.is_empty(),
                 self.records.shapes,
             )
         {
@@ -161,6 +170,9 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
                 pose: chunk.lines[0][lane],
                 motion: chunk.lines[1][lane],
             };
+            if let Some(change) = self.records.changes.get_mut(k) {
+                *change = chunk.lines[2][lane];
+            }
         }
         true
     }
@@ -170,8 +182,11 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
     fn one_by_one(&mut self, chunk: &[usize]) -> bool {
         for &k in chunk {
             match prepare_record(self.arrays, k, self.types, self.records.shapes) {
-                Ok((record, particle_type, inverse_mass)) => {
+                Ok((record, change, particle_type, inverse_mass)) => {
                     self.records.records[k] = record;
+                    if let Some(place) = self.records.changes.get_mut(k) {
+                        *place = change;
+                    }
                     self.records.types[k] = particle_type;
                     if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
                         *inverse = inverse_mass;
@@ -191,9 +206,10 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
 #[inline(always)]
 fn finish<S: Registers>(
     registers: S,
-    lines: &mut [[Line; MOST_LANES]; 2],
+    lines: &mut [[Line; MOST_LANES]; 3],
     masses: &[f64; MOST_LANES],
     from_momenta: bool,
+    with_changes: bool,
     shapes: Shapes,
 ) -> bool {
     let p = Lanes::all(registers, registers.columns(&lines!(&lines[0])));
@@ -252,16 +268,24 @@ fn finish<S: Registers>(
     // L = (m/5) diag(yz, xz, xy) omega in body axes.
     let inverse = one * 5.0 / inertia;
     if shapes == Shapes::Ellipsoids {
-        let omega = if from_momenta {
-            let axes = rotation_columns(q, one * 2.0);
+        let axes = rotation_columns(q, one * 2.0);
+        let omega_of = |spin: Vector3<Lanes<S>>| {
             axes[0] * (axes[0].dot(spin) * (xz * xy * inverse))
                 + axes[1] * (axes[1].dot(spin) * (yz * xy * inverse))
                 + axes[2] * (axes[2].dot(spin) * (yz * xz * inverse))
-        } else {
-            spin
         };
+        let omega = if from_momenta { omega_of(spin) } else { spin };
         if !slow(omega) {
             return false;
+        }
+        if with_changes && from_momenta {
+            let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
+            let w = omega_of(Vector3::new(c[3], c[4], c[5]));
+            put(
+                registers,
+                [c[0], c[1], c[2], w.x, w.y, w.z, zero, zero],
+                &mut lines[2],
+            );
         }
         put(
             registers,
@@ -292,6 +316,16 @@ fn finish<S: Registers>(
         let (polar_square, equatorial_square) = (polar * polar, equatorial * equatorial);
         let across = (mass * (polar_square + equatorial_square)).reciprocal() * 5.0;
         let along = (mass * equatorial_square).reciprocal() * 2.5;
+        if with_changes {
+            let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
+            let spin = Vector3::new(c[3], c[4], c[5]);
+            let w = axis.scale_add(axis.dot(spin) * (along - across), spin * across);
+            put(
+                registers,
+                [c[0], c[1], c[2], w.x, w.y, w.z, zero, zero],
+                &mut lines[2],
+            );
+        }
         axis.scale_add(axis.dot(spin) * (along - across), spin * across)
     } else {
         spin

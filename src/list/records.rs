@@ -2,6 +2,7 @@
 //! The particles as the lanes load them, and the simplest closed form that serves all their shapes.
 
 use super::arrays::{no_shape, prepare_one, ParticleArrays};
+use crate::contact::forces::MotionChange;
 use crate::contact::particle::{describe, Particle};
 use crate::geometry::ellipsoid::{rotation_columns, within_range};
 use crate::geometry::Ellipsoid;
@@ -105,6 +106,7 @@ impl Record {
         shapes: Shapes,
         particle_type: u32,
         inverse_mass: f64,
+        change: Option<MotionChange>,
     ) -> Particle {
         let (p, m) = (&self.pose.0, &self.motion.0);
         let (axes, semi_axes, motion) = if shapes == Shapes::Ellipsoids {
@@ -137,6 +139,7 @@ impl Record {
             body,
             velocity: Vector3::new(motion[0], motion[1], motion[2]),
             omega: Vector3::new(motion[3], motion[4], motion[5]),
+            change,
             inverse_mass,
             particle_type,
             sphere: body.is_sphere(),
@@ -163,6 +166,11 @@ pub(super) struct Records {
     pub types: Vec<u32>,
     /// Empty where no law reads masses.
     pub inverse_masses: Vec<f64>,
+    /// What velocity and angular velocity at the step have more than those of the records, which are then those of the half
+    /// step; empty where nobody asks for the latter.
+    pub changes: Vec<Line>,
+    /// Whether forces see velocities of the step.
+    pub of_step: bool,
     /// Force and torque of this step, zero between steps.
     pub sums: Vec<Line>,
     /// What the records are made for.
@@ -174,22 +182,35 @@ impl Records {
         self.records.capacity() * core::mem::size_of::<Record>()
             + self.types.capacity() * core::mem::size_of::<u32>()
             + self.inverse_masses.capacity() * core::mem::size_of::<f64>()
+            + self.changes.capacity() * core::mem::size_of::<Line>()
             + self.sums.capacity() * core::mem::size_of::<Line>()
     }
 }
 
-/// One particle for the lanes: its record, type, and the inverse of its mass.
+/// One particle for the lanes: its record, what its motion has more at the step, its type, and the inverse of its mass.
 pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
     shapes: Shapes,
-) -> Result<(Record, u32, f64), String> {
+) -> Result<(Record, Line, u32, f64), String> {
     let p = prepare_one(arrays, k, types)?;
-    let (x, v) = (arrays.positions[k], arrays.velocities[k]);
+    let x = arrays.positions[k];
     let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
     let q = within_range(q).map_err(|e| describe(e, a, q))?;
     let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
-    let record = Record::new(shapes, x, a, q.map(|q| q * s), v, p.omega);
-    Ok((record, p.particle_type, p.inverse_mass))
+    let record = Record::new(
+        shapes,
+        x,
+        a,
+        q.map(|q| q * s),
+        p.velocity.to_array(),
+        p.omega,
+    );
+    let MotionChange {
+        velocity: v,
+        omega: w,
+    } = p.change.unwrap_or(MotionChange::NONE);
+    let change = Line([v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0]);
+    Ok((record, change, p.particle_type, p.inverse_mass))
 }

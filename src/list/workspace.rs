@@ -119,13 +119,16 @@ impl Workspace {
         }
         let count = arrays.positions.len();
         let with_masses = !arrays.contact_masses.is_empty();
-        let same_masses = with_masses != self.records.inverse_masses.is_empty();
+        let with_changes = !arrays.changes.is_empty();
+        let same_contents = with_masses != self.records.inverse_masses.is_empty()
+            && with_changes != self.records.changes.is_empty()
+            && arrays.of_step == self.records.of_step;
         let mut outcome = Prepared::default();
         if !unchanged {
             // Of another list: there is no place any more for what was kept.
             self.candidates.batches.discard();
         }
-        if unchanged && same_masses {
+        if unchanged && same_contents {
             let mut hold = self.candidates.are_for(count);
             if hold {
                 self.candidates.count_step();
@@ -152,6 +155,7 @@ impl Workspace {
         }
         self.candidates.forget();
         let r = &mut self.records;
+        r.of_step = arrays.of_step;
         r.shapes = Shapes::of_all(arrays);
         r.records.clear();
         reserve(&mut r.records, count, self.allocated);
@@ -161,6 +165,11 @@ impl Workspace {
         r.inverse_masses.clear();
         if with_masses {
             r.inverse_masses.resize(count, 0.0);
+        }
+        r.changes.clear();
+        if with_changes {
+            reserve(&mut r.changes, count, self.allocated);
+            r.changes.resize(count, Line::ZERO);
         }
         self.instruction_set.run(Prepare {
             arrays,

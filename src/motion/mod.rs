@@ -6,5 +6,6 @@ mod free_rotation;
 mod velocity_verlet;
 
 pub use velocity_verlet::{
-    angular_velocities, finish_step, start_step, Bodies, BodyArrays, MotionError, Selection,
+    angular_velocities, finish_step, start_step, Bodies, BodyArrays, Extrapolation, MotionError,
+    Selection,
 };

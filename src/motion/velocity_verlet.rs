@@ -47,6 +47,28 @@ pub struct BodyArrays<'a, B: Bodies> {
     pub masses: &'a [f64],
     /// Shapes and attitudes.
     pub bodies: B,
+    /// Where the forces are to see velocities of the step at which they are computed; `None`: those of the half step.
+    pub extrapolation: Option<Extrapolation<'a>>,
+}
+
+/// What takes velocities and angular momenta from the half step to the end of the step, where the next forces are computed:
+/// from the accelerations `a` of now and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
+/// step to that one; nothing where `a` has turned against `a'`.
+///
+/// The forces then depend on velocities that are right to the second order, and the step stays explicit. The velocities
+/// with which the bodies move, and without such forces the motion itself, are those of velocity Verlet. An overdamped mode
+/// that the extrapolation would let grow (damping coefficient over mass times step above 1/2) changes the sign of its
+/// acceleration in each step: there the velocities of the half step serve, so that the step may be as large as with these
+/// (docs/theory.md, section 8).
+pub struct Extrapolation<'a> {
+    /// Written by [`start_step`]: what velocities and angular momenta have more than those of the half step; by
+    /// [`finish_step`]: what those that the forces were computed with had more than those of the end of the step.
+    pub changes: &'a mut [[f64; 6]],
+    /// Forces and torques of the step before; overwritten by those of now. Not known where the first is infinite: those of
+    /// now then stand for them, which is right for what moves freely before it touches.
+    pub loads_before: &'a mut [[f64; 6]],
+    /// This step over the one before.
+    pub step_ratio: f64,
 }
 
 /// Which bodies move: those whose number shares a bit with `bits`; all where there are no numbers.
@@ -76,8 +98,8 @@ pub struct MotionError {
     pub what: String,
 }
 
-/// Half a kick, then the way of a whole step: velocities and angular momenta become those of the half step, positions and
-/// quaternions those of the end of the step. Quaternions come out with length 1.
+/// Half a kick, then the way of a whole step: velocities and angular momenta become those of the half step (or, with an
+/// [`Extrapolation`], of its end), positions and quaternions those of the end of the step. Quaternions come out with length 1.
 ///
 /// # Errors
 /// The first body, in the order of the arrays' chunks, that is no ellipsoid, whose mass is not a positive finite number, or
@@ -109,6 +131,7 @@ pub struct MotionError {
 ///     torques: &[[0.0; 3]],
 ///     masses: &[1.0],
 ///     bodies: Grain([1.0, 0.0, 0.0, 0.0]),
+///     extrapolation: None,
 /// };
 /// let all = Selection { groups: &[], bits: 0 };
 /// start_step(InstructionSet::choose()?, &mut grain, all, 1.0).expect("it can be moved");
@@ -138,12 +161,20 @@ pub fn start_step<B: Bodies>(
     outcome
 }
 
-/// The other half of the kick, with the forces of the end of the step.
+/// The other half of the kick, with the forces of the end of the step, on the velocities of the half step.
 pub fn finish_step<B: Bodies>(
     arrays: &mut BodyArrays<'_, B>,
     selection: Selection<'_>,
     time_step: f64,
 ) {
+    if arrays.extrapolation.is_some() {
+        for k in 0..arrays.same_length() {
+            if selection.takes(k) {
+                kick_from_extrapolated(arrays, k, 0.5 * time_step);
+            }
+        }
+        return;
+    }
     for k in 0..arrays.same_length() {
         if selection.takes(k) {
             kick(arrays, k, 0.5 * time_step);
@@ -219,6 +250,15 @@ impl<B: Bodies> BodyArrays<'_, B> {
         self.forces = &self.forces[..n];
         self.torques = &self.torques[..n];
         self.masses = &self.masses[..n];
+        if let Some(Extrapolation {
+            changes,
+            loads_before,
+            ..
+        }) = &mut self.extrapolation
+        {
+            *changes = &mut core::mem::take(changes)[..n];
+            *loads_before = &mut core::mem::take(loads_before)[..n];
+        }
         n
     }
 }
@@ -232,6 +272,61 @@ fn kick<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, time: f64) {
     for axis in 0..3 {
         v[axis] += over_mass * f[axis];
         l[axis] += time * t[axis];
+    }
+}
+
+/// Takes the velocities of a body to the end of the step, once it has moved with those of the half step.
+#[inline(always)]
+fn extrapolate<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, half: f64) {
+    let Some(extrapolation) = &mut arrays.extrapolation else {
+        return;
+    };
+    let (change, before) = (
+        &mut extrapolation.changes[k],
+        &mut extrapolation.loads_before[k],
+    );
+    let (v, f) = (&mut arrays.velocities[k], &arrays.forces[k]);
+    let (l, t) = (&mut arrays.angular_momenta[k], &arrays.torques[k]);
+    let over_mass = half / arrays.masses[k];
+    // Not known before: no change of the load.
+    let ratio = if before[0] == f64::INFINITY {
+        *before = [f[0], f[1], f[2], t[0], t[1], t[2]];
+        0.0
+    } else {
+        extrapolation.step_ratio
+    };
+    let dot = |a: &[f64], b: &[f64]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let steady = |same_way: f64, factor: f64| if same_way < 0.0 { 0.0 } else { factor };
+    let over_mass = steady(dot(f, &before[..3]), over_mass);
+    let half = steady(dot(t, &before[3..]), half);
+    for axis in 0..3 {
+        let force = f[axis] + ratio * (f[axis] - before[axis]);
+        let torque = t[axis] + ratio * (t[axis] - before[3 + axis]);
+        change[axis] = over_mass * force;
+        change[3 + axis] = half * torque;
+        v[axis] += change[axis];
+        l[axis] += change[3 + axis];
+        before[axis] = f[axis];
+        before[3 + axis] = t[axis];
+    }
+}
+
+/// Half a kick of one body whose velocities are the extrapolated ones.
+#[inline(always)]
+fn kick_from_extrapolated<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, half: f64) {
+    let Some(extrapolation) = &mut arrays.extrapolation else {
+        return;
+    };
+    let change = &mut extrapolation.changes[k];
+    let over_mass = half / arrays.masses[k];
+    let (v, f) = (&mut arrays.velocities[k], &arrays.forces[k]);
+    let (l, t) = (&mut arrays.angular_momenta[k], &arrays.torques[k]);
+    for axis in 0..3 {
+        // What differs is remembered, not the velocity: something else may change that in between.
+        change[axis] -= over_mass * f[axis];
+        change[3 + axis] -= half * t[axis];
+        v[axis] -= change[axis];
+        l[axis] -= change[3 + axis];
     }
 }
 
@@ -298,6 +393,8 @@ impl<B: Bodies> Stage for Turn<'_, '_, B> {
                     l[0], l[1], l[2], q[0], q[1], q[2], q[3], mass, a[0], a[1], a[2],
                 ],
             );
+            // The chunk has the momentum of the half step, by which the body turns.
+            extrapolate(self.arrays, k, 0.5 * self.time_step);
             if chunk.length == S::LANES && !self.turn(registers, chunk, is_triaxial) {
                 return;
             }
@@ -328,6 +425,7 @@ impl<B: Bodies> Turn<'_, '_, B> {
                 return;
             };
             let (l, mass) = (self.arrays.angular_momenta[k], self.arrays.masses[k]);
+            extrapolate(self.arrays, k, 0.5 * self.time_step);
             if !self.turn_one(k, a, q, l, mass) {
                 return;
             }

@@ -19,6 +19,7 @@ mod rim;
 mod servo;
 mod shape;
 mod sphere;
+mod step_sums;
 pub mod stl;
 mod triangle_file;
 mod wall;
@@ -32,6 +33,7 @@ pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
 pub use servo::{Servo, ServoLoad};
 pub use shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
+pub use step_sums::WallMasses;
 pub use triangle_file::write_triangle_loads;
 pub use wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 

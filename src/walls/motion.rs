@@ -6,6 +6,7 @@
 //! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
 //! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity.
 
+use crate::contact::forces::MotionChange;
 use crate::contact::staged::WallSurface;
 use crate::contact::Particle;
 use crate::contact::Step;
@@ -135,6 +136,10 @@ impl Motion {
             },
             velocity: self.to_wall(velocity),
             omega: self.to_wall(omega),
+            change: i.change.map(|change| MotionChange {
+                velocity: self.to_wall(change.velocity),
+                omega: self.to_wall(change.omega),
+            }),
             ..*i
         }
     }

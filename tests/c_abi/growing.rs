@@ -50,8 +50,11 @@ impl<T: Growing> Other<T> {
 
     /// What stands behind the struct of this version, and behind that of the library's.
     fn behind(&self) -> Vec<u8> {
-        let all: Vec<u8> = self.bytes.iter().flat_map(|w| w.to_ne_bytes()).collect();
-        all[self.size.min(size_of::<T>())..].to_vec()
+        let first = self.size.min(size_of::<T>());
+        let start = self.bytes.as_ptr().cast::<u8>();
+        // SAFETY: there are so many bytes, and from `first` on all were set; before it a struct may have padding, which was not.
+        unsafe { std::slice::from_raw_parts(start.add(first), self.bytes.len() * 8 - first) }
+            .to_vec()
     }
 }
 

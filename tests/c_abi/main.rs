@@ -31,6 +31,7 @@ mod paths;
 mod recorded;
 mod scene;
 mod shapes;
+mod stable_step;
 mod stages;
 mod threads;
 mod unchanged;

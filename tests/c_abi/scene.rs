@@ -406,6 +406,7 @@ impl Arrays {
             identifier_bytes: 8,
             forces: self.forces.as_mut_ptr().cast(),
             torques: self.torques.as_mut_ptr().cast(),
+            velocity_changes: ptr::null(),
         }
     }
 }

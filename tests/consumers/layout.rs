@@ -19,6 +19,7 @@ use ellgran::c_api::plane::EllgranPlane;
 use ellgran::c_api::recorded::EllgranContactPlace;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::servo::EllgranServo;
+use ellgran::c_api::stable_step::{EllgranContactExtremes, ELLGRAN_STEP_SUMS_LENGTH};
 use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::EllgranContactStiffness;
@@ -92,7 +93,7 @@ fn claims() -> Claims {
         EllgranMotion {
             size, count, positions, velocities, angular_momenta, forces, torques, masses, shape_indices, semi_axes,
             semi_axes_stride, quaternions, quaternions_stride, masks, group_mask,
-            identifier_bytes, identifiers,
+            identifier_bytes, identifiers, velocity_changes, loads_before, time_step_before,
         }
         EllgranNeighbourList {
             size, count, central, neighbour_counts, neighbours, index_mask, special_shift, special_factors, newton,
@@ -101,7 +102,7 @@ fn claims() -> Claims {
         EllgranParticles {
             size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
-            identifier_bytes, forces, torques,
+            identifier_bytes, forces, torques, velocity_changes,
         }
         EllgranWallSurface {
             size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,
@@ -123,6 +124,10 @@ fn claims() -> Claims {
         }
         EllgranStiffnessArrays {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,
+        }
+        EllgranContactExtremes {
+            size, touching_count, shortest_collision, collision_speed, collision_stiffness, collision_inverse_mass,
+            collision_effective_mass, collision_identifiers, collision_types, deepest_overlap, deepest_identifiers,
         }
         EllgranContactPlace { size, i, j, entry }
         EllgranStep { size, advance_history, time_step }
@@ -150,6 +155,7 @@ fn claims() -> Claims {
         ELLGRAN_FACTORS_EXACT ELLGRAN_FACTORS_HALE
         ELLGRAN_DISPLACEMENT_TOTAL ELLGRAN_DISPLACEMENT_INCREMENTAL ELLGRAN_DISPLACEMENT_RESCALED
         ELLGRAN_OPTION_NO_WARM_START
+        ELLGRAN_STEP_SUMS_LENGTH
         ELLGRAN_SIDE_OF_CENTRE ELLGRAN_SIDE_INSIDE ELLGRAN_SIDE_OUTSIDE
         ELLGRAN_END_NONE ELLGRAN_END_OPEN ELLGRAN_END_CLOSED
         ELLGRAN_SUCCESS ELLGRAN_ERROR_NULL_POINTER ELLGRAN_ERROR_ARGUMENT ELLGRAN_ERROR_TEXT ELLGRAN_ERROR_LAW

@@ -10,6 +10,7 @@ mod harness;
 
 use engines::shapes;
 
+mod closed_forms;
 mod conservation;
 mod contact_or_not;
 mod curved_walls;
@@ -29,6 +30,7 @@ mod moving_walls;
 mod normal_motion;
 mod nve_ellipsoid;
 mod outputs;
+mod packings;
 mod pages;
 mod plane_motion;
 mod plugin_file;
@@ -41,6 +43,8 @@ mod size_ratio;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
+mod time_step;
 mod too_new;
+mod velocities_of_the_step;
 mod wall_material;
 mod wall_stress_files;

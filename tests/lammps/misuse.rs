@@ -591,3 +591,42 @@ fn both_versions_walls() {
         &["periodic"],
     );
 }
+
+#[test]
+fn both_versions_timestep_compute() {
+    let scene = pair_of_grains();
+    let cases: &[(&str, &[&str])] = &[
+        ("all timestep/ellipsoid now", &["'now'", "energy_error"]),
+        (
+            "all timestep/ellipsoid energy_error",
+            &["energy_error", "number"],
+        ),
+        ("all timestep/ellipsoid energy_error small", &["small"]),
+        (
+            "all timestep/ellipsoid energy_error 0",
+            &["energy_error 0", "1e-06"],
+        ),
+        (
+            "all timestep/ellipsoid energy_error 2",
+            &["energy_error 2", "0.5"],
+        ),
+        ("some timestep/ellipsoid", &["group some", "all"]),
+    ];
+    for (words, expected) in cases {
+        let deck = Deck {
+            fixes: vec!["group some id 1".into(), format!("compute step {words}")],
+            ..Deck::new(LAW)
+        };
+        refused(&format!("compute {words}"), &scene, &deck, expected);
+    }
+    let deck = Deck {
+        fixes: vec!["compute step all timestep/ellipsoid".into()],
+        ..Deck::with_pair(vec!["pair_style zero 3.0".into(), "pair_coeff * *".into()])
+    };
+    refused(
+        "compute timestep/ellipsoid without contacts",
+        &scene,
+        &deck,
+        &["timestep/ellipsoid", "pair_style gran/ellipsoid"],
+    );
+}

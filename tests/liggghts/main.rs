@@ -17,6 +17,7 @@ mod support;
 use engines::shapes;
 
 mod bounce;
+mod closed_forms;
 mod commands;
 mod crowded;
 mod cylinder;
@@ -42,6 +43,7 @@ mod rolling;
 mod same_motion;
 mod spheres;
 mod stored_forces;
+mod time_step;
 mod vtk;
 mod wall_memory;
 mod wall_outputs;

@@ -57,6 +57,73 @@ fn another_blockiness() {
 }
 
 #[test]
+fn what_check_timestep_ellipsoid_does_not_take() {
+    let with = |fix: &str| Deck {
+        fixes: vec![format!("fix step {fix}")],
+        ..plain()
+    };
+    for (name, fix, words) in [
+        ("few", "all check/timestep/ellipsoid 10", &["fraction"][..]),
+        (
+            "every",
+            "all check/timestep/ellipsoid 0 1.0",
+            &["nevery '0'"],
+        ),
+        (
+            "fraction",
+            "all check/timestep/ellipsoid 10 much",
+            &["fraction 'much'"],
+        ),
+        (
+            "word",
+            "all check/timestep/ellipsoid 10 1.0 vmax 3",
+            &["'vmax'", "energy_error"],
+        ),
+        (
+            "missing",
+            "all check/timestep/ellipsoid 10 1.0 warn",
+            &["missing after 'warn'"],
+        ),
+        (
+            "warn",
+            "all check/timestep/ellipsoid 10 1.0 warn maybe",
+            &["'maybe'", "yes or no"],
+        ),
+        (
+            "error",
+            "all check/timestep/ellipsoid 10 1.0 energy_error 0",
+            &["energy_error '0'"],
+        ),
+    ] {
+        let name = format!("check_timestep_{name}");
+        refuse(
+            &name,
+            with(fix),
+            &[&["check/timestep/ellipsoid"], words].concat(),
+        );
+    }
+    refuse(
+        "check_timestep_group",
+        Deck {
+            fixes: vec![
+                "group some id 1".into(),
+                "fix step some check/timestep/ellipsoid 10 1.0".into(),
+            ],
+            ..plain()
+        },
+        &["group must be all"],
+    );
+    refuse(
+        "check_timestep_model",
+        Deck {
+            model: "hertz tangential history surface ellipsoid".into(),
+            ..with("all check/timestep/ellipsoid 10 1.0")
+        },
+        &["check/timestep/ellipsoid", "model nfd"],
+    );
+}
+
+#[test]
 fn what_nve_ellipsoid_cannot_move() {
     let with = |before: &str, fixes: &[&str]| Deck {
         before: before.lines().map(String::from).collect(),

@@ -125,6 +125,8 @@ impl<'a> PairList<'a> {
             positions: &positions,
             velocities: &velocities,
             rotation: Rotation::Velocity(&spins),
+            of_step: false,
+            changes: &[],
             contact_masses: &masses,
             types: &types,
             shape: |k: usize| Some((bodies[k].semi_axes, bodies[k].quaternion)),

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rigid ellipsoids in motion: velocity Verlet, the free rotation split into turns about the body axes. Second order,
-//! symplectic and reversible, so that an energy that drifts is the law's. Forces see the velocities of the half step,
-//! as in the engines.
+//! symplectic and reversible, so that an energy that drifts is the law's. Forces see the velocities of the half step, as with
+//! the engines' own integrators, or those of the step, as with `fix nve/ellipsoid`.
 
 use super::scene::{
-    advance, advance_plane, array, position, quaternion, rotation, Felt, Memory, Rotation, Vector,
+    advance_at_step, advance_plane_at_step, array, plain, position, quaternion, rotation, Felt,
+    Memory, Rotation, Vector,
 };
-use ellgran::contact::{Body, Laws};
+use ellgran::contact::{Body, Laws, MotionChange};
 use ellgran::walls::MovingPlane;
 use nalgebra::Unit;
 
@@ -37,9 +38,19 @@ impl Rigid {
         Vector::new(a[1] + a[2], a[0] + a[2], a[0] + a[1]) * (self.body.mass / 5.0)
     }
     fn set_angular_velocity(&mut self) {
+        self.body.angular_velocity = array(self.angular_velocity_of(self.momentum));
+    }
+    fn angular_velocity_of(&self, momentum: Vector) -> Vector {
         let q = self.turn();
-        let l = q.inverse_transform_vector(&self.momentum);
-        self.body.angular_velocity = array(q * l.component_div(&self.inertia()));
+        let l = q.inverse_transform_vector(&momentum);
+        q * l.component_div(&self.inertia())
+    }
+    /// What this load for this time adds to the motion.
+    fn change(&self, (force, torque): (Vector, Vector), time: f64) -> MotionChange {
+        MotionChange {
+            velocity: plain(force * (time / self.body.mass)),
+            omega: plain(self.angular_velocity_of(torque * time)),
+        }
     }
     pub fn kinetic_energy(&self) -> f64 {
         let v = Vector::from(self.body.velocity);
@@ -87,8 +98,21 @@ pub struct Motion<'a> {
     pub time_step: f64,
     /// On `i`, at all times.
     pub gravity: Vector,
+    /// Which velocities viscous forces see.
+    pub velocities: Velocities,
     /// The contact of now.
     pub felt: Option<Felt>,
+    /// Forces and torques of the step before, where they are known.
+    before: Option<[(Vector, Vector); 2]>,
+}
+
+/// The velocities that viscous forces see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Velocities {
+    /// Of half a step before.
+    HalfStep,
+    /// Extrapolated to the step.
+    Step,
 }
 
 impl<'a> Motion<'a> {
@@ -100,42 +124,73 @@ impl<'a> Motion<'a> {
             memory: Memory::new(laws),
             time_step,
             gravity: Vector::zeros(),
+            velocities: Velocities::HalfStep,
             felt: None,
+            before: None,
         };
-        motion.feel(0.0);
+        motion.feel(0.0, None);
         motion
     }
 
-    fn feel(&mut self, time: f64) {
+    /// `loads` are those of the last step, extrapolated, where velocities of the step are wanted.
+    fn feel(&mut self, time: f64, loads: Option<[(Vector, Vector); 2]>) {
+        let half = 0.5 * time;
+        let change_i = loads.map(|[load, _]| self.i.change(load, half));
+        let i = (&self.i.body, change_i);
         self.felt = match &self.j {
             Partner::Wall(wall) => {
-                advance_plane(self.laws, &self.i.body, wall, time, &mut self.memory)
+                advance_plane_at_step(self.laws, i, wall, time, &mut self.memory)
             }
-            Partner::Body(j) => advance(self.laws, &self.i.body, &j.body, time, &mut self.memory),
+            Partner::Body(j) => {
+                let change_j = loads.map(|[_, load]| j.change(load, half));
+                advance_at_step(self.laws, i, (&j.body, change_j), time, &mut self.memory)
+            }
         };
     }
 
-    fn kick(&mut self) {
-        let time = 0.5 * self.time_step;
+    /// Force and torque on `i` and `j`.
+    fn loads(&self) -> [(Vector, Vector); 2] {
         let none = Vector::zeros();
         let (force, torque_i, torque_j) = self
             .felt
             .as_ref()
             .map_or((none, none, none), |f| (f.force, f.torque_i, f.torque_j));
-        self.i
-            .kick(self.gravity * self.i.body.mass - force, torque_i, time);
+        [
+            (self.gravity * self.i.body.mass - force, torque_i),
+            (force, torque_j),
+        ]
+    }
+
+    fn kick(&mut self) {
+        let time = 0.5 * self.time_step;
+        let [on_i, on_j] = self.loads();
+        self.i.kick(on_i.0, on_i.1, time);
         if let Partner::Body(j) = &mut self.j {
-            j.kick(force, torque_j, time);
+            j.kick(on_j.0, on_j.1, time);
         }
     }
 
     pub fn step(&mut self) {
+        let loads = self.loads();
+        let before = self.before.replace(loads).unwrap_or(loads);
         self.kick();
         self.i.drift(self.time_step);
         if let Partner::Body(j) = &mut self.j {
             j.drift(self.time_step);
         }
-        self.feel(self.time_step);
+        let next = |k: usize| {
+            let steadily = |now: Vector, then: Vector| {
+                if now.dot(&then) < 0.0 {
+                    Vector::zeros()
+                } else {
+                    now * 2.0 - then
+                }
+            };
+            let (now, then) = (loads[k], before[k]);
+            (steadily(now.0, then.0), steadily(now.1, then.1))
+        };
+        let extrapolated = (self.velocities == Velocities::Step).then(|| [next(0), next(1)]);
+        self.feel(self.time_step, extrapolated);
         self.kick();
     }
 

@@ -3,7 +3,7 @@
 
 use ellgran::contact::one_contact;
 use ellgran::contact::prepare_body;
-use ellgran::contact::{Body, ContactForces, Laws, OneContact, Step};
+use ellgran::contact::{Body, ContactForces, Laws, MotionChange, OneContact, Particle, Step};
 use ellgran::force::syntax::parse;
 use ellgran::force::{LawParameters, PairLaw};
 use ellgran::geometry::Plane;
@@ -132,11 +132,21 @@ pub fn advance(
     time_step: f64,
     memory: &mut Memory,
 ) -> Option<Felt> {
-    let types = Some(laws.types());
-    let (i, j) = (
-        prepare_body(i, types).unwrap(),
-        prepare_body(j, types).unwrap(),
-    );
+    advance_at_step(laws, (i, None), (j, None), time_step, memory)
+}
+
+/// The same where the motions at the step are known: the bodies have those of the half step.
+pub fn advance_at_step(
+    laws: &Laws,
+    i: (&Body, Option<MotionChange>),
+    j: (&Body, Option<MotionChange>),
+    time_step: f64,
+    memory: &mut Memory,
+) -> Option<Felt> {
+    let [i, j] = [i, j].map(|(body, change)| Particle {
+        change,
+        ..prepare_body(body, Some(laws.types())).unwrap()
+    });
     one_contact::one_contact(
         laws,
         &i,
@@ -173,7 +183,21 @@ pub fn advance_plane(
     time_step: f64,
     memory: &mut Memory,
 ) -> Option<Felt> {
-    let i = prepare_body(i, Some(laws.types())).unwrap();
+    advance_plane_at_step(laws, (i, None), plane, time_step, memory)
+}
+
+/// The same where the motion at the step is known.
+pub fn advance_plane_at_step(
+    laws: &Laws,
+    (i, change): (&Body, Option<MotionChange>),
+    plane: &MovingPlane,
+    time_step: f64,
+    memory: &mut Memory,
+) -> Option<Felt> {
+    let i = Particle {
+        change,
+        ..prepare_body(i, Some(laws.types())).unwrap()
+    };
     one_contact_with_plane(
         laws,
         &i,

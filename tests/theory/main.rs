@@ -24,4 +24,6 @@ mod principal_curvatures;
 mod relative_curvature;
 mod restitution;
 mod sphere_on_plane;
+mod stable_step;
 mod tangential_rebound;
+mod velocities_of_the_step;

@@ -11,7 +11,7 @@ use ellgran::contact::{Body, Laws};
 
 use crate::clock::{since, Clock};
 use crate::numbers::{Errors, Random};
-use crate::support::motion::{Motion, Partner, Rigid};
+use crate::support::motion::{Motion, Partner, Rigid, Velocities};
 use crate::support::scene::{body, laws, rotation, wall, Vector};
 use crate::{Effort, Outcome};
 
@@ -32,6 +32,8 @@ struct LawOfStudy {
     elastic: bool,
     /// Product of contact time and angular frequency.
     turns: f64,
+    /// Which velocities the force sees.
+    velocities: Velocities,
 }
 
 fn laws_of_study() -> Vec<LawOfStudy> {
@@ -51,7 +53,13 @@ fn laws_of_study() -> Vec<LawOfStudy> {
         deck,
         elastic,
         turns,
+        velocities: Velocities::HalfStep,
     };
+    let of_step = |law: LawOfStudy| LawOfStudy {
+        velocities: Velocities::Step,
+        ..law
+    };
+    let with_friction = format!("{nfd} tangential tfd 0.5");
     vec![
         law("hertz", format!("{hertz} conservative yes"), true, of_hertz),
         law(
@@ -61,12 +69,14 @@ fn laws_of_study() -> Vec<LawOfStudy> {
             of_hertz,
         ),
         law("nfd", nfd.clone(), false, of_hertz),
-        law(
-            "nfd with friction",
-            format!("{nfd} tangential tfd 0.5"),
+        law("nfd with friction", with_friction.clone(), false, of_hertz),
+        of_step(law("nfd of the step", nfd, false, of_hertz)),
+        of_step(law(
+            "nfd with friction of the step",
+            with_friction,
             false,
             of_hertz,
-        ),
+        )),
         law(
             "lsd",
             format!("lsd {linear:e} 0"),
@@ -107,8 +117,14 @@ fn meetings(count: usize) -> Vec<Meeting> {
 }
 
 /// Kinetic energy after the collision over that before, and the processor time of a step in seconds.
-fn collide(laws: &Laws, meeting: &Meeting, step: f64) -> Option<(f64, f64)> {
+fn collide(
+    laws: &Laws,
+    meeting: &Meeting,
+    step: f64,
+    velocities: Velocities,
+) -> Option<(f64, f64)> {
     let mut motion = Motion::new(laws, meeting.i, Partner::Body(Rigid::new(meeting.j)), step);
+    motion.velocities = velocities;
     let before = motion.kinetic_energy();
     let most = (20.0 * CONTACT_TIME * OVERLAP / SPEED / step) as usize;
     let mut met = false;
@@ -145,7 +161,8 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
                 if law.elastic {
                     Some(1.0)
                 } else {
-                    collide(&table_of_laws, meeting, contact_time / fine).map(|found| found.0)
+                    collide(&table_of_laws, meeting, contact_time / fine, law.velocities)
+                        .map(|found| found.0)
                 }
             })
             .collect::<Option<_>>()
@@ -156,7 +173,8 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
             // Short collisions are repeated: the clock is not finer than they are.
             for round in 0..(200.0 / steps).ceil() as usize {
                 for (meeting, wanted) in meetings.iter().zip(&wanted) {
-                    let found = collide(&table_of_laws, meeting, contact_time / steps);
+                    let step = contact_time / steps;
+                    let found = collide(&table_of_laws, meeting, step, law.velocities);
                     let (energy, time) = found.unwrap_or((f64::NAN, f64::NAN));
                     times.push(time);
                     if round == 0 {
@@ -175,7 +193,7 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
                 time * steps
             )?;
         }
-        let limit = stability_limit(&table_of_laws, law.name == "lsd");
+        let limit = stability_limit(&table_of_laws, law.name == "lsd", law.velocities);
         writeln!(limits, "{},{limit:.4},{:.4}", law.name, limit / law.turns)?;
     }
     // Rayleigh's wave over a sphere of the grain's volume, the usual bound of the literature.
@@ -194,7 +212,7 @@ pub fn run(directory: &Path, effort: &Effort) -> Outcome {
 
 /// The largest step at which a grain that rests on a wall, its flat side down and pressed to the overlap, stays there after a
 /// tiny kick in all directions, times the angular frequency of the contact's normal oscillation.
-fn stability_limit(laws: &Laws, linear: bool) -> f64 {
+fn stability_limit(laws: &Laws, linear: bool, velocities: Velocities) -> f64 {
     let wall = wall(Vector::z());
     let mut grain = body(
         AXES,
@@ -216,6 +234,7 @@ fn stability_limit(laws: &Laws, linear: bool) -> f64 {
         grain.angular_velocity = [0.3 * kick, -0.4 * kick, 0.2 * kick];
         let mut motion = Motion::new(laws, grain, Partner::Wall(wall), step);
         motion.gravity = Vector::new(0.0, 0.0, -load / MASS);
+        motion.velocities = velocities;
         let begin = motion.kinetic_energy();
         for _ in 0..2000 {
             motion.step();

@@ -38,3 +38,8 @@ def tangential() -> SimpleNamespace:
 @pytest.fixture
 def viscoelastic() -> SimpleNamespace:
     return _load("viscoelastic_contact", ("kelvin_voigt", "compare"))
+
+
+@pytest.fixture
+def packings() -> SimpleNamespace:
+    return _load("packings", ("packing_measures", "compare"))

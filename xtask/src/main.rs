@@ -33,6 +33,7 @@ mod python_interface;
 mod release;
 mod report;
 mod rooms;
+mod sanitize;
 mod setup;
 #[allow(dead_code)]
 #[path = "../../tests/support/shapes.rs"]
@@ -92,10 +93,13 @@ enum Task {
     Bench(bench::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
-    /// Hold the theory against boundary and finite elements: results, pages and pictures from nothing, some minutes each
+    /// Hold the theory against boundary and finite elements, and packings against what is published: results, pages and pictures from
+    /// nothing, minutes to half an hour each
     Validate(validate::Options),
     /// Random and adversarial pairs on each instruction set, for minutes, hours or a night; goes on where it stopped
     Stress(stress::Options),
+    /// Look for errors of memory in LAMMPS with the plugin, by valgrind
+    Sanitize,
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core, its C consumers and the wheel on AArch64, in an emulator
@@ -151,6 +155,7 @@ fn run(task: Task) -> Result<()> {
         Task::Report(options) => report::report(&options)?,
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,
+        Task::Sanitize => sanitize::sanitize()?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,

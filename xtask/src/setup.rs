@@ -86,6 +86,13 @@ const FORTRAN_NEEDS: &[Need] = &[Need {
     present: || find_program("gfortran").is_some(),
 }];
 
+/// To look for errors of memory in an engine.
+const VALGRIND_NEEDS: &[Need] = &[Need {
+    what: "valgrind",
+    package: "valgrind",
+    present: || find_program("valgrind").is_some(),
+}];
+
 /// To draw shaded pictures.
 const RENDERER_NEEDS: &[Need] = &[
     Need {
@@ -125,6 +132,11 @@ pub fn python() -> Result<()> {
 /// The same for Fortran.
 pub fn fortran() -> Result<()> {
     provide(FORTRAN_NEEDS)
+}
+
+/// The same for valgrind.
+pub fn valgrind() -> Result<()> {
+    provide(VALGRIND_NEEDS)
 }
 
 /// The same for the renderer.

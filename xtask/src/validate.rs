@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The theory held against the full problem: boundary and finite elements in Python (validation/), whose results are stored, and
-//! the pages and pictures of docs/report made of them.
+//! the pages and pictures of docs/report made of them. What is published about many grains and single impacts is compared in the same
+//! way, with LAMMPS.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +12,7 @@ use anyhow::{Context, Result};
 use crate::progress::{human_time, say};
 use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{process, python};
+use crate::{lammps, plugin, process, python};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -23,10 +24,13 @@ pub struct Options {
     /// Hold the stored results against coarse computations of now, in seconds, and write nothing
     #[arg(long, conflicts_with_all = ["comparison", "page"])]
     check: bool,
+    /// Words for the program of the comparison: `packings -- --grains 2000 --realisations 1`, or `packings -- --go-on`
+    #[arg(last = true, requires = "comparison")]
+    words: Vec<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Comparison {
+pub enum Comparison {
     /// The elastic normal force: boundary elements, exact shapes, whole bodies by finite elements
     #[value(name = "elastic-contact")]
     Elastic,
@@ -36,13 +40,21 @@ enum Comparison {
     /// Viscosity: the Kelvin-Voigt half-space with its exact memory
     #[value(name = "viscoelastic-contact")]
     Viscoelastic,
+    /// Random packings against shape, with LAMMPS: solid fraction and coordination
+    #[value(name = "packings")]
+    Packings,
+    /// Single grains, with LAMMPS: the tests of Chung and Ooi, and impacts that were measured
+    #[value(name = "single-grains")]
+    SingleGrains,
 }
 
 impl Comparison {
-    const ALL: [Comparison; 3] = [
+    const ALL: [Comparison; 5] = [
         Comparison::Elastic,
         Comparison::Tangential,
         Comparison::Viscoelastic,
+        Comparison::Packings,
+        Comparison::SingleGrains,
     ];
 
     /// Its folder in validation.
@@ -51,27 +63,44 @@ impl Comparison {
             Comparison::Elastic => "elastic_contact",
             Comparison::Tangential => "tangential_contact",
             Comparison::Viscoelastic => "viscoelastic_contact",
+            Comparison::Packings => "packings",
+            Comparison::SingleGrains => "single_grains",
         }
+    }
+
+    fn needs_lammps(self) -> bool {
+        matches!(self, Comparison::Packings | Comparison::SingleGrains)
     }
 }
 
 pub fn validate(options: &Options) -> Result<()> {
-    let environment = environment()?;
     if options.check {
-        return check(environment);
+        return check(environment()?);
     }
-    let programs = Programs::with(environment)?;
-    let chosen = if options.comparison.is_empty() {
-        Comparison::ALL.to_vec()
+    if options.comparison.is_empty() {
+        make(&Comparison::ALL, options.page, &[])
     } else {
-        options.comparison.clone()
-    };
+        make(&options.comparison, options.page, &options.words)
+    }
+}
+
+/// Makes these comparisons, with `words` for their programs, or of what is stored `pages` alone.
+pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> {
+    let programs = Programs::with(environment()?)?;
     for comparison in chosen {
         let folder = directory().join(comparison.folder());
         let started = Instant::now();
-        if !options.page {
+        if !pages {
             say(format!("== {}", comparison.folder()));
-            process::run_open(programs.python().arg(folder.join("compare.py")))?;
+            let mut compare = programs.python();
+            if comparison.needs_lammps() {
+                let source = lammps::source()?;
+                compare
+                    .env("ELLGRAN_LAMMPS", source.binary()?)
+                    .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
+                    .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+            }
+            process::run_open(compare.arg(folder.join("compare.py")).args(words))?;
         }
         process::run_open(programs.python().arg(folder.join("page.py")))?;
         say(format!(
@@ -117,7 +146,7 @@ impl Programs {
         })
     }
 
-    /// One thread, so that a result does not depend on how many cores there are.
+    /// One thread a program, so that a result does not depend on how many cores there are.
     fn python(&self) -> Command {
         let mut command = self.environment.python();
         command

@@ -7,6 +7,7 @@ mod lsd;
 mod nfd;
 
 use super::choice::resolved_constants;
+use super::contact_begin::Begin;
 use super::hertz_factors::Factors;
 use super::parameters::{LawParameters, Normal};
 use crate::real::Real;
@@ -122,6 +123,18 @@ pub struct NormalKinds {
     pub restitution: bool,
     /// Attraction is cut off.
     pub limit_force: bool,
+}
+
+impl NormalKinds {
+    /// How the viscous force of a contact begins.
+    #[inline(always)]
+    pub(crate) fn begin(&self) -> Begin {
+        match (self.elliptical, self.restitution) {
+            (false, _) => Begin::Jump,
+            (true, true) => Begin::FourthRoot,
+            (true, false) => Begin::SquareRoot,
+        }
+    }
 }
 
 resolved_constants! {

@@ -4,9 +4,11 @@
 // Each test target takes what it needs.
 #![allow(dead_code)]
 
+pub mod closed_forms;
 #[path = "../dump.rs"]
 pub mod dump;
 pub mod frames;
+pub mod pressed;
 pub mod printed;
 pub mod process;
 pub mod restart_files;

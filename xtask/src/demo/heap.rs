@@ -43,13 +43,16 @@ pub fn read_dump(path: &Path) -> Result<Vec<Grain>> {
 
 /// Every frame of a text dump: its grains, and for each of them the number in the column `quantity`.
 pub fn read_frames(path: &Path, quantity: &str) -> Result<Vec<(Vec<Grain>, Vec<f64>)>> {
-    let read = |table: &Table| -> Result<_> {
-        let place = needed(table, quantity)?;
-        let numbers = table.rows.iter().map(|row| row[place]).collect();
-        Ok((grains(table)?, numbers))
-    };
-    let frames: Result<_> = read_tables(path)?.iter().map(read).collect();
+    let tables = read_tables(path)?;
+    let frames: Result<_> = tables.iter().map(|t| frame(t, quantity)).collect();
     frames.with_context(|| format!("in {}", path.display()))
+}
+
+/// The same of one frame.
+pub fn frame(table: &Table, quantity: &str) -> Result<(Vec<Grain>, Vec<f64>)> {
+    let place = needed(table, quantity)?;
+    let numbers = table.rows.iter().map(|row| row[place]).collect();
+    Ok((grains(table)?, numbers))
 }
 
 /// The frames of a text dump.
@@ -71,7 +74,8 @@ fn grains(table: &Table) -> Result<Vec<Grain>> {
         let [a, b, c] = names.map(|name| needed(table, name));
         Ok([a?, b?, c?])
     };
-    let (kind, centre) = (needed(table, "type")?, places(["x", "y", "z"])?);
+    let kind = needed(table, "type")?;
+    let centre = places(["x", "y", "z"]).or_else(|_| places(["xu", "yu", "zu"]))?;
     let (sizes, attitude, factor) = if table.column(SEMI_AXES[0]).is_some() {
         (SEMI_AXES, LIGGGHTS_ATTITUDE, 1.0)
     } else {

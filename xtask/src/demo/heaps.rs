@@ -10,7 +10,7 @@ use super::deck;
 use super::engine::Engine;
 use super::heap::{self, Grain, Picture};
 use super::material::Material;
-use super::scene::{self, Frame, Scene};
+use super::scene::{self, Frame, Scene, Wall};
 use super::table::Table;
 use crate::progress::say;
 use crate::setup;
@@ -102,9 +102,10 @@ fn rendered(dump: &Path, output: &Path) -> Result<()> {
     let mut scene = Scene {
         low,
         high,
-        quantity: "pressure",
+        walls: vec![Wall::OpenBox],
+        quantity: "pressure".into(),
         most: 500.0,
-        most_written: "0.5 kPa",
+        written: ["0".into(), "0.5 kPa".into()],
     };
     let frames: Vec<Frame> = frames
         .iter()

@@ -3,6 +3,7 @@
 
 mod contacts;
 mod deck;
+mod decks;
 mod engine;
 mod first_deck;
 mod heap;
@@ -28,6 +29,9 @@ pub struct Options {
     /// Which engine runs the decks
     #[arg(long, value_enum, default_value_t = Which::Lammps)]
     engine: Which,
+    /// Instead of the short scenes, the larger example decks of LAMMPS, with a shaded picture of each: some six minutes
+    #[arg(long, conflicts_with = "engine")]
+    decks: bool,
     /// Where the table and the pictures go [default: demo-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
@@ -52,7 +56,20 @@ pub fn demo(options: &Options) -> Result<()> {
         Some(output) => output.clone(),
         None => workspace::root().join("demo-output"),
     };
+    if options.decks {
+        return example_decks(&output);
+    }
     run(options.engine, &output)
+}
+
+/// The larger example decks; the table goes to standard output, the pictures to `output`.
+fn example_decks(output: &Path) -> Result<()> {
+    setup::setup()?;
+    fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
+    let engine = engine::Engine::prepare(&output.join("data"))?;
+    println!("{}", decks::decks(&engine, output)?.markdown());
+    say(format!("pictures are in {}", output.display()));
+    Ok(())
 }
 
 /// Runs every scene; the tables go to standard output and, with the pictures, to `output`.

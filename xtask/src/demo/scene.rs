@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Grains between transparent walls, shaded, coloured by a quantity: pictures and animations by POV-Ray, compressed by
+//! Grains and transparent walls, shaded, coloured by a quantity: pictures and animations by POV-Ray, compressed by
 //! WebP's tools. Coordinates are those of the simulation.
 
 use std::fmt::Write;
@@ -12,6 +12,7 @@ use anyhow::{bail, Result};
 use super::heap::{body_axes, read_tables, Grain};
 use crate::process::{jobs, run_logged};
 use crate::progress::Progress;
+use crate::shapes::{cross, sub, unit};
 
 /// From nothing to the most: pale grains carry little.
 const COLOURS: [[f64; 3]; 6] = [
@@ -25,13 +26,33 @@ const COLOURS: [[f64; 3]; 6] = [
 
 /// What all frames have in common.
 pub struct Scene {
-    /// Corners of the open box around the grains: floor and four walls are drawn.
+    /// Corners of the box that the picture shows.
     pub low: [f64; 3],
     pub high: [f64; 3],
-    /// What the colour tells, the value of the last colour, and how that is written.
-    pub quantity: &'static str,
+    /// What is drawn beside the grains.
+    pub walls: Vec<Wall>,
+    /// What the colour tells, the value of the last colour, and how the values of the first, which is 0, and of the last are written.
+    pub quantity: String,
     pub most: f64,
-    pub most_written: &'static str,
+    pub written: [String; 2],
+}
+
+/// A wall.
+#[derive(Clone, Debug)]
+pub enum Wall {
+    /// Floor, four panes and the edges of the box that the picture shows.
+    OpenBox,
+    /// The floor of that box at this height.
+    Floor(f64),
+    /// A cylinder or cone without ends: two points of its axis, and the radius at each.
+    Shell {
+        ends: [[f64; 3]; 2],
+        radii: [f64; 2],
+    },
+    /// A solid cylinder.
+    Cylinder { ends: [[f64; 3]; 2], radius: f64 },
+    /// Triangles.
+    Triangles(Vec<[[f64; 3]; 3]>),
 }
 
 /// Grains with the quantity of each.
@@ -121,7 +142,29 @@ impl Scene {
             if soft_shadows { area } else { "" }
         )?;
         self.camera_and_legend(&mut text, [0.5 * x, 0.5 * y, 0.5 * z])?;
-        walls(&mut text, [x, y, z])?;
+        let place = |point: [f64; 3]| [0, 1, 2].map(|k| (point[k] - self.low[k]) / unit);
+        for wall in &self.walls {
+            match wall {
+                Wall::OpenBox => open_box(&mut text, [x, y, z])?,
+                Wall::Floor(height) => floor(&mut text, [x, y], place([0.0, 0.0, *height])[2])?,
+                Wall::Shell { ends, radii } => {
+                    shell(&mut text, ends.map(place), radii.map(|r| r / unit))?
+                }
+                Wall::Cylinder { ends, radius } => writeln!(
+                    text,
+                    "cylinder{{<{}>,<{}>,{:.4} {STONE}}}",
+                    triple(place(ends[0])),
+                    triple(place(ends[1])),
+                    radius / unit
+                )?,
+                Wall::Triangles(all) => {
+                    for triangle in all {
+                        let [a, b, c] = triangle.map(|corner| triple(place(corner)));
+                        writeln!(text, "triangle{{<{a}>,<{b}>,<{c}> {METAL}}}")?;
+                    }
+                }
+            }
+        }
         for (grain, value) in grains.iter().zip(values) {
             let position = [0, 1, 2].map(|k| (grain.centre[k] - self.low[k]) / unit);
             let axes = body_axes(grain).map(|axis| axis.map(|component| component / unit));
@@ -166,16 +209,16 @@ impl Scene {
             )?;
         }
         for (words, x, y) in [
-            ("0", 0.1, -0.02),
-            (self.most_written, 0.1, 0.97),
-            (self.quantity, 0.0, 1.1),
+            (&self.written[0], 0.1, -0.02),
+            (&self.written[1], 0.1, 0.97),
+            (&self.quantity, 0.0, 1.1),
         ] {
             writeln!(
                 text,
                 "text{{internal 1 \"{words}\" 0.01,0 scale 0.1 translate <{x},{y},0> pigment{{rgb 0.15}} finish{{ambient 1 diffuse 0}}}}"
             )?;
         }
-        let place = [0, 1, 2].map(|k| centre[k] + radius * (0.98 * right[k] - 0.45 * up[k]));
+        let place = [0, 1, 2].map(|k| centre[k] + radius * (0.98 * right[k] - 0.3 * up[k]));
         let scaled = |axis: [f64; 3]| triple(axis.map(|component| component * radius));
         writeln!(
             text,
@@ -189,24 +232,60 @@ impl Scene {
     }
 }
 
-/// Floor, four panes and the edges of the box.
-fn walls(text: &mut String, [x, y, z]: [f64; 3]) -> Result<()> {
+const GLASS: &str =
+    "pigment{rgbt<0.85,0.92,1,0.93>} finish{ambient 0.1 diffuse 0.5 specular 0.3} no_shadow";
+const STONE: &str = "pigment{srgb<0.75,0.77,0.8>} finish{F}";
+const METAL: &str = "pigment{srgbt<0.45,0.5,0.58,0.25>} finish{F}";
+const DARK: &str = "pigment{rgb 0.3} finish{F} no_shadow";
+
+fn floor(text: &mut String, [x, y]: [f64; 2], height: f64) -> Result<()> {
+    Ok(writeln!(
+        text,
+        "box{{<0,0,{:.4}>,<{x:.4},{y:.4},{height:.4}> {STONE}}}",
+        height - 1.0
+    )?)
+}
+
+fn shell(text: &mut String, ends: [[f64; 3]; 2], radii: [f64; 2]) -> Result<()> {
+    let [from, to] = ends.map(triple);
     writeln!(
         text,
-        "box{{<0,0,-1>,<{x:.4},{y:.4},0> pigment{{srgb<0.75,0.77,0.8>}} finish{{F}}}}"
+        "cone{{<{from}>,{:.4},<{to}>,{:.4} open {GLASS}}}",
+        radii[0], radii[1]
     )?;
+    // A ring lies about POV-Ray's y axis: that becomes the axis of the shell.
+    let axis = unit(sub(ends[1], ends[0]));
+    let aside = unit(cross(
+        axis,
+        if axis[0].abs() < 0.5 {
+            [1.0, 0.0, 0.0]
+        } else {
+            [0.0, 1.0, 0.0]
+        },
+    ));
+    for (end, radius) in ends.into_iter().zip(radii) {
+        writeln!(
+            text,
+            "torus{{{radius:.4},0.35 matrix<{},{},{},{}> {DARK}}}",
+            triple(aside),
+            triple(axis),
+            triple(cross(aside, axis)),
+            triple(end)
+        )?;
+    }
+    Ok(())
+}
+
+/// Floor, four panes and the edges of the box.
+fn open_box(text: &mut String, [x, y, z]: [f64; 3]) -> Result<()> {
+    floor(text, [x, y], 0.0)?;
     for (low, high) in [
         ([-0.3, 0.0, 0.0], [0.0, y, z]),
         ([x, 0.0, 0.0], [x + 0.3, y, z]),
         ([0.0, y, 0.0], [x, y + 0.3, z]),
         ([0.0, -0.3, 0.0], [x, 0.0, z]),
     ] {
-        writeln!(
-            text,
-            "box{{<{}>,<{}> pigment{{rgbt<0.85,0.92,1,0.93>}} finish{{ambient 0.1 diffuse 0.5 specular 0.3}} no_shadow}}",
-            triple(low),
-            triple(high)
-        )?;
+        writeln!(text, "box{{<{}>,<{}> {GLASS}}}", triple(low), triple(high))?;
     }
     text.push_str("union{\n");
     let corners = [[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]];
@@ -217,7 +296,7 @@ fn walls(text: &mut String, [x, y, z]: [f64; 3]) -> Result<()> {
             "cylinder{{<{a:.4},{b:.4},0>,<{a:.4},{b:.4},{z:.4}>,0.35}} cylinder{{<{a:.4},{b:.4},{z:.4}>,<{c:.4},{d:.4},{z:.4}>,0.35}} sphere{{<{a:.4},{b:.4},{z:.4}>,0.35}}"
         )?;
     }
-    text.push_str("pigment{rgb 0.3} finish{F} no_shadow}\n");
+    writeln!(text, "{DARK}}}")?;
     Ok(())
 }
 
@@ -255,9 +334,10 @@ mod tests {
         let scene = Scene {
             low: [-1.0, 0.0, 0.0],
             high: [side - 1.0, side, side],
-            quantity: "load",
+            walls: vec![],
+            quantity: "load".into(),
             most: 2.0,
-            most_written: "2 N",
+            written: ["0".into(), "2 N".into()],
         };
         // Turned by a third of a circle about (1, 1, 1): x to y, y to z, z to x.
         let grain = Grain {
@@ -276,6 +356,35 @@ mod tests {
         );
         assert!(text.contains("\"2 N\"") && text.contains("\"load\""));
         assert!(scene.describe((&[grain], &[]), true).is_err());
+    }
+
+    #[test]
+    fn walls_stand_where_they_are() {
+        let side = 80.0 / 3f64.sqrt();
+        let scene = Scene {
+            low: [-1.0, 0.0, 0.0],
+            high: [side - 1.0, side, side],
+            walls: vec![
+                Wall::Shell {
+                    ends: [[9.0, 5.0, 5.0], [19.0, 5.0, 5.0]],
+                    radii: [3.0, 4.0],
+                },
+                Wall::Triangles(vec![[[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [-1.0, 2.0, 0.0]]]),
+                Wall::Floor(7.0),
+            ],
+            quantity: "load".into(),
+            most: 2.0,
+            written: ["0".into(), "2 N".into()],
+        };
+        let text = scene.describe((&[], &[]), true).unwrap();
+        for part in [
+            "cone{<10.000000,5.000000,5.000000>,3.0000,<20.000000,5.000000,5.000000>,4.0000 open",
+            "torus{4.0000,0.35 matrix<0.000000,0.000000,1.000000,1.000000,0.000000,0.000000,0.000000,1.000000,0.000000,20.000000,5.000000,5.000000>",
+            "triangle{<0.000000,0.000000,0.000000>,<1.000000,0.000000,0.000000>,<0.000000,2.000000,0.000000>",
+            ",7.0000> pigment",
+        ] {
+            assert!(text.contains(part), "no {part} in\n{text}");
+        }
     }
 
     #[test]

@@ -16,6 +16,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::demo::table::Table;
 use crate::progress::{human_time, say};
+use crate::validate::{self, Comparison};
 use crate::workspace;
 
 #[derive(clap::Args)]
@@ -26,6 +27,9 @@ pub struct Options {
     /// Only this picture (repeat for more) [default: all]
     #[arg(long)]
     picture: Vec<Picture>,
+    /// A chapter of `cargo xtask validate` instead (repeat for more)
+    #[arg(long, conflicts_with_all = ["quick", "picture", "output"])]
+    chapter: Vec<Comparison>,
     /// Where page, pictures and numbers go [default: docs/report, with --quick report-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
@@ -73,6 +77,9 @@ pub struct Section {
 }
 
 pub fn report(options: &Options) -> Result<()> {
+    if !options.chapter.is_empty() {
+        return validate::make(&options.chapter, false, &[]);
+    }
     let output = match &options.output {
         Some(output) => output.clone(),
         None if options.quick => workspace::root().join("report-output"),

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! With `fix nve/ellipsoid`: do forces see velocities of the step at which they are computed, and does a run that is split or
+//! restarted go on as one that is not, under viscous laws too?
+
+use crate::harness::{
+    attempt_in, crowd, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome, Scene,
+};
+
+const HALF: u64 = 150;
+
+/// Rates in the normal and the tangential force, of each kind.
+const LAWS: [&str; 7] = [
+    "nfd 1e8 0.3 2e3 2e3",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement total",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement incremental",
+    "hertz 1e8 0.3 damping restitution 0.6 tangential mindlin 0.5",
+    "hertz 1e8 0.3 tangential tfd 0.5",
+    "lsd 2e4 3 tangential linear 1.6e4 2 0.5",
+];
+
+/// Colliding grains, periodic along y.
+fn between_walls() -> Scene {
+    let mut scene = crowd(64);
+    scene.boundary = "f p f".into();
+    for axis in [0, 2] {
+        scene.low[axis] -= 0.03;
+        scene.high[axis] += 0.03;
+    }
+    scene
+}
+
+fn deck(law: &str) -> Deck {
+    Deck {
+        time_step: 1e-5,
+        steps: HALF,
+        skin: 2e-3,
+        integrate: false,
+        // One wall before the integrator and one behind: when a run starts both compute their forces anew.
+        fixes: vec![
+            format!("fix left all wall/gran/ellipsoid {law} xplane -3e-3 0.099"),
+            "fix move all nve/ellipsoid".into(),
+            format!("fix floor all wall/gran/ellipsoid {law} zplane -3e-3 0.099"),
+        ],
+        ..Deck::new(law)
+    }
+}
+
+fn apart(what: &str, a: &Outcome, b: &Outcome) -> f64 {
+    assert_eq!(a.last().step, b.last().step);
+    let (positions, velocities) = largest_difference(a.last(), b.last());
+    println!("{what}: positions {positions:.1e}, velocities {velocities:.1e}");
+    positions.max(velocities)
+}
+
+#[test]
+fn both_versions_split_and_restarted_runs_go_on_under_viscous_laws() {
+    let engine = Engine::from_environment();
+    let scene = between_walls();
+    for (k, law) in LAWS.into_iter().enumerate() {
+        // Four ranks once each way: on a machine with fewer cores they wait for each other.
+        let ranks = match k {
+            0 => [1, 4],
+            1 => [4, 1],
+            _ if k % 2 == 0 => [1, 2],
+            _ => [2, 1],
+        };
+        let whole = Deck {
+            steps: 2 * HALF,
+            ..deck(law)
+        };
+        let whole = run(&engine, "step_velocities_whole", &scene, &whole, ranks[0]);
+        let touching = |outcome: &Outcome| {
+            let felt = |s: &&crate::harness::State| s.force != [0.0; 3];
+            outcome.last().states.iter().filter(felt).count()
+        };
+        let mut first = deck(law);
+        first.runs = vec![format!("run {HALF}"), "write_restart middle.restart".into()];
+        let first = run(&engine, "step_velocities_first", &scene, &first, ranks[0]);
+        assert!(
+            touching(&first) >= 6,
+            "only {} grains touch",
+            touching(&first)
+        );
+        let second = Deck {
+            pair: vec![],
+            source: vec!["read_restart middle.restart".into()],
+            ..deck(law)
+        };
+        let restarted = attempt_in(&engine, first.directory, &scene, &second, ranks[1]);
+        assert!(restarted.success, "{}", last_lines(&restarted.output));
+        let mut two = deck(law);
+        two.runs = vec![
+            format!("run {}", HALF - 50),
+            "run 0".into(),
+            format!("run {}", 50),
+            format!("run {HALF} every 70 NULL"),
+        ];
+        let two = run(&engine, "step_velocities_split", &scene, &two, ranks[1]);
+        for (what, outcome) in [("restarted", &restarted), ("split", &two)] {
+            let gap = apart(&format!("{law}, {what}"), outcome, &whole);
+            assert!(gap < 1e-12, "{law}, {what}: {gap:e}");
+        }
+    }
+}
+
+/// Two grains of a scene without contacts in a viscous medium, LAMMPS' own: the velocity after a time, less the exact one.
+#[test]
+fn both_versions_other_forces_see_velocities_of_the_step_too() {
+    let engine = Engine::from_environment();
+    let grain = |x: f64| Grain::new([0.3, 0.2, 0.2], [x, 0.0, 0.0]).moving([0.0, 1.0, -2.0]);
+    let scene = Scene::open(8.0, vec![grain(-3.0), grain(3.0)]);
+    let rate = 0.7;
+    let drag = rate * scene.grains[0].mass();
+    let error = |velocities: &str, steps: u64| {
+        let deck = Deck {
+            integrate: false,
+            fixes: vec![
+                format!("fix drag all viscous {drag:e}"),
+                format!("fix move all nve/ellipsoid velocities {velocities}"),
+            ],
+            time_step: 1.0 / steps as f64,
+            steps,
+            ..Deck::new("hertz 1e7 0.3")
+        };
+        let name = format!("drag_{velocities}_{steps}");
+        let outcome = run(&engine, &name, &scene, &deck, 1);
+        let exact = -2.0 * f64::exp(-rate);
+        (outcome.last().states[0].velocity[2] - exact).abs()
+    };
+    for (velocities, order) in [("half", 1.0), ("step", 2.0)] {
+        let [coarse, fine] = [50, 200].map(|steps| error(velocities, steps));
+        let found = (coarse / fine).ln() / 4f64.ln();
+        println!("velocities {velocities}: {coarse:.1e} in 50 steps, {fine:.1e} in 200, order {found:.2}");
+        assert!((found - order).abs() < 0.1);
+    }
+}
+
+/// Without viscosity and friction the motion is the same to rounding; and two fixes for two groups are one for both.
+#[test]
+fn both_versions_elastic_motion_is_that_of_the_half_step() {
+    let engine = Engine::from_environment();
+    let moved = |name: &str, law: &str, fixes: &[&str], ranks: usize| {
+        let deck = Deck {
+            steps: 2 * HALF,
+            fixes: fixes.iter().map(|f| f.to_string()).collect(),
+            ..deck(law)
+        };
+        run(&engine, name, &between_walls(), &deck, ranks)
+    };
+    let elastic = "hertz 1e8 0.3 conservative yes";
+    let half = moved(
+        "elastic_half",
+        elastic,
+        &["fix move all nve/ellipsoid velocities half"],
+        1,
+    );
+    let step = moved(
+        "elastic_step",
+        elastic,
+        &["fix move all nve/ellipsoid velocities step"],
+        1,
+    );
+    let gap = apart("elastic", &step, &half);
+    assert!(gap < 1e-12, "{gap:e}");
+
+    let viscous = LAWS[1];
+    let one = moved("groups_one", viscous, &["fix move all nve/ellipsoid"], 1);
+    let groups = ["group a id 1:30", "group b subtract all a"];
+    let of_two = [
+        groups[0],
+        groups[1],
+        "fix a a nve/ellipsoid",
+        "fix b b nve/ellipsoid",
+    ];
+    let two = moved("groups_two", viscous, &of_two, 4);
+    let gap = apart("two groups", &two, &one);
+    assert!(gap < 1e-11, "{gap:e}");
+    let half = moved(
+        "groups_half",
+        viscous,
+        &["fix move all nve/ellipsoid velocities half"],
+        1,
+    );
+    let gap = apart("against velocities of the half step", &half, &one);
+    assert!(gap > 1e-9, "the word changes nothing: {gap:e}");
+}
