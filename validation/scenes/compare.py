@@ -25,9 +25,9 @@ HOPPER = ("step", "grains", "above", "kinetic", "viscosity", "friction", "left_o
 
 
 def hopper_mesh(path: Path, corners: int = 48) -> None:
-    """A cylinder of radius 0.05 m and height 0.3 m on a cone of 45 degrees that ends in an outlet of radius 0.015 m, as ASCII STL."""
+    """A cylinder of radius 0.05 m and height 0.3 m on a cone of 45 degrees that ends in an outlet of radius 0.02 m, as ASCII STL."""
     angles = 2 * np.pi * np.arange(corners + 1) / corners
-    rings = [np.array([(r * np.cos(a), r * np.sin(a), z) for a in angles]) for r, z in ((0.05, 0.3), (0.05, 0.0), (0.015, -0.035))]
+    rings = [np.array([(r * np.cos(a), r * np.sin(a), z) for a in angles]) for r, z in ((0.05, 0.3), (0.05, 0.0), (0.02, -0.03))]
     lines = ["solid hopper"]
     for upper, lower in zip(rings, rings[1:]):
         for k in range(corners):
@@ -71,7 +71,7 @@ def named(name: str, rows: List[Dict[str, float]]) -> List[Dict[str, Any]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--grains", type=int, default=5000, help="of the drum; the hopper has as many, to a layer")
-    parser.add_argument("--turns", type=float, default=1.0, help="of the drum")
+    parser.add_argument("--turns", type=float, default=0.5, help="of the drum")
     options = parser.parse_args()
     started = time.monotonic()
     lammps, liggghts = os.environ["ELLGRAN_LAMMPS"], os.environ["ELLGRAN_LIGGGHTS"]
@@ -94,11 +94,11 @@ def main() -> None:
         hopper_mesh(stl)
         # 177 grains a layer of the lattice.
         layers = max(1, round(options.grains / 177))
-        hopper = {"stl": stl, "top": f"{0.0055 + 0.006 * layers:.6g}", "fill": 20000, "flow": round(20 * options.grains)}
+        hopper = {"stl": stl, "top": f"{0.0055 + 0.006 * layers:.6g}", "fill": 15000, "flow": round(10 * options.grains)}
         rows = named("LAMMPS", run(lammps, "hopper.lmp", {"plugin": plugin, **hopper}, HOPPER))
         write_csv(HERE / "hopper.csv", rows)
         write_csv(HERE / "hopper_liggghts.csv", run(liggghts, "hopper.lig", hopper, HOPPER[:3]))
-    words = "" if options.grains == 5000 and options.turns == 1.0 else f" -- --grains {options.grains} --turns {options.turns}"
+    words = "" if options.grains == 5000 and options.turns == 0.5 else f" -- --grains {options.grains} --turns {options.turns}"
     write_origin(HERE, started, command=f"cargo xtask validate scenes{words}", LAMMPS=os.environ["ELLGRAN_LAMMPS_VERSION"])
 
 

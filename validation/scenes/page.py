@@ -104,7 +104,7 @@ def main() -> None:
     spread = {name: float(np.std([row["torque"] for row in rows if row["step"] > one[-1]["step"] / 2]) / np.sqrt(len(half))) for name, rows in runs.items()}
     parts = [
         f"The drum (`drum.lmp`): {grains} ellipsoids of aspect ratio 2.5, 8 mm long, in a cylinder that turns once in 1.57 s. The hopper (`hopper.lmp`, `hopper.lig`): {hopper[0]['grains']:.0f} "
-        "ellipsoids of aspect ratio 1.43, 5 mm long, in a cylinder of radius 50 mm on a cone of 45° with an outlet of radius 15 mm, a mesh of 192 triangles. NFD and TFD, `fix nve/ellipsoid`, steps of 2e-5 s.",
+        "ellipsoids of aspect ratio 1.43, 5 mm long, in a cylinder of radius 50 mm on a cone of 45° with an outlet of radius 20 mm, a mesh of 192 triangles. NFD and TFD, `fix nve/ellipsoid`, steps of 2e-5 s.",
         "## Energies\n\n" + table(head, [*[cells(f"drum, {name}", rows) for name, rows in runs.items()], cells("hopper", hopper)]) + "\n"
         "What is left over is the error of the time step. Grains collide in a disordered way, so that after a while runs on another number of ranks differ in each grain and agree in the mean: "
         + "; ".join(f"{name}: mean torque of the second half {mean[name]:.5f} ± {spread[name]:.5f} N m" for name in names)
