@@ -57,9 +57,13 @@ impl Scene<'_> {
         &self.laws[((a - 1) * self.type_count + (b - 1)) as usize]
     }
 
+    /// What the motion of a grain has more at the step, for a law that asks for it: a viscous one.
     #[inline(always)]
-    fn change(&self, k: usize) -> Option<MotionChange> {
-        self.changes.get(k).copied()
+    pub(crate) fn change(&self, law: &PairLaw, k: usize) -> Option<MotionChange> {
+        let kinds = &law.kinds;
+        let viscous =
+            kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
+        self.changes.get(k).copied().filter(|_| viscous)
     }
 
     #[inline(always)]
@@ -239,7 +243,7 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     let Some(factors) = factors(&law.kinds, K::SPHERES, curvature, FRICTION || CONSERVATIVE) else {
         return Outcome::Marked;
     };
-    let x = contact_of::<K>(scene, [i, j], &found, [&body_a, &body_b]);
+    let x = contact_of::<K>(scene, law, [i, j], &found, [&body_a, &body_b]);
     let before = match cached {
         Some(n) => n,
         None if K::SPHERES || (K::is_sphere(a) && K::is_sphere(b)) => {
@@ -307,6 +311,7 @@ fn factors(
 #[inline(always)]
 fn contact_of<K: Kind>(
     scene: &Scene<'_>,
+    law: &PairLaw,
     [i, j]: [usize; 2],
     found: &Found<OneLane>,
     [body_a, body_b]: [&K::Body; 2],
@@ -334,7 +339,7 @@ fn contact_of<K: Kind>(
         j: surface(j, body_b, &found.support_j, found.weingarten_j),
         effective_mass: effective_mass(scene.inverse_mass(i), scene.inverse_mass(j)),
         inverse_hessian: Some(matrix_of(found.inverse_hessian)),
-        changes: match (scene.change(i), scene.change(j)) {
+        changes: match (scene.change(law, i), scene.change(law, j)) {
             (Some(i), Some(j)) => Some([i, j]),
             _ => None,
         },
@@ -349,10 +354,10 @@ fn with_safeguards<K: Kind>(
     history: &mut [f64],
     touched: bool,
 ) -> Option<ContactForces> {
-    let layout = &scene.layout;
+    let (layout, law) = (&scene.layout, scene.law(i, j));
     let particle = |k: usize| {
         let mut p = K::particle(&scene.grains[k], scene.types[k], scene.inverse_mass(k));
-        p.change = scene.change(k);
+        p.change = scene.change(law, k);
         p
     };
     let (a, b) = (particle(i), particle(j));
@@ -363,7 +368,7 @@ fn with_safeguards<K: Kind>(
             None
         }
         Pair::Touching(found) => Some(law_of_pair::<true, true, true>(
-            scene.law(i, j),
+            law,
             &found,
             [&a, &b],
             layout,

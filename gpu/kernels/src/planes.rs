@@ -37,7 +37,6 @@ pub fn contact_with_plane<
     let layout = &scene.layout;
     let mass = scene.inverse_masses.get(k).copied().unwrap_or(0.0);
     let mut i = K::particle(&scene.grains[k], scene.types[k], mass);
-    i.change = scene.changes.get(k).copied();
     let found = touch_plane(&i.body, i.position, &wall.plane);
     if !(found.penetration > 0.0) {
         if *state != 0 {
@@ -46,6 +45,9 @@ pub fn contact_with_plane<
         }
         return Load::NONE;
     }
+    let row = (i.particle_type - 1) * scene.type_count;
+    let law = &scene.laws[(row + wall.wall_type - 1) as usize];
+    i.change = scene.change(law, k);
     let x = contact_with_wall(
         &i,
         &found.support,
@@ -54,8 +56,6 @@ pub fn contact_with_plane<
         Symmetric2::new(0.0, 0.0, 0.0),
         wall.velocity,
     );
-    let row = (i.particle_type - 1) * scene.type_count;
-    let law = &scene.laws[(row + wall.wall_type - 1) as usize];
     let factors = factors_for(law, x.curvature());
     let before = cached_normal(layout, history).unwrap_or(found.normal);
     let f = through_law::<FRICTION, RATE, CONSERVATIVE, true>(

@@ -18,6 +18,8 @@ use ellgran_kernels::shapes::{Grain, Kind};
 
 pub struct Device {
     grains: Vec<Grain>,
+    /// Empty where velocities are those of the half step.
+    changes: Vec<MotionChange>,
     types: Vec<u32>,
     inverse_masses: Vec<f64>,
     identifiers: Vec<i32>,
@@ -42,7 +44,7 @@ pub fn prepare_one<K: Kind>(scene: &Scene, k: usize) -> Result<(Grain, MotionCha
         positions: &m.positions,
         velocities: &m.velocities,
         angular_momenta: &m.angular_momenta,
-        changes: &[],
+        changes: scene.changes(),
         masses: &scene.masses,
         semi_axes: &scene.semi_axes,
         quaternions: &m.quaternions,
@@ -56,7 +58,7 @@ macro_rules! lent {
     ($device:expr, $laws:expr) => {
         contacts::Scene {
             grains: &$device.grains,
-            changes: &[],
+            changes: &$device.changes,
             types: &$device.types,
             inverse_masses: &$device.inverse_masses,
             identifiers: &$device.identifiers,
@@ -87,6 +89,7 @@ impl Device {
         }
         Device {
             grains: vec![Grain::NONE; count],
+            changes: Vec::new(),
             types: vec![1; count],
             inverse_masses: scene.masses.iter().map(|m| 1.0 / m).collect(),
             identifiers: (1..=count as i32).collect(),
@@ -104,8 +107,13 @@ impl Device {
     }
 
     pub fn prepare<K: Kind>(&mut self, scene: &Scene) {
+        self.changes.clear();
         for (k, grain) in self.grains.iter_mut().enumerate() {
-            *grain = prepare_one::<K>(scene, k).unwrap().0;
+            let (prepared, change) = prepare_one::<K>(scene, k).unwrap();
+            *grain = prepared;
+            if scene.of_step {
+                self.changes.push(change);
+            }
         }
     }
 
@@ -252,9 +260,15 @@ impl Device {
                     force: Vector3::from_array(scene.forces[k]),
                     torque: Vector3::from_array(scene.torques[k]),
                 },
-                extrapolation: None,
+                extrapolation: scene.of_step.then_some((
+                    &mut m.changes[k],
+                    &mut m.loads_before[k],
+                    1.0,
+                )),
             });
             let reached = &scene.motion;
+            assert_eq!(m.changes[k], reached.changes[k]);
+            assert_eq!(m.loads_before[k], reached.loads_before[k]);
             // Kicks and ways are the same operations; the rotation in lanes fuses some.
             assert_eq!(m.positions[k], reached.positions[k]);
             assert_eq!(m.velocities[k], reached.velocities[k]);

@@ -108,6 +108,17 @@ fn three_semi_axes() {
     compare::<Ellipsoids, true, false>(LINEAR, Scene::ellipsoids());
 }
 
+/// Viscous forces take velocities that are extrapolated to the step.
+#[test]
+fn velocities_of_the_step() {
+    let of_step = |scene: Scene| Scene {
+        of_step: true,
+        ..scene
+    };
+    compare::<Spheroids, true, true>(MINDLIN, of_step(Scene::spheroids()));
+    compare::<Ellipsoids, true, true>(WHOLE, of_step(Scene::ellipsoids()));
+}
+
 /// Contacts that the search in lanes hands back are taken by the second kernel.
 #[test]
 fn deep_contacts_are_marked_and_taken() {

@@ -6,7 +6,7 @@ use ellgran::list::{
     compute_pairs, Accumulators, Entries, NeighbourRow, NeighbourRows, ParticleArrays, Rotation,
     Workspace,
 };
-use ellgran::motion::{finish_step, start_step, Bodies, BodyArrays, Selection};
+use ellgran::motion::{finish_step, start_step, Bodies, BodyArrays, Extrapolation, Selection};
 use ellgran::simd::InstructionSet;
 
 pub const TIME_STEP: f64 = 2e-5;
@@ -39,6 +39,9 @@ pub struct Motion {
     pub velocities: Vec<[f64; 3]>,
     pub angular_momenta: Vec<[f64; 3]>,
     pub quaternions: Vec<[f64; 4]>,
+    /// What an extrapolation writes.
+    pub changes: Vec<[f64; 6]>,
+    pub loads_before: Vec<[f64; 6]>,
 }
 
 pub struct Scene {
@@ -48,6 +51,8 @@ pub struct Scene {
     pub types: Vec<i32>,
     pub forces: Vec<[f64; 3]>,
     pub torques: Vec<[f64; 3]>,
+    /// Whether velocities are extrapolated to the step.
+    pub of_step: bool,
 }
 
 /// Half of a neighbour list, each pair once, and what is remembered.
@@ -124,12 +129,15 @@ impl Scene {
                 velocities: Vec::new(),
                 angular_momenta: Vec::new(),
                 quaternions: Vec::new(),
+                changes: vec![[0.0; 6]; count],
+                loads_before: vec![[f64::INFINITY; 6]; count],
             },
             semi_axes: Vec::new(),
             masses: vec![4.0; count],
             types: vec![1; count],
             forces: vec![[0.0; 3]; count],
             torques: vec![[0.0; 3]; count],
+            of_step: false,
         };
         for k in 0..count {
             let place = [k % EDGE, k / EDGE % EDGE, k / EDGE / EDGE];
@@ -240,7 +248,20 @@ impl Scene {
                 semi_axes: &self.semi_axes,
                 quaternions: &mut m.quaternions,
             },
-            extrapolation: None,
+            extrapolation: self.of_step.then_some(Extrapolation {
+                changes: &mut m.changes,
+                loads_before: &mut m.loads_before,
+                step_ratio: 1.0,
+            }),
+        }
+    }
+
+    /// What velocities have more than those of the half step; nothing where they are these.
+    pub fn changes(&self) -> &[[f64; 6]] {
+        if self.of_step {
+            &self.motion.changes
+        } else {
+            &[]
         }
     }
 
@@ -261,8 +282,8 @@ impl Scene {
             positions: &m.positions,
             velocities: &m.velocities,
             rotation: Rotation::Momentum(&m.angular_momenta, &self.masses),
-            of_step: false,
-            changes: &[],
+            of_step: self.of_step,
+            changes: self.changes(),
             contact_masses: &self.masses,
             types: &self.types,
             shape: |k: usize| Some((self.semi_axes[k], m.quaternions[k])),
