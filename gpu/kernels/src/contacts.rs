@@ -119,6 +119,8 @@ impl Load {
 }
 
 /// What became of a pair.
+// It is never in memory.
+#[allow(clippy::large_enum_variant)]
 enum Outcome {
     Apart,
     Marked,

@@ -174,7 +174,7 @@ fn arithmetic(ptx: &str, name: &str) -> (usize, usize) {
     };
     let body = rest.split("\n}").next().unwrap_or(rest);
     let operations = body.lines().filter_map(|line| {
-        let operation = line.trim_start().split_whitespace().next()?;
+        let operation = line.split_whitespace().next()?;
         let (kind, _) = operation.split_once('.')?;
         let counts = [
             "add", "sub", "mul", "fma", "div", "rcp", "sqrt", "min", "max", "abs", "neg", "setp",

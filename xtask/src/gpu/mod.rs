@@ -110,14 +110,9 @@ fn build() -> Result<String> {
     // Set by `cargo run` for xtask itself, or for builds of the host.
     for (name, _) in std::env::vars_os() {
         let text = name.to_string_lossy();
-        if text.starts_with("CARGO_")
-            || text.starts_with("RUSTC")
-            || text == "RUSTFLAGS"
-            || text == "CARGO"
-        {
-            if text != "CARGO_HOME" {
-                cargo.env_remove(&name);
-            }
+        let of_cargo = text.starts_with("CARGO") && text != "CARGO_HOME";
+        if of_cargo || text.starts_with("RUSTC") || text == "RUSTFLAGS" {
+            cargo.env_remove(&name);
         }
     }
     cargo.env_remove("RUSTUP_TOOLCHAIN");

@@ -54,6 +54,9 @@ const CONTACTS_PER_GRAIN: f64 = 10.0;
 /// threads of a warp do not all take the same branches.
 const BUSY: f64 = 0.4;
 
+/// Instructions of the machine on `f64` that a division or a root takes, about: an approximation and steps of Newton's method.
+const PER_DIVISION: f64 = 9.0;
+
 /// Bytes that a contact reads and writes, where nothing of a neighbour is in a cache: its record, type, identifier, mass; its place
 /// in the row, its index and its state, read and written; the history, read and written.
 fn bytes_per_contact(history: u32) -> u32 {
@@ -82,7 +85,7 @@ const PREDICTED: [(&str, &str, u32); 4] = [
 
 /// Grains per second, of the contact kernel alone.
 fn rate(card: &Card, kernel: &Kernel, history: u32) -> f64 {
-    let double = kernel.arithmetic as f64;
+    let double = kernel.arithmetic as f64 + (PER_DIVISION - 1.0) * kernel.divisions as f64;
     let other = (kernel.instructions as f64 - double).max(0.0);
     let cycles = double / card.double + other / card.other;
     let of_arithmetic = BUSY * card.processors * card.clock / cycles;
@@ -122,7 +125,8 @@ pub fn page(figures: &Figures) -> String {
         text,
         "## What the kernels need\n\n\
          By `ptxas` {} for sm_{SHOWN}. A processor of the GPU has {REGISTERS} registers. Instructions are those of the machine, \
-         16 bytes each, all branches and the calls' code left out; arithmetic is that of PTX on `f64`, divisions and roots among it.\n\n\
+         16 bytes each, of all branches and of the functions that it calls. Arithmetic is that of PTX on `f64` in the kernel itself, divisions \
+         and roots among it.\n\n\
          | kernel | registers | stack, bytes | spilled, bytes | instructions | arithmetic | divisions, roots |\n\
          |---|---|---|---|---|---|---|\n",
         figures.version
@@ -143,9 +147,10 @@ pub fn page(figures: &Figures) -> String {
         text,
         "\n## Rates to be expected: predicted, not measured\n\n\
          Grains a second of the contact kernel alone, in a dense packing of {CONTACTS_PER_GRAIN} contacts a grain, all of them touching. \
-         The prediction assumes three things, none of them measured:\n\n\
+         The prediction assumes four things, none of them measured:\n\n\
          - A contact takes as many instructions as its kernel has. That counts branches that are not taken, and steps of the search after \
          the first only where the compiler has unrolled them.\n\
+         - A division or a root takes {PER_DIVISION} instructions on `f64`.\n\
          - {:.0} % of the cycles issue an instruction.\n\
          - Nothing of a neighbour is found in a cache; the smaller of the rates by arithmetic and by memory counts.\n\n\
          | scene | bytes a contact |",

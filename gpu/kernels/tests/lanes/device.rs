@@ -233,7 +233,7 @@ impl Device {
     }
 
     /// The first half of a step from `before`, whose end is the scene.
-    pub fn check_start<K: Kind>(&self, scene: &Scene, before: &Motion) {
+    pub fn check_start(&self, scene: &Scene, before: &Motion) {
         self.check_motion(scene, before, |grain| {
             start_step_of_grain(grain, TIME_STEP).unwrap();
         });

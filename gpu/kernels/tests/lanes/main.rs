@@ -54,7 +54,7 @@ fn compare<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
     for step in 0..STEPS {
         let before = scene.motion.clone();
         scene.start_step();
-        device.check_start::<K>(&scene, &before);
+        device.check_start(&scene, &before);
         scene.forces_in_lanes(&laws, &mut lists, step > 0);
         device.prepare::<K>(&scene);
         if step == 0 || device.largest_way(&scene) > 0.5 * MARGIN {
@@ -153,7 +153,8 @@ fn planes() {
 #[test]
 fn a_fault_has_its_number() {
     use ellgran_kernels::preparation::Fault;
-    let cases: [(Fault, fn(&mut Scene)); 9] = [
+    type Break = fn(&mut Scene);
+    let cases: [(Fault, Break); 9] = [
         (Fault::Position, |s| s.motion.positions[3][1] = f64::NAN),
         (Fault::Velocity, |s| {
             s.motion.velocities[3][0] = f64::INFINITY
