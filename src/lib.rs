@@ -14,22 +14,38 @@
 //! - [`tallies`]: energies, dissipation and virial of a call.
 //! - [`c_api`]: everything `extern "C"`.
 
+//!
+//! The feature `std` is on by default. Without it the library has no list, no walls and no C interface: what is left, one
+//! contact and the motion of one body, is what a device takes from it (`gpu/` in the repository).
+
+#![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(target_arch = "nvptx64", feature(core_float_math))]
+// Some of what is left is for lists, walls and engines alone.
+#![cfg_attr(not(feature = "std"), allow(dead_code, unused_imports, unused_macros))]
 #![deny(unsafe_code)]
 
+#[cfg(not(feature = "std"))]
+#[macro_use]
+extern crate alloc;
+
+#[cfg(feature = "std")]
 pub mod c_api;
 pub mod contact;
 pub mod force;
 pub mod geometry;
+#[cfg(feature = "std")]
 pub mod list;
 mod message;
 pub mod motion;
 pub mod real;
 pub mod simd;
+#[cfg(feature = "std")]
 pub mod tallies;
 pub mod vector;
+#[cfg(feature = "std")]
 pub mod walls;
 
 /// The Rust snippets of the README are run as tests.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "std"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

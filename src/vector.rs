@@ -4,6 +4,8 @@
 //! Small own types rather than nalgebra: they are generic over lanes ([`Real`]), and the static library that a user
 //! may link with LAMMPS (GPL-2.0-only) then contains no Apache-2.0-only code.
 
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use core::ops::{Add, Mul, Neg, Sub};
 

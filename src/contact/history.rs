@@ -108,8 +108,9 @@ impl HistoryLayout {
 }
 
 /// Reads what is remembered of a pair.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn recall(
+pub fn recall(
     layout: &HistoryLayout,
     history: &[f64],
     touching: bool,
@@ -134,8 +135,9 @@ pub(crate) fn recall(
 }
 
 /// Writes what is remembered of a touching pair.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn remember(
+pub fn remember(
     layout: &HistoryLayout,
     history: &mut [f64],
     normal: Vector3,
@@ -154,15 +156,17 @@ pub(crate) fn remember(
 }
 
 /// Forgets the tangential part; the cached normal stays, the start of the next search.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn forget(layout: &HistoryLayout, history: &mut [f64]) {
+pub fn forget(layout: &HistoryLayout, history: &mut [f64]) {
     let from = layout.memory.unwrap_or(layout.length);
     history[from..].fill(0.0);
 }
 
 /// The cached normal, if there is one.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn cached_normal(layout: &HistoryLayout, history: &[f64]) -> Option<Vector3> {
+pub fn cached_normal(layout: &HistoryLayout, history: &[f64]) -> Option<Vector3> {
     let at = layout.normal?;
     let n = Vector3::new(history[at], history[at + 1], history[at + 2]);
     // Zero: nothing cached yet. Anything else that is no unit vector came from elsewhere and is not used.

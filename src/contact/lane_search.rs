@@ -31,7 +31,7 @@ const LARGEST_CORRECTION: f64 = 1e-26;
 /// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal `n`, or one of those that
 /// `IMPROVEMENTS` steps lead to; and the normals with the widest gaps. No steps are taken for the pairs of `stay` alone.
 #[inline(always)]
-pub(crate) fn separating_planes<S: Registers, B: ConvexBody<Lanes<S>>>(
+pub fn separating_planes<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
     i: &B,
     j: &B,
@@ -108,7 +108,7 @@ fn newton_change<S: Registers>(
 }
 
 /// What the search leaves for the law.
-pub(crate) struct Found<S: Registers> {
+pub struct Found<S: Registers> {
     /// Unit normal from `i` to `j`.
     pub normal: Vector3<Lanes<S>>,
     /// Its tangent basis.
@@ -134,7 +134,7 @@ pub(crate) struct Found<S: Registers> {
 /// Newton's method from the start normals in the tangent plane, and one evaluation at its end; `None` where the planes of
 /// the start normals separate all pairs.
 #[inline(always)]
-pub(crate) fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
+pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
     i: &B,
     j: &B,
@@ -309,7 +309,7 @@ fn moved<T: Real>(
 
 /// Two spheres: the closed form.
 #[inline(always)]
-pub(crate) fn search_spheres<S: Registers, B: ConvexBody<Lanes<S>>>(
+pub fn search_spheres<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
     i: &B,
     j: &B,

@@ -5,6 +5,8 @@ use super::history::HistoryLayout;
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::{Displacement, LawParameters, PairLaw, ParameterError, Tangential};
 use crate::message::Number;
+#[cfg(not(feature = "std"))]
+use alloc::vec::Vec;
 
 /// Immutable table of laws; threads may share it.
 #[derive(Clone, Debug)]

@@ -3,15 +3,21 @@
 
 pub mod forces;
 pub mod history;
-pub(crate) mod lane_search;
+// Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+pub mod lane_search;
 pub mod laws;
 pub mod one_contact;
 pub mod pair;
 pub mod particle;
 pub mod ranges;
+#[cfg(feature = "std")]
 pub mod stability;
+#[cfg(feature = "std")]
 pub mod stable_step;
+#[cfg(feature = "std")]
 pub mod staged;
+#[cfg(feature = "std")]
 pub mod without_history;
 
 pub use forces::{Contact, ContactForces, MotionChange};

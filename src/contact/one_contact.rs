@@ -10,6 +10,8 @@ use super::particle::Particle;
 use crate::force::hertz_factors::contact_ellipse;
 use crate::geometry::contact_search::gap;
 use crate::geometry::{relative_curvature, ContactSearch};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// Geometry of a pair, touching or not.

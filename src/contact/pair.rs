@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Whether and where a pair touches, and what the law needs of it.
+//! Whether and where a pair touches, and what the law needs of it. What is hidden is public for the kernels in `gpu/`, and no
+//! interface for others.
 
 use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
 use super::history::{recall, remember, HistoryLayout, Step};
@@ -48,8 +49,9 @@ pub(crate) fn touch_spheres(
 }
 
 /// Hertz factors of one contact in the form that the law asks for.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn factors_for(law: &PairLaw, curvature: Symmetric2) -> Factors {
+pub fn factors_for(law: &PairLaw, curvature: Symmetric2) -> Factors {
     if !law.kinds.normal.elliptical {
         return Factors {
             phi: 1.0,
@@ -82,8 +84,9 @@ fn surface(body: &Particle, support: &Support, tangent: &Tangent) -> Surface {
 }
 
 /// A pair after the search: geometry and motion for the law.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> Contact {
+pub fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> Contact {
     Contact {
         normal: found.normal,
         tangent: found.tangent,
@@ -102,7 +105,8 @@ pub(crate) fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> C
 
 /// A body that touches a wall: `support` is that of the body along the normal into the wall, `weingarten` the curvature of the
 /// wall and `velocity` its velocity there.
-pub(crate) fn contact_with_wall(
+#[doc(hidden)]
+pub fn contact_with_wall(
     i: &Particle,
     support: &Support,
     (normal, tangent): (Vector3, Tangent),
@@ -153,7 +157,8 @@ fn touch(i: &Particle, j: &Particle, d: Vector3, start: Option<Vector3>) -> Outc
 }
 
 /// Whether two bodies touch: the one place where this is decided, one pair at a time.
-pub(crate) enum Pair {
+#[doc(hidden)]
+pub enum Pair {
     /// They do.
     Touching(ContactSearch),
     /// They do not.
@@ -168,7 +173,7 @@ pub(crate) enum Pair {
 impl Pair {
     /// Of two bodies; `start` is the normal that the search begins with, if there is one.
     #[inline(always)]
-    pub(crate) fn of(i: &Particle, j: &Particle, start: Option<Vector3>) -> Pair {
+    pub fn of(i: &Particle, j: &Particle, start: Option<Vector3>) -> Pair {
         let d = j.position - i.position;
         let reach = i.radius + j.radius;
         if d.norm_squared() >= reach * reach {
@@ -194,9 +199,10 @@ impl Pair {
 /// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered: the one
 /// sequence of geometry, factors, memory and force for single pairs. `cached` is the normal in the history, if there is one.
 /// Whether Hale's form holds is for the caller to ask ([`checked_factors`], [`hale_holds`]).
+#[doc(hidden)]
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+pub fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     law: &PairLaw,
     found: &ContactSearch,
     [i, j]: [&Particle; 2],
@@ -216,9 +222,10 @@ pub(crate) fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVA
 
 /// The law of a touching pair, from what is remembered of it to what is to be remembered. `touched` says whether it touched at
 /// the last step, `before` which normal it had then.
+#[doc(hidden)]
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn through_law<
+pub fn through_law<
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
@@ -261,16 +268,30 @@ fn normal_before(
 ) -> Vector3 {
     match cached {
         Some(n) => n,
-        None if i.sphere && j.sphere && step.advance_history => {
-            let d = j.position - i.position;
-            let before = d - (j.velocity - i.velocity) * step.time_step;
-            if before.norm_squared() > LEAST_SQUARE {
-                before.normalised()
-            } else {
-                now
-            }
+        None if i.sphere && j.sphere => {
+            normal_of_spheres_before(j.position - i.position, j.velocity - i.velocity, now, step)
         }
         None => now,
+    }
+}
+
+/// Of two spheres, from the way between their centres and their relative velocity.
+#[doc(hidden)]
+#[inline(always)]
+pub fn normal_of_spheres_before(
+    d: Vector3,
+    velocity: Vector3,
+    now: Vector3,
+    step: &Step,
+) -> Vector3 {
+    if !step.advance_history {
+        return now;
+    }
+    let before = d - velocity * step.time_step;
+    if before.norm_squared() > LEAST_SQUARE {
+        before.normalised()
+    } else {
+        now
     }
 }
 
@@ -283,7 +304,8 @@ pub(crate) fn checked_factors(law: &PairLaw, curvature: Symmetric2) -> Result<Fa
 }
 
 /// Whether Hale's form has a force at this curvature; else the ratio `B/A`.
-pub(crate) fn hale_holds(curvature: Symmetric2) -> Result<(), HaleRatio> {
+#[doc(hidden)]
+pub fn hale_holds(curvature: Symmetric2) -> Result<(), HaleRatio> {
     match hertz_factors::hale(curvature.trace(), curvature.determinant(), false) {
         Some(_) => Ok(()),
         None => {

@@ -7,6 +7,8 @@ use crate::geometry::ellipsoid::{LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_
 use crate::geometry::{Ellipsoid, ShapeError};
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 /// Invalid particle input: which particle, which quantity, and its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +24,7 @@ impl core::fmt::Display for ParticleError {
         write!(f, "particle {}: {}", self.identifier, self.what)
     }
 }
-impl std::error::Error for ParticleError {}
+impl core::error::Error for ParticleError {}
 
 /// A particle prepared for the contacts of one step.
 #[derive(Clone, Copy, Debug)]

@@ -8,6 +8,8 @@
 
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 /// Largest size of a coordinate of a centre or of a wall, length.
 pub const LARGEST_COORDINATE: f64 = 1e20;
@@ -57,8 +59,9 @@ pub(crate) fn angular_velocity(v: [f64; 3]) -> Result<Vector3, String> {
 }
 
 /// Whether a mass can be, infinite for a fixed body.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn is_mass(mass: f64) -> bool {
+pub fn is_mass(mass: f64) -> bool {
     (LEAST_MASS..=LARGEST_MASS).contains(&mass) || mass == f64::INFINITY
 }
 

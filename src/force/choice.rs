@@ -71,6 +71,7 @@ macro_rules! resolved_constants {
     ($d:tt $(#[$about:meta])* $name:ident, $each:ident { $( $(#[$doc:meta])* $field:ident, )+ }) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug)]
+        #[repr(C)]
         pub struct $name<T = f64> {
             $( $(#[$doc])* pub $field: T, )+
         }

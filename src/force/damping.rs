@@ -4,6 +4,10 @@
 
 use super::choice::choices;
 use super::material::Material;
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 
 choices! {
     /// Damping of the `hertz` normal law.
@@ -79,11 +83,11 @@ pub fn normal_relaxation_time(material: &Material, closure: Closure) -> f64 {
 pub fn restitution_coefficient(e: f64, limit_force: bool) -> f64 {
     let l = -e.ln();
     if !limit_force {
-        return 5.0f64.sqrt() * l / std::f64::consts::PI.hypot(l);
+        return 5.0f64.sqrt() * l / core::f64::consts::PI.hypot(l);
     }
     // 2 z A(z) = l by Newton: the left side rises from 0 with slope pi and is concave, so that the steps from l/pi rise to the
     // root and never pass it.
-    let mut z = l / std::f64::consts::PI;
+    let mut z = l / core::f64::consts::PI;
     for _ in 0..60 {
         let (a, slope) = oscillator_phase(z);
         let step = (l - 2.0 * z * a) / (2.0 * (a + z * slope));

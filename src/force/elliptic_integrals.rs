@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Carlson's symmetric elliptic integral `R_D` and what Hertz theory needs of it.
 
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
+
 /// `R_D(x, y, z)`, to rounding, for `x, y >= 0`, not both zero, and `z > 0`, by the duplication theorem (B.C. Carlson,
 /// Numer. Algorithms 10 (1995) 13; DLMF 19.36.2).
 pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {

@@ -5,9 +5,12 @@ use super::damping::{restitution_coefficient, Damping};
 use super::normal::{NormalConstants, NormalKinds};
 use super::parameters::{Constant, FactorForm, LawParameters, Normal, ParameterError};
 use super::tangential::{self, Tangential, TangentialConstants, TangentialKinds};
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 /// Which terms a law has: the choices that select a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct LawKinds {
     /// Of the normal law.
     pub normal: NormalKinds,
@@ -21,6 +24,7 @@ pub struct LawKinds {
 
 /// The constants of a pair of types.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct LawConstants<T = f64> {
     /// Of the normal law.
     pub normal: NormalConstants<T>,
@@ -32,6 +36,7 @@ pub struct LawConstants<T = f64> {
 
 /// The law of a pair of types `(i, j)`.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct PairLaw {
     /// Its terms.
     pub kinds: LawKinds,

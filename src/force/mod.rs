@@ -11,6 +11,7 @@ pub mod law;
 pub mod material;
 pub mod normal;
 pub mod parameters;
+#[cfg(feature = "std")]
 pub mod syntax;
 pub mod tangential;
 

@@ -6,6 +6,12 @@ use super::damping::{Closure, Damping, Unloading};
 use super::material::Material;
 use super::tangential::{Displacement, Tangential};
 use crate::message::Number;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
+#[cfg(not(feature = "std"))]
+use alloc::vec::Vec;
 
 /// Smallest modulus and normal stiffness, in any unit.
 pub const LEAST_CONSTANT: f64 = 1e-50;
@@ -293,7 +299,7 @@ impl core::fmt::Display for ParameterError {
         f.write_str(&self.0)
     }
 }
-impl std::error::Error for ParameterError {}
+impl core::error::Error for ParameterError {}
 
 fn check(holds: bool, name: &str, value: f64, range: &str) -> Result<(), ParameterError> {
     if holds {

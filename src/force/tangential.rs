@@ -32,6 +32,8 @@ use super::contact_begin::Begin;
 use super::hertz_factors::Factors;
 use crate::real::Real;
 use crate::vector::{Symmetric2, Vector2};
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 choices! {
     /// Tangential law.
@@ -94,6 +96,7 @@ impl Tangential {
 
 /// Which terms the tangential law has: the choices that select a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct TangentialKinds {
     /// The law.
     pub law: Tangential,

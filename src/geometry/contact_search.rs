@@ -15,6 +15,8 @@
 use super::curvature::radii_of_curvature;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::global_minimum::{inscribed_ellipsoid_margin, BodyAtNormal, Circumscribed};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// A pair that touches.

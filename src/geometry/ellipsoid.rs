@@ -133,8 +133,9 @@ pub(crate) fn within_range(q: [f64; 4]) -> Result<[f64; 4], ShapeError> {
 }
 
 /// The columns of the rotation of a quaternion `(w, x, y, z)`; `scale` is 2 over its squared length.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn rotation_columns<T: Real>([w, x, y, z]: [T; 4], scale: T) -> [Vector3<T>; 3] {
+pub fn rotation_columns<T: Real>([w, x, y, z]: [T; 4], scale: T) -> [Vector3<T>; 3] {
     let one = w.constant(1.0);
     let (x2, y2, z2) = (x * scale, y * scale, z * scale);
     let (wx, wy, wz) = (w * x2, w * y2, w * z2);

@@ -33,6 +33,8 @@
 //! branch and bound over `t` ends with the global minimum.
 
 use super::ellipsoid::Ellipsoid;
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use crate::vector::{Symmetric2, Vector2, Vector3};
 

@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
+#[cfg(feature = "std")]
 pub(crate) mod box_tree;
+#[cfg(feature = "std")]
 pub mod cone;
 pub mod contact_search;
 pub(crate) mod convex_body;
 pub mod curvature;
 pub mod ellipsoid;
+#[cfg(feature = "std")]
 pub mod facet_shares;
 pub(crate) mod global_minimum;
+#[cfg(feature = "std")]
 pub(crate) mod interior_point;
 pub mod plane;
 pub(crate) mod spheroid;
 pub(crate) mod tangent_model;
+#[cfg(feature = "std")]
 pub mod triangles;
 
 pub use contact_search::{search, ContactSearch, Outcome};
-pub(crate) use convex_body::{ConvexBody, SupportInFrame};
+// Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+pub use convex_body::{ConvexBody, SupportInFrame};
 pub use curvature::{radii_of_curvature, relative_curvature, Curvature};
 pub use ellipsoid::{Ellipsoid, ShapeError, Support};
 pub use plane::{touch_plane, Plane};
-pub(crate) use spheroid::Spheroid;
+#[doc(hidden)]
+pub use spheroid::Spheroid;

@@ -12,6 +12,8 @@
 //!   `y' = y^2` majorises Euler's equations: no difference of two moments exceeds the third. Those of the quaternion are at most
 //!   `m^n` then. What order `n` leaves out is less than `(m t)^(n+1)/(1 - m t)`.
 
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use crate::vector::Vector3;
 

@@ -9,3 +9,5 @@ pub use velocity_verlet::{
     angular_velocities, finish_step, start_step, Bodies, BodyArrays, Extrapolation, MotionError,
     Selection,
 };
+#[doc(hidden)]
+pub use velocity_verlet::{start_step_of_body, Refusal};

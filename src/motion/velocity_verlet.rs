@@ -10,9 +10,13 @@ use super::free_rotation::{
 };
 use crate::geometry::ellipsoid::rotation_columns;
 use crate::message::Number;
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use crate::simd::{InstructionSet, Lanes, Registers, Stage, MOST_LANES};
 use crate::vector::Vector3;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 /// Largest angle, radian, by which a body may turn in a step: a contact sees nothing of what is faster.
 const LARGEST_TURN: f64 = core::f64::consts::PI;
@@ -196,8 +200,11 @@ pub fn angular_velocities<B: Bodies>(
         if !selection.takes(k) {
             continue;
         }
-        let wrong = |what| MotionError { body: k, what };
-        let (semi_axes, q) = arrays.bodies.shape(k).ok_or_else(|| wrong(no_shape()))?;
+        let wrong = |why: Refusal| why.of_body(k);
+        let (semi_axes, q) = arrays
+            .bodies
+            .shape(k)
+            .ok_or_else(|| wrong(Refusal::Shape))?;
         let square: f64 = q.iter().map(|x| x * x).sum();
         // Those of `start_step` are.
         let q = if (square - 1.0).abs() < UNIT {
@@ -214,27 +221,69 @@ pub fn angular_velocities<B: Bodies>(
     Ok(())
 }
 
-fn no_shape() -> String {
-    "it has no shape: every body that is moved must be an ellipsoid".into()
+/// Why a body cannot be moved.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// It is no ellipsoid.
+    Shape,
+    /// Length of its quaternion.
+    Quaternion(f64),
+    /// Its mass.
+    Mass(f64),
+    /// By how much it would turn, radian, and in which time.
+    Turn(f64, f64),
+    /// Its rotation grows within the step.
+    Rotation,
 }
 
-fn normalised(q: [f64; 4]) -> Result<[f64; 4], String> {
+impl Refusal {
+    fn describe(self) -> String {
+        match self {
+            Refusal::Shape => {
+                "it has no shape: every body that is moved must be an ellipsoid".into()
+            }
+            Refusal::Quaternion(length) => {
+                format!("its quaternion has length {}", Number(length))
+            }
+            Refusal::Mass(mass) => format!(
+                "mass = {} must be a finite number greater than 0",
+                Number(mass)
+            ),
+            Refusal::Turn(turn, time) => format!(
+                "it would turn by {} radian in a step of {}, more than half a circle: the time step is too large, or a \
+                 force has grown without bound",
+                Number(turn),
+                Number(time)
+            ),
+            Refusal::Rotation => {
+                "its rotation has grown too fast to be followed within a step".into()
+            }
+        }
+    }
+
+    fn of_body(self, body: usize) -> MotionError {
+        MotionError {
+            body,
+            what: self.describe(),
+        }
+    }
+}
+
+fn normalised(q: [f64; 4]) -> Result<[f64; 4], Refusal> {
     let length = q.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
     if length > 0.0 && length.is_finite() {
         Ok(q.map(|x| x / length))
     } else {
-        Err(format!("its quaternion has length {}", Number(length)))
+        Err(Refusal::Quaternion(length))
     }
 }
 
-fn checked_mass(mass: f64) -> Result<f64, String> {
+fn checked_mass(mass: f64) -> Result<f64, Refusal> {
     if mass > 0.0 && mass.is_finite() {
         Ok(mass)
     } else {
-        Err(format!(
-            "mass = {} must be a finite number greater than 0",
-            Number(mass)
-        ))
+        Err(Refusal::Mass(mass))
     }
 }
 
@@ -330,6 +379,41 @@ fn kick_from_extrapolated<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, h
     }
 }
 
+/// Half the kick, and the way of the centre. The shape and attitude, if there is one.
+#[inline(always)]
+fn move_centre<B: Bodies>(
+    arrays: &mut BodyArrays<'_, B>,
+    k: usize,
+    time_step: f64,
+) -> Option<([f64; 3], [f64; 4])> {
+    let shape = arrays.bodies.shape(k)?;
+    kick(arrays, k, 0.5 * time_step);
+    let (x, v) = (&mut arrays.positions[k], &arrays.velocities[k]);
+    for axis in 0..3 {
+        x[axis] += time_step * v[axis];
+    }
+    Some(shape)
+}
+
+/// [`start_step`] of one body. Public for the kernels in `gpu/`; no interface for others.
+///
+/// # Errors
+/// What is wrong with the body.
+#[doc(hidden)]
+#[inline(always)]
+pub fn start_step_of_body<B: Bodies>(
+    arrays: &mut BodyArrays<'_, B>,
+    k: usize,
+    time_step: f64,
+) -> Result<(), Refusal> {
+    let (semi_axes, q) = move_centre(arrays, k, time_step).ok_or(Refusal::Shape)?;
+    let (l, mass) = (arrays.angular_momenta[k], arrays.masses[k]);
+    extrapolate(arrays, k, 0.5 * time_step);
+    let new = turned(q, Vector3::from_array(l), mass, semi_axes, time_step)?;
+    arrays.bodies.turn(k, new);
+    Ok(())
+}
+
 /// See [`start_step`].
 struct Turn<'p, 'a, B: Bodies> {
     arrays: &'p mut BodyArrays<'a, B>,
@@ -416,17 +500,13 @@ impl<B: Bodies> Stage for Turn<'_, '_, B> {
 }
 
 impl<B: Bodies> Turn<'_, '_, B> {
-    fn one_by_one(mut self) {
+    fn one_by_one(self) {
         for k in 0..self.arrays.same_length() {
             if !self.selection.takes(k) {
                 continue;
             }
-            let Some((a, q)) = self.move_centre(k) else {
-                return;
-            };
-            let (l, mass) = (self.arrays.angular_momenta[k], self.arrays.masses[k]);
-            extrapolate(self.arrays, k, 0.5 * self.time_step);
-            if !self.turn_one(k, a, q, l, mass) {
+            if let Err(why) = start_step_of_body(self.arrays, k, self.time_step) {
+                *self.outcome = Err(why.of_body(k));
                 return;
             }
         }
@@ -435,18 +515,9 @@ impl<B: Bodies> Turn<'_, '_, B> {
     /// Half the kick, and the way of the centre. The shape and attitude, if there is one.
     #[inline(always)]
     fn move_centre(&mut self, k: usize) -> Option<([f64; 3], [f64; 4])> {
-        let shape = self.arrays.bodies.shape(k);
+        let shape = move_centre(self.arrays, k, self.time_step);
         if shape.is_none() {
-            *self.outcome = Err(MotionError {
-                body: k,
-                what: no_shape(),
-            });
-            return None;
-        }
-        kick(self.arrays, k, 0.5 * self.time_step);
-        let (x, v) = (&mut self.arrays.positions[k], &self.arrays.velocities[k]);
-        for axis in 0..3 {
-            x[axis] += self.time_step * v[axis];
+            *self.outcome = Err(Refusal::Shape.of_body(k));
         }
         shape
     }
@@ -513,8 +584,8 @@ impl<B: Bodies> Turn<'_, '_, B> {
                 self.arrays.bodies.turn(k, new);
                 true
             }
-            Err(what) => {
-                *self.outcome = Err(MotionError { body: k, what });
+            Err(why) => {
+                *self.outcome = Err(why.of_body(k));
                 false
             }
         }
@@ -607,19 +678,14 @@ fn turned(
     mass: f64,
     semi_axes: [f64; 3],
     time: f64,
-) -> Result<[f64; 4], String> {
+) -> Result<[f64; 4], Refusal> {
     let mut q = normalised(q)?;
     let mass = checked_mass(mass)?;
     let (inverse_moments, ratios) = moments(mass, semi_axes);
     let omega_of = |q: [f64; 4]| body_velocity(rotation_columns(q, 2.0), momentum, inverse_moments);
     let turn = omega_of(q).norm() * time;
     if !(turn <= LARGEST_TURN) {
-        return Err(format!(
-            "it would turn by {} radian in a step of {}, more than half a circle: the time step is too large, or a \
-             force has grown without bound",
-            Number(turn),
-            Number(time)
-        ));
+        return Err(Refusal::Turn(turn, time));
     }
     let [a, b, c] = semi_axes;
     if a == b || b == c || a == c {
@@ -655,5 +721,5 @@ fn turned(
         q = of_three_moments(q, omega, ratios, part);
         left -= part;
     }
-    Err("its rotation has grown too fast to be followed within a step".into())
+    Err(Refusal::Rotation)
 }

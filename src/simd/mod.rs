@@ -2,17 +2,21 @@
 //! Several numbers at a time in the lanes of vector registers: the instruction sets, and which of them the neighbour-list path
 //! runs on, chosen when a workspace is made and never in a step. Knows numbers alone.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod avx512;
 mod lanes;
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(feature = "std", target_arch = "aarch64"))]
 mod neon;
-#[cfg(any(test, not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
+#[cfg(any(
+    test,
+    not(feature = "std"),
+    not(any(target_arch = "x86_64", target_arch = "aarch64"))
+))]
 mod portable;
 mod registers;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod sse2;
 #[cfg(test)]
 mod tests;
@@ -57,12 +61,13 @@ impl Stage for CountLanes<'_> {
 }
 
 /// What `pulp` calls with the instructions of a set turned on.
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+#[cfg_attr(not(all(feature = "std", target_arch = "x86_64")), allow(dead_code))]
 struct InLanes<S, T> {
     registers: S,
     stage: T,
 }
 
+#[cfg(feature = "std")]
 impl<S: Registers, T: Stage> pulp::NullaryFnOnce for InLanes<S, T> {
     type Output = ();
     #[inline(always)]
@@ -101,7 +106,7 @@ macro_rules! instruction_sets {
             /// Whether this machine has it.
             pub fn is_available(self) -> bool {
                 $(
-                    #[cfg(target_arch = $target)]
+                    #[cfg(all(feature = "std", target_arch = $target))]
                     if self == InstructionSet::$set {
                         return <$token>::try_new().is_some();
                     }
@@ -114,7 +119,7 @@ macro_rules! instruction_sets {
             #[inline]
             pub fn run<T: Stage>(self, stage: T) {
                 $(
-                    #[cfg(target_arch = $target)]
+                    #[cfg(all(feature = "std", target_arch = $target))]
                     if self == InstructionSet::$set {
                         if let Some(registers) = <$token>::try_new() {
                             return registers.vectorize(InLanes {
@@ -134,11 +139,11 @@ use instruction_sets;
 /// Runs a stage on the set that every machine of the target has.
 #[inline]
 fn run_on_baseline<T: Stage>(stage: T) {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
     let registers = pulp::x86::V1::try_new().expect("SSE2 is part of x86-64");
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(all(feature = "std", target_arch = "aarch64"))]
     let registers = pulp::aarch64::Neon::try_new().expect("NEON is part of AArch64");
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(not(all(feature = "std", any(target_arch = "x86_64", target_arch = "aarch64"))))]
     let registers = portable::Portable;
     stage.run(Twice(registers))
 }
@@ -165,11 +170,13 @@ impl InstructionSet {
     ///
     /// # Errors
     /// An unknown name, or a set that this machine does not have.
+    #[cfg(feature = "std")]
     pub fn choose() -> Result<Self, String> {
         Self::named_by(std::env::var_os(ENVIRONMENT_VARIABLE).as_deref())
     }
 
     /// The choice of a value of the environment variable; the widest where it is not set or empty.
+    #[cfg(feature = "std")]
     fn named_by(value: Option<&std::ffi::OsStr>) -> Result<Self, String> {
         let Some(value) = value.filter(|v| !v.is_empty()) else {
             return Ok(Self::widest());
@@ -192,7 +199,7 @@ impl InstructionSet {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "std"))]
 mod which_set {
     use super::InstructionSet;
     use std::ffi::OsStr;

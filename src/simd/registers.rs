@@ -19,7 +19,7 @@ impl Line {
     pub const ZERO: Line = Line([0.0; 8]);
 }
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(all(feature = "std", any(target_arch = "x86_64", target_arch = "aarch64")))]
 #[cold]
 #[inline(never)]
 pub(super) fn too_short() -> ! {
@@ -134,7 +134,7 @@ pub(super) const MANTISSA: i64 = 0x000f_ffff_ffff_ffff;
 /// Bits of 1.
 pub(super) const ONE: i64 = 0x3ff0_0000_0000_0000;
 /// Bits of 2^52.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
 pub(super) const TWO_TO_52: i64 = 0x4330_0000_0000_0000;
 
 /// The operations that are one instruction, from a table.

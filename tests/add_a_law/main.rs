@@ -88,13 +88,15 @@ fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The dependencies of the library, as its manifest has them.
+/// The features and the dependencies of the library, as its manifest has them.
 fn dependencies() -> String {
     let manifest = fs::read_to_string(repository().join("Cargo.toml")).unwrap();
-    let start = manifest.find("[dependencies]").unwrap();
-    let section = &manifest[start..];
-    let end = section.find("\n[").unwrap_or(section.len());
-    section[..end].into()
+    let section = |name: &str| {
+        let section = &manifest[manifest.find(name).unwrap()..];
+        let end = section.find("\n[").unwrap_or(section.len());
+        section[..end].to_owned()
+    };
+    section("[features]") + "\n" + &section("[dependencies]")
 }
 
 /// A package of the copy, with a lock file that has the versions at hand.

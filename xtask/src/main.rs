@@ -11,6 +11,7 @@ mod demo;
 #[path = "../../tests/support/dump.rs"]
 mod dump;
 mod engine_forces;
+mod gpu;
 mod header;
 mod install;
 mod lammps;
@@ -100,6 +101,8 @@ enum Task {
     Stress(stress::Options),
     /// Look for errors of memory in LAMMPS with the plugin, by valgrind
     Sanitize,
+    /// Make the kernels for GPUs as PTX, and the page about them (some minutes; needs rustup)
+    Gpu(gpu::Options),
     /// Make the documentation site, which opens from its files
     Site(site::Options),
     /// Test the core, its C consumers and the wheel on AArch64, in an emulator
@@ -156,6 +159,7 @@ fn run(task: Task) -> Result<()> {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,
         Task::Sanitize => sanitize::sanitize()?,
+        Task::Gpu(options) => gpu::gpu(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,

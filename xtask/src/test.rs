@@ -11,8 +11,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, header, install, lammps, liggghts, plugin, python, report, rooms, setup,
-    site, validate, vtk, wheel,
+    aarch64, bench, demo, gpu, header, install, lammps, liggghts, plugin, python, report, rooms,
+    setup, site, validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -88,6 +88,7 @@ pub fn test(options: &Options) -> Result<()> {
         })?;
         steps.run("C header", || header::header(true))?;
         steps.run("rooms", rooms::check)?;
+        steps.run("kernels for GPUs", gpu::check_sources)?;
         documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;

@@ -8,14 +8,18 @@
 mod fit_coefficients;
 
 use super::elliptic_integrals::{ellipse_integrals, EllipseIntegrals};
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use fit_coefficients::{NEAR_PHI, NEAR_SIGMA, PHI, Q_MAX, SIGMA, W_MAX};
 
 /// Where the fit near a circle ends, in [`near_variable`]: B/A = 10.
-pub(crate) const NEAR_END: f64 = Q_MAX;
+#[doc(hidden)]
+pub const NEAR_END: f64 = Q_MAX;
 
 /// Where the fit ends, in [`fit_variable`]: B/A = 6.5e5.
-pub(crate) const FIT_END: f64 = W_MAX;
+#[doc(hidden)]
+pub const FIT_END: f64 = W_MAX;
 
 /// What the force needs at one relative curvature.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +164,7 @@ fn iterate(l: f64) -> (ContactEllipse, EllipseIntegrals) {
     let mut log_k = if l < 0.5 {
         -2.0 / 3.0 * l
     } else {
-        -2.0 / std::f64::consts::PI * l
+        -2.0 / core::f64::consts::PI * l
     };
     let mut integrals = ellipse_integrals(log_k.exp());
     for _ in 0..50 {
@@ -177,8 +181,8 @@ fn iterate(l: f64) -> (ContactEllipse, EllipseIntegrals) {
         }
     }
     let k = log_k.exp();
-    let f1 = (4.0 / std::f64::consts::PI * (k * integrals.bl * integrals.d).sqrt()).cbrt();
-    let f2 = 2.0 / std::f64::consts::PI * k.sqrt() * integrals.k / f1;
+    let f1 = (4.0 / core::f64::consts::PI * (k * integrals.bl * integrals.d).sqrt()).cbrt();
+    let f2 = 2.0 / core::f64::consts::PI * k.sqrt() * integrals.k / f1;
     (
         ContactEllipse {
             axis_ratio: k,

@@ -8,7 +8,11 @@ use super::super::parameters::LawParameters;
 use super::{
     Collision, Formula, Law, NormalConstants, NormalForce, NormalFormula, NormalKinds, Resolved,
 };
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 /// `T v/delta_max` of an elastic Hertzian collision, `(4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)` (Landau and Lifshitz, Theory of
 /// Elasticity, section 9).

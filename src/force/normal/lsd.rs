@@ -7,6 +7,8 @@ use super::{
     Collision, Formula, Law, NormalConstants, NormalForce, NormalFormula, NormalKinds, Resolved,
 };
 use crate::real::Real;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 pub(super) struct Lsd;
 

@@ -11,6 +11,8 @@ use super::contact_begin::Begin;
 use super::hertz_factors::Factors;
 use super::parameters::{LawParameters, Normal};
 use crate::real::Real;
+#[cfg(not(feature = "std"))]
+use alloc::string::String;
 
 // The row of a law is its choice in `parameters.rs` and its type here.
 laws! {
@@ -110,6 +112,7 @@ pub struct NormalForce<T = f64> {
 
 /// Which terms the normal law has: the choices that select a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct NormalKinds {
     /// The formula.
     pub formula: Formula,
@@ -221,6 +224,7 @@ macro_rules! formulas {
     ($($(#[$doc:meta])* $formula:ident => $of:ty,)+) => {
         /// The formula of a normal force.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(i32)]
         pub enum Formula {
             $($(#[$doc])* $formula,)+
         }

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Force and torque of the contacts of one grain, and their histories.
+//!
+//! A pair goes through the search of the lanes and the law ([`contacts_of_grain`]). One that this search hands back (a deep
+//! contact, a minimum without proof, a curvature ratio beyond the fit) is marked, and taken by [`marked_contacts_of_grain`],
+//! which has every safeguard and needs kilobytes of memory a thread.
+
+use crate::one_lane::{basis_of, matrix_of, number, tangential_of, vector, vector_of, OneLane};
+use crate::shapes::{Grain, Kind};
+use ellgran::contact::history::{cached_normal, forget};
+use ellgran::contact::lane_search::{search, search_spheres, Found};
+use ellgran::contact::pair::{law_of_pair, normal_of_spheres_before, through_law, Pair};
+use ellgran::contact::particle::effective_mass;
+use ellgran::contact::{Contact, ContactForces, HistoryLayout, MotionChange, Step};
+use ellgran::force::hertz_factors::{
+    fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
+};
+use ellgran::force::{Factors, LawKinds, PairLaw};
+use ellgran::geometry::{ConvexBody, SupportInFrame};
+use ellgran::vector::{Symmetric2, Vector3};
+
+use crate::one_lane::Number;
+use ellgran::contact::forces::Surface;
+
+/// Of a pair's state: it touches.
+pub const TOUCHES: u32 = 1;
+/// Of a pair's state: it is left for [`marked_contacts_of_grain`].
+pub const MARKED: u32 = 2;
+
+/// What all threads read.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// Prepared grains, ghosts included.
+    pub grains: &'a [Grain],
+    /// What their motion has more at the step; empty where velocities are those of the half step.
+    pub changes: &'a [MotionChange],
+    /// Their types, counted from 1.
+    pub types: &'a [u32],
+    /// Inverses of their masses for effective masses; empty where no law reads masses.
+    pub inverse_masses: &'a [f64],
+    /// Their identifiers in the engine, which a ghost shares with its grain: of a pair, the grain with the lower one comes first.
+    pub identifiers: &'a [i32],
+    /// The laws of all pairs of types, row by row. None of them has `factors hale`.
+    pub laws: &'a [PairLaw],
+    /// Number of types.
+    pub type_count: u32,
+    /// The layout of a pair's history.
+    pub layout: HistoryLayout,
+    /// Time step, and whether histories advance.
+    pub step: Step,
+}
+
+impl Scene<'_> {
+    #[inline(always)]
+    fn law(&self, i: usize, j: usize) -> &PairLaw {
+        let (a, b) = (self.types[i], self.types[j]);
+        &self.laws[((a - 1) * self.type_count + (b - 1)) as usize]
+    }
+
+    /// What the motion of a grain has more at the step, for a law that asks for it: a viscous one.
+    #[inline(always)]
+    pub(crate) fn change(&self, law: &PairLaw, k: usize) -> Option<MotionChange> {
+        let kinds = &law.kinds;
+        let viscous =
+            kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
+        self.changes.get(k).copied().filter(|_| viscous)
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, k: usize) -> f64 {
+        self.inverse_masses.get(k).copied().unwrap_or(0.0)
+    }
+}
+
+/// The neighbours of one grain, all of them (a full list), and what is remembered of its pairs, which is that of the pair whose
+/// first grain has the lower identifier.
+#[derive(Debug)]
+pub struct Row<'a> {
+    /// Indices of the neighbours.
+    pub neighbours: &'a [u32],
+    /// Places in the row of those that may touch.
+    pub candidates: &'a [u32],
+    /// One state per neighbour: [`TOUCHES`] and [`MARKED`].
+    pub states: &'a mut [u32],
+    /// [`HistoryLayout::length`] doubles per neighbour.
+    pub histories: &'a mut [f64],
+}
+
+/// Force on a grain, and torque about its centre; world frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Load {
+    /// Force.
+    pub force: Vector3,
+    /// Torque.
+    pub torque: Vector3,
+}
+
+impl Load {
+    /// Nothing.
+    pub const NONE: Load = Load {
+        force: Vector3::ZERO,
+        torque: Vector3::ZERO,
+    };
+
+    /// With the load of one contact, of which this grain is the first or the second.
+    #[inline(always)]
+    fn with(self, is_first: bool, f: &ContactForces) -> Load {
+        let (force, torque) = if is_first {
+            (-f.force, f.torque_i)
+        } else {
+            (f.force, f.torque_j)
+        };
+        Load {
+            force: self.force + force,
+            torque: self.torque + torque,
+        }
+    }
+}
+
+/// What became of a pair.
+// It is never in memory.
+#[allow(clippy::large_enum_variant)]
+enum Outcome {
+    Apart,
+    Marked,
+    Touching(ContactForces),
+}
+
+/// Force and torque of the contacts of grain `k`. `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the laws of the scene
+/// have at all, as for [`ellgran::contact::forces::contact_forces`].
+#[inline(always)]
+pub fn contacts_of_grain<
+    K: Kind,
+    const FRICTION: bool,
+    const RATE: bool,
+    const CONSERVATIVE: bool,
+>(
+    k: usize,
+    scene: &Scene<'_>,
+    row: &mut Row<'_>,
+) -> Load {
+    let length = scene.layout.length;
+    let mut load = Load::NONE;
+    for &place in row.candidates {
+        let place = place as usize;
+        let other = row.neighbours[place] as usize;
+        let is_first = comes_first(scene, k, other);
+        let pair = if is_first { [k, other] } else { [other, k] };
+        let history = &mut row.histories[place * length..(place + 1) * length];
+        let touched = row.states[place] & TOUCHES != 0;
+        let outcome = one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched);
+        row.states[place] = match outcome {
+            Outcome::Apart => 0,
+            Outcome::Marked => MARKED | u32::from(touched),
+            Outcome::Touching(f) => {
+                load = load.with(is_first, &f);
+                TOUCHES
+            }
+        };
+    }
+    load
+}
+
+/// What [`contacts_of_grain`] has left of grain `k`: to be added to its load.
+pub fn marked_contacts_of_grain<K: Kind>(k: usize, scene: &Scene<'_>, row: &mut Row<'_>) -> Load {
+    let length = scene.layout.length;
+    let mut load = Load::NONE;
+    for &place in row.candidates {
+        let place = place as usize;
+        let state = row.states[place];
+        if state & MARKED == 0 {
+            continue;
+        }
+        let other = row.neighbours[place] as usize;
+        let is_first = comes_first(scene, k, other);
+        let pair = if is_first { [k, other] } else { [other, k] };
+        let history = &mut row.histories[place * length..(place + 1) * length];
+        let touched = state & TOUCHES != 0;
+        row.states[place] = match with_safeguards::<K>(scene, pair, history, touched) {
+            None => 0,
+            Some(f) => {
+                load = load.with(is_first, &f);
+                TOUCHES
+            }
+        };
+    }
+    load
+}
+
+#[inline(always)]
+pub(crate) fn comes_first(scene: &Scene<'_>, k: usize, other: usize) -> bool {
+    scene.identifiers[k] <= scene.identifiers[other]
+}
+
+/// A pair that does not touch remembers the normal of a plane between the bodies, and nothing else.
+#[inline(always)]
+fn part(layout: &HistoryLayout, history: &mut [f64], touched: bool, normal: Option<Vector3>) {
+    if let (Some(at), Some(n)) = (layout.normal, normal) {
+        history[at..at + 3].copy_from_slice(&n.to_array());
+    }
+    if touched {
+        forget(layout, history);
+    }
+}
+
+/// The pair as the lanes take it.
+#[inline(always)]
+fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    scene: &Scene<'_>,
+    [i, j]: [usize; 2],
+    history: &mut [f64],
+    touched: bool,
+) -> Outcome {
+    let layout = &scene.layout;
+    let (a, b) = (&scene.grains[i], &scene.grains[j]);
+    let d = b.centre() - a.centre();
+    let reach = K::radius(a) + K::radius(b);
+    if d.norm_squared() >= reach * reach {
+        part(layout, history, touched, None);
+        return Outcome::Apart;
+    }
+    let (body_a, body_b) = (K::body(a), K::body(b));
+    let cached = cached_normal(layout, history);
+    let found = if K::SPHERES {
+        search_spheres(OneLane, &body_a, &body_b, vector(d))
+    } else {
+        let start = cached.unwrap_or_else(|| direction(d));
+        search(OneLane, &body_a, &body_b, vector(d), vector(start))
+    };
+    let Some(found) = found else {
+        part(layout, history, touched, None);
+        return Outcome::Apart;
+    };
+    if found.hard {
+        return Outcome::Marked;
+    }
+    let normal = vector_of(found.normal);
+    if found.separated || !(found.penetration.value > 0.0) {
+        part(layout, history, touched, Some(normal));
+        return Outcome::Apart;
+    }
+    let law = scene.law(i, j);
+    let curvature = relative(&found);
+    let Some(factors) = factors(&law.kinds, K::SPHERES, curvature, FRICTION || CONSERVATIVE) else {
+        return Outcome::Marked;
+    };
+    let x = contact_of::<K>(scene, law, [i, j], &found, [&body_a, &body_b]);
+    let before = match cached {
+        Some(n) => n,
+        None if K::SPHERES || (K::is_sphere(a) && K::is_sphere(b)) => {
+            normal_of_spheres_before(d, x.j.velocity - x.i.velocity, normal, &scene.step)
+        }
+        None => normal,
+    };
+    Outcome::Touching(through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+        law,
+        &factors,
+        &x,
+        layout,
+        history,
+        touched,
+        before,
+        &scene.step,
+    ))
+}
+
+/// The direction of a vector; any where it has none.
+#[inline(always)]
+pub(crate) fn direction(d: Vector3) -> Vector3 {
+    if d.norm_squared() > 1e-290 {
+        d.normalised()
+    } else {
+        Vector3::new(1.0, 0.0, 0.0)
+    }
+}
+
+#[inline(always)]
+fn relative(found: &Found<OneLane>) -> Symmetric2 {
+    ellgran::contact::forces::relative_curvature_matrix(
+        matrix_of(found.weingarten_i),
+        matrix_of(found.weingarten_j),
+    )
+}
+
+/// Hertz factors from the fits; `None` beyond them.
+#[inline(always)]
+fn factors(
+    kinds: &LawKinds,
+    spheres: bool,
+    curvature: Symmetric2,
+    with_sigma: bool,
+) -> Option<Factors> {
+    if spheres || !kinds.normal.elliptical {
+        let sigma = if kinds.normal.elliptical {
+            1.0 / 6.0
+        } else {
+            0.0
+        };
+        return Some(Factors { phi: 1.0, sigma });
+    }
+    let (trace, determinant) = (curvature.trace(), curvature.determinant());
+    let q = near_variable(trace, determinant);
+    if q < NEAR_END {
+        return Some(fitted_near(q, with_sigma));
+    }
+    // The logarithm of the lanes: that of `f64` is a call.
+    let w = fit_variable(number(trace), number(determinant)).value;
+    (w <= FIT_END).then(|| fitted(w, with_sigma))
+}
+
+/// Geometry and motion for the law.
+#[inline(always)]
+fn contact_of<K: Kind>(
+    scene: &Scene<'_>,
+    law: &PairLaw,
+    [i, j]: [usize; 2],
+    found: &Found<OneLane>,
+    [body_a, body_b]: [&K::Body; 2],
+) -> Contact {
+    let surface = |k: usize,
+                   body: &K::Body,
+                   support: &SupportInFrame<Number>,
+                   weingarten: Symmetric2<Number>| {
+        let (velocity, omega) = K::motion(&scene.grains[k]);
+        Surface {
+            h: support.h.value,
+            inverse_h: support.inverse_h.value,
+            witness: tangential_of(support.witness),
+            weingarten: matrix_of(weingarten),
+            determinant: body.squared_product().value,
+            velocity,
+            omega,
+        }
+    };
+    Contact {
+        normal: vector_of(found.normal),
+        tangent: basis_of(found.tangent),
+        penetration: found.penetration.value,
+        i: surface(i, body_a, &found.support_i, found.weingarten_i),
+        j: surface(j, body_b, &found.support_j, found.weingarten_j),
+        effective_mass: effective_mass(scene.inverse_mass(i), scene.inverse_mass(j)),
+        inverse_hessian: Some(matrix_of(found.inverse_hessian)),
+        changes: match (scene.change(law, i), scene.change(law, j)) {
+            (Some(i), Some(j)) => Some([i, j]),
+            _ => None,
+        },
+        begin_time: None,
+    }
+}
+
+/// The pair as a single contact takes it.
+fn with_safeguards<K: Kind>(
+    scene: &Scene<'_>,
+    [i, j]: [usize; 2],
+    history: &mut [f64],
+    touched: bool,
+) -> Option<ContactForces> {
+    let (layout, law) = (&scene.layout, scene.law(i, j));
+    let particle = |k: usize| {
+        let mut p = K::particle(&scene.grains[k], scene.types[k], scene.inverse_mass(k));
+        p.change = scene.change(law, k);
+        p
+    };
+    let (a, b) = (particle(i), particle(j));
+    let cached = cached_normal(layout, history);
+    match Pair::of(&a, &b, cached) {
+        Pair::Apart { normal, searched } => {
+            part(layout, history, touched, normal.filter(|_| searched));
+            None
+        }
+        Pair::Touching(found) => Some(law_of_pair::<true, true, true>(
+            law,
+            &found,
+            [&a, &b],
+            layout,
+            history,
+            touched,
+            cached,
+            &scene.step,
+        )),
+    }
+}

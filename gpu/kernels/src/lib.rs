@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What each thread of a GPU does: plain functions of an index, of numbers that all threads read, and of those that this one
+//! alone writes. They hold no formula of their own: geometry, law and motion are the library's.
+//!
+//! A host runs them index by index (`tests/`), a device through the entries in `gpu/ptx`.
+//!
+//! - [`preparation`]: an engine's arrays become [`Grain`](shapes::Grain)s.
+//! - [`candidates`]: the neighbours that may touch before a grain has moved by half of a margin.
+//! - [`contacts`]: force and torque of one grain's contacts, and their histories.
+//! - [`planes`]: the same of one grain's contact with a plane.
+//! - [`integration`]: the two halves of a step of velocity Verlet.
+//!
+//! Each grain sums the forces of all its contacts, so each pair is computed twice, and no sum needs an atomic operation: the
+//! order of a sum is that of the neighbours, the same in every run. Both threads of a pair put its two grains in the same order,
+//! so they find the same force to the last bit, and momentum is conserved as exactly as on the host.
+
+#![cfg_attr(not(test), no_std)]
+
+#[cfg(target_arch = "nvptx64")]
+extern crate ellgran_core as ellgran;
+
+pub mod candidates;
+pub mod contacts;
+pub mod integration;
+pub mod one_lane;
+pub mod planes;
+pub mod preparation;
+pub mod shapes;

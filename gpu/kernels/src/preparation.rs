@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An engine's numbers of one grain, checked and prepared for the contacts of a step.
+
+use crate::shapes::{Grain, Kind};
+use ellgran::contact::particle::angular_velocity;
+use ellgran::contact::ranges::{is_mass, LARGEST_COORDINATE, LARGEST_VELOCITY};
+use ellgran::contact::MotionChange;
+use ellgran::geometry::{Ellipsoid, ShapeError};
+use ellgran::real::Real;
+use ellgran::vector::Vector3;
+
+/// An engine's arrays, all of the same length unless it says otherwise; world frame.
+#[derive(Clone, Copy, Debug)]
+pub struct EngineArrays<'a> {
+    /// Centres.
+    pub positions: &'a [[f64; 3]],
+    /// Velocities of the centres.
+    pub velocities: &'a [[f64; 3]],
+    /// Angular momenta about the centres, of solid ellipsoids.
+    pub angular_momenta: &'a [[f64; 3]],
+    /// What velocities and angular momenta of the step have more than those of the half step; empty where velocities are those of
+    /// the half step.
+    pub changes: &'a [[f64; 6]],
+    /// Masses of the bodies.
+    pub masses: &'a [f64],
+    /// Semi-axes.
+    pub semi_axes: &'a [[f64; 3]],
+    /// Quaternions `(w, x, y, z)`, body to world.
+    pub quaternions: &'a [[f64; 4]],
+    /// Types, counted from 1.
+    pub types: &'a [u32],
+    /// Number of types.
+    pub type_count: u32,
+}
+
+/// What is wrong with a grain. The number is that of a device's status of the grain, where 0 is a sound one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Fault {
+    /// A coordinate that is not finite or beyond [`LARGEST_COORDINATE`].
+    Position = 1,
+    /// A component of the velocity that is not finite or beyond [`LARGEST_VELOCITY`].
+    Velocity = 2,
+    /// The same of the angular velocity, from the angular momentum.
+    AngularVelocity = 3,
+    /// A mass that is not finite or out of range.
+    Mass = 4,
+    /// A type that is not from 1 to the number of types.
+    Type = 5,
+    /// A semi-axis out of range.
+    SemiAxis = 6,
+    /// Semi-axes whose ratio is out of range.
+    AspectRatio = 7,
+    /// A quaternion that is not finite, or of length zero.
+    Quaternion = 8,
+    /// A shape of another kind than the scene was prepared for.
+    Kind = 9,
+}
+
+fn within(v: [f64; 3], largest: f64, fault: Fault) -> Result<Vector3, Fault> {
+    if v[0].abs() <= largest && v[1].abs() <= largest && v[2].abs() <= largest {
+        Ok(Vector3::from_array(v))
+    } else {
+        Err(fault)
+    }
+}
+
+fn differences(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Grain `k`, and what its motion has more at the step.
+///
+/// # Errors
+/// The first [`Fault`].
+#[inline(always)]
+pub fn prepare_grain<K: Kind>(
+    k: usize,
+    arrays: &EngineArrays<'_>,
+) -> Result<(Grain, MotionChange), Fault> {
+    let centre = within(arrays.positions[k], LARGEST_COORDINATE, Fault::Position)?;
+    let [x, y, z, a, b, c] = arrays.changes.get(k).copied().unwrap_or([0.0; 6]);
+    let velocity = within(
+        differences(arrays.velocities[k], [x, y, z]),
+        LARGEST_VELOCITY,
+        Fault::Velocity,
+    )?;
+    let particle_type = arrays.types[k];
+    if particle_type < 1 || particle_type > arrays.type_count {
+        return Err(Fault::Type);
+    }
+    let (semi_axes, q) = (arrays.semi_axes[k], arrays.quaternions[k]);
+    let body = Ellipsoid::new(semi_axes, q).map_err(|wrong| match wrong {
+        ShapeError::SemiAxis(_) => Fault::SemiAxis,
+        ShapeError::AspectRatio(_) => Fault::AspectRatio,
+        ShapeError::Quaternion(_) => Fault::Quaternion,
+    })?;
+    if !K::takes(semi_axes) {
+        return Err(Fault::Kind);
+    }
+    let mass = arrays.masses[k];
+    if !(is_mass(mass) && mass.is_finite()) {
+        return Err(Fault::Mass);
+    }
+    let momentum = differences(arrays.angular_momenta[k], [a, b, c]);
+    let momentum = within(momentum, f64::MAX, Fault::AngularVelocity)?;
+    let omega = within(
+        angular_velocity(&body, mass, momentum).to_array(),
+        LARGEST_VELOCITY,
+        Fault::AngularVelocity,
+    )?;
+    let change = MotionChange {
+        velocity: Vector3::new(x, y, z),
+        omega: angular_velocity(&body, mass, Vector3::new(a, b, c)),
+    };
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    // Engines keep unit quaternions; one whose square has no digits left is as good as none.
+    if !(square > 1e-280 && square < 1e280) {
+        return Err(Fault::Quaternion);
+    }
+    let scale = square.reciprocal_sqrt();
+    let unit = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
+    Ok((K::prepare(centre, semi_axes, unit, velocity, omega), change))
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A device's memory as a kernel sees it: arrays that all threads read, and arrays of which each thread has a part of its own.
+//!
+//! What holds for every kernel, and is for its caller to see to:
+//! - an array is as long as its length says, of a type that every bit pattern in it is a value of, aligned, and there until the
+//!   kernel ends;
+//! - nothing writes to an array of the first kind while the kernel runs, and no array of the second kind overlaps with another
+//!   array of the call;
+//! - the grid has one dimension, so that no two threads have the same index.
+
+#![allow(unsafe_code)]
+
+use core::alloc::{GlobalAlloc, Layout};
+use core::arch::nvptx;
+use core::marker::PhantomData;
+
+/// An array that all threads read.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct Shared<T> {
+    start: *const T,
+    length: u64,
+}
+
+impl<T> Shared<T> {
+    /// All of it.
+    #[inline(always)]
+    pub fn all(&self) -> &[T] {
+        if self.length == 0 {
+            return &[];
+        }
+        // SAFETY: the array is there, as long as that, and not written while the kernel runs (above).
+        unsafe { core::slice::from_raw_parts(self.start, self.length as usize) }
+    }
+}
+
+/// An array of which each thread has a part.
+#[repr(C)]
+pub struct Parts<T> {
+    start: *mut T,
+    length: u64,
+}
+
+/// The index of this thread, of which there is one: it cannot be made elsewhere, nor copied. What a thread owns of an array is
+/// what it names with it.
+pub struct Thread {
+    index: usize,
+    /// Not to be sent.
+    here: PhantomData<*mut ()>,
+}
+
+/// This thread.
+#[inline(always)]
+pub fn thread() -> Thread {
+    // SAFETY: these read registers that every thread has.
+    let index = unsafe {
+        nvptx::_block_idx_x() as u32 as usize * nvptx::_block_dim_x() as u32 as usize
+            + nvptx::_thread_idx_x() as u32 as usize
+    };
+    Thread {
+        index,
+        here: PhantomData,
+    }
+}
+
+impl Thread {
+    /// Its index, counted over all blocks.
+    #[inline(always)]
+    pub fn index(&self) -> usize {
+        self.index
+    }
+}
+
+impl<T> Parts<T> {
+    /// Whether the array has no elements.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// The thread's part of an array that has `each` elements for each thread.
+    #[inline(always)]
+    pub fn of<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
+        self.between(thread.index * each, each)
+    }
+
+    /// The thread's one element.
+    #[inline(always)]
+    pub fn one<'t>(&'t mut self, thread: &'t Thread) -> &'t mut T {
+        &mut self.of(thread, 1)[0]
+    }
+
+    /// The thread's part of an array of rows: `starts[k]` up to `starts[k + 1]` is row `k`, of `each` elements a place.
+    #[inline(always)]
+    pub fn row<'t>(&'t mut self, thread: &'t Thread, starts: &[u32], each: usize) -> &'t mut [T] {
+        let (from, to) = (starts[thread.index] as usize, starts[thread.index + 1] as usize);
+        // Rows that do not follow each other would be two threads'.
+        assert!(from <= to);
+        self.between(from * each, (to - from) * each)
+    }
+
+    #[inline(always)]
+    fn between(&mut self, from: usize, count: usize) -> &mut [T] {
+        assert!(from + count <= self.length as usize);
+        if count == 0 {
+            return &mut [];
+        }
+        // SAFETY: these elements are there, and within this array (just asserted). No other thread has one of them: a kernel
+        // divides an array in one way, so that parts are of one length and told apart by the threads' indices, and rows begin
+        // where the row before ends. This thread has them once: the array is borrowed for as long.
+        unsafe { core::slice::from_raw_parts_mut(self.start.add(from), count) }
+    }
+}
+
+/// The library's messages and tables are on the heap. Kernels make none of them.
+struct NoHeap;
+
+// SAFETY: no memory is ever handed out.
+unsafe impl GlobalAlloc for NoHeap {
+    unsafe fn alloc(&self, _: Layout) -> *mut u8 {
+        core::ptr::null_mut()
+    }
+    unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
+}
+
+#[global_allocator]
+static HEAP: NoHeap = NoHeap;
+
+/// An index out of range ends the kernel with an error for the host.
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    // SAFETY: it ends the kernel.
+    unsafe { nvptx::trap() }
+}
+
+/// Entries of the module, by their names: nothing else has these names.
+macro_rules! entries {
+    ($($(#[$about:meta])* fn $name:ident($thread:ident $(, $argument:ident: $type:ty)* $(,)?) $body:block)*) => {$(
+        $(#[$about])*
+        // SAFETY: the name begins with that of the library, and is given once.
+        #[allow(unsafe_code)]
+        #[unsafe(no_mangle)]
+        pub extern "ptx-kernel" fn $name(count: u32, $($argument: $type),*) {
+            let $thread = $crate::memory::thread();
+            // The last block may have more threads than there are grains left.
+            if $thread.index() < count as usize {
+                $body
+            }
+        }
+    )*};
+}
+pub(crate) use entries;

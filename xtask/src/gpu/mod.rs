@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The kernels of `gpu/` as PTX: made with the pinned nightly, taken by NVIDIA's assembler, and held to their sources.
+
+mod assembler;
+mod page;
+mod sources;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{bail, Context, Result};
+
+use crate::process::{find_program, output_of, run_open};
+use crate::progress::say;
+use crate::workspace::{root, target_directory};
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Write nothing: fail where what is made differs from what is committed
+    #[arg(long)]
+    check: bool,
+}
+
+/// What is committed.
+const PTX: &str = "gpu/ptx/ellgran.ptx";
+const PAGE: &str = "docs/gpu.md";
+
+/// The first lines of the committed PTX.
+fn head(hash: &str) -> String {
+    format!(
+        "// SPDX-License-Identifier: MIT OR Apache-2.0\n\
+         // Made by `cargo xtask gpu`; not to be edited.\n\
+         // Sources: {hash}\n"
+    )
+}
+
+/// Makes the PTX and the page about it, or compares them.
+pub fn gpu(options: &Options) -> Result<()> {
+    let hash = sources::hash()?;
+    let ptx = head(&hash) + &build()?;
+    let figures = assembler::figures(&ptx)?;
+    let page = page::page(&figures);
+    for (name, text) in [(PTX, ptx), (PAGE, page)] {
+        let path = root().join(name);
+        if !options.check {
+            fs::write(&path, text)?;
+            say(format!("wrote {}", path.display()));
+        } else if fs::read_to_string(&path).ok().as_deref() == Some(&*text) {
+            say(format!("{name} is what the sources make"));
+        } else {
+            bail!("{name} differs from what the sources make: run `cargo xtask gpu`");
+        }
+    }
+    Ok(())
+}
+
+/// Whether the committed PTX is of the sources of now. Needs no nightly.
+pub fn check_sources() -> Result<()> {
+    let committed = fs::read_to_string(root().join(PTX)).with_context(|| format!("no {PTX}"))?;
+    if !committed.starts_with(&head(&sources::hash()?)) {
+        bail!(
+            "{PTX} is not of the sources of now: run `cargo xtask gpu`, which takes some minutes and installs the nightly that \
+             gpu/ptx/rust-toolchain.toml names"
+        );
+    }
+    say(format!("{PTX} is of the sources of now"));
+    Ok(())
+}
+
+/// The toolchain that `gpu/ptx/rust-toolchain.toml` names.
+fn toolchain() -> Result<String> {
+    let file = fs::read_to_string(root().join("gpu/ptx/rust-toolchain.toml"))?;
+    file.lines()
+        .find_map(|line| line.strip_prefix("channel = \""))
+        .and_then(|rest| rest.strip_suffix('"'))
+        .map(str::to_owned)
+        .context("gpu/ptx/rust-toolchain.toml names no channel")
+}
+
+/// The PTX of the sources.
+fn build() -> Result<String> {
+    let rustup = find_program("rustup").context(
+        "rustup, which installs the pinned nightly, is not there: see https://rustup.rs",
+    )?;
+    let toolchain = toolchain()?;
+    let installed = output_of(Command::new(&rustup).args(["toolchain", "list"]))?;
+    if !installed.lines().any(|line| line.starts_with(&toolchain)) {
+        say(format!("installing {toolchain}"));
+    }
+    run_open(
+        Command::new(&rustup)
+            .args(["toolchain", "install", &toolchain, "--profile", "minimal"])
+            .args([
+                "-c",
+                "rust-src",
+                "-c",
+                "llvm-bitcode-linker",
+                "-c",
+                "llvm-tools",
+            ]),
+    )?;
+    let target: PathBuf = target_directory()?.join("ptx");
+    let mut cargo = Command::new(&rustup);
+    cargo
+        .args(["run", &toolchain, "cargo", "build", "--release", "--locked"])
+        .arg("--target-dir")
+        .arg(&target)
+        .current_dir(root().join("gpu/ptx"));
+    // Set by `cargo run` for xtask itself, or for builds of the host.
+    for (name, _) in std::env::vars_os() {
+        let text = name.to_string_lossy();
+        let of_cargo = text.starts_with("CARGO") && text != "CARGO_HOME";
+        if of_cargo || text.starts_with("RUSTC") || text == "RUSTFLAGS" {
+            cargo.env_remove(&name);
+        }
+    }
+    cargo.env_remove("RUSTUP_TOOLCHAIN");
+    run_open(&mut cargo)?;
+    let made = target.join("nvptx64-nvidia-cuda/release/ellgran_ptx.ptx");
+    fs::read_to_string(&made).with_context(|| format!("cannot read {}", made.display()))
+}
