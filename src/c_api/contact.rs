@@ -81,9 +81,9 @@ pub struct EllgranContactForce {
     pub size: usize,
     /// Force on j, world frame. The force on i is the opposite.
     pub force: [f64; 3],
-    /// Torque on i about its own centre, world frame.
+    /// Torque on i about its own centre, world frame, with the couple that resists rolling and twisting.
     pub torque_i: [f64; 3],
-    /// Torque on j about its own centre, world frame.
+    /// Torque on j about its own centre, world frame, with the opposite couple.
     pub torque_j: [f64; 3],
     /// Normal force; positive when repulsive.
     pub normal_force: f64,
@@ -95,17 +95,17 @@ pub struct EllgranContactForce {
     pub penetration_rate: f64,
     /// Elastic energy of the normal deformation.
     pub elastic_energy: f64,
-    /// Elastic energy of the tangential deformation.
+    /// Elastic energy of the tangential deformation, of rolling and of twisting.
     pub tangential_energy: f64,
     /// Viscous part of the force on j, normal and tangential, world frame.
     pub viscous_force: [f64; 3],
     /// Tangential force on j without its viscous part, world frame: that of the tangential displacement, limited by
     /// Coulomb's law.
     pub frictional_force: [f64; 3],
-    /// Power dissipated by the viscous force at the given velocities, >= 0.
+    /// Power dissipated by the viscous force at the given velocities, >= 0, and by the viscous parts of what resists rolling and twisting.
     pub viscous_power: f64,
-    /// Power of the bodies against the rest of the tangential force at the given velocities: stored in the tangential
-    /// displacement, or dissipated by friction.
+    /// Power of the bodies against the rest of the tangential force and of what resists rolling and twisting, at the given
+    /// velocities: stored in the tangential displacement and in the springs of these, or dissipated by friction.
     pub tangential_power: f64,
     /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
     pub contact_semi_axes: [f64; 2],

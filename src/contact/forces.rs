@@ -124,7 +124,8 @@ pub struct Remembered<T: Real = f64> {
     pub time: T,
 }
 
-/// Force, torques and what is to be remembered.
+/// Force, torques and what is to be remembered. Torques, tangential energy and powers of a whole contact have those of the couple that
+/// resists rolling and twisting too.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForces<T = f64> {
     /// Force on `j`, world frame; on `i` the opposite.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whether and where a pair touches, and what the law needs of it.
 
+use super::couple::{couple, Couple, TurningContact};
 use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
 use super::history::{recall, remember, HistoryLayout, Step};
 use super::particle::{effective_mass, Particle};
@@ -191,7 +192,8 @@ impl Pair {
     }
 }
 
-/// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered: the one
+/// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered, and the
+/// couple that resists rolling and twisting, which is not in the forces: the one
 /// sequence of geometry, factors, memory and force for single pairs. `cached` is the normal in the history, if there is one.
 /// Whether Hale's form holds is for the caller to ask ([`checked_factors`], [`hale_holds`]).
 #[inline(always)]
@@ -205,13 +207,19 @@ pub(crate) fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVA
     touched: bool,
     cached: Option<Vector3>,
     step: &Step,
-) -> ContactForces {
+) -> (ContactForces, Couple) {
     let x = contact_of(found, i, j);
     let factors = factors_for(law, x.curvature());
     let before = normal_before(cached, i, j, found.normal, step);
-    through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+    let f = through_law::<FRICTION, RATE, CONSERVATIVE, false>(
         law, &factors, &x, layout, history, touched, before, step,
-    )
+    );
+    if !law.resistance.any() {
+        return (f, Couple::NONE);
+    }
+    let turning = TurningContact::of(&x, x.curvature(), &f);
+    let couple = couple(law, &turning, layout, history, touched, before, step);
+    (f, couple)
 }
 
 /// The law of a touching pair, from what is remembered of it to what is to be remembered. `touched` says whether it touched at
@@ -262,15 +270,25 @@ fn normal_before(
     match cached {
         Some(n) => n,
         None if i.sphere && j.sphere && step.advance_history => {
-            let d = j.position - i.position;
-            let before = d - (j.velocity - i.velocity) * step.time_step;
-            if before.norm_squared() > LEAST_SQUARE {
-                before.normalised()
-            } else {
-                now
-            }
+            normal_before_of_spheres(j.position - i.position, j.velocity - i.velocity, now, step)
         }
         None => now,
+    }
+}
+
+/// The same from the motion of two spheres: `d` leads from centre to centre, `velocity` is that of the second relative to the first.
+#[inline(always)]
+pub(crate) fn normal_before_of_spheres(
+    d: Vector3,
+    velocity: Vector3,
+    now: Vector3,
+    step: &Step,
+) -> Vector3 {
+    let before = d - velocity * step.time_step;
+    if before.norm_squared() > LEAST_SQUARE {
+        before.normalised()
+    } else {
+        now
     }
 }
 

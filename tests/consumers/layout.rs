@@ -86,6 +86,8 @@ fn claims() -> Claims {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
+            rolling, twisting, rolling_stiffness, rolling_damping, rolling_friction,
+            twisting_stiffness, twisting_damping, twisting_friction,
         }
         EllgranMixture {
             size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,
