@@ -47,7 +47,19 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
     for Prepare<'_, '_, A, I>
 {
     #[inline(always)]
-    fn run<S: Registers>(mut self, registers: S) {
+    fn run<S: Registers>(self, registers: S) {
+        // Two copies of the loop, so that scenes without changes of velocities pay nothing for them.
+        if self.arrays.changes.is_empty() {
+            self.prepare::<S, false>(registers);
+        } else {
+            self.prepare::<S, true>(registers);
+        }
+    }
+}
+
+impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
+    #[inline(always)]
+    fn prepare<S: Registers, const CHANGES: bool>(mut self, registers: S) {
         let mut chunk = Chunk {
             particles: [0; MOST_LANES],
             length: 0,
@@ -76,8 +88,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
                     continue;
                 }
             }
-            self.copy(k, shape, &mut chunk);
-            if chunk.length == S::LANES && !self.finish(registers, &mut chunk) {
+            self.copy::<CHANGES>(k, shape, &mut chunk);
+            if chunk.length == S::LANES && !self.finish::<S, CHANGES>(registers, &mut chunk) {
                 return;
             }
         }
@@ -89,26 +101,18 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
                 chunk.lines[2][lane] = chunk.lines[2][0];
                 chunk.masses[lane] = chunk.masses[0];
             }
-            self.finish(registers, &mut chunk);
+            self.finish::<S, CHANGES>(registers, &mut chunk);
         }
     }
-}
 
-/// Particles on their way into the lanes.
-struct Chunk {
-    particles: [usize; MOST_LANES],
-    length: usize,
-    /// What will be the records, and what the motions have more at the step.
-    lines: [[Line; MOST_LANES]; 3],
-    masses: [f64; MOST_LANES],
-    /// Whether nothing looks wrong.
-    sound: bool,
-}
-
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
     /// One particle more.
     #[inline(always)]
-    fn copy(&mut self, k: usize, shape: Option<([f64; 3], [f64; 4])>, chunk: &mut Chunk) {
+    fn copy<const CHANGES: bool>(
+        &mut self,
+        k: usize,
+        shape: Option<([f64; 3], [f64; 4])>,
+        chunk: &mut Chunk,
+    ) {
         let arrays = self.arrays;
         let lane = chunk.length;
         chunk.particles[lane] = k;
@@ -127,7 +131,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         };
         chunk.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
         chunk.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
-        if let Some(&[x, y, z, a, b, c]) = arrays.changes.get(k) {
+        if CHANGES {
+            let [x, y, z, a, b, c] = arrays.changes[k];
             let before = &mut chunk.lines[1][lane].0;
             for (value, change) in before[2..].iter_mut().zip([x, y, z, a, b, c]) {
                 *value -= change;
@@ -147,19 +152,22 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
 
     /// Makes the records; whether all particles can be.
     #[inline(always)]
-    fn finish<S: Registers>(&mut self, registers: S, chunk: &mut Chunk) -> bool {
+    fn finish<S: Registers, const CHANGES: bool>(
+        &mut self,
+        registers: S,
+        chunk: &mut Chunk,
+    ) -> bool {
         let from_momenta = matches!(self.arrays.rotation, Rotation::Momentum(..));
         let particles = &chunk.particles[..chunk.length];
         let sound = chunk.sound;
         chunk.length = 0;
         chunk.sound = true;
         if !sound
-            || !finish(
+            || !finish::<S, CHANGES>(
                 registers,
                 &mut chunk.lines,
                 &chunk.masses,
                 from_momenta,
-                !self.arrays.changes.is_empty(),
                 self.records.shapes,
             )
         {
@@ -170,8 +178,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
                 pose: chunk.lines[0][lane],
                 motion: chunk.lines[1][lane],
             };
-            if let Some(change) = self.records.changes.get_mut(k) {
-                *change = chunk.lines[2][lane];
+            if CHANGES {
+                self.records.changes[k] = chunk.lines[2][lane];
             }
         }
         true
@@ -202,14 +210,24 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
     }
 }
 
+/// Particles on their way into the lanes.
+struct Chunk {
+    particles: [usize; MOST_LANES],
+    length: usize,
+    /// What will be the records, and what the motions have more at the step.
+    lines: [[Line; MOST_LANES]; 3],
+    masses: [f64; MOST_LANES],
+    /// Whether nothing looks wrong.
+    sound: bool,
+}
+
 /// Makes records of copies of the engine's numbers; whether all of them can be.
 #[inline(always)]
-fn finish<S: Registers>(
+fn finish<S: Registers, const CHANGES: bool>(
     registers: S,
     lines: &mut [[Line; MOST_LANES]; 3],
     masses: &[f64; MOST_LANES],
     from_momenta: bool,
-    with_changes: bool,
     shapes: Shapes,
 ) -> bool {
     let p = Lanes::all(registers, registers.columns(&lines!(&lines[0])));
@@ -278,7 +296,7 @@ fn finish<S: Registers>(
         if !slow(omega) {
             return false;
         }
-        if with_changes && from_momenta {
+        if CHANGES && from_momenta {
             let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
             let w = omega_of(Vector3::new(c[3], c[4], c[5]));
             put(
@@ -316,7 +334,7 @@ fn finish<S: Registers>(
         let (polar_square, equatorial_square) = (polar * polar, equatorial * equatorial);
         let across = (mass * (polar_square + equatorial_square)).reciprocal() * 5.0;
         let along = (mass * equatorial_square).reciprocal() * 2.5;
-        if with_changes {
+        if CHANGES {
             let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
             let spin = Vector3::new(c[3], c[4], c[5]);
             let w = axis.scale_add(axis.dot(spin) * (along - across), spin * across);

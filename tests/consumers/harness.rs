@@ -67,7 +67,7 @@ pub fn installed() -> &'static Installed {
         // Beside the directory of the running tests: cargo keeps that one locked for others.
         let target = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(prefix::TEST_PROFILE);
         let system_libraries =
-            prefix::system_libraries(root(), &target).expect("the static library");
+            prefix::system_libraries(root(), &target, None).expect("the static library");
         let prefix = match std::env::var_os("ELLGRAN_TEST_PREFIX") {
             Some(prefix) => prefix.into(),
             None => install_and_move(&target, &system_libraries),

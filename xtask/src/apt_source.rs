@@ -171,6 +171,20 @@ pub struct Packages {
 
 impl Packages {
     pub fn of_this_system() -> Result<Self> {
+        Self::read("")
+    }
+
+    /// Those of the same release for another machine, by Debian's name of it: `arm64`. None counts as installed.
+    pub fn of_architecture(name: &str) -> Result<Self> {
+        Self::read(&format!(
+            "APT::Architecture \"{name}\";\n\
+             #clear APT::Architectures;\n\
+             APT::Architectures:: \"{name}\";\n\
+             Dir::State::status \"/dev/null\";\n"
+        ))
+    }
+
+    fn read(configuration: &str) -> Result<Self> {
         need_tools(&["apt-get", "apt-cache", "apt-config", "dpkg-deb"])?;
         let archive = machine_archive()?;
         let suite = archive
@@ -178,8 +192,30 @@ impl Packages {
             .first()
             .context("an archive without a suite")?;
         let apt = PrivateApt::new(&archive, suite, "deb")?;
+        let file = apt.directory.path().join("apt.conf");
+        let common = fs::read_to_string(&file)?;
+        fs::write(&file, common + configuration)?;
         apt.update(format!("Reading the packages of {suite}"))?;
         Ok(Packages { apt })
+    }
+
+    /// The files of these packages and of all that they depend on, as they would be installed below `root`.
+    pub fn unpack_with_dependencies(&self, names: &[&str], root: &Path) -> Result<()> {
+        output_of(
+            self.apt
+                .command("apt-get")
+                .args(["install", "-q", "-y", "--download-only"])
+                .arg("--no-install-recommends")
+                .args(names),
+        )?;
+        let archives = self.apt.directory.path().join("cache/archives");
+        for entry in fs::read_dir(&archives)? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "deb") {
+                output_of(Command::new("dpkg-deb").arg("-x").arg(path).arg(root))?;
+            }
+        }
+        Ok(())
     }
 
     /// Names of the packages that `name` depends on.

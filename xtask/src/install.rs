@@ -11,7 +11,7 @@ use anyhow::{bail, Context, Result};
 use self::prefix::Place;
 use crate::progress::say;
 use crate::workspace::{cargo, root, target_directory};
-use crate::{library, process};
+use crate::{aarch64, library, process};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -28,7 +28,12 @@ pub struct Options {
 
 pub fn install(options: &Options) -> Result<()> {
     let prefix = std::path::absolute(&options.prefix)?;
-    fill(&Place::new(&prefix, &options.libdir)?, options.shared)?;
+    let compiler = options.shared.then(c_compiler);
+    fill(
+        &Place::new(&prefix, &options.libdir)?,
+        &library::library()?,
+        compiler,
+    )?;
     let libraries = prefix.join(&options.libdir);
     say(format!(
         "installed into {}\n  pkg-config: PKG_CONFIG_PATH={}\n  CMake:      -Dellgran_DIR={}",
@@ -41,22 +46,51 @@ pub fn install(options: &Options) -> Result<()> {
 
 /// Without the shared library.
 pub fn into(prefix: &Path) -> Result<()> {
-    fill(&Place::in_lib(prefix), false)
+    fill(&Place::in_lib(prefix), &library::library()?, None)
 }
 
 /// With the shared library.
 pub fn with_shared(prefix: &Path) -> Result<()> {
-    fill(&Place::in_lib(prefix), true)
+    fill(
+        &Place::in_lib(prefix),
+        &library::library()?,
+        Some(c_compiler()),
+    )
 }
 
-fn fill(place: &Place, shared: bool) -> Result<()> {
-    if shared && !cfg!(target_os = "linux") {
+/// The same for AArch64, on another machine; `library` is the static one.
+pub fn of_aarch64_with_shared(prefix: &Path, library: &Path) -> Result<()> {
+    let compiler = Command::new(aarch64::C_COMPILER);
+    fill_for(
+        Some(aarch64::TARGET),
+        &Place::in_lib(prefix),
+        library,
+        Some(compiler),
+    )
+}
+
+fn c_compiler() -> Command {
+    Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()))
+}
+
+fn fill(place: &Place, library: &Path, shared_by: Option<Command>) -> Result<()> {
+    fill_for(None, place, library, shared_by)
+}
+
+/// `shared_by` links the shared library, where there is to be one.
+fn fill_for(
+    target: Option<&str>,
+    place: &Place,
+    library: &Path,
+    shared_by: Option<Command>,
+) -> Result<()> {
+    if shared_by.is_some() && !cfg!(target_os = "linux") {
         bail!(
             "--shared is made for the linkers of Linux: leave it out, and link the static library"
         );
     }
-    let system_libraries =
-        prefix::system_libraries(&root(), &target_directory()?.join(prefix::TEST_PROFILE))?;
+    let built = target_directory()?.join(prefix::TEST_PROFILE);
+    let system_libraries = prefix::system_libraries(&root(), &built, target)?;
     let metadata: serde_json::Value = serde_json::from_str(&process::output_of(cargo().args([
         "metadata",
         "--format-version=1",
@@ -77,10 +111,9 @@ fn fill(place: &Place, shared: bool) -> Result<()> {
         description: text("description")?,
         system_libraries: &system_libraries,
     };
-    prefix::fill(place, &root(), &library::library()?, &package)?;
-    if shared {
-        let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
-        prefix::add_shared(place, &root(), &package, Command::new(compiler))?;
+    prefix::fill(place, &root(), library, &package)?;
+    if let Some(compiler) = shared_by {
+        prefix::add_shared(place, &root(), &package, compiler)?;
     }
     Ok(())
 }

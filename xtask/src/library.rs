@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The Rust core as the static library that engines link.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{bail, Result};
 
-use crate::{process, workspace};
+use crate::{aarch64, process, workspace};
 
 pub fn library() -> Result<PathBuf> {
-    process::run_visible(workspace::cargo().args([
-        "build",
-        "--release",
-        "--package",
-        "ellgran",
-        "--lib",
-    ]))?;
-    let library = workspace::target_directory()?
-        .join("release")
-        .join("libellgran.a");
+    let mut cargo = workspace::cargo();
+    cargo.args(["build", "--package", "ellgran"]);
+    built(cargo, &workspace::target_directory()?)
+}
+
+/// The same for AArch64, on another machine.
+pub fn of_aarch64() -> Result<PathBuf> {
+    let directory = workspace::target_directory()?.join(aarch64::TARGET);
+    built(aarch64::cross_cargo("build")?, &directory)
+}
+
+fn built(mut cargo: Command, directory: &Path) -> Result<PathBuf> {
+    process::run_visible(cargo.args(["--release", "--lib"]))?;
+    let library = directory.join("release").join("libellgran.a");
     if !library.is_file() {
         bail!("cargo built no {}", library.display());
     }

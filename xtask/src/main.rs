@@ -2,6 +2,7 @@
 //! `cargo xtask`: the one door for set-up, demo and tests. Results on standard output, progress on standard error.
 
 mod aarch64;
+mod aarch64_python;
 mod apt_source;
 mod bench;
 mod cache;
@@ -101,7 +102,7 @@ enum Task {
     Sanitize,
     /// Make the documentation site, which opens from its files
     Site(site::Options),
-    /// Test the core and its C consumers on AArch64, in an emulator
+    /// Test the core, its C consumers and the wheel on AArch64, in an emulator
     Aarch64(aarch64::Options),
     /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 5 minutes)
     LiggghtsMakeAuto,

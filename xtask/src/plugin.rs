@@ -14,19 +14,19 @@ use crate::{cache, setup, workspace};
 /// Needs the engine's headers only, not its binary.
 pub fn plugin(lammps: &Source) -> Result<PathBuf> {
     let title = format!("Building the plugin for LAMMPS {}", lammps.spelled()?);
-    for_headers(&lammps.src(), &lammps.name, &title, None)
+    setup::setup()?;
+    for_headers(&lammps.src(), &lammps.name, &title, &library()?, &[])
 }
 
-/// For the LAMMPS that these headers describe; `name` is the key of what is built. `mpi_compiler` knows the headers of its MPI,
-/// where that is not the one on the path.
+/// For the LAMMPS that these headers describe; `name` is the key of what is built. `definitions` for CMake name compilers and MPI,
+/// where they are not those on the path.
 pub fn for_headers(
     headers: &Path,
     name: &str,
     title: &str,
-    mpi_compiler: Option<&Path>,
+    library: &Path,
+    definitions: &[(&str, PathBuf)],
 ) -> Result<PathBuf> {
-    setup::setup()?;
-    let library = library()?;
     let root = workspace::root();
     let build = workspace::target_directory()?
         .join("lammps-plugin")
@@ -41,10 +41,10 @@ pub fn for_headers(
         .arg(&build)
         .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
         .arg(define("LAMMPS_SOURCE_DIR", headers))
-        .arg(define("ELLGRAN_LIBRARY", &library))
+        .arg(define("ELLGRAN_LIBRARY", library))
         .arg(define("ELLGRAN_INCLUDE_DIR", &root.join("include")));
-    if let Some(compiler) = mpi_compiler {
-        configure.arg(define("MPI_CXX_COMPILER", compiler));
+    for (name, value) in definitions {
+        configure.arg(define(name, value));
     }
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("the plugin cannot be configured")?;

