@@ -109,9 +109,14 @@ pub struct EllgranContactForce {
     pub tangential_power: f64,
     /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
     pub contact_semi_axes: [f64; 2],
+    /// Torque on i of the couple that resists rolling and twisting, without its viscous part, world frame. It is in torque_i, and its
+    /// opposite in torque_j.
+    pub frictional_couple: [f64; 3],
+    /// Viscous part of that torque, world frame.
+    pub viscous_couple: [f64; 3],
 }
 
-growing!(EllgranContactForce);
+growing!(EllgranContactForce, contact_semi_axes: [f64; 2]);
 
 impl EllgranBody {
     pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
@@ -245,6 +250,8 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
         viscous_power: f.viscous_power,
         tangential_power: f.tangential_power,
         contact_semi_axes,
+        frictional_couple: f.frictional_couple.to_array(),
+        viscous_couple: f.viscous_couple.to_array(),
     }
 }
 
@@ -281,6 +288,8 @@ fn no_force() -> EllgranContactForce {
         viscous_power: 0.0,
         tangential_power: 0.0,
         contact_semi_axes: [0.0; 2],
+        frictional_couple: [0.0; 3],
+        viscous_couple: [0.0; 3],
     }
 }
 

@@ -194,6 +194,8 @@ impl Couple {
     /// The same of a body and a wall, whose torque is not asked for.
     pub fn add_to_first(&self, f: &mut ContactForces) {
         f.torque_i = f.torque_i + self.torque();
+        f.frictional_couple = self.elastic;
+        f.viscous_couple = self.viscous;
         f.tangential_energy += self.energy;
         f.tangential_power += self.elastic_power;
         f.viscous_power += self.viscous_power;

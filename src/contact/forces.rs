@@ -161,6 +161,10 @@ pub struct ContactForces<T = f64> {
     /// Power that the rest of the tangential force takes up, with these velocities: stored in the tangential
     /// displacement, or dissipated by friction.
     pub tangential_power: T,
+    /// Torque on `i` of the couple that resists rolling and twisting, without its viscous part, world frame; on `j` the opposite.
+    pub frictional_couple: Vector3<T>,
+    /// The viscous part of that torque, world frame.
+    pub viscous_couple: Vector3<T>,
 }
 
 /// The relative curvature matrix `M`, half the sum of two Weingarten maps.
@@ -582,6 +586,8 @@ pub fn contact_forces<
         frictional_force: null,
         viscous_power: (normal.force - normal.elastic) * rate,
         tangential_power: zero,
+        frictional_couple: null,
+        viscous_couple: null,
     };
 
     if FRICTION && kinds.tangential.any() {

@@ -86,7 +86,7 @@ pub fn squared_semi_axes(penetration: f64, sigma: f64, curvature: Symmetric2) ->
 
 /// Mean distance of the points of an ellipse from its centre: its circumference over `3 pi`, that by Ramanujan's first formula, which is
 /// within 0.5 % of it at any ratio of the semi-axes, and exact for a circle.
-fn mean_radius(squares: Symmetric2) -> f64 {
+pub fn mean_radius(squares: Symmetric2) -> f64 {
     let product = squares.determinant().max(0.0).sqrt();
     let sum = squares.trace();
     let both = (sum + 2.0 * product).sqrt();
@@ -142,60 +142,5 @@ pub fn twisting_torque(
         elastic: -elastic,
         held,
         energy: 0.5 * held[0] * held[1],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::force::hertz_factors::{contact_ellipse, exact};
-
-    /// The matrix has the semi-axes of Hertz' theory, whatever the tangent basis.
-    #[test]
-    fn the_contact_ellipse_is_that_of_hertz() {
-        for ratio in [1.0, 1.3, 4.0, 100.0, 1e4] {
-            let (a, b) = (2.0, 2.0 * ratio);
-            for angle in [0.0f64, 0.4, 2.0] {
-                let (c, s) = (angle.cos(), angle.sin());
-                let m = Symmetric2::new(
-                    a * c * c + b * s * s,
-                    (a - b) * c * s,
-                    a * s * s + b * c * c,
-                );
-                let sigma = exact(m.trace(), m.determinant(), true).sigma;
-                let found = squared_semi_axes(1e-3, sigma, m);
-                let e = contact_ellipse(ratio);
-                let product = 0.5 / (a * b).sqrt() * 1e-3 * e.f1 * e.f1 / e.f2;
-                let (major, minor) = (product / e.axis_ratio, product * e.axis_ratio);
-                assert!(
-                    (found.determinant().sqrt() / product - 1.0).abs() < 1e-8,
-                    "{ratio}"
-                );
-                assert!(
-                    (found.trace() / (major + minor) - 1.0).abs() < 1e-8,
-                    "{ratio}"
-                );
-                let along = found.uu * c * c + 2.0 * found.uv * c * s + found.vv * s * s;
-                assert!((along / major - 1.0).abs() < 1e-8, "{ratio}, {angle}");
-            }
-        }
-    }
-
-    /// The mean distance from the centre, against an integral over the ellipse.
-    #[test]
-    fn the_mean_radius_is_that_of_an_integral() {
-        for b in [1.0, 0.7, 0.3, 0.05, 0.0] {
-            let found = mean_radius(Symmetric2::new(1.0, 0.0, b * b));
-            let steps = 20_000;
-            let mean: f64 = (0..steps)
-                .map(|k| {
-                    let angle = (k as f64 + 0.5) / steps as f64 * core::f64::consts::TAU;
-                    2.0 / 3.0 * angle.cos().hypot(b * angle.sin())
-                })
-                .sum::<f64>()
-                / steps as f64;
-            let bound = if b == 1.0 { 1e-12 } else { 5e-3 };
-            assert!((found / mean - 1.0).abs() < bound, "{b}: {found} {mean}");
-        }
     }
 }

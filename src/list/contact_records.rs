@@ -129,6 +129,8 @@ pub(super) fn of_lane(
             tangential_power: number(1, 7),
             viscous_force: Vector3::new(number(3, 7), number(4, 6), number(4, 7)),
             frictional_force: vector(5, 4),
+            frictional_couple: Vector3::ZERO,
+            viscous_couple: Vector3::ZERO,
         },
     }
 }

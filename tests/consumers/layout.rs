@@ -81,6 +81,7 @@ fn claims() -> Claims {
         EllgranContactForce {
             size, force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
             tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power, contact_semi_axes,
+            frictional_couple, viscous_couple,
         }
         EllgranLawParameters {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
@@ -123,6 +124,7 @@ fn claims() -> Claims {
             size, penetration, normal, contact_point, witness_i, witness_j, curvatures, major_direction, contact_semi_axes,
             force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
             tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power,
+            frictional_couple, viscous_couple,
         }
         EllgranStiffnessArrays {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,

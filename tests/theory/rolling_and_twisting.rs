@@ -4,6 +4,9 @@
 use crate::support::motion::{Motion, Partner};
 use crate::support::scene::{body, laws, wall, Rotation, Vector};
 use ellgran::contact::Body;
+use ellgran::force::hertz_factors::{contact_ellipse, exact};
+use ellgran::force::twisting::{mean_radius, squared_semi_axes};
+use ellgran::vector::Symmetric2;
 
 const GRAVITY: f64 = 10.0;
 const MODULUS: f64 = 1e8;
@@ -120,16 +123,7 @@ fn a_spinning_body_comes_to_rest() {
         } else {
             let felt = motion.felt.as_ref().expect("touching");
             let [a, b] = felt.geometry.contact_semi_axes();
-            // Circumference over 3 pi, by its integral.
-            let steps = 1000;
-            let mean: f64 = (0..steps)
-                .map(|k| {
-                    let angle = (k as f64 + 0.5) / steps as f64 * std::f64::consts::TAU;
-                    2.0 / 3.0 * (a * angle.cos()).hypot(b * angle.sin())
-                })
-                .sum::<f64>()
-                / steps as f64;
-            0.5 * mean
+            0.5 * mean_radius_by_integral(a, b)
         };
         let inertia = (semi_axes[0].powi(2) + semi_axes[1].powi(2)) / 5.0;
         let before = motion.i.body.angular_velocity[2];
@@ -141,4 +135,57 @@ fn a_spinning_body_comes_to_rest() {
         println!("{words}, {semi_axes:?}: {found} of {expected}");
         assert!((found / expected - 1.0).abs() < 6e-3, "{found} {expected}");
     }
+}
+
+/// The matrix that `marshall` reads has the semi-axes of Hertz' theory, whatever the tangent basis.
+#[test]
+fn the_contact_ellipse_without_eigenvectors_is_that_of_hertz() {
+    for ratio in [1.0, 1.3, 4.0, 100.0, 1e4] {
+        let (a, b) = (2.0, 2.0 * ratio);
+        for angle in [0.0f64, 0.4, 2.0] {
+            let (c, s) = (angle.cos(), angle.sin());
+            let m = Symmetric2::new(
+                a * c * c + b * s * s,
+                (a - b) * c * s,
+                a * s * s + b * c * c,
+            );
+            let sigma = exact(m.trace(), m.determinant(), true).sigma;
+            let found = squared_semi_axes(1e-3, sigma, m);
+            let e = contact_ellipse(ratio);
+            let product = 0.5 / (a * b).sqrt() * 1e-3 * e.f1 * e.f1 / e.f2;
+            let (major, minor) = (product / e.axis_ratio, product * e.axis_ratio);
+            let along = found.uu * c * c + 2.0 * found.uv * c * s + found.vv * s * s;
+            for (found, expected) in [
+                (found.determinant().sqrt(), product),
+                (found.trace(), major + minor),
+                (along, major),
+            ] {
+                let error = (found / expected - 1.0).abs();
+                assert!(error < 1e-8, "B/A {ratio}, {angle}: {error:e}");
+            }
+        }
+    }
+}
+
+/// The mean distance of an ellipse's points from its centre, against an integral.
+#[test]
+fn the_mean_radius_of_an_ellipse() {
+    for b in [1.0, 0.7, 0.3, 0.05, 0.0] {
+        let found = mean_radius(Symmetric2::new(1.0, 0.0, b * b));
+        let error = (found / mean_radius_by_integral(1.0, b) - 1.0).abs();
+        println!("b/a {b}: {error:.1e}");
+        let bound = if b == 1.0 { 1e-12 } else { 5e-3 };
+        assert!(error < bound, "{b}: {error:e}");
+    }
+}
+
+fn mean_radius_by_integral(a: f64, b: f64) -> f64 {
+    let steps = 20_000;
+    let sum: f64 = (0..steps)
+        .map(|k| {
+            let angle = (k as f64 + 0.5) / steps as f64 * std::f64::consts::TAU;
+            (a * angle.cos()).hypot(b * angle.sin())
+        })
+        .sum();
+    2.0 / 3.0 * sum / steps as f64
 }
