@@ -271,16 +271,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- Largest size of a remembered torque or angle of a twist.
- */
-#define LARGEST_TWIST 1e200
-
-/*
- The couple of a contact: torques, the opposite ones on `j`, and no force.
- */
-typedef struct Couple Couple;
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;

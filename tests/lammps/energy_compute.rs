@@ -136,9 +136,9 @@ fn both_versions_rolling_and_twisting_in_the_balance() {
     let all = all_columns(&one);
     println!("left over {:.1e} of what is dissipated", left_over(&all));
     assert!(left_over(&all) < 1e-3);
-    let two = run(&engine, "balance_rolling_2", &cloud(), &deck, 2);
-    let (one, two) = (all.last().unwrap(), &all_columns(&two));
-    same(one, two.last().unwrap(), 1e-8, "2 ranks");
+    let four = run(&engine, "balance_rolling_4", &cloud(), &deck, 4);
+    let (one, four) = (all.last().unwrap(), &all_columns(&four));
+    same(one, four.last().unwrap(), 1e-8, "4 ranks");
 }
 
 #[test]
