@@ -141,6 +141,9 @@ impl TriangleSearch {
         self.candidates.clear();
         let meeting = MEETING * body.smallest_semi_axis();
         self.gather(body, centre, triangles, meeting);
+        if self.near.is_empty() {
+            return;
+        }
         self.tree.build(&self.boxes);
         self.join_planes(body.bounding_radius(), meeting);
         self.faces(body, meeting);
@@ -174,7 +177,8 @@ impl TriangleSearch {
         });
     }
 
-    /// The triangles within the body's reach along the world axes, without slivers.
+    /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
+    /// across the axes holds much that is far from the triangle.
     fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
         self.near.clear();
         self.boxes.clear();
@@ -188,6 +192,8 @@ impl TriangleSearch {
             low: reach.map(|x| -x),
             high: reach,
         };
+        // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
+        let ball = body.bounding_radius() + 2.0 * INSIDE * meeting;
         for (index, t) in all.iter().enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
@@ -205,7 +211,12 @@ impl TriangleSearch {
             let lengths = sides.map(|e| e.norm_squared());
             let longest = (0..3).fold(0, |m, k| if lengths[k] > lengths[m] { k } else { m });
             let cross = sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]);
-            let twice_area = cross.norm();
+            let square = cross.norm_squared();
+            let height = cross.dot(corners[0]);
+            if height * height > ball * ball * square {
+                continue;
+            }
+            let twice_area = square.sqrt();
             if !(twice_area > meeting * lengths[longest].sqrt() && twice_area.is_finite()) {
                 continue;
             }
@@ -222,14 +233,17 @@ impl TriangleSearch {
             if distance < 0.0 {
                 (normal, distance) = (-normal, -distance);
             }
-            self.near.push(Near {
+            let triangle = Near {
                 index,
                 corners,
                 normal,
                 distance,
                 plane: self.near.len(),
-            });
-            self.boxes.push(extent);
+            };
+            if triangle.has(Vector3::ZERO, ball) {
+                self.near.push(triangle);
+                self.boxes.push(extent);
+            }
         }
     }
 

@@ -4,7 +4,8 @@
 //! A contact is computed in the frame of the wall, which turns with it: there the wall is at rest, and what is remembered of
 //! the contact turns with the wall by itself. Velocities are those of the half step that brought particle and wall to where
 //! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
-//! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity.
+//! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity. Those of the
+//! step, where a particle comes with a change, are relative to the wall's velocity at the step.
 
 use crate::contact::forces::MotionChange;
 use crate::contact::staged::WallSurface;
@@ -115,18 +116,29 @@ impl Motion {
     pub fn seen_from_wall(&self, i: &Particle, step: &Step) -> Particle {
         let mut velocity = i.velocity - self.velocity;
         let mut omega = i.omega;
+        let mut change = i.change;
         let spin = self.angular_velocity;
         if spin != Vector3::ZERO {
-            let half = if step.advance_history {
+            // Where no time passes velocities are those of the step, but for particles that come with a change: their velocities
+            // are those of the half step in any evaluation.
+            let half = if step.advance_history || i.change.is_some() {
                 0.5 * step.time_step
             } else {
                 0.0
             };
-            let place = i.position - self.centre() - velocity * half;
-            velocity = velocity - spin.cross(place);
+            let from_centre = i.position - self.centre();
+            let at_step = change.map(|change| {
+                let velocity = velocity + change.velocity - spin.cross(from_centre);
+                (velocity, omega + change.omega - spin)
+            });
+            velocity = velocity - spin.cross(from_centre - velocity * half);
             omega = omega - spin;
             velocity = velocity + spin.cross(velocity) * half;
             omega = omega + spin.cross(omega) * half;
+            change = at_step.map(|(velocity_at_step, omega_at_step)| MotionChange {
+                velocity: velocity_at_step - velocity,
+                omega: omega_at_step - omega,
+            });
         }
         Particle {
             position: self.point_to_wall(i.position),
@@ -136,7 +148,7 @@ impl Motion {
             },
             velocity: self.to_wall(velocity),
             omega: self.to_wall(omega),
-            change: i.change.map(|change| MotionChange {
+            change: change.map(|change| MotionChange {
                 velocity: self.to_wall(change.velocity),
                 omega: self.to_wall(change.omega),
             }),
@@ -184,7 +196,26 @@ mod tests {
             time_step: dt,
             advance_history: true,
         };
-        let seen = motion.seen_from_wall(&prepare_body(&body, Some(1)).unwrap(), &step);
+        let particle = prepare_body(&body, Some(1)).unwrap();
+        let seen = motion.seen_from_wall(&particle, &step);
+        // Particles with a change have velocities of the half step in any evaluation; with it they move as the wall does at the step.
+        let now = velocity + motion.angular_velocity.cross(place(t) - centre(t));
+        let with_change = Particle {
+            change: Some(MotionChange {
+                velocity: now - moved,
+                omega: Vector3::ZERO,
+            }),
+            ..particle
+        };
+        let at_rest = Step {
+            advance_history: false,
+            ..step
+        };
+        let again = motion.seen_from_wall(&with_change, &at_rest);
+        assert_eq!((again.velocity, again.omega), (seen.velocity, seen.omega));
+        let change = again.change.unwrap();
+        assert!((again.velocity + change.velocity).norm() < 1e-14);
+        assert!((again.omega + change.omega).norm() < 1e-14);
         // to second order: 2 rate (rate dt)^2/24 of the chord, the same of the place
         assert!(seen.velocity.norm() < 1e-5, "{:?}", seen.velocity);
         assert!(seen.omega.norm() < 1e-14);

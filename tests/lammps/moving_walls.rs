@@ -144,6 +144,48 @@ fn both_versions_a_turning_drum_goes_on_after_a_restart() {
     }
 }
 
+/// With velocities of the step a run in parts is the run in one, friction with walls that turn included.
+#[test]
+fn both_versions_a_run_in_parts_is_the_same_in_a_turning_drum() {
+    let engine = Engine::from_environment();
+    let scene = load();
+    let moving = drums().into_iter().chain([(
+        "plane that moves and turns",
+        vec![format!(
+            "fix table all wall/gran/ellipsoid {LAW} zplane -0.02 NULL velocity 0.05 0 0.1 rotate 0 0 0 0 0 1 {PERIOD}"
+        )],
+    )]);
+    for (name, walls) in moving {
+        let of = |runs: &[&str]| {
+            let mut deck = deck(&walls, 800);
+            deck.integrate = false;
+            deck.fixes.push("fix move all nve/ellipsoid".into());
+            deck.runs = runs.iter().map(|r| r.to_string()).collect();
+            deck
+        };
+        let whole = run(&engine, "drum_in_one", &scene, &of(&["run 1600"]), 1);
+        let split = of(&["run 790", "run 10", "run 800"]);
+        let split = run(&engine, "drum_in_parts", &scene, &split, 1);
+        let half = of(&["run 800", "write_restart middle.restart"]);
+        let half = run(&engine, "drum_first_part", &scene, &half, 1);
+        let second = Deck {
+            pair: vec![],
+            source: vec!["read_restart middle.restart".into()],
+            ..of(&["run 800"])
+        };
+        let restarted = attempt_in(&engine, half.directory, &scene, &second, 1);
+        assert!(restarted.success, "{}", last_lines(&restarted.output));
+        for (what, outcome) in [("split", &split), ("restarted", &restarted)] {
+            let (position, velocity) = largest_difference(outcome.last(), whole.last());
+            println!("{name}, {what}: positions {position:.1e}, velocities {velocity:.1e}");
+            assert!(
+                position < 1e-12 && velocity < 1e-10,
+                "{name}, {what}: {position:e}, {velocity:e}"
+            );
+        }
+    }
+}
+
 /// How a grain with these semi-axes leans outwards on a turntable, its centre at a radius of `place`: the angle about the
 /// tangent at which the moments of the weight, of friction and of the turning inertia balance, and the height of its centre.
 fn leaning([a, _, c]: [f64; 3], rate: f64, place: f64, gravity: f64) -> (f64, f64) {

@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 use crate::progress::{human_time, say};
 use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{lammps, plugin, process, python};
+use crate::{lammps, liggghts, plugin, process, python};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -46,15 +46,19 @@ pub enum Comparison {
     /// Single grains, with LAMMPS: the tests of Chung and Ooi, and impacts that were measured
     #[value(name = "single-grains")]
     SingleGrains,
+    /// A drum and a hopper of 5 000 grains to their end, with LAMMPS and LIGGGHTS: balance of energies, ranks, restart, discharge
+    #[value(name = "scenes")]
+    Scenes,
 }
 
 impl Comparison {
-    const ALL: [Comparison; 5] = [
+    const ALL: [Comparison; 6] = [
         Comparison::Elastic,
         Comparison::Tangential,
         Comparison::Viscoelastic,
         Comparison::Packings,
         Comparison::SingleGrains,
+        Comparison::Scenes,
     ];
 
     /// Its folder in validation.
@@ -65,11 +69,19 @@ impl Comparison {
             Comparison::Viscoelastic => "viscoelastic_contact",
             Comparison::Packings => "packings",
             Comparison::SingleGrains => "single_grains",
+            Comparison::Scenes => "scenes",
         }
     }
 
     fn needs_lammps(self) -> bool {
-        matches!(self, Comparison::Packings | Comparison::SingleGrains)
+        matches!(
+            self,
+            Comparison::Packings | Comparison::SingleGrains | Comparison::Scenes
+        )
+    }
+
+    fn needs_liggghts(self) -> bool {
+        matches!(self, Comparison::Scenes)
     }
 }
 
@@ -99,6 +111,9 @@ pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> 
                     .env("ELLGRAN_LAMMPS", source.binary()?)
                     .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
                     .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+            }
+            if comparison.needs_liggghts() {
+                compare.env("ELLGRAN_LIGGGHTS", liggghts::binary()?);
             }
             process::run_open(compare.arg(folder.join("compare.py")).args(words))?;
         }
