@@ -149,6 +149,31 @@ template <typename Type> inline Type init()
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
 /*
+ Nothing resists rolling.
+ */
+#define ELLGRAN_ROLLING_NONE 0
+
+/*
+ Spring, dashpot and slider, after S. Luding, Granular Matter 10 (2008) 235.
+ */
+#define ELLGRAN_ROLLING_SDS 1
+
+/*
+ Nothing resists twisting.
+ */
+#define ELLGRAN_TWISTING_NONE 0
+
+/*
+ The tangential law's stiffness, damping and friction, spread over the contact ellipse.
+ */
+#define ELLGRAN_TWISTING_MARSHALL 1
+
+/*
+ Spring, dashpot and slider, after S. Luding, Granular Matter 10 (2008) 235.
+ */
+#define ELLGRAN_TWISTING_SDS 2
+
+/*
  Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
  ellipsoids then search anew every step.
  */
@@ -434,11 +459,11 @@ typedef struct EllgranContactForce {
    */
   double force[3];
   /*
-   Torque on i about its own centre, world frame.
+   Torque on i about its own centre, world frame, with the couple that resists rolling and twisting.
    */
   double torque_i[3];
   /*
-   Torque on j about its own centre, world frame.
+   Torque on j about its own centre, world frame, with the opposite couple.
    */
   double torque_j[3];
   /*
@@ -462,7 +487,7 @@ typedef struct EllgranContactForce {
    */
   double elastic_energy;
   /*
-   Elastic energy of the tangential deformation.
+   Elastic energy of the tangential deformation, of rolling and of twisting.
    */
   double tangential_energy;
   /*
@@ -475,18 +500,27 @@ typedef struct EllgranContactForce {
    */
   double frictional_force[3];
   /*
-   Power dissipated by the viscous force at the given velocities, >= 0.
+   Power dissipated by the viscous force at the given velocities, >= 0, and by the viscous parts of what resists rolling and twisting.
    */
   double viscous_power;
   /*
-   Power of the bodies against the rest of the tangential force at the given velocities: stored in the tangential
-   displacement, or dissipated by friction.
+   Power of the bodies against the rest of the tangential force and of what resists rolling and twisting, at the given
+   velocities: stored in the tangential displacement and in the springs of these, or dissipated by friction.
    */
   double tangential_power;
   /*
    Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
    */
   double contact_semi_axes[2];
+  /*
+   Torque on i of the couple that resists rolling and twisting, without its viscous part, world frame. It is in torque_i, and its
+   opposite in torque_j.
+   */
+  double frictional_couple[3];
+  /*
+   Viscous part of that torque, world frame.
+   */
+  double viscous_couple[3];
 } EllgranContactForce;
 
 /*
@@ -821,6 +855,38 @@ typedef struct EllgranLawParameters {
    ct of `tangential linear`, force x time/length.
    */
   double tangential_damping;
+  /*
+   Resistance to rolling, ELLGRAN_ROLLING_*.
+   */
+  int32_t rolling;
+  /*
+   Resistance to twisting, ELLGRAN_TWISTING_*.
+   */
+  int32_t twisting;
+  /*
+   k_roll of `rolling sds`, force/length.
+   */
+  double rolling_stiffness;
+  /*
+   gamma_roll of `rolling sds`, force x time/length.
+   */
+  double rolling_damping;
+  /*
+   Coefficient of rolling friction mu_roll of `rolling sds`.
+   */
+  double rolling_friction;
+  /*
+   k_twist of `twisting sds`, torque (per radian).
+   */
+  double twisting_stiffness;
+  /*
+   gamma_twist of `twisting sds`, torque x time.
+   */
+  double twisting_damping;
+  /*
+   mu_twist of `twisting sds`, length: the largest torque over the normal force.
+   */
+  double twisting_friction;
 } EllgranLawParameters;
 
 /*
@@ -948,6 +1014,14 @@ typedef struct EllgranContactArrays {
    [count]
    */
   double *tangential_power;
+  /*
+   [count][3]
+   */
+  double *frictional_couple;
+  /*
+   [count][3]
+   */
+  double *viscous_couple;
 } EllgranContactArrays;
 
 /*
@@ -1221,7 +1295,7 @@ typedef struct EllgranTallies {
    */
   double normal_elastic_energy;
   /*
-   Out: elastic energy of the tangential deformation.
+   Out: elastic energy of the tangential deformation, of rolling and of twisting.
    */
   double tangential_elastic_energy;
   /*
@@ -1578,6 +1652,8 @@ typedef struct EllgranContactStiffness {
 
 
 
+
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1857,7 +1933,8 @@ void ellgran_laws_free(struct EllgranLaws *laws);
 int32_t ellgran_laws_history_length(const struct EllgranLaws *laws);
 
 /*
- Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 without friction or for NULL.
+ Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 for NULL and without friction, unless something
+ resists rolling or twisting.
  It is the displacement xi with `displacement total`, else the force that it would give without slip.
 
  # Safety

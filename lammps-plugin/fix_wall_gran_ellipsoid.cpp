@@ -31,7 +31,7 @@ namespace {
 
 const char CALLER[] = "Fix wall/gran/ellipsoid";
 const char SYNTAX[] =
-    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [keywords] [material ...] <wall> [motion ...] "
+    "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [rolling ...] [twisting ...] [keywords] [material ...] <wall> [motion ...] "
     "[contacts] [vtk N file], "
     "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or shape NAME ..., or mesh FILE "
     "[scale s] [turn angle ax ay az] [move x y z]";

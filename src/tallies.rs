@@ -12,15 +12,15 @@ pub struct Tallies<'a> {
     pub particle_virials: Option<&'a mut [[f64; 6]]>,
     /// Elastic energy of the normal deformation.
     pub normal_elastic_energy: f64,
-    /// Elastic energy of the tangential deformation.
+    /// Elastic energy of the tangential deformation, of rolling and of twisting.
     pub tangential_elastic_energy: f64,
     /// Where the loads that are not elastic are wanted, one entry per particle: overwritten. With them the work of these
     /// loads is that of half a step, to which [`Tallies::add_half_step`] adds the other half.
     pub inelastic_loads: Option<&'a mut [InelasticLoad]>,
     /// Energy that viscous forces took up; carried between steps.
     pub viscous_dissipation: f64,
-    /// Energy that the tangential forces without their viscous part took up, of which the tangential displacements hold
-    /// some; carried between steps.
+    /// Energy that the tangential forces and what resists rolling and twisting took up, without their viscous parts, of which
+    /// the tangential displacements and the springs of rolling and twisting hold some; carried between steps.
     pub tangential_work: f64,
     /// Power of the viscous forces, and of the rest of the tangential forces, on the walls: force on a wall times its
     /// velocity. With the loads alone.
@@ -72,6 +72,18 @@ impl InelasticLoad {
         ]
     }
 
+    /// Adds two torques.
+    fn add_torques(&mut self, viscous: Vector3, tangential: Vector3) {
+        for (target, v) in [
+            (&mut self.viscous_torque, viscous),
+            (&mut self.tangential_torque, tangential),
+        ] {
+            target[0] += v.x;
+            target[1] += v.y;
+            target[2] += v.z;
+        }
+    }
+
     /// Adds two forces that act at a point `arm` from the centre.
     #[inline(always)]
     fn add(&mut self, viscous: Vector3, tangential: Vector3, arm: Vector3) {
@@ -105,6 +117,21 @@ pub(crate) struct Contribution {
     pub contact_point: Vector3,
     /// Of a wall.
     pub wall_velocity: Vector3,
+}
+
+/// What the couple of a contact, which resists rolling and twisting, adds to its contribution.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CoupleContribution {
+    /// Elastic energy of rolling and twisting.
+    pub energy: f64,
+    /// Time of the step times the power of the viscous and of the other torque, with the velocities given.
+    pub works: [f64; 2],
+    /// On `i`; on `j` the opposite.
+    pub viscous_torque: Vector3,
+    /// On `i`; on `j` the opposite.
+    pub tangential_torque: Vector3,
+    /// Of a wall.
+    pub wall_angular_velocity: Vector3,
 }
 
 impl Tallies<'_> {
@@ -198,6 +225,39 @@ impl Tallies<'_> {
                 for (sum, term) in w[k].iter_mut().zip(v) {
                     *sum += share * term;
                 }
+            }
+        }
+    }
+
+    /// Adds the couple of a contact that was added with [`Tallies::add`].
+    pub(crate) fn add_couple(
+        &mut self,
+        i: usize,
+        j: Option<usize>,
+        owned_j: bool,
+        c: &CoupleContribution,
+    ) {
+        let weight = if owned_j { 1.0 } else { 0.5 };
+        self.tangential_elastic_energy += weight * c.energy;
+        let (viscous, tangential) = (c.viscous_torque, c.tangential_torque);
+        if let Some(loads) = self.inelastic_loads.as_deref_mut() {
+            loads[i].add_torques(viscous, tangential);
+            match j {
+                Some(j) if owned_j => loads[j].add_torques(-viscous, -tangential),
+                Some(_) => {}
+                None => {
+                    self.wall_powers[0] -= viscous.dot(c.wall_angular_velocity);
+                    self.wall_powers[1] -= tangential.dot(c.wall_angular_velocity);
+                }
+            }
+        } else {
+            self.viscous_dissipation += weight * c.works[0];
+            self.tangential_work += weight * c.works[1];
+        }
+        let share = if j.is_some() { 0.5 } else { 1.0 };
+        for k in core::iter::once(i).chain(j.filter(|_| owned_j)) {
+            if let Some(e) = self.particle_energies.as_deref_mut() {
+                e[k] += share * c.energy;
             }
         }
     }

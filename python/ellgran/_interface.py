@@ -26,6 +26,11 @@ ELLGRAN_TANGENTIAL_LINEAR = 3
 ELLGRAN_DISPLACEMENT_TOTAL = 0
 ELLGRAN_DISPLACEMENT_INCREMENTAL = 1
 ELLGRAN_DISPLACEMENT_RESCALED = 2
+ELLGRAN_ROLLING_NONE = 0
+ELLGRAN_ROLLING_SDS = 1
+ELLGRAN_TWISTING_NONE = 0
+ELLGRAN_TWISTING_MARSHALL = 1
+ELLGRAN_TWISTING_SDS = 2
 ELLGRAN_OPTION_NO_WARM_START = 1
 ELLGRAN_SIDE_OF_CENTRE = 0
 ELLGRAN_SIDE_INSIDE = 1
@@ -113,6 +118,8 @@ class EllgranContactForce(ctypes.Structure):
         ("viscous_power", ctypes.c_double),
         ("tangential_power", ctypes.c_double),
         ("contact_semi_axes", ctypes.c_double * 2),
+        ("frictional_couple", ctypes.c_double * 3),
+        ("viscous_couple", ctypes.c_double * 3),
     ]
 
 
@@ -212,6 +219,14 @@ class EllgranLawParameters(ctypes.Structure):
         ("friction", ctypes.c_double),
         ("tangential_stiffness", ctypes.c_double),
         ("tangential_damping", ctypes.c_double),
+        ("rolling", ctypes.c_int32),
+        ("twisting", ctypes.c_int32),
+        ("rolling_stiffness", ctypes.c_double),
+        ("rolling_damping", ctypes.c_double),
+        ("rolling_friction", ctypes.c_double),
+        ("twisting_stiffness", ctypes.c_double),
+        ("twisting_damping", ctypes.c_double),
+        ("twisting_friction", ctypes.c_double),
     ]
 
 
@@ -250,6 +265,8 @@ class EllgranContactArrays(ctypes.Structure):
         ("frictional_force", ctypes.c_void_p),
         ("viscous_power", ctypes.c_void_p),
         ("tangential_power", ctypes.c_void_p),
+        ("frictional_couple", ctypes.c_void_p),
+        ("viscous_couple", ctypes.c_void_p),
     ]
 
 

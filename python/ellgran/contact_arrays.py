@@ -109,6 +109,8 @@ class Contacts(_Quantities):
         Elastic energy of the normal and of the tangential deformation.
     viscous_power, tangential_power : numpy.ndarray, shape (m,)
         What viscosity dissipates; what the rest of the tangential force takes up, stored or dissipated; energy/time.
+    frictional_couple, viscous_couple : numpy.ndarray, shape (m, 3)
+        Parts of the torque on i that resists rolling and twisting, its opposite on j: without its viscous part; viscous.
 
     Of bodies that are apart all forces, energies and powers are 0.
     """
@@ -137,6 +139,8 @@ class Contacts(_Quantities):
     frictional_force: Floats
     viscous_power: Floats
     tangential_power: Floats
+    frictional_couple: Floats
+    viscous_couple: Floats
 
 
 class Stiffnesses(_Quantities):

@@ -91,9 +91,9 @@ pub struct EllgranContactForce {
     pub size: usize,
     /// Force on j, world frame. The force on i is the opposite.
     pub force: [f64; 3],
-    /// Torque on i about its own centre, world frame.
+    /// Torque on i about its own centre, world frame, with the couple that resists rolling and twisting.
     pub torque_i: [f64; 3],
-    /// Torque on j about its own centre, world frame.
+    /// Torque on j about its own centre, world frame, with the opposite couple.
     pub torque_j: [f64; 3],
     /// Normal force; positive when repulsive.
     pub normal_force: f64,
@@ -105,23 +105,28 @@ pub struct EllgranContactForce {
     pub penetration_rate: f64,
     /// Elastic energy of the normal deformation.
     pub elastic_energy: f64,
-    /// Elastic energy of the tangential deformation.
+    /// Elastic energy of the tangential deformation, of rolling and of twisting.
     pub tangential_energy: f64,
     /// Viscous part of the force on j, normal and tangential, world frame.
     pub viscous_force: [f64; 3],
     /// Tangential force on j without its viscous part, world frame: that of the tangential displacement, limited by
     /// Coulomb's law.
     pub frictional_force: [f64; 3],
-    /// Power dissipated by the viscous force at the given velocities, >= 0.
+    /// Power dissipated by the viscous force at the given velocities, >= 0, and by the viscous parts of what resists rolling and twisting.
     pub viscous_power: f64,
-    /// Power of the bodies against the rest of the tangential force at the given velocities: stored in the tangential
-    /// displacement, or dissipated by friction.
+    /// Power of the bodies against the rest of the tangential force and of what resists rolling and twisting, at the given
+    /// velocities: stored in the tangential displacement and in the springs of these, or dissipated by friction.
     pub tangential_power: f64,
     /// Semi-axes a >= b of the contact ellipse at the elastic force; 0 for the linear law, which has no contact ellipse.
     pub contact_semi_axes: [f64; 2],
+    /// Torque on i of the couple that resists rolling and twisting, without its viscous part, world frame. It is in torque_i, and its
+    /// opposite in torque_j.
+    pub frictional_couple: [f64; 3],
+    /// Viscous part of that torque, world frame.
+    pub viscous_couple: [f64; 3],
 }
 
-growing!(EllgranContactForce);
+growing!(EllgranContactForce, contact_semi_axes: [f64; 2]);
 
 impl EllgranBody {
     pub(super) fn to_core(self, types: Option<usize>) -> Result<Particle, Failure> {
@@ -270,6 +275,8 @@ pub(super) fn force_of(of_ellipse: Option<&OneContact>, f: &ContactForces) -> El
         viscous_power: f.viscous_power,
         tangential_power: f.tangential_power,
         contact_semi_axes,
+        frictional_couple: f.frictional_couple.to_array(),
+        viscous_couple: f.viscous_couple.to_array(),
     }
 }
 
@@ -306,6 +313,8 @@ fn no_force() -> EllgranContactForce {
         viscous_power: 0.0,
         tangential_power: 0.0,
         contact_semi_axes: [0.0; 2],
+        frictional_couple: [0.0; 3],
+        viscous_couple: [0.0; 3],
     }
 }
 

@@ -16,7 +16,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use crate::force::damping::numbers::*;
 pub use crate::force::parameters::numbers::*;
+pub use crate::force::rolling::numbers::*;
 pub use crate::force::tangential::numbers::*;
+pub use crate::force::twisting::numbers::*;
 
 /// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
 /// ellipsoids then search anew every step.
@@ -29,6 +31,10 @@ macro_rules! law_parameters {
         choices { $( $(#[$choice_doc:meta])* $choice:ident: $type:ident = $default:ident; )+ }
         switches { $( $(#[$switch_doc:meta])* $switch:ident = $on:literal; )+ }
         constants { $( $(#[$doc:meta])* $constant:ident = $($column:tt),+; )+ }
+        later_choices {
+            $( $(#[$later_choice_doc:meta])* $later_choice:ident: $later_type:ident = $later_default:ident; )+
+        }
+        later_constants { $( $(#[$later_doc:meta])* $later:ident = $($later_column:tt),+; )+ }
     ) => {
         $(#[$about])*
         #[repr(C)]
@@ -39,6 +45,8 @@ macro_rules! law_parameters {
             $( $(#[$choice_doc])* pub $choice: i32, )+
             $( $(#[$switch_doc])* pub $switch: i32, )+
             $( $(#[$doc])* pub $constant: f64, )+
+            $( $(#[$later_choice_doc])* pub $later_choice: i32, )+
+            $( $(#[$later_doc])* pub $later: f64, )+
         }
 
         impl From<&LawParameters> for EllgranLawParameters {
@@ -48,6 +56,8 @@ macro_rules! law_parameters {
                     $( $choice: p.$choice.number(), )+
                     $( $switch: p.$switch as i32, )+
                     $( $constant: p.$constant, )+
+                    $( $later_choice: p.$later_choice.number(), )+
+                    $( $later: p.$later, )+
                 }
             }
         }
@@ -58,6 +68,8 @@ macro_rules! law_parameters {
                     $( $choice: chosen(stringify!($choice), self.$choice)?, )+
                     $( $switch: switched(stringify!($switch), self.$switch)?, )+
                     $( $constant: self.$constant, )+
+                    $( $later_choice: chosen(stringify!($later_choice), self.$later_choice)?, )+
+                    $( $later: self.$later, )+
                 })
             }
         }
@@ -425,7 +437,8 @@ pub unsafe extern "C" fn ellgran_laws_history_length(laws: *const EllgranLaws) -
     unsafe { laws.as_ref() }.map_or(-1, |l| l.laws.layout().length as i32)
 }
 
-/// Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 without friction or for NULL.
+/// Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 for NULL and without friction, unless something
+/// resists rolling or twisting.
 /// It is the displacement xi with `displacement total`, else the force that it would give without slip.
 ///
 /// # Safety

@@ -68,9 +68,13 @@ pub struct EllgranContactArrays {
     pub viscous_power: *mut f64,
     /// [count]
     pub tangential_power: *mut f64,
+    /// [count][3]
+    pub frictional_couple: *mut f64,
+    /// [count][3]
+    pub viscous_couple: *mut f64,
 }
 
-growing!(EllgranContactArrays);
+growing!(EllgranContactArrays, tangential_power: *mut f64);
 
 /// Output arrays of the stiffnesses of many contacts: one for each field of `EllgranContactStiffness`, with the same name
 /// and meaning, NULL where it is not wanted. [count] is the number of pairs.
@@ -142,6 +146,8 @@ struct Columns<'a> {
     frictional_force: Column<'a, 3>,
     viscous_power: Column<'a, 1>,
     tangential_power: Column<'a, 1>,
+    frictional_couple: Column<'a, 3>,
+    viscous_couple: Column<'a, 3>,
 }
 
 impl Columns<'_> {
@@ -173,6 +179,8 @@ impl Columns<'_> {
                 frictional_force: Column::new(a.frictional_force, count)?,
                 viscous_power: Column::new(a.viscous_power, count)?,
                 tangential_power: Column::new(a.tangential_power, count)?,
+                frictional_couple: Column::new(a.frictional_couple, count)?,
+                viscous_couple: Column::new(a.viscous_couple, count)?,
             })
         }
     }
@@ -217,6 +225,8 @@ impl Columns<'_> {
         self.frictional_force.set(k, f.frictional_force);
         self.viscous_power.set(k, [f.viscous_power]);
         self.tangential_power.set(k, [f.tangential_power]);
+        self.frictional_couple.set(k, f.frictional_couple);
+        self.viscous_couple.set(k, f.viscous_couple);
     }
 }
 

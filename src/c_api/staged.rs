@@ -10,6 +10,7 @@ use super::particles::{
 };
 use super::status::{
     at_border, required, required_mut, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_LAW,
 };
 use crate::contact::pair::HaleRatio;
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
@@ -703,6 +704,12 @@ unsafe fn with_past(
         check_type(laws, type_i, "type_i")?,
         check_type(laws, type_j, "type_j")?,
     );
+    if law.resistance.any() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_LAW,
+            "rolling and twisting are not resisted in stages: give 'rolling none twisting none'",
+        ));
+    }
     let friction = past.friction;
     if !(0.0..=LARGEST_CONSTANT).contains(&friction) {
         return Err(Failure::new(

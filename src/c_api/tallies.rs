@@ -47,7 +47,7 @@ pub struct EllgranTallies {
     pub dissipated_energy: f64,
     /// Out: elastic energy of the normal deformation.
     pub normal_elastic_energy: f64,
-    /// Out: elastic energy of the tangential deformation.
+    /// Out: elastic energy of the tangential deformation, of rolling and of twisting.
     pub tangential_elastic_energy: f64,
     /// Out: sum of d (x) F over pairs, d from i to j, F the force on j: xx yy zz xy xz yz.
     pub virial: [f64; 6],

@@ -124,7 +124,8 @@ pub struct Remembered<T: Real = f64> {
     pub time: T,
 }
 
-/// Force, torques and what is to be remembered.
+/// Force, torques and what is to be remembered. Torques, tangential energy and powers of a whole contact have those of the couple that
+/// resists rolling and twisting too.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForces<T = f64> {
     /// Force on `j`, world frame; on `i` the opposite.
@@ -160,6 +161,10 @@ pub struct ContactForces<T = f64> {
     /// Power that the rest of the tangential force takes up, with these velocities: stored in the tangential
     /// displacement, or dissipated by friction.
     pub tangential_power: T,
+    /// Torque on `i` of the couple that resists rolling and twisting, without its viscous part, world frame; on `j` the opposite.
+    pub frictional_couple: Vector3<T>,
+    /// The viscous part of that torque, world frame.
+    pub viscous_couple: Vector3<T>,
 }
 
 /// The relative curvature matrix `M`, half the sum of two Weingarten maps.
@@ -582,6 +587,8 @@ pub fn contact_forces<
         frictional_force: null,
         viscous_power: (normal.force - normal.elastic) * rate,
         tangential_power: zero,
+        frictional_couple: null,
+        viscous_couple: null,
     };
 
     if FRICTION && kinds.tangential.any() {

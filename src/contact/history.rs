@@ -5,12 +5,17 @@
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
 //! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
+//! [ way x y z ]            way of rolling, world frame       with `rolling`
+//! [ torque, angle ]        that the twist holds              with `twisting`
 //! ```
 //!
-//! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory.
+//! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory, and the same of rolling and
+//! twisting. Where something resists these there is room for a memory too, with friction or without.
 
 use super::forces::{ContactForces, Remembered};
-use super::ranges::{LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE};
+use super::ranges::{
+    LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE, LARGEST_TWIST,
+};
 use crate::vector::Vector3;
 
 /// Time step and whether the history is advanced.
@@ -34,6 +39,21 @@ impl Step {
     }
 }
 
+/// What a scene remembers of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Remembers {
+    /// The normal.
+    pub normal: bool,
+    /// The tangential memory.
+    pub tangential: bool,
+    /// Its energy.
+    pub energy: bool,
+    /// The way of rolling.
+    pub rolling: bool,
+    /// Torque and angle of the twist.
+    pub twisting: bool,
+}
+
 /// Offsets, in doubles, of the parts of a contact's history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HistoryLayout {
@@ -43,6 +63,10 @@ pub struct HistoryLayout {
     pub memory: Option<usize>,
     /// Where the elastic energy of the memory stands.
     pub energy: Option<usize>,
+    /// Where the way of rolling stands.
+    pub rolling: Option<usize>,
+    /// Where the torque and the angle of the twist stand.
+    pub twisting: Option<usize>,
     /// Doubles per contact.
     pub length: usize,
     /// Whether some memory is a displacement, not a force.
@@ -51,10 +75,10 @@ pub struct HistoryLayout {
 
 impl HistoryLayout {
     /// Doubles per contact of the longest layout.
-    pub(crate) const LONGEST: usize = 7;
+    pub(crate) const LONGEST: usize = 12;
 
     /// The layout for a scene.
-    pub fn new(cached_normal: bool, friction: bool, rescaled: bool) -> Self {
+    pub fn new(remembers: Remembers) -> Self {
         let mut length = 0;
         let mut take = |wanted: bool, doubles: usize| {
             wanted.then(|| {
@@ -63,16 +87,36 @@ impl HistoryLayout {
                 at
             })
         };
-        let normal = take(cached_normal, 3);
-        let memory = take(friction, 3);
-        let energy = take(friction && rescaled, 1);
+        let normal = take(remembers.normal, 3);
+        let memory = take(remembers.tangential, 3);
+        let energy = take(remembers.tangential && remembers.energy, 1);
+        let rolling = take(remembers.rolling, 3);
+        let twisting = take(remembers.twisting, 2);
         HistoryLayout {
             normal,
             memory,
             energy,
+            rolling,
+            twisting,
             length,
             of_displacements: false,
         }
+    }
+
+    /// What the layout has room for.
+    pub(crate) fn remembers(&self) -> Remembers {
+        Remembers {
+            normal: self.normal.is_some(),
+            tangential: self.memory.is_some(),
+            energy: self.energy.is_some(),
+            rolling: self.rolling.is_some(),
+            twisting: self.twisting.is_some(),
+        }
+    }
+
+    /// Where what is remembered of rolling and twisting begins.
+    pub(crate) fn resistance(&self) -> usize {
+        self.rolling.or(self.twisting).unwrap_or(self.length)
     }
 
     /// The first invalid number of the history of a touching contact: its place and its value. A normal that is not a unit
@@ -80,7 +124,11 @@ impl HistoryLayout {
     pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
         let at = self.memory?;
         let wrong = |k: &usize| {
-            let largest = if Some(*k) == self.energy {
+            let largest = if self.twisting.is_some_and(|at| *k >= at) {
+                LARGEST_TWIST
+            } else if *k >= self.resistance() {
+                LARGEST_DISPLACEMENT
+            } else if Some(*k) == self.energy {
                 LARGEST_TANGENTIAL_ENERGY
             } else if self.of_displacements {
                 LARGEST_DISPLACEMENT
@@ -102,7 +150,8 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            *t = if Some(k) == self.energy { *s } else { -s };
+            let the_same = Some(k) == self.energy || k >= self.resistance();
+            *t = if the_same { *s } else { -s };
         }
     }
 }

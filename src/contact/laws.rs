@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The laws between all types of a scene, resolved before the run.
 
-use super::history::HistoryLayout;
+use super::history::{HistoryLayout, Remembers};
 use crate::force::parameters::LARGEST_CONSTANT;
-use crate::force::{Displacement, LawParameters, PairLaw, ParameterError, Tangential};
+use crate::force::{
+    Displacement, LawParameters, PairLaw, ParameterError, Tangential, TwistingResistance,
+};
 use crate::message::Number;
 #[cfg(not(feature = "std"))]
 use alloc::vec::Vec;
@@ -21,8 +23,10 @@ pub struct Laws {
 /// The terms that some pair of types has; a kernel without the others serves the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
-    /// A tangential law.
+    /// A tangential law, or a resistance to rolling or twisting: a contact remembers more than its normal.
     pub friction: bool,
+    /// A resistance to rolling or twisting.
+    pub resistance: bool,
     /// A term that reads velocities, other than friction.
     pub viscous: bool,
     /// The conservative law's additional terms.
@@ -37,7 +41,8 @@ impl Features {
     fn of(table: &[PairLaw]) -> Features {
         let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
         Features {
-            friction: any(&|l| l.kinds.tangential.any()),
+            friction: any(&|l| l.kinds.tangential.any() || l.resistance.any()),
+            resistance: any(&|l| l.resistance.any()),
             viscous: any(&|l| l.kinds.normal.relaxation || l.kinds.normal.restitution),
             conservative: any(&|l| l.kinds.conservative),
             mass: any(&|l| l.kinds.normal.restitution),
@@ -108,7 +113,14 @@ impl Laws {
             table.iter().any(some)
         };
         let rescaled = remembers(Displacement::Rescaled);
-        let mut layout = HistoryLayout::new(cached_normal, features.friction, rescaled);
+        let some = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
+        let mut layout = HistoryLayout::new(Remembers {
+            normal: cached_normal,
+            tangential: features.friction,
+            energy: rescaled,
+            rolling: some(&|l| l.resistance.rolling.is_some()),
+            twisting: some(&|l| l.resistance.twisting.is_some()),
+        });
         layout.of_displacements = remembers(Displacement::Total);
         Ok(Laws {
             types,
@@ -141,6 +153,9 @@ impl Laws {
             law.constants.tangential.friction = mu;
             if mu == 0.0 {
                 law.kinds.tangential.law = Tangential::None;
+                if law.resistance.twisting == Some(TwistingResistance::OfContactEllipse) {
+                    law.resistance.twisting = None;
+                }
             }
         }
         laws.features = Features::of(&laws.table);

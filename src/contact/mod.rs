@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact: geometry and motion in; force, torques and what is to be remembered out.
 
+pub(crate) mod couple;
 pub mod forces;
 pub mod history;
 // Public for the kernels in `gpu/`; no interface for others.

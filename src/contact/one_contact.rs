@@ -170,7 +170,7 @@ fn compute(
     if law.kinds.hale {
         hale_holds(contact_of(&found, i, j).curvature())?;
     }
-    let f = law_of_pair::<true, true, true>(
+    let (mut f, couple) = law_of_pair::<true, true, true>(
         law,
         &found,
         [i, j],
@@ -180,6 +180,7 @@ fn compute(
         cached,
         step,
     );
+    couple.add_to(&mut f);
     *touching = true;
     Ok(Ok((geometry_of(&found, i, j, law.constants.share_i), f)))
 }

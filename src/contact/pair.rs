@@ -2,6 +2,7 @@
 //! Whether and where a pair touches, and what the law needs of it. What is hidden is public for the kernels in `gpu/`, and no
 //! interface for others.
 
+use super::couple::{couple, Couple, TurningContact};
 use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
 use super::history::{recall, remember, HistoryLayout, Step};
 use super::particle::{effective_mass, Particle};
@@ -196,7 +197,8 @@ impl Pair {
     }
 }
 
-/// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered: the one
+/// The law of two bodies that touch as the search found, from what is remembered of them to what is to be remembered, and the
+/// couple that resists rolling and twisting, which is not in the forces: the one
 /// sequence of geometry, factors, memory and force for single pairs. `cached` is the normal in the history, if there is one.
 /// Whether Hale's form holds is for the caller to ask ([`checked_factors`], [`hale_holds`]).
 #[doc(hidden)]
@@ -211,13 +213,19 @@ pub fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: b
     touched: bool,
     cached: Option<Vector3>,
     step: &Step,
-) -> ContactForces {
+) -> (ContactForces, Couple) {
     let x = contact_of(found, i, j);
     let factors = factors_for(law, x.curvature());
     let before = normal_before(cached, i, j, found.normal, step);
-    through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+    let f = through_law::<FRICTION, RATE, CONSERVATIVE, false>(
         law, &factors, &x, layout, history, touched, before, step,
-    )
+    );
+    if !law.resistance.any() {
+        return (f, Couple::NONE);
+    }
+    let turning = TurningContact::of(&x, x.curvature(), &f);
+    let couple = couple(law, &turning, layout, history, touched, before, step);
+    (f, couple)
 }
 
 /// The law of a touching pair, from what is remembered of it to what is to be remembered. `touched` says whether it touched at

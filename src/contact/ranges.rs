@@ -25,6 +25,8 @@ pub const LARGEST_MASS: f64 = 1e50;
 pub const LARGEST_DISPLACEMENT: f64 = 1e75;
 /// Largest size of a component of a remembered tangential force.
 pub const LARGEST_TANGENTIAL_FORCE: f64 = 1e140;
+/// Largest size of a remembered torque or angle of a twist.
+pub const LARGEST_TWIST: f64 = 1e200;
 /// Largest size of a remembered energy.
 pub const LARGEST_TANGENTIAL_ENERGY: f64 = 1e200;
 

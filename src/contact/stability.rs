@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How stiff a contact is, the largest time step that it allows, how long a collision lasts and a wave through a grain.
 
+use super::couple::TurningSprings;
 use super::forces::Contact;
 use super::laws::Laws;
 use super::pair::{checked_factors, contact_of, touch_spheres, HaleRatio, Pair};
@@ -134,6 +135,20 @@ impl Jacobian {
         }))
     }
 
+    /// The same of the angular velocity of the body in that frame.
+    pub(super) fn of_rotation(body: &Particle, inverse_mass: f64, x: &Contact) -> Self {
+        let frame = [x.tangent.u, x.tangent.v, x.normal];
+        let root = inverse_mass.sqrt();
+        let moments = body.body.squares_across().to_array();
+        Jacobian(frame.map(|e| {
+            let along = body.body.to_body(e).to_array();
+            core::array::from_fn(|k| match k {
+                0..3 => 0.0,
+                _ => root * (5.0 / moments[k - 3]).sqrt() * along[k - 3],
+            })
+        }))
+    }
+
     /// How easily the body gives way at the contact: the acceleration of the contact point is this matrix times the force on
     /// it, `1/m + [r]x^T I^-1 [r]x`.
     pub(super) fn mobility(&self) -> Matrix {
@@ -173,6 +188,8 @@ pub(super) struct Springs {
     /// Elastic energy of the normal deformation.
     pub(super) elastic_energy: f64,
     pub(super) factors: Factors,
+    /// Stiffness and damping against a relative rotation, where something resists rolling or twisting.
+    pub(super) turning: Option<[Matrix; 2]>,
 }
 
 impl Springs {
@@ -199,6 +216,9 @@ impl Springs {
             tangential_damping,
             elastic_energy: at_rest.elastic_energy,
             factors,
+            turning: TurningSprings::of(law, x, m, normal_stiffness).map(|t| {
+                [t.stiffness, t.damping].map(|(rolling, twist)| Matrix::of(rolling, twist))
+            }),
         })
     }
 
@@ -217,7 +237,8 @@ impl Springs {
 /// the two bodies there, rotations included, a small motion obeys `u'' = -A (K u + C u')`. Velocity Verlet with damping by
 /// the velocities of the half step, as the engines have it, becomes unstable where a mode changes its sign in every step
 /// while it grows: where the largest eigenvalue of `A (dt^2 K + 2 dt C)` is 4; without damping `dt = 2/sqrt(lambda(A K))`.
-/// What the normal's own rotation adds to `K` is left out: it is smaller by the penetration over the radius of curvature.
+/// What the normal's own rotation adds to `K` is left out: it is smaller by the penetration over the radius of curvature. What
+/// resists rolling and twisting adds its own largest eigenvalue: the step is then a bound, not too long.
 /// [`super::stable_step`] has the step of particles with many contacts.
 ///
 /// # Errors
@@ -259,11 +280,21 @@ pub fn contact_stiffness(
     let x = contact_of(&found, i, j);
     let m = x.curvature();
     let springs = Springs::of(law, &x, m)?;
-    let critical_step = critical_step(
-        mobility(&x, i, j, law.constants.share_i),
-        springs.stiffness(),
-        springs.damping(),
-    );
+    let mut parts = vec![Oscillator {
+        mobility: mobility(&x, i, j, law.constants.share_i),
+        stiffness: springs.stiffness(),
+        damping: springs.damping(),
+    }];
+    if let Some([stiffness, damping]) = springs.turning {
+        let [of_i, of_j] =
+            [i, j].map(|body| Jacobian::of_rotation(body, body.inverse_mass, &x).mobility());
+        parts.push(Oscillator {
+            mobility: of_i.combined(1.0, of_j, 1.0),
+            stiffness,
+            damping,
+        });
+    }
+    let critical_step = critical_step(&parts);
     let major = found
         .tangent
         .components(relative_curvature(m, &found.tangent).major_direction);
@@ -299,22 +330,42 @@ pub(super) fn at_rest(
     )
 }
 
-fn critical_step(mobility: Matrix, stiffness: Matrix, damping: Matrix) -> f64 {
-    if mobility.0[2][2] == 0.0 {
+/// What a relative motion of the bodies meets, in the frame of the contact.
+struct Oscillator {
+    mobility: Matrix,
+    stiffness: Matrix,
+    damping: Matrix,
+}
+
+/// The critical step of all parts together: exact for one. The largest eigenvalue of a sum is at most the sum of the largest ones, so
+/// that the step of several is a bound from below.
+fn critical_step(parts: &[Oscillator]) -> f64 {
+    if parts[0].mobility.0[2][2] == 0.0 {
         // Two fixed bodies.
         return f64::INFINITY;
     }
-    let root = mobility.root();
-    let (k, c) = (stiffness.between(&root), damping.between(&root));
-    let undamped = 2.0 / k.largest_eigenvalue().sqrt();
-    if c.0.iter().flatten().all(|x| *x == 0.0) {
+    let parts: Vec<[Matrix; 2]> = parts
+        .iter()
+        .map(|p| {
+            let root = p.mobility.root();
+            [p.stiffness.between(&root), p.damping.between(&root)]
+        })
+        .collect();
+    let sum = |of: &dyn Fn(&[Matrix; 2]) -> Matrix| -> f64 {
+        parts.iter().map(|p| of(p).largest_eigenvalue()).sum()
+    };
+    let undamped = 2.0 / sum(&|p| p[0]).sqrt();
+    if parts
+        .iter()
+        .all(|[_, c]| c.0.iter().flatten().all(|x| *x == 0.0))
+    {
         return undamped;
     }
     let (mut stable, mut unstable) = (0.0, undamped);
     // Halved to the last digit.
     for _ in 0..60 {
         let step = 0.5 * (stable + unstable);
-        if k.combined(step * step, c, 2.0 * step).largest_eigenvalue() < 4.0 {
+        if sum(&|[k, c]| k.combined(step * step, *c, 2.0 * step)) < 4.0 {
             stable = step;
         } else {
             unstable = step;

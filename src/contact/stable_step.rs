@@ -52,13 +52,21 @@ pub struct CollisionThrough {
     pub effective_mass: f64,
 }
 
-/// A contact as the step sees it.
+/// Springs and dashpots times the share of the surface, and by which velocities of the bodies they are strained.
 #[derive(Debug)]
-pub struct StepContact {
-    /// Springs times the share of the surface.
+struct StepSprings {
     stiffness: Matrix,
     damping: Matrix,
     jacobians: [Jacobian; 2],
+}
+
+/// A contact as the step sees it.
+#[derive(Debug)]
+pub struct StepContact {
+    /// What the motion of the contact point meets.
+    force: StepSprings,
+    /// What a relative rotation meets, where something resists rolling or twisting.
+    couple: Option<StepSprings>,
     /// The collision through it; its time is infinite where nothing can move.
     pub collision: CollisionThrough,
     /// Penetration over the least semi-axis of the two bodies.
@@ -88,7 +96,12 @@ impl StepContact {
         ];
         let apart = j.velocity + j.omega.cross(arm_j) - i.velocity - i.omega.cross(arm_i);
         let least = i.body.smallest_semi_axis().min(j.body.smallest_semi_axis());
-        Self::of(law, &x, m, 1.0, jacobians, x.normal.dot(apart), least).map(Some)
+        let turning = [
+            Jacobian::of_rotation(i, inverse_masses[0], &x),
+            Jacobian::of_rotation(j, inverse_masses[1], &x),
+        ];
+        let speed = x.normal.dot(apart);
+        Self::of(law, &x, m, 1.0, [jacobians, turning], speed, least).map(Some)
     }
 
     /// A body at a wall. `effective_mass` is that which the law reads.
@@ -112,9 +125,14 @@ impl StepContact {
             Jacobian::of(i, inverse_mass, arm, &x),
             Jacobian([[0.0; 6]; 3]),
         ];
+        let turning = [
+            Jacobian::of_rotation(i, inverse_mass, &x),
+            Jacobian([[0.0; 6]; 3]),
+        ];
         let apart = x.j.velocity - i.velocity - i.omega.cross(arm);
         let least = i.body.smallest_semi_axis();
-        Self::of(law, &x, m, share, jacobians, x.normal.dot(apart), least)
+        let speed = x.normal.dot(apart);
+        Self::of(law, &x, m, share, [jacobians, turning], speed, least)
     }
 
     fn of(
@@ -122,7 +140,7 @@ impl StepContact {
         x: &Contact,
         m: Symmetric2,
         share: f64,
-        jacobians: [Jacobian; 2],
+        [jacobians, turning]: [[Jacobian; 2]; 2],
         speed: f64,
         least_semi_axis: f64,
     ) -> Result<Self, HaleRatio> {
@@ -141,9 +159,16 @@ impl StepContact {
             f64::INFINITY
         };
         Ok(StepContact {
-            stiffness: times(springs.stiffness()),
-            damping: times(springs.damping()),
-            jacobians,
+            force: StepSprings {
+                stiffness: times(springs.stiffness()),
+                damping: times(springs.damping()),
+                jacobians,
+            },
+            couple: springs.turning.map(|[stiffness, damping]| StepSprings {
+                stiffness: times(stiffness),
+                damping: times(damping),
+                jacobians: turning,
+            }),
             collision: CollisionThrough {
                 time,
                 speed,
@@ -157,14 +182,22 @@ impl StepContact {
 
     /// Adds it to the sums of its first body.
     pub fn add_to_first(&self, sums: &mut StepSums) {
-        self.add(0, sums);
+        self.force.add(0, sums);
+        if let Some(couple) = &self.couple {
+            couple.add(0, sums);
+        }
     }
 
     /// Adds it to the sums of its second body; nothing for a wall.
     pub fn add_to_second(&self, sums: &mut StepSums) {
-        self.add(1, sums);
+        self.force.add(1, sums);
+        if let Some(couple) = &self.couple {
+            couple.add(1, sums);
+        }
     }
+}
 
+impl StepSprings {
     fn add(&self, side: usize, sums: &mut StepSums) {
         let (stiffnesses, dampings) = sums.split_at_mut(TRIANGLE);
         for (matrix, triangle) in [(self.stiffness, stiffnesses), (self.damping, dampings)] {

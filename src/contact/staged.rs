@@ -123,7 +123,7 @@ impl StagedContact {
     }
 
     /// Geometry and motion, the curvature that the law reads, and by how much of the law the surface acts.
-    pub(super) fn for_law(&self) -> (&Contact, Symmetric2, f64) {
+    pub(crate) fn for_law(&self) -> (&Contact, Symmetric2, f64) {
         (&self.x, self.curvature, self.share.value)
     }
 

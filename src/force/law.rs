@@ -4,7 +4,9 @@
 use super::damping::{restitution_coefficient, Damping};
 use super::normal::{NormalConstants, NormalKinds};
 use super::parameters::{Constant, FactorForm, LawParameters, Normal, ParameterError};
+use super::rolling::{Rolling, RollingConstants};
 use super::tangential::{self, Tangential, TangentialConstants, TangentialKinds};
+use super::twisting::{TwistSpring, Twisting};
 #[cfg(not(feature = "std"))]
 use alloc::string::String;
 
@@ -34,6 +36,72 @@ pub struct LawConstants<T = f64> {
     pub share_i: T,
 }
 
+/// What resists rolling and twisting.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resistance {
+    /// Constants of `rolling sds`.
+    pub rolling: Option<RollingConstants>,
+    /// Resistance to twisting.
+    pub twisting: Option<TwistingResistance>,
+}
+
+/// What resists twisting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TwistingResistance {
+    /// `marshall`: that of the tangential law and the contact ellipse of now.
+    OfContactEllipse,
+    /// `sds`: these constants.
+    Given(TwistSpring),
+}
+
+impl Resistance {
+    fn of(mixed: &LawParameters, friction: bool) -> Self {
+        Resistance {
+            rolling: (mixed.rolling == Rolling::Sds).then_some(RollingConstants {
+                stiffness: mixed.rolling_stiffness,
+                damping: mixed.rolling_damping,
+                friction: mixed.rolling_friction,
+            }),
+            twisting: match mixed.twisting {
+                Twisting::Marshall if friction => Some(TwistingResistance::OfContactEllipse),
+                Twisting::None | Twisting::Marshall => None,
+                Twisting::Sds => Some(TwistingResistance::Given(TwistSpring {
+                    stiffness: mixed.twisting_stiffness,
+                    damping: mixed.twisting_damping,
+                    friction: mixed.twisting_friction,
+                })),
+            },
+        }
+    }
+
+    /// Whether anything resists.
+    #[inline(always)]
+    pub fn any(&self) -> bool {
+        self.rolling.is_some() || self.twisting.is_some()
+    }
+
+    fn describe(&self) -> String {
+        let mut text = String::new();
+        if let Some(c) = &self.rolling {
+            text += &format!(
+                " rolling sds k_roll {} gamma_roll {} mu_roll {}",
+                c.stiffness, c.damping, c.friction
+            );
+        }
+        match &self.twisting {
+            None => {}
+            Some(TwistingResistance::OfContactEllipse) => text += " twisting marshall",
+            Some(TwistingResistance::Given(c)) => {
+                text += &format!(
+                    " twisting sds k_twist {} gamma_twist {} mu_twist {}",
+                    c.stiffness, c.damping, c.friction
+                );
+            }
+        }
+        text
+    }
+}
+
 /// The law of a pair of types `(i, j)`.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -42,6 +110,8 @@ pub struct PairLaw {
     pub kinds: LawKinds,
     /// Its constants.
     pub constants: LawConstants,
+    /// What resists rolling and twisting. Not among the terms: it is computed a contact at a time, after them.
+    pub resistance: Resistance,
     /// The damping that was asked for.
     pub damping: Damping,
     /// `E*`, pressure; 0 for a law without a material.
@@ -106,6 +176,7 @@ impl PairLaw {
                 },
             },
             constants,
+            resistance: Resistance::of(&mixed, constants.tangential.friction > 0.0),
             damping: i.damping,
             effective_modulus,
             effective_shear_modulus,
@@ -191,7 +262,7 @@ impl PairLaw {
         if k.conservative {
             text += " conservative";
         }
-        text
+        text + &self.resistance.describe()
     }
 }
 

@@ -11,18 +11,22 @@ pub mod law;
 pub mod material;
 pub mod normal;
 pub mod parameters;
+pub mod rolling;
 #[cfg(feature = "std")]
 pub mod syntax;
 pub mod tangential;
+pub mod twisting;
 
 pub use choice::Choice;
 pub use damping::{Closure, Damping, Unloading};
 pub use hertz_factors::Factors;
-pub use law::{LawConstants, LawKinds, PairLaw};
+pub use law::{LawConstants, LawKinds, PairLaw, Resistance, TwistingResistance};
 pub use material::Material;
 pub use normal::{normal_force, NormalConstants, NormalForce, NormalKinds};
 pub use parameters::{FactorForm, LawParameters, Normal, ParameterError};
+pub use rolling::{rolling_force, Rolling, RollingConstants, RollingForce};
 pub use tangential::{
     tangential_force, tangential_stiffness, Displacement, Tangential, TangentialConstants,
     TangentialForce, TangentialKinds,
 };
+pub use twisting::{twisting_torque, TwistSpring, Twisting, TwistingTorque};

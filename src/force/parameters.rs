@@ -4,7 +4,9 @@
 use super::choice::{choices, Choice};
 use super::damping::{Closure, Damping, Unloading};
 use super::material::Material;
+use super::rolling::Rolling;
 use super::tangential::{Displacement, Tangential};
+use super::twisting::Twisting;
 use crate::message::Number;
 #[cfg(not(feature = "std"))]
 use crate::real::Real;
@@ -43,8 +45,8 @@ choices! {
 
 /// All that is given for a pair of types: what is chosen, by name in Rust and by number in C; what is switched on or off; and
 /// the constants. A row of the constants is the field with its value where it is not given, the symbol of the decks, the name
-/// for messages, the range, and how the constants of two types mix. The order is that of the fields in C: what is new comes
-/// last. `cargo xtask header` reads this table too.
+/// for messages, the range, and how the constants of two types mix. The order is that of the fields in C, where what is new
+/// comes last: hence the blocks of what came later. `cargo xtask header` reads this table too.
 macro_rules! with_parameters {
     ($callback:ident) => {
         $callback! {
@@ -98,6 +100,26 @@ macro_rules! with_parameters {
                 /// ct of `tangential linear`, force x time/length.
                 tangential_damping = 0.0, "ct", "tangential damping ct", NOT_NEGATIVE, geometric_mean;
             }
+            later_choices {
+                /// Resistance to rolling, ELLGRAN_ROLLING_*.
+                rolling: Rolling = None;
+                /// Resistance to twisting, ELLGRAN_TWISTING_*.
+                twisting: Twisting = None;
+            }
+            later_constants {
+                /// k_roll of `rolling sds`, force/length.
+                rolling_stiffness = 0.0, "k_roll", "rolling stiffness k_roll", NOT_NEGATIVE, geometric_mean;
+                /// gamma_roll of `rolling sds`, force x time/length.
+                rolling_damping = 0.0, "gamma_roll", "rolling damping gamma_roll", NOT_NEGATIVE, geometric_mean;
+                /// Coefficient of rolling friction mu_roll of `rolling sds`.
+                rolling_friction = 0.0, "mu_roll", "coefficient of rolling friction mu_roll", NOT_NEGATIVE, geometric_mean;
+                /// k_twist of `twisting sds`, torque (per radian).
+                twisting_stiffness = 0.0, "k_twist", "twisting stiffness k_twist", NOT_NEGATIVE, geometric_mean;
+                /// gamma_twist of `twisting sds`, torque x time.
+                twisting_damping = 0.0, "gamma_twist", "twisting damping gamma_twist", NOT_NEGATIVE, geometric_mean;
+                /// mu_twist of `twisting sds`, length: the largest torque over the normal force.
+                twisting_friction = 0.0, "mu_twist", "twisting friction mu_twist", NOT_NEGATIVE, geometric_mean;
+            }
         }
     };
 }
@@ -105,6 +127,39 @@ pub(crate) use with_parameters;
 
 macro_rules! law_parameters {
     (
+        $(#[$about:meta])*
+        choices { $( $(#[$choice_doc:meta])* $choice:ident: $type:ident = $default:ident; )+ }
+        switches { $( $(#[$switch_doc:meta])* $switch:ident = $on:literal; )+ }
+        constants {
+            $( $(#[$doc:meta])*
+            $constant:ident = $value:literal, $symbol:literal, $name:literal, $range:ident, $mixing:ident; )+
+        }
+        later_choices {
+            $( $(#[$later_choice_doc:meta])*
+            $later_choice:ident: $later_type:ident = $later_default:ident; )+
+        }
+        later_constants {
+            $( $(#[$later_doc:meta])*
+            $later:ident = $later_value:literal, $later_symbol:literal, $later_name:literal, $later_range:ident,
+            $later_mixing:ident; )+
+        }
+    ) => {
+        law_parameters! {
+            @all
+            $(#[$about])*
+            choices {
+                $( $(#[$choice_doc])* $choice: $type = $default; )+
+                $( $(#[$later_choice_doc])* $later_choice: $later_type = $later_default; )+
+            }
+            switches { $( $(#[$switch_doc])* $switch = $on; )+ }
+            constants {
+                $( $(#[$doc])* $constant = $value, $symbol, $name, $range, $mixing; )+
+                $( $(#[$later_doc])* $later = $later_value, $later_symbol, $later_name, $later_range, $later_mixing; )+
+            }
+        }
+    };
+    (
+        @all
         $(#[$about:meta])*
         choices { $( $(#[$choice_doc:meta])* $choice:ident: $type:ident = $default:ident; )+ }
         switches { $( $(#[$switch_doc:meta])* $switch:ident = $on:literal; )+ }
@@ -375,6 +430,15 @@ impl LawParameters {
             return Err(format!(
                 "damping {} goes with hertz; {normal} has its own",
                 self.damping.word()
+            ));
+        }
+        if self.twisting == Twisting::Marshall && self.tangential == Tangential::None {
+            return Err(format!(
+                "twisting {} has the stiffness, the damping and the friction of the tangential law: give 'tangential {}' too, \
+                 or use 'twisting {}', which has its own",
+                self.twisting.word(),
+                words_of(|t: Tangential| t != Tangential::None),
+                words_of(|t: Twisting| !t.constants().is_empty()),
             ));
         }
         if self.factors == FactorForm::Hale && self.conservative && self.normal.has_material() {

@@ -451,7 +451,12 @@ fn on_the_cone<T: Real>(zeta: Vector2<T>, most: T, law: Tangential) -> (Vector2<
 
 /// `x0 I - x1 Beta`, `Beta = I/2 + sigma (2 M/tr M - I)`.
 #[inline(always)]
-fn compliance_matrix<T: Real>(x0: T, x1: T, sigma: T, curvature: Symmetric2<T>) -> Symmetric2<T> {
+pub(super) fn compliance_matrix<T: Real>(
+    x0: T,
+    x1: T,
+    sigma: T,
+    curvature: Symmetric2<T>,
+) -> Symmetric2<T> {
     let anisotropy = x1 * sigma;
     let isotropic = x0 - x1 * 0.5 + anisotropy;
     let scaled = curvature * (anisotropy * -2.0 * curvature.trace().reciprocal());

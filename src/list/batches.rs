@@ -7,7 +7,7 @@
 
 use super::memory::{reserve, Allocated};
 use super::rows::NeighbourRows;
-use crate::contact::history::cached_normal;
+use crate::contact::history::{cached_normal, Remembers};
 use crate::contact::HistoryLayout;
 use crate::vector::Vector3;
 
@@ -63,7 +63,7 @@ pub(super) struct Batches {
 
 impl Default for Batches {
     fn default() -> Self {
-        let none = HistoryLayout::new(false, false, false);
+        let none = HistoryLayout::new(Remembers::default());
         Batches {
             lanes: 1,
             i: Vec::new(),
@@ -86,11 +86,10 @@ impl Batches {
     pub fn begin(&mut self, lanes: usize, there: HistoryLayout, searched: bool) {
         self.lanes = lanes;
         self.there = there;
-        self.here = HistoryLayout::new(
-            searched || there.normal.is_some(),
-            there.memory.is_some(),
-            there.energy.is_some(),
-        );
+        self.here = HistoryLayout::new(Remembers {
+            normal: searched || there.normal.is_some(),
+            ..there.remembers()
+        });
         self.i.clear();
         self.j.clear();
         self.entries.clear();

@@ -2,6 +2,7 @@
 //! The touching pairs of a neighbour list one by one: geometry and force of each, as they acted.
 
 use super::batch::BatchRecords;
+use crate::contact::couple::TurningContact;
 use crate::contact::one_contact::OneContact;
 use crate::contact::ContactForces;
 use crate::force::PairLaw;
@@ -128,6 +129,36 @@ pub(super) fn of_lane(
             tangential_power: number(1, 7),
             viscous_force: Vector3::new(number(3, 7), number(4, 6), number(4, 7)),
             frictional_force: vector(5, 4),
+            frictional_couple: Vector3::ZERO,
+            viscous_couple: Vector3::ZERO,
         },
     }
+}
+
+/// What a lane left of a contact, as far as rolling and twisting go; without what follows from velocities.
+pub(super) fn turning_contact(lane: usize, lines: &BatchRecords) -> TurningContact {
+    let number = |line: usize, k: usize| lines.0[line][lane].0[k];
+    let vector = |line: usize, k: usize| {
+        Vector3::new(number(line, k), number(line, k + 1), number(line, k + 2))
+    };
+    TurningContact {
+        normal: vector(2, 0),
+        tangent: Tangent {
+            u: vector(4, 0),
+            v: vector(4, 3),
+        },
+        curvature: Symmetric2::new(number(3, 4), number(3, 5), number(3, 6)),
+        penetration: number(0, 7),
+        rate: 0.0,
+        normal_force: number(0, 6),
+        stiffness: number(5, 3),
+        omega: [Vector3::ZERO; 2],
+        omega_change: [Vector3::ZERO; 2],
+    }
+}
+
+/// The contact point of a lane, from the centre of its first body.
+pub(super) fn contact_point(lane: usize, lines: &BatchRecords) -> Vector3 {
+    let line = &lines.0[2][lane].0;
+    Vector3::new(line[3], line[4], line[5])
 }

@@ -3,18 +3,22 @@
 //!
 //! Forces are added up in the order of the list, independent of which pairs were skipped.
 
-use super::batch::{run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common};
-use super::batches::Candidate;
+use super::batch::{
+    run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common, Left,
+};
+use super::batches::{Candidate, LaneBits, Numbers};
 use super::candidates::Candidates;
-use super::contact_records::of_lane;
+use super::contact_records::{contact_point, of_lane, turning_contact};
 use super::records::{Record, Records, Shapes};
 use super::rows::{check_history, ListError, NeighbourRow};
 use super::scalar_pass::{Pass, Place};
 use super::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use super::workspace::Workspace;
+use crate::contact::couple::{approach, couple, Couple};
 use crate::contact::forces::MotionChange;
+use crate::contact::pair::normal_of_spheres_before;
 use crate::contact::particle::Particle;
-use crate::contact::Laws;
+use crate::contact::{HistoryLayout, Laws};
 use crate::simd::{Line, Registers, Stage, MOST_LANES};
 use crate::tallies::Contribution;
 use crate::vector::Vector3;
@@ -80,7 +84,7 @@ struct Pending<'a> {
     start: [Line; MOST_LANES],
     waiting: [Candidate; MOST_LANES],
     /// What the engine remembers of them.
-    history: [Line; MOST_LANES],
+    history: [[f64; HistoryLayout::LONGEST]; MOST_LANES],
     /// Bits of pairs that touched: they are looked at in any case, for their history ends when the contact does.
     stay: u32,
     count: usize,
@@ -98,7 +102,7 @@ impl<'a> Pending<'a> {
             j: [any; MOST_LANES],
             start: [Line::ZERO; MOST_LANES],
             waiting: [nowhere; MOST_LANES],
-            history: [Line::ZERO; MOST_LANES],
+            history: [[0.0; HistoryLayout::LONGEST]; MOST_LANES],
             stay: 0,
             count: 0,
         }
@@ -119,7 +123,7 @@ impl<'a> Pending<'a> {
         self.waiting[k] = pair;
         self.stay |= u32::from(touched) << k;
         // One by one: a copy of unknown length is a call.
-        for (to, from) in self.history[k].0.iter_mut().zip(history) {
+        for (to, from) in self.history[k].iter_mut().zip(history) {
             *to = *from;
         }
         // No unit vector stands for the direction between the centres.
@@ -350,6 +354,8 @@ fn contacts<
             laws: &batch_laws,
             inverse_effective_mass: &inverse_effective_mass,
         };
+        let last = (RECORD && laws.features().resistance)
+            .then(|| LastStep::of::<S>(pass.layout.normal, *bits, &numbers));
         let left = run_batch::<S, K, FRICTION, RATE, CONSERVATIVE, RECORD>(
             registers,
             &batch,
@@ -364,9 +370,31 @@ fn contacts<
         if RATE && common.tally {
             tally(pass, &batch, left.touching, &tallies, common.time);
         }
+        let mut couples = None;
+        if let Some(last) = last {
+            couples = Some(resist(
+                pass,
+                &batch,
+                S::LANES,
+                &left,
+                &last,
+                &mut numbers,
+                &lines,
+                sums,
+                single,
+            ));
+        }
         if RECORD {
             for lane in (0..S::LANES).filter(|lane| left.touching >> lane & 1 != 0) {
-                record(pass, batches.pair(number, lane), lane, &lines, single);
+                let couple = couples.as_ref().map(|c| &c[lane]);
+                record(
+                    pass,
+                    batches.pair(number, lane),
+                    lane,
+                    &lines,
+                    couple,
+                    single,
+                );
             }
         }
         let mut hard = left.hard;
@@ -432,6 +460,7 @@ fn record(
     pair: Candidate,
     lane: usize,
     lines: &BatchRecords,
+    couple: Option<&Couple>,
     single: Single<'_>,
 ) {
     let (i, j) = (pair.i as usize, pair.j as usize);
@@ -440,14 +469,119 @@ fn record(
         .get(single.types[i] as usize, single.types[j] as usize);
     if let Some(recorded) = pass.recorded.as_deref_mut() {
         let place = (i, j, pair.entry as usize);
-        recorded.push(of_lane(
-            place,
-            lane,
-            lines,
-            law,
-            single.records[i].position(),
-        ));
+        let centre = single.records[i].position();
+        let mut contact = of_lane(place, lane, lines, law, centre);
+        if let Some(couple) = couple {
+            couple.add_to(&mut contact.forces);
+        }
+        recorded.push(contact);
     }
+}
+
+/// What is overwritten by a batch and still needed by what resists rolling and twisting.
+struct LastStep {
+    /// Lanes that touched.
+    touching: u32,
+    /// The normals then, where they are remembered.
+    normals: Option<[Vector3; MOST_LANES]>,
+}
+
+impl LastStep {
+    /// `of_engine` says whether normals are remembered from step to step, or are those of the search alone.
+    fn of<S: Registers>(of_engine: Option<usize>, bits: LaneBits, numbers: &Numbers<'_>) -> Self {
+        let normals = of_engine.and(numbers.layout.normal).map(|at| {
+            core::array::from_fn(|lane| {
+                let number = |k: usize| numbers.get(at + k, S::LANES)[lane % S::LANES];
+                Vector3::new(number(0), number(1), number(2))
+            })
+        });
+        LastStep {
+            touching: u32::from(bits.touching),
+            normals,
+        }
+    }
+}
+
+/// What resists rolling and twisting, of the touching pairs of a batch one by one: after the lanes have found contact and force. The
+/// lanes of a scene without it know nothing of it.
+#[allow(clippy::too_many_arguments)]
+fn resist(
+    pass: &mut Pass<'_, '_, '_>,
+    batch: &Batch<'_>,
+    lanes: usize,
+    left: &Left,
+    last: &LastStep,
+    numbers: &mut Numbers<'_>,
+    lines: &BatchRecords,
+    sums: &mut [Line],
+    single: Single<'_>,
+) -> [Couple; MOST_LANES] {
+    let mut couples = [Couple::NONE; MOST_LANES];
+    let layout = numbers.layout;
+    let remembered = layout.resistance()..layout.length;
+    for lane in 0..lanes {
+        let bit = 1 << lane;
+        if left.touching & bit == 0 {
+            // A hard pair has what it had until the scalar path takes it.
+            if last.touching & bit != 0 && left.hard & bit == 0 {
+                for k in remembered.clone() {
+                    numbers.get_mut(k, lanes)[lane] = 0.0;
+                }
+            }
+            continue;
+        }
+        let law = batch.laws[lane];
+        if !law.resistance.any() {
+            continue;
+        }
+        let (i, j) = (batch.i[lane] as usize, batch.j[lane] as usize);
+        let mut turning = turning_contact(lane, lines);
+        let [vi, wi] = single.records[i].velocities(single.shapes);
+        let [vj, wj] = single.records[j].velocities(single.shapes);
+        let d = single.records[j].position() - single.records[i].position();
+        let arm = contact_point(lane, lines);
+        turning.omega = [wi, wj];
+        turning.rate = approach(turning.normal, [arm, arm - d], [vi, vj], [wi, wj]);
+        if single.of_step {
+            turning.omega_change = [i, j].map(|k| single.change(k).omega);
+        }
+        let before = match &last.normals {
+            Some(normals) => normals[lane],
+            None if [i, j]
+                .iter()
+                .all(|k| single.records[*k].is_sphere(single.shapes))
+                && pass.step.advance_history =>
+            {
+                normal_of_spheres_before(d, vj - vi, turning.normal, pass.step)
+            }
+            None => turning.normal,
+        };
+        let mut history = [0.0; HistoryLayout::LONGEST];
+        for k in remembered.clone() {
+            history[k] = numbers.get(k, lanes)[lane];
+        }
+        let touched = last.touching & bit != 0;
+        let found = couple(
+            law,
+            &turning,
+            &layout,
+            &mut history,
+            touched,
+            before,
+            pass.step,
+        );
+        for k in remembered.clone() {
+            numbers.get_mut(k, lanes)[lane] = history[k];
+        }
+        let torque = found.torque().to_array();
+        for (axis, t) in torque.into_iter().enumerate() {
+            sums[i].0[3 + axis] += t;
+            sums[j].0[3 + axis] -= t;
+        }
+        pass.tally_couple(i, j, &found);
+        couples[lane] = found;
+    }
+    couples
 }
 
 /// One pair with every safeguard.
@@ -523,7 +657,7 @@ fn settle<S: Registers, K: Kind>(
                 .last()
                 .is_some_and(|last| law(&last).kinds != law(&pair).kinds);
         let touched = pending.stay >> k & 1 != 0;
-        let history = &pending.history[k].0;
+        let history = &pending.history[k];
         batches.push(pair, touched, history, [x, y, z], other_kinds);
     }
     pending.stay = 0;
@@ -544,13 +678,16 @@ struct Single<'a> {
 impl Single<'_> {
     fn particle(&self, k: usize) -> Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
-        let change = self.of_step.then(|| {
-            let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
-            MotionChange {
-                velocity: Vector3::new(x, y, z),
-                omega: Vector3::new(a, b, c),
-            }
-        });
+        let change = self.of_step.then(|| self.change(k));
         self.records[k].particle(self.shapes, self.types[k], inverse_mass, change)
+    }
+
+    /// What the motion of a particle has more at the step.
+    fn change(&self, k: usize) -> MotionChange {
+        let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
+        MotionChange {
+            velocity: Vector3::new(x, y, z),
+            omega: Vector3::new(a, b, c),
+        }
     }
 }

@@ -139,8 +139,9 @@ fn compute_rows(
         deep_contacts: 0,
     };
     let deep_contacts = match (features.friction, rate, features.conservative) {
-        // One kernel with all terms, of which the laws use theirs, serves all scenes.
-        _ if records => take::<true, true, true, true>(pass, workspace),
+        // One kernel with all terms, of which the laws use theirs, serves all scenes. What resists rolling and twisting goes on from
+        // what it records.
+        _ if records || features.resistance => take::<true, true, true, true>(pass, workspace),
         (true, _, true) => take::<true, true, true, false>(pass, workspace),
         (true, _, false) => take::<true, true, false, false>(pass, workspace),
         (false, true, true) => take::<false, true, true, false>(pass, workspace),

@@ -100,6 +100,25 @@ impl Record {
         Vector3::new(p[0], p[1], p[2])
     }
 
+    /// Velocity and angular velocity, in a list of these shapes.
+    pub fn velocities(&self, shapes: Shapes) -> [Vector3; 2] {
+        let m = &self.motion.0[if shapes == Shapes::Ellipsoids { 2 } else { 0 }..];
+        [
+            Vector3::new(m[0], m[1], m[2]),
+            Vector3::new(m[3], m[4], m[5]),
+        ]
+    }
+
+    /// Whether it is a sphere, in a list of these shapes.
+    pub fn is_sphere(&self, shapes: Shapes) -> bool {
+        let (p, m) = (&self.pose.0, &self.motion.0);
+        match shapes {
+            Shapes::Spheres => true,
+            Shapes::Spheroids => p[6] == p[7],
+            Shapes::Ellipsoids => p[7] == m[0] && m[0] == m[1],
+        }
+    }
+
     /// The same particle for the scalar path. Of a spheroid the axis alone is known: any other two serve.
     pub(super) fn particle(
         &self,

@@ -3,12 +3,13 @@
 
 use super::contact_records::{ContactRecord, ContactRecords};
 use super::rows::{Accumulators, NeighbourRows};
+use crate::contact::couple::Couple;
 use crate::contact::history::{cached_normal, forget};
 use crate::contact::one_contact::geometry_of;
 use crate::contact::pair::{law_of_pair, Pair};
 use crate::contact::particle::Particle;
 use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
-use crate::tallies::{Contribution, Tallies};
+use crate::tallies::{Contribution, CoupleContribution, Tallies};
 use crate::vector::Vector3;
 
 #[inline(always)]
@@ -118,7 +119,7 @@ impl Pass<'_, '_, '_> {
             .get(i.particle_type as usize, j.particle_type as usize);
         let d = j.position - i.position;
         let (_, history) = self.memory(place);
-        let f = law_of_pair::<FRICTION, RATE, CONSERVATIVE>(
+        let (f, couple) = law_of_pair::<FRICTION, RATE, CONSERVATIVE>(
             law,
             &found,
             [i, j],
@@ -129,6 +130,10 @@ impl Pass<'_, '_, '_> {
             &step,
         );
         self.deep_contacts += found.deep as u64;
+        let mut whole = f;
+        if law.resistance.any() {
+            couple.add_to(&mut whole);
+        }
         if let Some(recorded) = self.recorded.as_deref_mut() {
             recorded.push(ContactRecord {
                 i: place.i,
@@ -136,10 +141,39 @@ impl Pass<'_, '_, '_> {
                 entry: place.entry,
                 elliptical: law.kinds.normal.elliptical,
                 geometry: geometry_of(&found, i, j, law.constants.share_i),
-                forces: f,
+                forces: whole,
             });
         }
         self.apply(place, d, &f);
+        if law.resistance.any() {
+            self.apply_couple(place, &couple);
+        }
+    }
+
+    /// Scatter of a couple: torques, tallies.
+    fn apply_couple(&mut self, place: Place, couple: &Couple) {
+        let a = &mut *self.accumulators;
+        add(&mut a.torques[place.i], couple.torque());
+        if place.j < a.reaction_below {
+            add(&mut a.torques[place.j], -couple.torque());
+        }
+        self.tally_couple(place.i, place.j, couple);
+    }
+
+    /// What a couple adds to the sums of the call.
+    pub(super) fn tally_couple(&mut self, i: usize, j: usize, couple: &Couple) {
+        let time = self.step.elapsed();
+        let reaction = j < self.accumulators.reaction_below;
+        if let Some(t) = self.tallies.as_deref_mut() {
+            let contribution = CoupleContribution {
+                energy: couple.energy,
+                works: [time * couple.viscous_power, time * couple.elastic_power],
+                viscous_torque: couple.viscous,
+                tangential_torque: couple.elastic,
+                wall_angular_velocity: Vector3::ZERO,
+            };
+            t.add_couple(i, Some(j), reaction, &contribution);
+        }
     }
 
     /// Scatter of a touching pair: forces, tallies.

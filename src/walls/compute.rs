@@ -5,12 +5,13 @@ use super::contacts::{FoundContact, Frame, Places, WrongMemory};
 use super::motion::Motion;
 use super::shape::Shape;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
+use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
 use crate::contact::particle::{self, Particle};
 use crate::contact::staged::Past;
 use crate::contact::{HistoryLayout, Laws, Step};
 use crate::force::PairLaw;
 use crate::geometry::triangles::Triangle;
-use crate::tallies::{Contribution, Tallies};
+use crate::tallies::{Contribution, CoupleContribution, Tallies};
 use crate::vector::Vector3;
 
 /// What a call is given.
@@ -166,6 +167,25 @@ pub fn compute_wall(
         ) else {
             continue;
         };
+        let mut couple = Couple::NONE;
+        let (x, curvature, share) = c.contact.for_law();
+        if law.resistance.any() && share > 0.0 {
+            let turning = TurningContact {
+                // Of the whole surface.
+                normal_force: f.normal_force / share,
+                stiffness: f.stiffness / share,
+                ..TurningContact::of(x, curvature, &f)
+            };
+            let (touched, before) = (c.last_normal.is_some(), c.last_normal.unwrap_or(x.normal));
+            let history = found.history(index);
+            couple = contact_couple(
+                law, &turning, &of_laws, history, touched, before, input.step,
+            )
+            .times(share);
+            for torque in [&mut couple.elastic, &mut couple.viscous] {
+                *torque = motion.to_world(*torque);
+            }
+        }
         write_history(&of_laws, &c, &past, found.history(index));
         for v in [
             &mut f.force,
@@ -177,6 +197,8 @@ pub fn compute_wall(
         ] {
             *v = motion.to_world(*v);
         }
+        let without_couple = f;
+        couple.add_to_first(&mut f);
         for (target, v) in [
             (&mut output.forces[k], -f.force),
             (&mut output.torques[k], f.torque_i),
@@ -204,8 +226,11 @@ pub fn compute_wall(
                 true,
                 &Contribution {
                     normal_energy: f.elastic_energy,
-                    tangential_energy: f.tangential_energy,
-                    works: [time * f.viscous_power, time * f.tangential_power],
+                    tangential_energy: without_couple.tangential_energy,
+                    works: [
+                        time * without_couple.viscous_power,
+                        time * without_couple.tangential_power,
+                    ],
                     d: f.contact_point,
                     force: f.force,
                     viscous_force: f.viscous_force,
@@ -215,6 +240,16 @@ pub fn compute_wall(
                         + motion.to_world(c.surface.velocity),
                 },
             );
+            if law.resistance.any() {
+                let contribution = CoupleContribution {
+                    energy: couple.energy,
+                    works: [time * couple.viscous_power, time * couple.elastic_power],
+                    viscous_torque: couple.viscous,
+                    tangential_torque: couple.elastic,
+                    wall_angular_velocity: motion.angular_velocity,
+                };
+                t.add_couple(k, None, true, &contribution);
+            }
         }
         if *records_contacts {
             contacts.push(RecordedWallContact {

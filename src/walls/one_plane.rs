@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact of an ellipsoid with a plane, without what is remembered by a wall.
 
+use crate::contact::couple::{couple, TurningContact};
 use crate::contact::history::{cached_normal, forget};
 use crate::contact::pair::{checked_factors, contact_with_wall, through_law, HaleRatio};
 use crate::contact::{Contact, ContactForces, Laws, OneContact, Particle, Step};
@@ -74,9 +75,13 @@ pub fn one_contact_with_plane(
     let x = contact_with_plane(&found, i, wall);
     let factors = checked_factors(law, x.curvature())?;
     let before = cached_normal(&layout, history).unwrap_or(found.normal);
-    let f = through_law::<true, true, true, true>(
+    let mut f = through_law::<true, true, true, true>(
         law, &factors, &x, &layout, history, *touching, before, step,
     );
+    if law.resistance.any() {
+        let turning = TurningContact::of(&x, x.curvature(), &f);
+        couple(law, &turning, &layout, history, *touching, before, step).add_to_first(&mut f);
+    }
     *touching = true;
     Ok(Some((
         geometry_with_plane(i, wall, law.constants.share_i),

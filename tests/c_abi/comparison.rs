@@ -525,6 +525,10 @@ impl Sums {
                 add(&mut self.loads[k][2 * part], force, sign);
                 add(&mut self.loads[k][2 * part + 1], &cross(arm, *force), sign);
             }
+            // The couple is given as on i.
+            for (part, couple) in [f.viscous_couple, f.frictional_couple].iter().enumerate() {
+                add(&mut self.loads[k][2 * part + 1], couple, -sign);
+            }
         }
         self.normal_energy += weight * f.elastic_energy;
         self.tangential_energy += weight * f.tangential_energy;

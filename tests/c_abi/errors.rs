@@ -66,6 +66,13 @@ fn words_that_are_wrong() {
         ("nfd 1e4 0.3 1 1 damping relaxation 1", &["damping"]),
         ("hertz 1e4 0.3 tangential tfd -0.5", &["mu", "-0.5"]),
         ("hertz 1e4 0.3 tangential linear -1 0 0.5", &["kt", "-1"]),
+        ("hertz 1e4 0.3 rolling sds -1 0 0.1", &["k_roll", "-1"]),
+        ("hertz 1e4 0.3 rolling sds 1 0 -0.1", &["mu_roll", "-0.1"]),
+        ("hertz 1e4 0.3 twisting sds 1 -2 0", &["gamma_twist", "-2"]),
+        (
+            "hertz 1e4 0.3 twisting marshall",
+            &["twisting marshall", "tangential", "twisting sds"],
+        ),
         ("hertz 1e4 0.3 tangential linear 1 -1 0.5", &["ct", "-1"]),
         (
             "hertz 1e4 0.3 tangential linear 1 1",

@@ -23,6 +23,10 @@ const LINEAR: [&str; 2] = [
     "lsd 1e4 3 tangential linear 5e3 2 0.4",
     "lsd 2e4 5 tangential linear 5e3 2 0.2",
 ];
+const RESISTED: [&str; 2] = [
+    "hertz 1e4 0.3 tangential mindlin 0.4 rolling sds 500 1 0.1 twisting marshall",
+    "hertz 3e4 0.2 tangential mindlin 0.2 rolling sds 200 2 0.2 twisting marshall",
+];
 
 fn all_pairs(count: i32) -> Vec<[i32; 2]> {
     (0..count)
@@ -68,7 +72,7 @@ columns! {
     penetration 1, normal 3, contact_point 3, witness_i 3, witness_j 3, curvatures 2, major_direction 3,
     contact_semi_axes 2, force 3, torque_i 3, torque_j 3, normal_force 1, tangential_force 3, displacement 3,
     penetration_rate 1, elastic_energy 1, tangential_energy 1, viscous_force 3, frictional_force 3, viscous_power 1,
-    tangential_power 1,
+    tangential_power 1, frictional_couple 3, viscous_couple 3,
 }
 
 impl Columns {
@@ -95,13 +99,15 @@ impl Columns {
             frictional_force: vec![f.frictional_force],
             viscous_power: vec![[f.viscous_power]],
             tangential_power: vec![[f.tangential_power]],
+            frictional_couple: vec![f.frictional_couple],
+            viscous_couple: vec![f.viscous_couple],
         }
     }
 }
 
 #[test]
 fn contacts_are_those_of_single_calls_to_the_last_bit() {
-    for decks in [DECKS, RESTITUTION, LINEAR] {
+    for decks in [DECKS, RESTITUTION, LINEAR, RESISTED] {
         let mut bodies = random_bodies(3);
         let laws = Laws::new(&decks);
         let workspace = WorkspaceHandle::new();

@@ -161,3 +161,38 @@ fn without_the_cached_normal() {
     }
     seen.check(10_000);
 }
+
+/// What resists rolling and twisting is computed after the lanes, from what they record: with and without all that they may have
+/// beside it.
+#[test]
+fn rolling_and_twisting() {
+    let mut seen = Seen::default();
+    for [one, other] in [
+        ["hertz 1e4 0.3 rolling sds 500 1 0.1", "hertz 3e4 0.2 rolling sds 200 2 0.2"],
+        ["hertz 1e4 0.3 twisting sds 2 0.01 0.05", "hertz 3e4 0.2 twisting sds 5 0.02 0.02"],
+        [
+            "hertz 1e4 0.3 tangential tfd 0.4 rolling sds 500 1 0.1 twisting marshall",
+            "hertz 3e4 0.2 tangential tfd 0.2 rolling sds 200 2 0.2 twisting marshall",
+        ],
+        [
+            "nfd 1e4 0.3 40 60 tangential mindlin 0.4 displacement total rolling sds 500 0 0.1 twisting sds 2 0 0.05",
+            "nfd 3e4 0.2 90 30 tangential mindlin 0.2 displacement total rolling sds 200 0 0.2 twisting sds 5 0 0.02",
+        ],
+        [
+            "lsd 2e3 3 tangential linear 500 1 0.4 twisting marshall conservative no",
+            "lsd 5e3 2 tangential linear 900 2 0.2 twisting marshall conservative no",
+        ],
+        [
+            "hertz 1e4 0.3 factors hale tangential mindlin 0.4 rolling sds 500 1 0.1 twisting marshall",
+            "hertz 3e4 0.2 factors hale tangential mindlin 0.2 rolling sds 200 2 0.2 twisting marshall",
+        ],
+    ] {
+        let decks = [one, other].map(str::to_owned);
+        for newton in [true, false] {
+            for options in [0, ELLGRAN_OPTION_NO_WARM_START] {
+                compare(&decks, options, newton, 30, &mut seen);
+            }
+        }
+    }
+    seen.check(10_000);
+}

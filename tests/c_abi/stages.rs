@@ -286,6 +286,13 @@ fn values_of_the_stages() {
             argument,
             &["time_step", "-1"],
         );
+        // No stage resists rolling and twisting: nobody gets less than the law says.
+        let resisted = Laws::new(&["hertz 1e4 0.3 tangential tfd 0.4 rolling sds 1e3 0 0.1"]);
+        fails(
+            call(resisted.0, 1, 1, 0.4, &STEP),
+            ELLGRAN_ERROR_LAW,
+            &["rolling none"],
+        );
     }
     geometry.check();
     force.check();

@@ -84,11 +84,14 @@ fn claims() -> Claims {
         EllgranContactForce {
             size, force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
             tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power, contact_semi_axes,
+            frictional_couple, viscous_couple,
         }
         EllgranLawParameters {
             size, normal, damping, tangential, closure, unloading, factors, displacement, conservative,
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
+            rolling, twisting, rolling_stiffness, rolling_damping, rolling_friction,
+            twisting_stiffness, twisting_damping, twisting_friction,
         }
         EllgranMixture {
             size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,
@@ -124,6 +127,7 @@ fn claims() -> Claims {
             size, penetration, normal, contact_point, witness_i, witness_j, curvatures, major_direction, contact_semi_axes,
             force, torque_i, torque_j, normal_force, tangential_force, displacement, penetration_rate, elastic_energy,
             tangential_energy, viscous_force, frictional_force, viscous_power, tangential_power,
+            frictional_couple, viscous_couple,
         }
         EllgranStiffnessArrays {
             size, normal_stiffness, tangential_stiffness, normal_damping, tangential_damping, critical_step,

@@ -46,6 +46,10 @@ fn left_over(all: &[Columns]) -> f64 {
 
 /// Grains thrown into a box whose floor shakes and whose lid turns.
 fn shaken(steps: u64) -> Deck {
+    shaken_with(LAW, steps)
+}
+
+fn shaken_with(law: &str, steps: u64) -> Deck {
     Deck {
         fixes: vec![
             "compute balance all energy/ellipsoid".into(),
@@ -53,11 +57,11 @@ fn shaken(steps: u64) -> Deck {
             "compute turning all erotate/asphere".into(),
             "compute energy all pair gran/ellipsoid".into(),
             "fix gravity all gravity 9.81 vector 0 0 -1".into(),
-            format!("fix x_walls all wall/gran/ellipsoid {LAW} xplane 0 0.034"),
-            format!("fix y_walls all wall/gran/ellipsoid {LAW} yplane 0 0.034"),
-            format!("fix floor all wall/gran/ellipsoid {LAW} zplane 0 NULL wiggle z 0.0005 0.01"),
+            format!("fix x_walls all wall/gran/ellipsoid {law} xplane 0 0.034"),
+            format!("fix y_walls all wall/gran/ellipsoid {law} yplane 0 0.034"),
+            format!("fix floor all wall/gran/ellipsoid {law} zplane 0 NULL wiggle z 0.0005 0.01"),
             format!(
-                "fix lid all wall/gran/ellipsoid {LAW} zplane NULL 0.036 rotate 0.017 0.017 0.036 0 0 1 0.05"
+                "fix lid all wall/gran/ellipsoid {law} zplane NULL 0.036 rotate 0.017 0.017 0.036 0 0 1 0.05"
             ),
         ],
         time_step: 2e-5,
@@ -65,7 +69,7 @@ fn shaken(steps: u64) -> Deck {
         thermo_every: steps / 4,
         thermo_columns: "step c_balance[*] c_moving c_turning c_energy[*] f_x_walls[*] f_y_walls[*] f_floor[*] f_lid[*] f_gravity".into(),
         skin: 1e-3,
-        ..Deck::new(LAW)
+        ..Deck::new(law)
     }
 }
 
@@ -120,6 +124,21 @@ fn both_versions_a_shaken_packing_in_one_compute() {
         ];
         same(&expected, &found, 1e-13, "gathered");
     }
+}
+
+/// What resists rolling and twisting stores and dissipates too, between grains and at walls that move and turn.
+#[test]
+fn both_versions_rolling_and_twisting_in_the_balance() {
+    let engine = Engine::from_environment();
+    let law = format!("{LAW} rolling sds 2e3 0.02 0.2 twisting marshall");
+    let deck = shaken_with(&law, 3000);
+    let one = run(&engine, "balance_rolling", &cloud(), &deck, 1);
+    let all = all_columns(&one);
+    println!("left over {:.1e} of what is dissipated", left_over(&all));
+    assert!(left_over(&all) < 1e-3);
+    let four = run(&engine, "balance_rolling_4", &cloud(), &deck, 4);
+    let (one, four) = (all.last().unwrap(), &all_columns(&four));
+    same(one, four.last().unwrap(), 1e-8, "4 ranks");
 }
 
 #[test]

@@ -37,6 +37,7 @@ mod plugin_file;
 mod readme;
 mod restart;
 mod restart_files;
+mod rolling_and_twisting;
 mod servo_walls;
 mod set_up;
 mod size_ratio;

@@ -116,6 +116,29 @@ fn both_versions_coefficients() {
             &["conservative", "maybe"],
         ),
         ("hertz 1e7 0.3 limit_force 1", &["limit_force", "1"]),
+        ("hertz 1e7 0.3 rolling", &["rolling", "none|sds"]),
+        (
+            "hertz 1e7 0.3 rolling sds 1e4 0",
+            &["k_roll gamma_roll mu_roll"],
+        ),
+        ("hertz 1e7 0.3 rolling sds 1e4 0 -0.1", &["mu_roll", "-0.1"]),
+        ("hertz 1e7 0.3 rolling marshall", &["rolling", "marshall"]),
+        (
+            "hertz 1e7 0.3 twisting sds 1e-3 0",
+            &["k_twist gamma_twist mu_twist"],
+        ),
+        (
+            "hertz 1e7 0.3 twisting sds -1e-3 0 0.1",
+            &["k_twist", "-0.001"],
+        ),
+        (
+            "hertz 1e7 0.3 twisting marshall",
+            &["twisting marshall", "tangential", "twisting sds"],
+        ),
+        (
+            "hertz 1e7 0.3 marshall",
+            &["did you mean 'twisting marshall'"],
+        ),
         // A word without its keyword.
         ("hertz 1e7 0.3 tfd 0.5", &["did you mean 'tangential tfd'"]),
         (

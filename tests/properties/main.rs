@@ -20,6 +20,7 @@ mod momentum;
 mod passivity;
 mod relabelling;
 mod rigid_motion;
+mod rolling_and_twisting;
 mod slender;
 mod spheres;
 mod touching_or_not;

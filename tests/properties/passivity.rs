@@ -71,6 +71,10 @@ fn rescaled_displacement_never_gains() {
         "damping relaxation TAU tangential mindlin MU displacement rescaled",
         "damping relaxation TAU tangential tfd MU displacement rescaled",
         "damping restitution 0.7 tangential mindlin MU displacement rescaled",
+        "tangential mindlin MU twisting marshall",
+        "damping relaxation TAU tangential tfd MU rolling sds 30 0.3 MU twisting marshall",
+        "tangential tfd MU rolling sds 100 0 MU twisting sds 10 0 MU",
+        "rolling sds 100 3 MU twisting sds 10 0.3 MU",
     ] {
         for friction in [0.1, 0.5, 10.0] {
             let [after, within] = gains(words, friction, 60, 400.0);

@@ -23,7 +23,10 @@ fn carried(b: &Body, turn: &Rotation, shift: &Vector, drift: &Vector) -> Body {
 fn carried_memory(laws: &Laws, m: &Memory, turn: &Rotation) -> Memory {
     let mut m = m.clone();
     let layout = laws.layout();
-    for at in [layout.normal, layout.memory].into_iter().flatten() {
+    for at in [layout.normal, layout.memory, layout.rolling]
+        .into_iter()
+        .flatten()
+    {
         let v = turn * Vector::new(m.history[at], m.history[at + 1], m.history[at + 2]);
         m.history[at..at + 3].copy_from_slice(&plain(v).to_array());
     }

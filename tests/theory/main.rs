@@ -23,6 +23,7 @@ mod partial_slip;
 mod principal_curvatures;
 mod relative_curvature;
 mod restitution;
+mod rolling_and_twisting;
 mod sphere_on_plane;
 mod stable_step;
 mod tangential_rebound;

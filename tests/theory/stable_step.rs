@@ -363,6 +363,30 @@ fn two_grains_and_a_grain_on_planes() {
     assert!(least > 0.98 && most < 1.2, "{least} {most}");
 }
 
+/// Springs of rolling and twisting that are stiffer than the contact itself, and dashpots.
+#[test]
+fn rolling_and_twisting() {
+    let scenes: Vec<Scene> = [1.0, 2.0, 5.0]
+        .iter()
+        .flat_map(|aspect| [two_grains(*aspect, 41), grain_on_planes(*aspect, 42, 1)])
+        .collect();
+    for deck in [
+        "lsd 60 0 rolling sds 600 0 1e9",
+        "lsd 60 0 twisting sds 1e-3 0 1e9",
+        "lsd 60 0.001 tangential linear 40 0.001 1e9 rolling sds 200 0.01 1e9 twisting sds 1e-4 1e-8 1e9",
+        "hertz 1e7 0.3 tangential mindlin 1e9 displacement total twisting marshall",
+    ] {
+        let laws = laws(&[deck]);
+        let mut span = [f64::INFINITY, 0.0f64];
+        for scene in &scenes {
+            let ratio = scene.limit_over_bound(&laws);
+            span = [span[0].min(ratio), span[1].max(ratio)];
+        }
+        println!("  {deck}: limit over bound {:.2} to {:.2}", span[0], span[1]);
+        assert!(span[0] > 0.98 && span[1] < 1.8, "{deck}: {span:?}");
+    }
+}
+
 #[test]
 fn chains_and_a_crowd() {
     // Not tip to tip: such a chain buckles, whatever the step.

@@ -20,8 +20,9 @@ pub fn c_items(root: &Path) -> Result<String> {
     };
     let parameters = read("parameters.rs")?;
     let mut items = String::new();
-    for table in [&parameters, &read("damping.rs")?, &read("tangential.rs")?] {
-        constants(&mut items, group_after(table, &["choices", "!"])?)?;
+    constants(&mut items, group_after(&parameters, &["choices", "!"])?)?;
+    for family in ["damping.rs", "tangential.rs", "rolling.rs", "twisting.rs"] {
+        constants(&mut items, group_after(&read(family)?, &["choices", "!"])?)?;
     }
     let body = group_after(&parameters, &["macro_rules", "!", "with_parameters"])?;
     // `($callback:ident) => { $callback! { the table } };`
@@ -97,11 +98,12 @@ fn constants(items: &mut String, choices: TokenStream) -> Result<()> {
     Ok(())
 }
 
-/// The table of parameters: its comment, `choices { }`, `switches { }`, `constants { }`.
+/// The table of parameters: its comment, `choices { }`, `switches { }`, `constants { }`, `later_choices { }`,
+/// `later_constants { }`.
 fn structure(items: &mut String, table: TokenStream) -> Result<()> {
     let blocks = rows(table);
-    let [choices, switches, constants] = &blocks[..] else {
-        bail!("the table of parameters has choices, switches and constants");
+    let [choices, switches, constants, later_choices, later_constants] = &blocks[..] else {
+        bail!("the table of parameters has choices, switches and constants, and choices and constants that came later");
     };
     writeln!(
         items,
@@ -109,7 +111,13 @@ fn structure(items: &mut String, table: TokenStream) -> Result<()> {
          /// `sizeof(EllgranLawParameters)`; `ELLGRAN_INIT` sets it.\npub size: size_t,",
         choices.attributes
     )?;
-    for (block, kind) in [(choices, "i32"), (switches, "i32"), (constants, "f64")] {
+    for (block, kind) in [
+        (choices, "i32"),
+        (switches, "i32"),
+        (constants, "f64"),
+        (later_choices, "i32"),
+        (later_constants, "f64"),
+    ] {
         let Some(TokenTree::Group(fields)) = block.tokens.last() else {
             bail!("a block of parameters without its fields");
         };
@@ -137,6 +145,9 @@ mod tests {
             "pub normal: i32,",
             "pub limit_force: i32,",
             "pub tangential_damping: f64,",
+            "pub twisting: i32,",
+            "pub twisting_friction: f64,",
+            "pub const ELLGRAN_TWISTING_MARSHALL: i32 = 1;",
         ] {
             assert!(items.contains(item), "{item}\n{items}");
         }

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Rolling and twisting on a plane against closed forms: a heavy body comes to rest as the mechanics of rigid bodies says.
+
+use crate::support::motion::{Motion, Partner};
+use crate::support::scene::{body, laws, wall, Rotation, Vector};
+use ellgran::contact::Body;
+use ellgran::force::hertz_factors::{contact_ellipse, exact};
+use ellgran::force::twisting::{mean_radius, squared_semi_axes};
+use ellgran::vector::Symmetric2;
+
+const GRAVITY: f64 = 10.0;
+const MODULUS: f64 = 1e8;
+
+/// A body of mass 1 that lies on the plane z = 0, in equilibrium under its weight.
+fn at_rest(semi_axes: [f64; 3], radius: f64) -> Body {
+    // F = 4/3 E* sqrt(R) delta^(3/2) F2^(-3/2): near enough, the rest is damped.
+    let modulus = MODULUS / (2.0 * (1.0 - 0.09));
+    let depth = (GRAVITY / (4.0 / 3.0 * modulus * radius.sqrt())).powf(2.0 / 3.0);
+    body(
+        semi_axes,
+        Vector::new(0.0, 0.0, semi_axes[2] - depth),
+        Rotation::identity(),
+    )
+}
+
+fn moving<'a>(laws: &'a ellgran::contact::Laws, body: Body) -> Motion<'a> {
+    let plane = wall(Vector::new(0.0, 0.0, 1.0));
+    let mut motion = Motion::new(laws, body, Partner::Wall(plane), 2e-5);
+    motion.gravity = Vector::new(0.0, 0.0, -GRAVITY);
+    motion
+}
+
+/// Rolling without slip, `5/7 mu_roll g`: a sphere, and a spheroid that rolls about its axis. Then it stays where it is.
+#[test]
+fn a_rolling_body_comes_to_rest() {
+    for semi_axes in [[1.0; 3], [1.0, 2.0, 1.0], [1.0, 0.5, 1.0]] {
+        let laws = laws(&[&format!(
+            "hertz {MODULUS} 0.3 damping relaxation 1e-3 tangential mindlin 0.8 rolling sds 1e6 1e2 0.05"
+        )]);
+        let mut b = at_rest(semi_axes, 1.0);
+        let speed = 0.5;
+        b.velocity = [speed, 0.0, 0.0];
+        b.angular_velocity = [0.0, speed, 0.0];
+        let mut motion = moving(&laws, b);
+        let expected = 5.0 / 7.0 * 0.05 * GRAVITY;
+        let (mut start, mut end) = ((0.0, 0.0), (0.0, 0.0));
+        // The spring of rolling is loaded at first.
+        for k in 0..40_000 {
+            motion.step();
+            let point = (k as f64 * motion.time_step, motion.i.body.velocity[0]);
+            if k == 10_000 {
+                start = point;
+            }
+            end = point;
+        }
+        let found = (start.1 - end.1) / (end.0 - start.0);
+        println!("{semi_axes:?}: {found} of {expected}");
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        for _ in 0..100_000 {
+            motion.step();
+        }
+        let place = motion.i.body.position[0];
+        assert!(
+            motion.i.body.velocity[0].abs() < 1e-4,
+            "{:?}",
+            motion.i.body.velocity
+        );
+        for _ in 0..20_000 {
+            motion.step();
+        }
+        let crept = (motion.i.body.position[0] - place).abs();
+        assert!(crept < 1e-5, "{crept:e}");
+    }
+}
+
+/// On a slope a sphere stays if its tangent is below `mu_roll`, and rolls down with `5/7 g (sin - mu_roll cos)` if it is above.
+#[test]
+fn a_sphere_on_a_slope_stays_or_rolls() {
+    let laws = laws(&[&format!(
+        "hertz {MODULUS} 0.3 damping relaxation 1e-3 tangential mindlin 0.8 rolling sds 1e6 1e2 0.1"
+    )]);
+    for (tangent, rolls) in [(0.08f64, false), (0.15, true)] {
+        let angle = tangent.atan();
+        let mut motion = moving(&laws, at_rest([1.0; 3], 1.0));
+        motion.gravity = Vector::new(angle.sin(), 0.0, -angle.cos()) * GRAVITY;
+        for _ in 0..25_000 {
+            motion.step();
+        }
+        let before = motion.i.body.velocity[0];
+        for _ in 0..25_000 {
+            motion.step();
+        }
+        let acceleration = (motion.i.body.velocity[0] - before) / (25_000.0 * motion.time_step);
+        let expected = if rolls {
+            5.0 / 7.0 * GRAVITY * (angle.sin() - 0.1 * angle.cos())
+        } else {
+            0.0
+        };
+        println!("tangent {tangent}: {acceleration}, expected {expected}");
+        assert!((acceleration - expected).abs() < 1e-3 * GRAVITY);
+    }
+}
+
+/// About the normal: `mu_twist m g/I`, with `marshall` the mean distance of the points of the contact ellipse times `mu`.
+#[test]
+fn a_spinning_body_comes_to_rest() {
+    for (words, semi_axes) in [
+        ("twisting sds 1e3 1 0.01", [1.0; 3]),
+        ("twisting marshall", [1.0; 3]),
+        ("twisting marshall", [1.0, 2.0, 1.0]),
+    ] {
+        let laws = laws(&[&format!(
+            "hertz {MODULUS} 0.3 damping restitution 0.3 tangential mindlin 0.5 {words}"
+        )]);
+        let mut b = at_rest(semi_axes, 1.0);
+        b.angular_velocity = [0.0, 0.0, 0.2];
+        let mut motion = moving(&laws, b);
+        for _ in 0..20_000 {
+            motion.step();
+        }
+        let arm = if words.contains("sds") {
+            0.01
+        } else {
+            let felt = motion.felt.as_ref().expect("touching");
+            let [a, b] = felt.geometry.contact_semi_axes();
+            0.5 * mean_radius_by_integral(a, b)
+        };
+        let inertia = (semi_axes[0].powi(2) + semi_axes[1].powi(2)) / 5.0;
+        let before = motion.i.body.angular_velocity[2];
+        for _ in 0..10_000 {
+            motion.step();
+        }
+        let found = (before - motion.i.body.angular_velocity[2]) / (10_000.0 * motion.time_step);
+        let expected = arm * GRAVITY / inertia;
+        println!("{words}, {semi_axes:?}: {found} of {expected}");
+        assert!((found / expected - 1.0).abs() < 6e-3, "{found} {expected}");
+    }
+}
+
+/// The matrix that `marshall` reads has the semi-axes of Hertz' theory, whatever the tangent basis.
+#[test]
+fn the_contact_ellipse_without_eigenvectors_is_that_of_hertz() {
+    for ratio in [1.0, 1.3, 4.0, 100.0, 1e4] {
+        let (a, b) = (2.0, 2.0 * ratio);
+        for angle in [0.0f64, 0.4, 2.0] {
+            let (c, s) = (angle.cos(), angle.sin());
+            let m = Symmetric2::new(
+                a * c * c + b * s * s,
+                (a - b) * c * s,
+                a * s * s + b * c * c,
+            );
+            let sigma = exact(m.trace(), m.determinant(), true).sigma;
+            let found = squared_semi_axes(1e-3, sigma, m);
+            let e = contact_ellipse(ratio);
+            let product = 0.5 / (a * b).sqrt() * 1e-3 * e.f1 * e.f1 / e.f2;
+            let (major, minor) = (product / e.axis_ratio, product * e.axis_ratio);
+            let along = found.uu * c * c + 2.0 * found.uv * c * s + found.vv * s * s;
+            for (found, expected) in [
+                (found.determinant().sqrt(), product),
+                (found.trace(), major + minor),
+                (along, major),
+            ] {
+                let error = (found / expected - 1.0).abs();
+                assert!(error < 1e-8, "B/A {ratio}, {angle}: {error:e}");
+            }
+        }
+    }
+}
+
+/// The mean distance of an ellipse's points from its centre, against an integral.
+#[test]
+fn the_mean_radius_of_an_ellipse() {
+    for b in [1.0, 0.7, 0.3, 0.05, 0.0] {
+        let found = mean_radius(Symmetric2::new(1.0, 0.0, b * b));
+        let error = (found / mean_radius_by_integral(1.0, b) - 1.0).abs();
+        println!("b/a {b}: {error:.1e}");
+        let bound = if b == 1.0 { 1e-12 } else { 5e-3 };
+        assert!(error < bound, "{b}: {error:e}");
+    }
+}
+
+fn mean_radius_by_integral(a: f64, b: f64) -> f64 {
+    let steps = 20_000;
+    let sum: f64 = (0..steps)
+        .map(|k| {
+            let angle = (k as f64 + 0.5) / steps as f64 * std::f64::consts::TAU;
+            (a * angle.cos()).hypot(b * angle.sin())
+        })
+        .sum();
+    2.0 / 3.0 * sum / steps as f64
+}
