@@ -4,7 +4,9 @@
 use super::forces::{Contact, ContactForces, MotionChange};
 use super::history::{HistoryLayout, Step};
 use crate::force::hertz_factors;
-use crate::force::{rolling_force, twisting_torque, PairLaw, TwistSpring, TwistingResistance};
+use crate::force::{
+    rolling_force, twisting_torque, PairLaw, RollingResistance, TwistSpring, TwistingResistance,
+};
 #[cfg(not(feature = "std"))]
 use crate::real::Real;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
@@ -97,13 +99,11 @@ impl TurningSprings {
         if !law.resistance.any() {
             return None;
         }
-        let [rolling_stiffness, rolling_damping] = law
-            .resistance
-            .rolling
-            .map_or([0.0; 2], |c| [c.stiffness, c.damping]);
-        let twist = law.resistance.twisting.map(|resistance| {
-            twist_spring(law, resistance, x.penetration, normal_stiffness, curvature)
-        });
+        let [rolling_stiffness, rolling_damping] = match law.resistance.rolling {
+            RollingResistance::None => [0.0; 2],
+            RollingResistance::Given(c) => [c.stiffness, c.damping],
+        };
+        let twist = twist_spring(law, x.penetration, normal_stiffness, curvature);
         let inverse = curvature.adjugate() * (0.5 / curvature.determinant());
         let square = Symmetric2::new(
             inverse.uu * inverse.uu + inverse.uv * inverse.uv,
@@ -125,25 +125,26 @@ impl TurningSprings {
 /// What resists the twist, for `marshall` from the contact ellipse of now.
 fn twist_spring(
     law: &PairLaw,
-    resistance: TwistingResistance,
     penetration: f64,
     normal_stiffness: f64,
     curvature: Symmetric2,
-) -> TwistSpring {
-    if let TwistingResistance::Given(spring) = resistance {
-        return spring;
+) -> Option<TwistSpring> {
+    match law.resistance.twisting {
+        TwistingResistance::None => return None,
+        TwistingResistance::Given(spring) => return Some(spring),
+        TwistingResistance::OfContactEllipse => {}
     }
     // Hale's form has no ellipse of its own, and a law without curvatures has no factors.
     let m = curvature;
     let factors = hertz_factors::exact(m.trace(), m.determinant(), true);
-    TwistSpring::of_contact_ellipse(
+    Some(TwistSpring::of_contact_ellipse(
         &law.kinds.tangential,
         &law.constants.tangential,
         penetration,
         normal_stiffness,
         &factors,
         m,
-    )
+    ))
 }
 
 /// The couple of a contact: torques, the opposite ones on `j`, and no force.
@@ -232,7 +233,7 @@ pub(crate) fn couple(
     let [wi, wj] = c.omega;
     let relative = wi - wj;
     // As in the tangential memory: the tangent of half the turn of the two about the normal.
-    let spin = (0.5 * elapsed * (wi + wj).dot(n)).max(-10.0).min(10.0);
+    let spin = (0.5 * elapsed * (wi + wj).dot(n)).clamp(-10.0, 10.0);
     let half_turn = (before.cross(n) + n * spin) * 0.5;
     let at_half_step = relative + half_turn.cross(relative);
     let [ci, cj] = c.omega_change;
@@ -244,7 +245,9 @@ pub(crate) fn couple(
     };
 
     let mut result = Couple::NONE;
-    if let (Some(constants), Some(at)) = (&law.resistance.rolling, layout.rolling) {
+    if let (RollingResistance::Given(constants), Some(at)) =
+        (&law.resistance.rolling, layout.rolling)
+    {
         let inverse = c.curvature.adjugate() * (0.5 / c.curvature.determinant());
         let velocity = c.rolling_velocity(inverse, at_half_step);
         let velocity_at_step = c.rolling_velocity(inverse, at_step);
@@ -270,14 +273,14 @@ pub(crate) fn couple(
         result.viscous_power = -viscous.dot(velocity_at_step);
         history[at..at + 3].copy_from_slice(&c.tangent.vector(r.way).to_array());
     }
-    if let (Some(resistance), Some(at)) = (law.resistance.twisting, layout.twisting) {
+    let spring = twist_spring(law, c.penetration, c.stiffness, c.curvature);
+    if let (Some(spring), Some(at)) = (spring, layout.twisting) {
         let held = if touched {
             [history[at], history[at + 1]]
         } else {
             [0.0; 2]
         };
         let (velocity, velocity_at_step) = (at_half_step.dot(n), at_step.dot(n));
-        let spring = twist_spring(law, resistance, c.penetration, c.stiffness, c.curvature);
         let t = twisting_torque(
             &spring,
             c.normal_force,

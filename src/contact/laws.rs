@@ -4,7 +4,8 @@
 use super::history::{HistoryLayout, Remembers};
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::{
-    Displacement, LawParameters, PairLaw, ParameterError, Tangential, TwistingResistance,
+    Displacement, LawParameters, PairLaw, ParameterError, RollingResistance, Tangential,
+    TwistingResistance,
 };
 use crate::message::Number;
 #[cfg(not(feature = "std"))]
@@ -118,8 +119,8 @@ impl Laws {
             normal: cached_normal,
             tangential: features.friction,
             energy: rescaled,
-            rolling: some(&|l| l.resistance.rolling.is_some()),
-            twisting: some(&|l| l.resistance.twisting.is_some()),
+            rolling: some(&|l| l.resistance.rolling != RollingResistance::None),
+            twisting: some(&|l| l.resistance.twisting != TwistingResistance::None),
         });
         layout.of_displacements = remembers(Displacement::Total);
         Ok(Laws {
@@ -153,8 +154,8 @@ impl Laws {
             law.constants.tangential.friction = mu;
             if mu == 0.0 {
                 law.kinds.tangential.law = Tangential::None;
-                if law.resistance.twisting == Some(TwistingResistance::OfContactEllipse) {
-                    law.resistance.twisting = None;
+                if law.resistance.twisting == TwistingResistance::OfContactEllipse {
+                    law.resistance.twisting = TwistingResistance::None;
                 }
             }
         }

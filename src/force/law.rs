@@ -38,16 +38,32 @@ pub struct LawConstants<T = f64> {
 
 /// What resists rolling and twisting.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub struct Resistance {
-    /// Constants of `rolling sds`.
-    pub rolling: Option<RollingConstants>,
+    /// Resistance to rolling.
+    pub rolling: RollingResistance,
     /// Resistance to twisting.
-    pub twisting: Option<TwistingResistance>,
+    pub twisting: TwistingResistance,
+}
+
+/// What resists rolling. No `Option`, whose layout differs from compiler to compiler: a device reads laws as the host lays them out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub enum RollingResistance {
+    /// Nothing.
+    #[default]
+    None,
+    /// `sds`: these constants.
+    Given(RollingConstants),
 }
 
 /// What resists twisting.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub enum TwistingResistance {
+    /// Nothing.
+    #[default]
+    None,
     /// `marshall`: that of the tangential law and the contact ellipse of now.
     OfContactEllipse,
     /// `sds`: these constants.
@@ -57,19 +73,22 @@ pub enum TwistingResistance {
 impl Resistance {
     fn of(mixed: &LawParameters, friction: bool) -> Self {
         Resistance {
-            rolling: (mixed.rolling == Rolling::Sds).then_some(RollingConstants {
-                stiffness: mixed.rolling_stiffness,
-                damping: mixed.rolling_damping,
-                friction: mixed.rolling_friction,
-            }),
+            rolling: match mixed.rolling {
+                Rolling::None => RollingResistance::None,
+                Rolling::Sds => RollingResistance::Given(RollingConstants {
+                    stiffness: mixed.rolling_stiffness,
+                    damping: mixed.rolling_damping,
+                    friction: mixed.rolling_friction,
+                }),
+            },
             twisting: match mixed.twisting {
-                Twisting::Marshall if friction => Some(TwistingResistance::OfContactEllipse),
-                Twisting::None | Twisting::Marshall => None,
-                Twisting::Sds => Some(TwistingResistance::Given(TwistSpring {
+                Twisting::Marshall if friction => TwistingResistance::OfContactEllipse,
+                Twisting::None | Twisting::Marshall => TwistingResistance::None,
+                Twisting::Sds => TwistingResistance::Given(TwistSpring {
                     stiffness: mixed.twisting_stiffness,
                     damping: mixed.twisting_damping,
                     friction: mixed.twisting_friction,
-                })),
+                }),
             },
         }
     }
@@ -77,21 +96,21 @@ impl Resistance {
     /// Whether anything resists.
     #[inline(always)]
     pub fn any(&self) -> bool {
-        self.rolling.is_some() || self.twisting.is_some()
+        self.rolling != RollingResistance::None || self.twisting != TwistingResistance::None
     }
 
     fn describe(&self) -> String {
         let mut text = String::new();
-        if let Some(c) = &self.rolling {
+        if let RollingResistance::Given(c) = &self.rolling {
             text += &format!(
                 " rolling sds k_roll {} gamma_roll {} mu_roll {}",
                 c.stiffness, c.damping, c.friction
             );
         }
         match &self.twisting {
-            None => {}
-            Some(TwistingResistance::OfContactEllipse) => text += " twisting marshall",
-            Some(TwistingResistance::Given(c)) => {
+            TwistingResistance::None => {}
+            TwistingResistance::OfContactEllipse => text += " twisting marshall",
+            TwistingResistance::Given(c) => {
                 text += &format!(
                     " twisting sds k_twist {} gamma_twist {} mu_twist {}",
                     c.stiffness, c.damping, c.friction

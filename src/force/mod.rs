@@ -20,7 +20,7 @@ pub mod twisting;
 pub use choice::Choice;
 pub use damping::{Closure, Damping, Unloading};
 pub use hertz_factors::Factors;
-pub use law::{LawConstants, LawKinds, PairLaw, Resistance, TwistingResistance};
+pub use law::{LawConstants, LawKinds, PairLaw, Resistance, RollingResistance, TwistingResistance};
 pub use material::Material;
 pub use normal::{normal_force, NormalConstants, NormalForce, NormalKinds};
 pub use parameters::{FactorForm, LawParameters, Normal, ParameterError};

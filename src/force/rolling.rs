@@ -32,6 +32,7 @@ choices! {
 
 /// The constants of `rolling sds`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct RollingConstants {
     /// `k_roll`, force/length.
     pub stiffness: f64,

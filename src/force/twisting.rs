@@ -41,6 +41,7 @@ choices! {
 
 /// What resists the twist of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct TwistSpring {
     /// Torque over angle.
     pub stiffness: f64,

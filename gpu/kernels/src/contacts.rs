@@ -40,7 +40,8 @@ pub struct Scene<'a> {
     pub inverse_masses: &'a [f64],
     /// Their identifiers in the engine, which a ghost shares with its grain: of a pair, the grain with the lower one comes first.
     pub identifiers: &'a [i32],
-    /// The laws of all pairs of types, row by row. None of them has `factors hale`.
+    /// The laws of all pairs of types, row by row. None of them has `factors hale`, or resists rolling or
+    /// twisting.
     pub laws: &'a [PairLaw],
     /// Number of types.
     pub type_count: u32,
