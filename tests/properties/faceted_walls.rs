@@ -39,7 +39,7 @@ fn felt(laws: &Laws, b: &Body, surfaces: impl Iterator<Item = WallSurface>) -> F
     for wall in surfaces {
         let contact = StagedContact::of_wall(&i, &wall).expect("touching");
         let f = contact
-            .normal_force(laws.get(1, 1), b.mass)
+            .normal_force(laws.get(1, 1), b.mass, 0.0)
             .unwrap_or_else(|_| panic!("factors"));
         sum.energy += f.elastic_energy;
         sum.force -= vector(f.force);

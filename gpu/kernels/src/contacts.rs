@@ -370,15 +370,19 @@ fn with_safeguards<K: Kind>(
             part(layout, history, touched, normal.filter(|_| searched));
             None
         }
-        Pair::Touching(found) => Some(law_of_pair::<true, true, true>(
-            law,
-            &found,
-            [&a, &b],
-            layout,
-            history,
-            touched,
-            cached,
-            &scene.step,
-        )),
+        Pair::Touching(found) => {
+            // Nothing resists rolling or twisting: the couple is none.
+            let (forces, _) = law_of_pair::<true, true, true>(
+                law,
+                &found,
+                [&a, &b],
+                layout,
+                history,
+                touched,
+                cached,
+                &scene.step,
+            );
+            Some(forces)
+        }
     }
 }
