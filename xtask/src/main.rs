@@ -19,6 +19,7 @@ mod law_tables;
 mod library;
 mod liggghts;
 mod liggghts_make_auto;
+mod mpi;
 mod packed_grains;
 #[path = "../../tests/support/pages.rs"]
 mod pages;
@@ -179,6 +180,6 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::LiggghtsSource => liggghts::source_tree(),
         Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),
         Artefact::Library => library::library(),
-        Artefact::Mpirun => setup::mpirun(),
+        Artefact::Mpirun => mpi::mpirun(),
     }
 }

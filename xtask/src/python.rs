@@ -9,7 +9,7 @@ use anyhow::Result;
 use crate::progress::say;
 use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{install, process, setup};
+use crate::{install, mpi, process};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -79,8 +79,8 @@ fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
         if let Some((lammps, plugin)) = engine {
             command
                 .env("ELLGRAN_TEST_LAMMPS", lammps)
-                .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
-                .envs(setup::mpirun_environment());
+                .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin);
+            mpi::let_ranks_share_cores(&mut command)?;
         }
         process::run_open(&mut command)?;
     }

@@ -11,8 +11,8 @@ use anyhow::{bail, Context, Result};
 use crate::pages::blocks;
 use crate::process::{output_of, run_visible};
 use crate::progress::{human_time, say};
-use crate::setup;
 use crate::workspace::{root, target_directory};
+use crate::{mpi, setup};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -179,7 +179,7 @@ fn wheel(tree: &Path, scratch: &Path, output: &Path) -> Result<PathBuf> {
         command
             .current_dir(&directory)
             .env("OMP_NUM_THREADS", "1")
-            .envs(setup::mpirun_environment());
+            .envs(mpi::mpirun_environment());
         command
     };
     output_of(

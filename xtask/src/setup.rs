@@ -3,7 +3,7 @@
 
 use std::process::{Command, Stdio};
 
-use anyhow::{bail, Context, Result};
+use anyhow::{bail, Result};
 
 use crate::process::{find_program, output_of, run_visible};
 use crate::progress::say;
@@ -189,21 +189,6 @@ fn provide(needs: &[Need]) -> Result<()> {
             need.package
         ),
     }
-}
-
-/// The launcher of parallel runs.
-pub fn mpirun() -> Result<std::path::PathBuf> {
-    find_program("mpirun").context("mpirun is not on PATH")
-}
-
-/// Open MPI refuses to run as root, and more ranks than cores, unless told otherwise; others ignore these.
-pub fn mpirun_environment() -> [(&'static str, &'static str); 4] {
-    [
-        ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
-        ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
-        ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
-        ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
-    ]
 }
 
 fn apt_get() -> Command {

@@ -11,8 +11,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, gpu, header, install, lammps, liggghts, plugin, python, report, rooms,
-    setup, site, validate, vtk, wheel,
+    aarch64, bench, demo, gpu, header, install, lammps, liggghts, mpi, plugin, python, report,
+    rooms, setup, site, validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -308,7 +308,7 @@ fn with_engine(mut command: Command, (binary, plugin, _, headers): &Engine) -> R
         .env("ELLGRAN_TEST_LAMMPS", binary)
         .env("ELLGRAN_TEST_LAMMPS_PLUGIN", plugin)
         .env("ELLGRAN_TEST_LAMMPS_HEADERS", headers)
-        .env("ELLGRAN_TEST_MPIRUN", setup::mpirun()?)
-        .envs(setup::mpirun_environment());
+        .env("ELLGRAN_TEST_MPIRUN", mpi::mpirun()?);
+    mpi::let_ranks_share_cores(&mut command)?;
     Ok(command)
 }

@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 use crate::progress::{human_time, say};
 use crate::python_environment::Environment;
 use crate::workspace::root;
-use crate::{lammps, liggghts, plugin, process, python};
+use crate::{lammps, liggghts, mpi, plugin, process, python};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -111,6 +111,7 @@ pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> 
                     .env("ELLGRAN_LAMMPS", source.binary()?)
                     .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
                     .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+                mpi::let_ranks_share_cores(&mut compare)?;
             }
             if comparison.needs_liggghts() {
                 compare.env("ELLGRAN_LIGGGHTS", liggghts::binary()?);

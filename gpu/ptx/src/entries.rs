@@ -3,6 +3,7 @@
 //! number of grains first; arrays are a pointer and a length in elements.
 
 use crate::memory::{entries, Parts, Shared};
+use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, MotionChange, Step};
 use ellgran::force::PairLaw;
 use ellgran::geometry::Plane;
@@ -46,7 +47,12 @@ impl SceneArrays {
             identifiers: self.identifiers.all(),
             laws: self.laws.all(),
             type_count: self.type_count,
-            layout: HistoryLayout::new(self.cached_normal != 0, friction, self.rescaled != 0),
+            layout: HistoryLayout::new(Remembers {
+                normal: self.cached_normal != 0,
+                tangential: friction,
+                energy: self.rescaled != 0,
+                ..Remembers::default()
+            }),
             step: Step {
                 time_step: self.time_step,
                 advance_history: self.advance_history != 0,

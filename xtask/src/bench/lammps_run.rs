@@ -8,7 +8,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, output_of};
 use crate::progress::say;
-use crate::{lammps, plugin, setup, workspace};
+use crate::{lammps, mpi, plugin, workspace};
 
 pub struct Lammps {
     pub binary: PathBuf,
@@ -81,11 +81,11 @@ impl Lammps {
         let mut command = match ranks {
             1 => on_one_core(self.taskset.as_deref(), &self.binary),
             _ => {
-                let mut command = Command::new(setup::mpirun()?);
+                let mut command = Command::new(mpi::mpirun()?);
                 command
                     .args(["-np", &ranks.to_string()])
                     .arg(&self.binary)
-                    .envs(setup::mpirun_environment());
+                    .envs(mpi::mpirun_environment());
                 command
             }
         };

@@ -115,7 +115,7 @@ pub fn page(figures: &Figures) -> String {
          atomic operation is needed, and two runs give the same bits.\n\
          - Each pair is computed twice. Both threads put the grain with the lower identifier first, so they find the same force to the last bit.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
-         every safeguard. That kernel needs 17 kB of memory a thread.\n\
+         every safeguard. That kernel needs 18 kB of memory a thread.\n\
          - `factors hale`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\n\
          `cargo test -p ellgran-kernels` runs the kernels on the host, index by index, and compares loads and histories with the \
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \
