@@ -61,6 +61,13 @@ fn both_versions_split_and_restarted_runs_go_on_in_company() {
         scene.boundary = "p p p".into();
         scene
     };
+    // LAMMPS computes the forces at the start of a run in the box of the next step, those within a run in the box of this one. With
+    // 'fix deform' a contact across the boundary is therefore another one in a split run, under any integrator.
+    let not_across_x = |mut scene: Scene| {
+        scene.low[0] -= 0.03;
+        scene.high[0] += 0.03;
+        scene
+    };
     let move_all = "fix step all nve/ellipsoid";
     let parts = ["group a id 1:20", "group b subtract all a"];
     let of_b = "fix step b nve/ellipsoid";
@@ -107,7 +114,7 @@ fn both_versions_split_and_restarted_runs_go_on_in_company() {
         ),
         (
             "deform",
-            crowded(),
+            not_across_x(crowded()),
             vec!["fix squeeze all deform 1 x trate -10.0 remap v", move_all],
             &[],
         ),
