@@ -10,7 +10,7 @@
  * failure no output is written.
  *
  * Words: the history of a contact is all that is kept of it from step to step; its tangential part is called the tangential
- * memory.  The memory of a wall holds the histories of a particle's contacts with it.
+ * memory.  A wall holds the histories of each particle's contacts with it.
  */
 
 #ifndef ELLGRAN_H
@@ -728,7 +728,7 @@ typedef struct EllgranFoundWallContact {
    */
   int32_t touched;
   /*
-   1 if it begins anew in each step, since the memory has no room for as many contacts of one particle.
+   1 if it begins anew in each step, since the histories have no room for as many contacts of one particle.
    */
   int32_t is_forgotten;
   /*
@@ -1599,9 +1599,9 @@ typedef struct EllgranWallSurface {
 /*
  State of a contact at the last step, and its coefficient of friction.
  */
-typedef struct EllgranStagedPast {
+typedef struct EllgranStagedHistory {
   /*
-   `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+   `sizeof(EllgranStagedHistory)`; `ELLGRAN_INIT` sets it.
    */
   size_t size;
   /*
@@ -1616,7 +1616,7 @@ typedef struct EllgranStagedPast {
    Unit normal at the last step; changes sign when the two bodies are exchanged.
    */
   double normal[3];
-} EllgranStagedPast;
+} EllgranStagedHistory;
 
 /*
  Springs and dashpots that are equivalent to a contact for small motions about its present state. Where the bodies do not
@@ -1745,8 +1745,8 @@ int32_t ellgran_wall_lend_triangles(struct EllgranWall *wall,
  # Safety
  `wall` is NULL or valid.
  */
-size_t ellgran_wall_found_memory_length(const struct EllgranWall *wall,
-                                        size_t history_length);
+size_t ellgran_wall_found_histories_length(const struct EllgranWall *wall,
+                                           size_t history_length);
 
 /*
  Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
@@ -1754,7 +1754,7 @@ size_t ellgran_wall_found_memory_length(const struct EllgranWall *wall,
  and `ellgran_remember_wall_contacts` writes what their histories have become.
 
  Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
- `ellgran_compute_wall`. `memory` is [owned_count][`ellgran_wall_found_memory_length`] (NULL if that is 0), set to 0 by the caller
+ `ellgran_compute_wall`. `histories` is [owned_count][`ellgran_wall_found_histories_length`] (NULL if that is 0), set to 0 by the caller
  before a particle's first call, and is not written here. The histories are the engine's own: where the wall turns, it is the engine that turns
  them.
 
@@ -1768,7 +1768,7 @@ int32_t ellgran_find_wall_contacts(struct EllgranWorkspace *workspace,
                                    int32_t group_mask,
                                    const struct EllgranWallMotion *motion,
                                    size_t history_length,
-                                   const double *memory);
+                                   const double *histories);
 
 /*
  Number of contacts that were found last; 0 for NULL.
@@ -1801,17 +1801,17 @@ int32_t ellgran_staged_found(struct EllgranStagedContact *staged,
                              struct EllgranStagedGeometry *geometry);
 
 /*
- Writes to `memory` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
+ Writes to `histories` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
  are those of that call. Of particles that do not touch nothing is remembered any more.
 
  # Safety
- The pointers are NULL or valid; `memory` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
+ The pointers are NULL or valid; `histories` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
  */
 int32_t ellgran_remember_wall_contacts(const struct EllgranWall *wall,
                                        size_t owned_count,
                                        const int32_t *masks,
                                        int32_t group_mask,
-                                       double *memory);
+                                       double *histories);
 
 /*
  Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants
@@ -2230,7 +2230,7 @@ void ellgran_wall_free(struct EllgranWall *wall);
 
 /*
  Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
- ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+ ends; as a solid with a flat end, particles outside, it is one part in all. After it, histories that a caller keeps are those of another wall: set them to 0.
 
  # Safety
  The pointers are NULL or valid; `shape->name` ends with NUL.
@@ -2280,19 +2280,19 @@ size_t ellgran_wall_part_count(const struct EllgranWall *wall);
  # Safety
  The pointers are NULL or valid.
  */
-size_t ellgran_wall_memory_length(const struct EllgranWall *wall,
-                                  const struct EllgranLaws *laws);
+size_t ellgran_wall_histories_length(const struct EllgranWall *wall,
+                                     const struct EllgranLaws *laws);
 
 /*
  How many of the doubles of one particle, from the first on, are in use: what a caller needs to carry along with the particle, the
  rest is zero. 0 for NULL.
 
  # Safety
- The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
+ The pointers are NULL or valid; `histories` has `ellgran_wall_histories_length` doubles.
  */
-size_t ellgran_wall_memory_used(const struct EllgranWall *wall,
-                                const struct EllgranLaws *laws,
-                                const double *memory);
+size_t ellgran_wall_histories_used(const struct EllgranWall *wall,
+                                   const struct EllgranLaws *laws,
+                                   const double *histories);
 
 /*
  Forces and torques between all owned particles and a wall, added to the particles' arrays.
@@ -2300,7 +2300,7 @@ size_t ellgran_wall_memory_used(const struct EllgranWall *wall,
  Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
  The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
  type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
- group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
+ group_mask` not zero. `histories` is [owned_count][`ellgran_wall_histories_length`] (NULL if that is 0): set to 0 by the caller
  before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
  a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
 
@@ -2317,7 +2317,7 @@ int32_t ellgran_compute_wall(const struct EllgranLaws *laws,
                              int32_t group_mask,
                              int32_t wall_type,
                              const struct EllgranWallMotion *motion,
-                             double *memory,
+                             double *histories,
                              const struct EllgranStep *step,
                              struct EllgranWallLoad *load,
                              struct EllgranTallies *tallies);
@@ -2646,7 +2646,7 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
 
 /*
  Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
- of `past`.
+ of `history`.
 
  `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
  keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
@@ -2661,7 +2661,7 @@ int32_t ellgran_staged_tangential(const struct EllgranStagedContact *staged,
                                   int32_t type_j,
                                   double effective_mass,
                                   const struct EllgranStep *step,
-                                  const struct EllgranStagedPast *past,
+                                  const struct EllgranStagedHistory *history,
                                   double *memory,
                                   struct EllgranContactForce *force);
 
@@ -2678,7 +2678,7 @@ int32_t ellgran_staged_forces(const struct EllgranStagedContact *staged,
                               int32_t type_j,
                               double effective_mass,
                               const struct EllgranStep *step,
-                              const struct EllgranStagedPast *past,
+                              const struct EllgranStagedHistory *history,
                               double *memory,
                               struct EllgranContactForce *force);
 

@@ -167,7 +167,7 @@ void EllgranGrainPlacement::make_wall()
     check(ellgran_laws_new(1, &parameters, &is_set, ELLGRAN_OPTION_NO_WARM_START, &wall_laws));
     check(ellgran_workspace_new(&workspace));
   }
-  wall_memory.assign(ellgran_wall_memory_length(wall, wall_laws), 0.0);
+  wall_histories.assign(ellgran_wall_histories_length(wall, wall_laws), 0.0);
 }
 
 bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain)
@@ -191,9 +191,9 @@ bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain)
   one.forces = force;
   one.torques = torque;
   const EllgranStep step = ELLGRAN_INIT(EllgranStep);
-  std::fill(wall_memory.begin(), wall_memory.end(), 0.0);
+  std::fill(wall_histories.begin(), wall_histories.end(), 0.0);
   check(ellgran_compute_wall(wall_laws, workspace, wall, &one, nullptr, 0, 1, nullptr,
-                             wall_memory.empty() ? nullptr : wall_memory.data(), &step, nullptr, nullptr));
+                             wall_histories.empty() ? nullptr : wall_histories.data(), &step, nullptr, nullptr));
   return ellgran_wall_recorded_count(wall) > 0;
 }
 

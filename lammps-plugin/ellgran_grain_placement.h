@@ -79,7 +79,7 @@ class EllgranGrainPlacement : protected Pointers {
   EllgranWall *wall = nullptr;
   EllgranLaws *wall_laws = nullptr;
   EllgranWorkspace *workspace = nullptr;
-  std::vector<double> wall_memory;
+  std::vector<double> wall_histories;
 
   // Grains by the cells that their enclosing balls reach into.
   std::vector<Present> present;

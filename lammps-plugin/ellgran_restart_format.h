@@ -2,7 +2,7 @@
 /// The versions of what this plugin writes into LAMMPS' restart files. They have nothing to do with the version of the binary
 /// interface of the library. Raise a version, and keep the code that reads the older ones, when
 ///
-/// - a value is added, removed or moved, in the global data, in the histories or in the memory of a wall;
+/// - a value is added, removed or moved, in the global data, in the histories or in those of a wall;
 /// - a value changes its meaning, for example the unit or the frame of a number of a history.
 ///
 /// tests/restart_files has a file of each version, and tests/lammps/restart_files.rs reads them all.
@@ -25,7 +25,7 @@ constexpr int PAIR_MARK = 0x524c4547;
 constexpr int PAIR_FORMAT = 2;
 constexpr int WRITER_LENGTH = 32;
 
-/// fix wall/gran/ellipsoid: its global values, and the memory of its contacts per atom.
+/// fix wall/gran/ellipsoid: its global values, and the histories of its contacts per atom.
 ///
 /// | version | global values, all of type double |
 /// |---|---|

@@ -69,8 +69,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
-    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), memory_length(0),
-    contact_memory(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
+    contact_histories(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false)
 {
@@ -86,7 +86,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   iarg = parse_wall(iarg, narg, arg);
   parse_keywords(iarg, narg, arg);
   check_periodicity();
-  memory_length = static_cast<int>(ellgran_wall_memory_length(wall, laws));
+  histories_length = static_cast<int>(ellgran_wall_histories_length(wall, laws));
 
   scalar_flag = vector_flag = 1;
   extscalar = 1;
@@ -99,8 +99,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   create_attribute = 1;
   restart_global = 1;
   time_depend = wiggles ? 1 : 0;
-  restart_peratom = (memory_length > 0) ? 1 : 0;
-  maxexchange = 1 + memory_length;
+  restart_peratom = (histories_length > 0) ? 1 : 0;
+  maxexchange = 1 + histories_length;
   if (tells_contacts) {
     local_flag = 1;
     size_local_rows = 0;
@@ -119,7 +119,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
 {
   atom->delete_callback(id, Atom::GROW);
   if (restart_peratom) atom->delete_callback(id, Atom::RESTART);
-  memory->destroy(contact_memory);
+  memory->destroy(contact_histories);
   delete[] extlist;
   ellgran_wall_free(wall);
   ellgran_laws_free(laws);
@@ -475,7 +475,7 @@ void FixWallGranEllipsoid::init()
   if (!region_id.empty() && !domain->get_region_by_id(region_id))
     error->all(FLERR, "{} {}: region {} does not exist any more", CALLER, id, region_id);
   atoms.require_shapes(groupbit);
-  refuse_styles(lmp, CALLER, memory_length > 0);
+  refuse_styles(lmp, CALLER, histories_length > 0);
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
   rotation_rate.require_variable(lmp);
   if (servo) servo->require_variables();
@@ -666,7 +666,7 @@ void FixWallGranEllipsoid::post_force(int)
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
-                               contact_memory ? contact_memory[0] : nullptr, &step, &load, &tallies));
+                               contact_histories ? contact_histories[0] : nullptr, &step, &load, &tallies));
   }
   if (tells_contacts) tell_contacts();
   if (writes_triangles) write_triangle_file(motion);
@@ -813,69 +813,69 @@ double FixWallGranEllipsoid::memory_usage()
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
   bytes += static_cast<double>(contact_masses.capacity() + inelastic_loads.capacity()) * sizeof(double);
   bytes += static_cast<double>(contact_values.capacity()) * sizeof(double);
-  return bytes + static_cast<double>(atom->nmax) * memory_length * sizeof(double);
+  return bytes + static_cast<double>(atom->nmax) * histories_length * sizeof(double);
 }
 
 void FixWallGranEllipsoid::grow_arrays(int nmax)
 {
-  if (memory_length > 0) memory->grow(contact_memory, nmax, memory_length, "wall/gran/ellipsoid:contact_memory");
+  if (histories_length > 0) memory->grow(contact_histories, nmax, histories_length, "wall/gran/ellipsoid:contact_histories");
 }
 
 void FixWallGranEllipsoid::copy_arrays(int i, int j, int)
 {
-  if (memory_length > 0) std::copy_n(contact_memory[i], memory_length, contact_memory[j]);
+  if (histories_length > 0) std::copy_n(contact_histories[i], histories_length, contact_histories[j]);
 }
 
 void FixWallGranEllipsoid::set_arrays(int i)
 {
-  if (memory_length > 0) std::fill_n(contact_memory[i], memory_length, 0.0);
+  if (histories_length > 0) std::fill_n(contact_histories[i], histories_length, 0.0);
 }
 
-/* What of an atom's memory is in use, and its length before it. */
+/* What of an atom's histories is in use, and its length before it. */
 
 int FixWallGranEllipsoid::pack_exchange(int i, double *buffer)
 {
-  if (memory_length == 0) return 0;
-  const int used = static_cast<int>(ellgran_wall_memory_used(wall, laws, contact_memory[i]));
+  if (histories_length == 0) return 0;
+  const int used = static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
   buffer[0] = used;
-  std::copy_n(contact_memory[i], used, buffer + 1);
+  std::copy_n(contact_histories[i], used, buffer + 1);
   return 1 + used;
 }
 
 int FixWallGranEllipsoid::unpack_exchange(int nlocal, double *buffer)
 {
-  if (memory_length == 0) return 0;
+  if (histories_length == 0) return 0;
   const int used = static_cast<int>(buffer[0]);
-  double *const end = std::copy_n(buffer + 1, used, contact_memory[nlocal]);
-  std::fill(end, contact_memory[nlocal] + memory_length, 0.0);
+  double *const end = std::copy_n(buffer + 1, used, contact_histories[nlocal]);
+  std::fill(end, contact_histories[nlocal] + histories_length, 0.0);
   return 1 + used;
 }
 
 int FixWallGranEllipsoid::size_restart(int i)
 {
-  if (memory_length == 0) return 0;
-  return 2 + static_cast<int>(ellgran_wall_memory_used(wall, laws, contact_memory[i]));
+  if (histories_length == 0) return 0;
+  return 2 + static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
 }
 
 int FixWallGranEllipsoid::maxsize_restart()
 {
-  return (memory_length == 0) ? 0 : 2 + memory_length;
+  return (histories_length == 0) ? 0 : 2 + histories_length;
 }
 
 int FixWallGranEllipsoid::pack_restart(int i, double *buffer)
 {
-  if (memory_length == 0) return 0;
+  if (histories_length == 0) return 0;
   buffer[0] = 1 + pack_exchange(i, buffer + 1);
   return static_cast<int>(buffer[0]);
 }
 
 void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 {
-  if (memory_length == 0) return;
+  if (histories_length == 0) return;
   double *extra = atom->extra[nlocal];
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   const int used = static_cast<int>(extra[0]) - 2;
-  if (used < 0 || used > memory_length || extra[1] != used)
+  if (used < 0 || used > histories_length || extra[1] != used)
     error->one(FLERR,
                "{} {}: the restart file keeps other values per contact: give the fix the law and the wall that it had, or "
                "another ID",

@@ -103,8 +103,8 @@ class FixWallGranEllipsoid : public Fix {
   class FixNVEEllipsoid *velocities_of_step;          // nullptr: forces see those of the half step
 
   // What is remembered of the contacts of each atom, one row per atom
-  int memory_length;
-  double **contact_memory;
+  int histories_length;
+  double **contact_histories;
 
   // The contacts, one row each, if asked for
   bool tells_contacts;

@@ -127,7 +127,7 @@ fn rigid_walls_allocate_while_they_meet_more_alone() {
             ok(ellgran_wall_add_shape(wall, &shape));
             ok(ellgran_wall_add_triangles(wall, 2, floor.as_ptr().cast()));
             ok(ellgran_wall_record_contacts(wall, 1));
-            ellgran_wall_memory_length(wall, laws.0)
+            ellgran_wall_histories_length(wall, laws.0)
         };
         let mut memory = vec![0.0; OWNED * length];
         let mut tallies = no_tallies();

@@ -107,7 +107,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     tangential_is_tfd(false),
     displacement_is_total(false),
     friction(NULL),
-    past(ELLGRAN_INIT(EllgranStagedPast)),
+    history(ELLGRAN_INIT(EllgranStagedHistory)),
     memory_offset(-1),
     lmp(lmp_),
     model(model_),

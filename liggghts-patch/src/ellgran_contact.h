@@ -48,7 +48,7 @@ struct EllgranContact {
   double **friction;             // coefficients per pair of types, of tangential tfd
 
   // of the contact at hand, set by whoever stages it
-  EllgranStagedPast past;
+  EllgranStagedHistory history;
   int memory_offset;             // of the tangential displacement in the history, of tangential tfd
 
   // body of a particle of atom style superquadric, checked; of a sphere

@@ -8,11 +8,11 @@
  *   surface ellipsoid: unit normal of the last step (3 values), and for walls whether the contact touched (1);
  *   tangential tfd: what is remembered of the tangential displacement (3), and its energy (1) unless totalDisplacement is on;
  *     where the surface is not ellipsoid, the normal (3) and whether the contact touched (1).
- * A wall's memory is in fixes property/atom contacts_ID_1, contacts_ID_2, ...: for each contact a flag, the point from the
+ * The histories of a wall are in fixes property/atom contacts_ID_1, contacts_ID_2, ...: for each contact a flag, the point from the
  * particle's centre, the normal out of the wall, the history.
  *
  * Version 2. Histories of pairs as in version 1; those of walls do not begin with normal and flag. A wall's memory is in the
- * fix itself, as the library lays it out (src/walls/memory.rs).
+ * fix itself, as the library lays it out (src/walls/histories.rs).
  *
  * Raise VERSION when a value is added, removed, moved or changes its meaning, and keep the code that reads the older ones.
  * tests/restart_files has a file of each older version, and tests/liggghts/restart_files.rs reads them all.

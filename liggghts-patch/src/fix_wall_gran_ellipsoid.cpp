@@ -50,8 +50,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     FixWallGran(lmp, narg, arg),
     wall_(NULL),
     workspace_(NULL),
-    memory_length_(0),
-    memory_(NULL),
+    histories_length_(0),
+    histories_(NULL),
     crowded_(0),
     crowd_said_(false),
     row_(0)
@@ -74,7 +74,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     const EllgranLentTriangles none = ELLGRAN_INIT(EllgranLentTriangles);
     check(ellgran_wall_lend_triangles(wall_, &none));
   }
-  memory_length_ = ellgran_wall_found_memory_length(wall_, dnum_);
+  histories_length_ = ellgran_wall_found_histories_length(wall_, dnum_);
   restart_peratom = 1;
   create_attribute = 1;
   grow_arrays(atom->nmax);
@@ -87,7 +87,7 @@ FixWallGranEllipsoid::~FixWallGranEllipsoid()
 {
   atom->delete_callback(id, 0);
   atom->delete_callback(id, 1);
-  memory->destroy(memory_);
+  memory->destroy(histories_);
   ellgran_wall_free(wall_);
   ellgran_workspace_free(workspace_);
 }
@@ -126,49 +126,49 @@ void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters
 
 double FixWallGranEllipsoid::memory_usage()
 {
-  return static_cast<double>(atom->nmax) * memory_length_ * sizeof(double);
+  return static_cast<double>(atom->nmax) * histories_length_ * sizeof(double);
 }
 
 void FixWallGranEllipsoid::grow_arrays(int count)
 {
-  if (memory_length_ > 0) memory->grow(memory_, count, memory_length_, "wall/gran/ellipsoid:memory");
+  if (histories_length_ > 0) memory->grow(histories_, count, histories_length_, "wall/gran/ellipsoid:histories");
 }
 
 void FixWallGranEllipsoid::copy_arrays(int from, int to, int)
 {
-  if (memory_length_ > 0) vectorCopyN(memory_[from], memory_[to], memory_length_);
+  if (histories_length_ > 0) vectorCopyN(histories_[from], histories_[to], histories_length_);
 }
 
 void FixWallGranEllipsoid::set_arrays(int particle)
 {
-  if (memory_length_ > 0) vectorZeroizeN(memory_[particle], memory_length_);
+  if (histories_length_ > 0) vectorZeroizeN(histories_[particle], histories_length_);
 }
 
 int FixWallGranEllipsoid::pack_exchange(int particle, double *buffer)
 {
-  if (memory_length_ > 0) vectorCopyN(memory_[particle], buffer, memory_length_);
-  return memory_length_;
+  if (histories_length_ > 0) vectorCopyN(histories_[particle], buffer, histories_length_);
+  return histories_length_;
 }
 
 int FixWallGranEllipsoid::unpack_exchange(int particle, double *buffer)
 {
-  if (memory_length_ > 0) vectorCopyN(buffer, memory_[particle], memory_length_);
-  return memory_length_;
+  if (histories_length_ > 0) vectorCopyN(buffer, histories_[particle], histories_length_);
+  return histories_length_;
 }
 
 int FixWallGranEllipsoid::size_restart(int)
 {
-  return 1 + memory_length_;
+  return 1 + histories_length_;
 }
 
 int FixWallGranEllipsoid::maxsize_restart()
 {
-  return 1 + memory_length_;
+  return 1 + histories_length_;
 }
 
 int FixWallGranEllipsoid::pack_restart(int particle, double *buffer)
 {
-  buffer[0] = 1 + memory_length_;
+  buffer[0] = 1 + histories_length_;
   return 1 + pack_exchange(particle, buffer + 1);
 }
 
@@ -176,7 +176,7 @@ void FixWallGranEllipsoid::unpack_restart(int particle, int place)
 {
   double *extra = atom->extra[particle];
   for (int k = 0; k < place; k++) extra += static_cast<int>(*extra);
-  if (static_cast<int>(extra[0]) != 1 + memory_length_)
+  if (static_cast<int>(extra[0]) != 1 + histories_length_)
     error->fix_error(FLERR, this,
                      "the restart file keeps other values per contact: give the fix the models and the wall that it had, or another ID");
   unpack_exchange(particle, extra + 1);
@@ -184,23 +184,23 @@ void FixWallGranEllipsoid::unpack_restart(int particle, int place)
 
 void FixWallGranEllipsoid::post_create()
 {
-  // Histories are in our memory. LIGGGHTS keeps room for them too: none is needed for a primitive wall, and with a mesh, where it
+  // Histories are in our own arrays. LIGGGHTS keeps room for them too: none is needed for a primitive wall, and with a mesh, where it
   // counts contacts, it must have the size of format version 1, or LIGGGHTS refuses older restart files.
   const int history_length = dnum_;
   dnum_ = primitiveWall_ ? 0 : OLDER_BEGINNING + history_length;
   FixWallGran::post_create();
   dnum_ = history_length;
-  if (memory_length_ > 0 && modify->nfix_restart_peratom > 0) read_older_memory();
+  if (histories_length_ > 0 && modify->nfix_restart_peratom > 0) read_older_histories();
 }
 
-// Restart files of format version 1 (see fix_ellgran_restart_format.h) hold the memory of a wall in fixes property/atom, which are
+// Restart files of format version 1 (see fix_ellgran_restart_format.h) hold the histories of a wall in fixes property/atom, which are
 // made here for LIGGGHTS to fill them, and deleted.
-void FixWallGranEllipsoid::read_older_memory()
+void FixWallGranEllipsoid::read_older_histories()
 {
   // Of one record of a contact: head, then the history.
   const int head = 7;
   const int record = head + dnum_, older_record = head + OLDER_BEGINNING + dnum_;
-  const int records = (memory_length_ - 1) / record;
+  const int records = (histories_length_ - 1) / record;
   const int older_length = records * older_record;
   const int most_values = 20;  // of one such fix
   std::vector<double> older(static_cast<size_t>(atom->nlocal) * older_length, 0.0);
@@ -237,14 +237,14 @@ void FixWallGranEllipsoid::read_older_memory()
     for (int k = 0; k < records; k++) {
       const double *const from = &older[static_cast<size_t>(i) * older_length + k * older_record];
       if (from[0] == 0.0) continue;
-      double *const to = &memory_[i][1 + kept * record];
+      double *const to = &histories_[i][1 + kept * record];
       to[0] = 1.0;  // the wall's only part
       vectorCopy3D(&from[1], &to[1]);
       for (int c = 0; c < 3; c++) to[4 + c] = -from[4 + c];
       vectorCopyN(&from[head + OLDER_BEGINNING], &to[head], dnum_);
       kept++;
     }
-    memory_[i][0] = kept;
+    histories_[i][0] = kept;
   }
 }
 
@@ -321,8 +321,8 @@ void FixWallGranEllipsoid::act(EllgranContact &model, size_t index)
   }
   const int type = atom->type[i];
   check(ellgran_staged_found(model.staged, wall_, index, model.share(type, atom_type_wall_), &model.geometry));
-  model.past.touched = contact.touched;
-  vectorCopy3D(contact.last_normal, model.past.normal);
+  model.history.touched = contact.touched;
+  vectorCopy3D(contact.last_normal, model.history.normal);
 
   SurfacesIntersectData sidata;
   sidata.is_wall = true;
@@ -357,7 +357,7 @@ void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
   EllgranContact *const model = EllgranContact::of(this);
   const EllgranParticles particles = model->particles();
   check(ellgran_staged_set_time_step(model->staged, update->dt));
-  double *const remembered = memory_ ? memory_[0] : NULL;
+  double *const remembered = histories_ ? histories_[0] : NULL;
   check(ellgran_find_wall_contacts(workspace_, wall_, &particles, atom->mask, groupbit, motion, dnum_, remembered));
   const size_t count = ellgran_wall_found_count(wall_);
   for (size_t index = 0; index < count; index++) act(*model, index);

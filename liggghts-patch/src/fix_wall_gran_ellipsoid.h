@@ -72,8 +72,8 @@ class FixWallGranEllipsoid : public FixWallGran {
   // of a primitive wall: a point of it, or of its axis
   double point_[3];
   // what is remembered of the contacts of each particle
-  int memory_length_;
-  double **memory_;
+  int histories_length_;
+  double **histories_;
 
   // triangles near particles, as the library is told of them; kept between steps for their memory alone
   std::vector<Near> near_;
@@ -90,7 +90,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   int row_;
 
   void check(int32_t status) const;
-  void read_older_memory();
+  void read_older_histories();
   void add_shape(const char *style, const double *parameters);
   void lend_triangles();
   EllgranWallMotion motion_of_primitive() const;

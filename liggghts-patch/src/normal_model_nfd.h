@@ -103,9 +103,9 @@ public:
     if (contact->tangential_is_tfd && contact->surface_is_ellipsoid) {
       // both at once: tangential tfd has nothing to add
       const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
-      contact->past.friction = contact->friction[sidata.itype][sidata.jtype];
+      contact->history.friction = contact->friction[sidata.itype][sidata.jtype];
       contact->check(ellgran_staged_forces(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &step,
-                                           &contact->past, &sidata.contact_history[contact->memory_offset], &f));
+                                           &contact->history, &sidata.contact_history[contact->memory_offset], &f));
     } else
       contact->check(ellgran_staged_normal(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &f));
 

@@ -74,8 +74,8 @@ public:
   {
     sidata.is_non_spherical = true;
     double *const normal = &sidata.contact_history[normal_offset];
-    vectorCopy3D(normal, contact->past.normal);
-    contact->past.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
+    vectorCopy3D(normal, contact->history.normal);
+    contact->history.touched = *sidata.contact_flags & CONTACT_NORMAL_MODEL;
     contact->check(ellgran_staged_neighbours(contact->staged, sidata.i, sidata.j,
                                              contact->share(sidata.itype, sidata.jtype), normal, &contact->geometry));
     if (!contact->geometry.touching) {

@@ -83,13 +83,13 @@ public:
     // there model nfd has added this force to its own
     if (contact->surface_is_ellipsoid || !contact->geometry.touching) return;
     double *const own = &sidata.contact_history[own_offset];
-    vectorCopy3D(own, contact->past.normal);
-    contact->past.touched = own[3] != 0.0;
-    contact->past.friction = friction[sidata.itype][sidata.jtype];
+    vectorCopy3D(own, contact->history.normal);
+    contact->history.touched = own[3] != 0.0;
+    contact->history.friction = friction[sidata.itype][sidata.jtype];
     const EllgranStep step = contact->step(sidata.computeflag && sidata.shearupdate);
     EllgranContactForce f = ELLGRAN_INIT(EllgranContactForce);
     contact->check(ellgran_staged_tangential(contact->staged, contact->laws, sidata.itype, sidata.jtype, sidata.meff, &step,
-                                             &contact->past, &sidata.contact_history[memory_offset], &f));
+                                             &contact->history, &sidata.contact_history[memory_offset], &f));
     vectorCopy3D(contact->geometry.normal, own);
     own[3] = 1.0;
     for (int k = 0; k < 3; k++) {

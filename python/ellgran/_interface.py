@@ -437,7 +437,7 @@ class EllgranWallSurface(ctypes.Structure):
     ]
 
 
-class EllgranStagedPast(ctypes.Structure):
+class EllgranStagedHistory(ctypes.Structure):
     _fields_ = [
         ("size", ctypes.c_size_t),
         ("friction", ctypes.c_double),
@@ -464,7 +464,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_contact": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_contact_plane": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_lend_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
-    "ellgran_wall_found_memory_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_size_t]),
+    "ellgran_wall_found_histories_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_size_t]),
     "ellgran_find_wall_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_wall_found_count": (ctypes.c_size_t, [ctypes.c_void_p]),
     "ellgran_wall_found": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
@@ -508,8 +508,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_add_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_wall_add_stl": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_part_count": (ctypes.c_size_t, [ctypes.c_void_p]),
-    "ellgran_wall_memory_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p]),
-    "ellgran_wall_memory_used": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_histories_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_histories_used": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_compute_wall": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_part_force": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),

@@ -4,7 +4,7 @@
 use super::growing::{given, growing, Output};
 use super::particles::{identifier, EllgranParticles, EllgranWorkspace};
 use super::rigid_wall::{
-    chosen, memory_failure, motion_of, prepare_near, wrong, EllgranWall, EllgranWallMotion,
+    chosen, motion_of, prepare_near, wall_history_failure, wrong, EllgranWall, EllgranWallMotion,
 };
 use super::staged::{checked_share, EllgranStagedContact, EllgranStagedGeometry};
 use super::status::{at_border, required, required_mut, slice, slice_mut, Failure};
@@ -53,7 +53,7 @@ pub struct EllgranFoundWallContact {
     pub velocity: [f64; 3],
     /// 1 if the contact goes on from one of the last step.
     pub touched: i32,
-    /// 1 if it begins anew in each step, since the memory has no room for as many contacts of one particle.
+    /// 1 if it begins anew in each step, since the histories have no room for as many contacts of one particle.
     pub is_forgotten: i32,
     /// Normal from the particle into the wall at the last step, if `touched`.
     pub last_normal: [f64; 3],
@@ -108,12 +108,12 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
 /// # Safety
 /// `wall` is NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_found_memory_length(
+pub unsafe extern "C" fn ellgran_wall_found_histories_length(
     wall: *const EllgranWall,
     history_length: usize,
 ) -> usize {
     // SAFETY: promised by the caller.
-    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.memory_of(history_length).length())
+    unsafe { wall.as_ref() }.map_or(0, |w| w.wall.histories_of(history_length).length())
 }
 
 /// Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn ellgran_wall_found_memory_length(
 /// and `ellgran_remember_wall_contacts` writes what their histories have become.
 ///
 /// Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
-/// `ellgran_compute_wall`. `memory` is [owned_count][`ellgran_wall_found_memory_length`] (NULL if that is 0), set to 0 by the caller
+/// `ellgran_compute_wall`. `histories` is [owned_count][`ellgran_wall_found_histories_length`] (NULL if that is 0), set to 0 by the caller
 /// before a particle's first call, and is not written here. The histories are the engine's own: where the wall turns, it is the engine that turns
 /// them.
 ///
@@ -137,7 +137,7 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
     group_mask: i32,
     motion: *const EllgranWallMotion,
     history_length: usize,
-    memory: *const f64,
+    histories: *const f64,
 ) -> i32 {
     at_border("ellgran_find_wall_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
@@ -151,10 +151,10 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
         let motion = unsafe { motion_of(motion) }?;
         // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, p.owned_count) }?;
-        let layout = wall.memory_of(history_length);
-        // SAFETY: `memory` is NULL or valid for reads of `p.owned_count * layout.length()` elements, by this
+        let layout = wall.histories_of(history_length);
+        // SAFETY: `histories` is NULL or valid for reads of `p.owned_count * layout.length()` elements, by this
         // function's safety section.
-        let memory = unsafe { slice(memory, p.owned_count * layout.length(), "memory") }?;
+        let histories = unsafe { slice(histories, p.owned_count * layout.length(), "histories") }?;
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on) }?;
         let places = Places {
@@ -167,8 +167,8 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
             },
             frame: Frame::World,
         };
-        wall.find_contacts(&places, layout, None, memory)
-            .map_err(|e| memory_failure(p, &e))?;
+        wall.find_contacts(&places, layout, None, histories)
+            .map_err(|e| wall_history_failure(p, &e))?;
         names.extend(wall.found().all().iter().map(|c| identifier(p, c.particle)));
         Ok(())
     })
@@ -258,34 +258,37 @@ pub unsafe extern "C" fn ellgran_staged_found(
     })
 }
 
-/// Writes to `memory` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
+/// Writes to `histories` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
 /// are those of that call. Of particles that do not touch nothing is remembered any more.
 ///
 /// # Safety
-/// The pointers are NULL or valid; `memory` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
+/// The pointers are NULL or valid; `histories` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_remember_wall_contacts(
     wall: *const EllgranWall,
     owned_count: usize,
     masks: *const i32,
     group_mask: i32,
-    memory: *mut f64,
+    histories: *mut f64,
 ) -> i32 {
     at_border("ellgran_remember_wall_contacts", || {
         // SAFETY: promised by the caller, for all of this function.
         let found = unsafe { required(wall, "wall") }?.wall.found();
         // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, owned_count) }?;
-        let length = owned_count * found.memory_length();
+        let length = owned_count * found.histories_length();
         if let Some(c) = found.all().last().filter(|c| c.particle >= owned_count) {
             return Err(wrong(format!(
                 "owned_count = {owned_count}: there is a contact of particle {}",
                 c.particle
             )));
         }
-        // SAFETY: `memory` is NULL or valid for reads and writes of `length` elements, and not aliased, by this
+        // SAFETY: `histories` is NULL or valid for reads and writes of `length` elements, and not aliased, by this
         // function's safety section.
-        found.remember(unsafe { slice_mut(memory, length, "memory") }?, &acts_on);
+        found.remember(
+            unsafe { slice_mut(histories, length, "histories") }?,
+            &acts_on,
+        );
         Ok(())
     })
 }

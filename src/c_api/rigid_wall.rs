@@ -19,7 +19,7 @@ use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, stl, write_triangle_loads, End, Mesh, Motion, ShapeParameters, Side,
-    TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongMemory,
+    TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -253,7 +253,7 @@ pub unsafe extern "C" fn ellgran_wall_free(wall: *mut EllgranWall) {
 }
 
 /// Adds a shape to a wall. A cylinder or a cone is one part, with parts of their own for its flat ends and then for the rims of its
-/// ends; as a solid with a flat end, particles outside, it is one part in all. After it, memory of the wall that a caller keeps is that of another wall: set it to 0.
+/// ends; as a solid with a flat end, particles outside, it is one part in all. After it, histories that a caller keeps are those of another wall: set them to 0.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `shape->name` ends with NUL.
@@ -373,13 +373,13 @@ pub unsafe extern "C" fn ellgran_wall_part_count(wall: *const EllgranWall) -> us
 /// # Safety
 /// The pointers are NULL or valid.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_memory_length(
+pub unsafe extern "C" fn ellgran_wall_histories_length(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
 ) -> usize {
     // SAFETY: promised by the caller.
     match unsafe { (wall.as_ref(), laws.as_ref()) } {
-        (Some(wall), Some(laws)) => wall.wall.memory(&laws.laws).length(),
+        (Some(wall), Some(laws)) => wall.wall.histories(&laws.laws).length(),
         _ => 0,
     }
 }
@@ -388,20 +388,20 @@ pub unsafe extern "C" fn ellgran_wall_memory_length(
 /// rest is zero. 0 for NULL.
 ///
 /// # Safety
-/// The pointers are NULL or valid; `memory` has `ellgran_wall_memory_length` doubles.
+/// The pointers are NULL or valid; `histories` has `ellgran_wall_histories_length` doubles.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_memory_used(
+pub unsafe extern "C" fn ellgran_wall_histories_used(
     wall: *const EllgranWall,
     laws: *const EllgranLaws,
-    memory: *const f64,
+    histories: *const f64,
 ) -> usize {
     // SAFETY: promised by the caller.
-    match unsafe { (wall.as_ref(), laws.as_ref(), memory.is_null()) } {
+    match unsafe { (wall.as_ref(), laws.as_ref(), histories.is_null()) } {
         (Some(wall), Some(laws), false) => {
-            let layout = wall.wall.memory(&laws.laws);
+            let layout = wall.wall.histories(&laws.laws);
             // SAFETY: promised by the caller.
-            let memory = unsafe { core::slice::from_raw_parts(memory, layout.length()) };
-            layout.used(memory)
+            let histories = unsafe { core::slice::from_raw_parts(histories, layout.length()) };
+            layout.used(histories)
         }
         _ => 0,
     }
@@ -474,8 +474,8 @@ pub(super) unsafe fn prepare_near(
     unsafe { prepare(p, owned, laws, workspace, Purpose::Chosen(wall.near())) }
 }
 
-/// The message of a memory that holds what no call has written.
-pub(super) fn memory_failure(p: &EllgranParticles, wrong: &WrongMemory) -> Failure {
+/// The message of histories that hold what no call has written.
+pub(super) fn wall_history_failure(p: &EllgranParticles, wrong: &WrongHistory) -> Failure {
     history_failure(
         identifier(p, wrong.particle),
         None,
@@ -489,7 +489,7 @@ pub(super) fn memory_failure(p: &EllgranParticles, wrong: &WrongMemory) -> Failu
 /// Every place where a particle touches is a contact: a needle across a cylinder has two, a grain in the corner of a box three.
 /// The curvature of the wall is in the contact ellipse, negative in a cavity. Contacts follow the law between the particle's
 /// type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
-/// group_mask` not zero. `memory` is [owned_count][`ellgran_wall_memory_length`] (NULL if that is 0): set to 0 by the caller
+/// group_mask` not zero. `histories` is [owned_count][`ellgran_wall_histories_length`] (NULL if that is 0): set to 0 by the caller
 /// before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
 /// a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
 ///
@@ -508,7 +508,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
     group_mask: i32,
     wall_type: i32,
     motion: *const EllgranWallMotion,
-    memory: *mut f64,
+    histories: *mut f64,
     step: *const EllgranStep,
     load: *mut EllgranWallLoad,
     tallies: *mut EllgranTallies,
@@ -528,16 +528,16 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         // SAFETY: `load` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut of_load = unsafe { Output::optional(load, "load") }?;
         let owned = p.owned_count;
-        let length = wall.memory(laws).length();
+        let length = wall.histories(laws).length();
         // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, owned) }?;
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on) }?;
         let mut output = WallOutput {
             acts_on: &acts_on,
-            // SAFETY: `memory` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
+            // SAFETY: `histories` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
             // by this function's safety section.
-            memory: unsafe { slice_mut(memory, owned * length, "memory") }?,
+            histories: unsafe { slice_mut(histories, owned * length, "histories") }?,
             // SAFETY: `forces` is NULL or valid for reads and writes of `owned` elements, and not aliased, as
             // `EllgranParticles` demands.
             forces: unsafe { slice_mut(p.forces.cast::<[f64; 3]>(), owned, "forces") }?,
@@ -566,7 +566,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 WallError::Hale { particle, ratio } => {
                     hale_failure(identifier(p, particle), None, ratio)
                 }
-                WallError::Memory(wrong) => memory_failure(p, &wrong),
+                WallError::History(wrong) => wall_history_failure(p, &wrong),
             })?;
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
             // SAFETY: promised by the caller.

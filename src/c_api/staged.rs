@@ -14,7 +14,7 @@ use super::status::{
 };
 use crate::contact::pair::HaleRatio;
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
-use crate::contact::staged::{Past, StagedContact, WallSurface};
+use crate::contact::staged::{StagedContact, StagedHistory, WallSurface};
 use crate::contact::{ContactForces, HistoryLayout, Step};
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
@@ -162,8 +162,8 @@ growing!(EllgranStagedGeometry);
 /// State of a contact at the last step, and its coefficient of friction.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct EllgranStagedPast {
-    /// `sizeof(EllgranStagedPast)`; `ELLGRAN_INIT` sets it.
+pub struct EllgranStagedHistory {
+    /// `sizeof(EllgranStagedHistory)`; `ELLGRAN_INIT` sets it.
     pub size: usize,
     /// Coefficient of friction of the pair of types.
     pub friction: f64,
@@ -173,7 +173,7 @@ pub struct EllgranStagedPast {
     pub normal: [f64; 3],
 }
 
-growing!(EllgranStagedPast);
+growing!(EllgranStagedHistory);
 
 /// State of a contact between its stages. Opaque. One is enough for any number of contacts, one after the other; threads
 /// need one each.
@@ -569,7 +569,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 }
 
 /// Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
-/// of `past`.
+/// of `history`.
 ///
 /// `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
 /// keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
@@ -586,14 +586,14 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
     type_j: i32,
     effective_mass: f64,
     step: *const EllgranStep,
-    past: *const EllgranStagedPast,
+    history: *const EllgranStagedHistory,
     memory: *mut f64,
     force: *mut EllgranContactForce,
 ) -> i32 {
     at_border("ellgran_staged_tangential", || {
         // SAFETY: promised by the caller.
         unsafe {
-            with_past(
+            with_history(
                 (
                     staged,
                     laws,
@@ -601,12 +601,12 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
                     type_j,
                     effective_mass,
                     step,
-                    past,
+                    history,
                     memory,
                     force,
                 ),
-                |contact, law, friction, step, past| {
-                    contact.tangential_force(law, friction, effective_mass, step, past)
+                |contact, law, friction, step, history| {
+                    contact.tangential_force(law, friction, effective_mass, step, history)
                 },
             )
         }
@@ -627,14 +627,14 @@ pub unsafe extern "C" fn ellgran_staged_forces(
     type_j: i32,
     effective_mass: f64,
     step: *const EllgranStep,
-    past: *const EllgranStagedPast,
+    history: *const EllgranStagedHistory,
     memory: *mut f64,
     force: *mut EllgranContactForce,
 ) -> i32 {
     at_border("ellgran_staged_forces", || {
         // SAFETY: promised by the caller.
         unsafe {
-            with_past(
+            with_history(
                 (
                     staged,
                     laws,
@@ -642,12 +642,12 @@ pub unsafe extern "C" fn ellgran_staged_forces(
                     type_j,
                     effective_mass,
                     step,
-                    past,
+                    history,
                     memory,
                     force,
                 ),
-                |contact, law, friction, step, past| {
-                    contact.whole_force(law, friction, effective_mass, step, past)
+                |contact, law, friction, step, history| {
+                    contact.whole_force(law, friction, effective_mass, step, history)
                 },
             )
         }
@@ -662,14 +662,14 @@ fn wrong_memory(layout: &HistoryLayout, memory: &[f64]) -> Option<usize> {
     layout.first_wrong(&history).map(|(place, _)| place - at)
 }
 
-type PastArguments = (
+type HistoryArguments = (
     *const EllgranStagedContact,
     *const EllgranLaws,
     i32,
     i32,
     f64,
     *const EllgranStep,
-    *const EllgranStagedPast,
+    *const EllgranStagedHistory,
     *mut f64,
     *mut EllgranContactForce,
 );
@@ -678,14 +678,14 @@ type PastArguments = (
 ///
 /// # Safety
 /// The pointers are NULL or valid.
-unsafe fn with_past(
-    (staged, laws, type_i, type_j, effective_mass, step, past, memory, force): PastArguments,
+unsafe fn with_history(
+    (staged, laws, type_i, type_j, effective_mass, step, history, memory, force): HistoryArguments,
     compute: impl FnOnce(
         &StagedContact,
         &PairLaw,
         f64,
         &Step,
-        &mut Past,
+        &mut StagedHistory,
     ) -> Result<ContactForces, HaleRatio>,
 ) -> Result<(), Failure> {
     // SAFETY: promised by the caller, for all of this function.
@@ -694,8 +694,8 @@ unsafe fn with_past(
     let laws = &unsafe { required(laws, "laws") }?.laws;
     // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
     let mut out = unsafe { Output::new(force, "force") }?;
-    // SAFETY: `past` is NULL or valid for reads, by this function's safety section.
-    let past = unsafe { given(past, "past") }?;
+    // SAFETY: `history` is NULL or valid for reads, by this function's safety section.
+    let history = unsafe { given(history, "history") }?;
     // SAFETY: `memory` is NULL or valid for reads, by this function's safety section.
     unsafe { required(memory.cast_const(), "memory") }?;
     // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
@@ -710,7 +710,7 @@ unsafe fn with_past(
             "rolling and twisting are not resisted in stages: give 'rolling none twisting none'",
         ));
     }
-    let friction = past.friction;
+    let friction = history.friction;
     if !(0.0..=LARGEST_CONSTANT).contains(&friction) {
         return Err(Failure::new(
             ELLGRAN_ERROR_ARGUMENT,
@@ -726,22 +726,22 @@ unsafe fn with_past(
     let memory = unsafe { slice_mut(memory, remembered, "memory") }?;
     checked_mass(law, effective_mass)?;
     let (i, j) = staged.identifiers;
-    if past.touched != 0 {
+    if history.touched != 0 {
         if let Some(place) = wrong_memory(&laws.layout(), memory) {
             return Err(history_failure(i, j, place, memory[place]));
         }
     }
-    let mut past = Past {
-        touched: past.touched != 0,
-        normal: Vector3::from_array(past.normal),
+    let mut history = StagedHistory {
+        touched: history.touched != 0,
+        normal: Vector3::from_array(history.normal),
         memory: Vector3::new(memory[0], memory[1], memory[2]),
         energy: memory.get(3).copied().unwrap_or(0.0),
     };
-    let f = compute(contact, law, friction, &step, &mut past).map_err(|r| staged.hale(r))?;
+    let f = compute(contact, law, friction, &step, &mut history).map_err(|r| staged.hale(r))?;
     let result = force_of(None, &f);
     result.check(i, j)?;
-    let [x, y, z] = past.memory.to_array();
-    let remembered = [x, y, z, past.energy];
+    let [x, y, z] = history.memory.to_array();
+    let remembered = [x, y, z, history.energy];
     if let Some(place) = wrong_memory(&laws.layout(), &remembered[..memory.len()]) {
         return Err(result_failure(i, j, "memory", remembered[place]));
     }

@@ -37,7 +37,7 @@ pub struct WallSurface {
 
 /// What is remembered of a contact.
 #[derive(Clone, Copy, Debug)]
-pub struct Past {
+pub struct StagedHistory {
     /// Whether the bodies touched at the last step.
     pub touched: bool,
     /// The normal then.
@@ -217,12 +217,12 @@ impl StagedContact {
         friction: f64,
         effective_mass: f64,
         step: &Step,
-        past: &mut Past,
+        history: &mut StagedHistory,
     ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
         // The normal part is subtracted below: without its further terms.
         law.kinds.conservative = false;
-        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, history)?;
         self.take_share(false, &mut f);
         f.force = f.tangential_force;
         f.torque_i = -f.contact_point.cross(f.tangential_force);
@@ -244,10 +244,10 @@ impl StagedContact {
         friction: f64,
         effective_mass: f64,
         step: &Step,
-        past: &mut Past,
+        history: &mut StagedHistory,
     ) -> Result<ContactForces, HaleRatio> {
         let mut law = *law;
-        let mut f = self.with_friction(&mut law, friction, effective_mass, step, past)?;
+        let mut f = self.with_friction(&mut law, friction, effective_mass, step, history)?;
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
@@ -261,7 +261,7 @@ impl StagedContact {
         friction: f64,
         effective_mass: f64,
         step: &Step,
-        past: &mut Past,
+        history: &mut StagedHistory,
     ) -> Result<ContactForces, HaleRatio> {
         law.constants.tangential.friction = friction;
         if !(friction > 0.0) {
@@ -272,21 +272,21 @@ impl StagedContact {
             begin_time: self.x.changes.map(|_| step.time_step),
             ..self.x
         };
-        let known = past.touched && past.normal.is_unit();
+        let known = history.touched && history.normal.is_unit();
         let remembered = Remembered {
-            continued: past.touched,
-            normal: if known { past.normal } else { x.normal },
-            memory: if past.touched {
-                past.memory
+            continued: history.touched,
+            normal: if known { history.normal } else { x.normal },
+            memory: if history.touched {
+                history.memory
             } else {
                 Vector3::ZERO
             },
-            energy: if past.touched { past.energy } else { 0.0 },
+            energy: if history.touched { history.energy } else { 0.0 },
             time: step.elapsed(),
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
-        past.memory = f.memory;
-        past.energy = f.tangential_energy;
+        history.memory = f.memory;
+        history.energy = f.tangential_energy;
         Ok(f)
     }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contacts of all particles with a wall: force, torque, energies, and what is remembered of them.
 
-use super::contacts::{FoundContact, Frame, Places, WrongMemory};
+use super::contacts::{FoundContact, Frame, Places, WrongHistory};
 use super::motion::Motion;
 use super::shape::Shape;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
 use crate::contact::particle::{self, Particle};
-use crate::contact::staged::Past;
+use crate::contact::staged::StagedHistory;
 use crate::contact::{HistoryLayout, Laws, Step};
 use crate::force::PairLaw;
 use crate::geometry::triangles::Triangle;
@@ -32,8 +32,8 @@ pub struct WallInput<'a> {
 pub struct WallOutput<'a> {
     /// Whether the wall acts on a particle.
     pub acts_on: &'a dyn Fn(usize) -> bool,
-    /// What is remembered ([`Wall::memory`]).
-    pub memory: &'a mut [f64],
+    /// What is remembered ([`Wall::histories`]).
+    pub histories: &'a mut [f64],
     /// Forces, added to.
     pub forces: &'a mut [[f64; 3]],
     /// Torques about the centres, added to.
@@ -50,8 +50,8 @@ pub enum WallError {
         /// `B/A`.
         ratio: f64,
     },
-    /// A memory that holds a number which no call has written.
-    Memory(WrongMemory),
+    /// Histories that hold a number which no call has written.
+    History(WrongHistory),
 }
 
 /// All particles against a wall.
@@ -91,7 +91,7 @@ pub enum WallError {
 /// let near = floor.find_near(&Motion::REST, 1, |_| Some((Vector3::from_array(ball.position), 1e-3)));
 /// assert_eq!(near, [0]);
 /// let (mut forces, mut torques) = ([[0.0; 3]], [[0.0; 3]]);
-/// let mut memory = vec![0.0; floor.memory(&laws).length()];
+/// let mut histories = vec![0.0; floor.histories(&laws).length()];
 /// let load = compute_wall(
 ///     &mut floor,
 ///     &WallInput {
@@ -101,10 +101,10 @@ pub enum WallError {
 ///         motion: &Motion::REST,
 ///         step: &Step { time_step: 1e-6, advance_history: true },
 ///     },
-///     &mut WallOutput { acts_on: &|_| true, memory: &mut memory, forces: &mut forces, torques: &mut torques },
+///     &mut WallOutput { acts_on: &|_| true, histories: &mut histories, forces: &mut forces, torques: &mut torques },
 ///     None,
 /// )
-/// .expect("exact factors, and a memory of zeros");
+/// .expect("exact factors, and histories of zeros");
 /// let modulus = 1e7 / (2.0 * (1.0 - 0.3f64.powi(2)));
 /// let hertz = 4.0 / 3.0 * modulus * 1e-3f64.sqrt() * 1e-5f64.powf(1.5);
 /// assert!((forces[0][2] / hertz - 1.0).abs() < 1e-9);
@@ -118,15 +118,15 @@ pub fn compute_wall(
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<WallLoad, WallError> {
     let of_laws = input.laws.layout();
-    let layout = wall.memory(input.laws);
+    let layout = wall.histories(input.laws);
     let places = Places {
         near: input.near,
         motion: input.motion,
         step: input.step,
         frame: Frame::Wall,
     };
-    wall.find_contacts(&places, layout, Some(&of_laws), output.memory)
-        .map_err(WallError::Memory)?;
+    wall.find_contacts(&places, layout, Some(&of_laws), output.histories)
+        .map_err(WallError::History)?;
     check_factors(wall, input)?;
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
@@ -156,14 +156,14 @@ pub fn compute_wall(
         let c = found.all()[index];
         let (k, i) = (c.particle, &input.near[c.near]);
         let law = law_of(input, i);
-        let mut past = recalled(&of_laws, &c, found.history(index));
+        let mut remembered = recalled(&of_laws, &c, found.history(index));
         // Hale's form was tried before anything was written.
         let Ok(mut f) = c.contact.whole_force(
             law,
             law.constants.tangential.friction,
             effective_mass(i),
             input.step,
-            &mut past,
+            &mut remembered,
         ) else {
             continue;
         };
@@ -186,7 +186,7 @@ pub fn compute_wall(
                 *torque = motion.to_world(*torque);
             }
         }
-        write_history(&of_laws, &c, &past, found.history(index));
+        write_history(&of_laws, &c, &remembered, found.history(index));
         for v in [
             &mut f.force,
             &mut f.torque_i,
@@ -262,7 +262,7 @@ pub fn compute_wall(
             });
         }
     }
-    found.remember(output.memory, output.acts_on);
+    found.remember(output.histories, output.acts_on);
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
 }
@@ -305,10 +305,10 @@ fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
     input.laws.get(i.particle_type as usize, input.wall_type)
 }
 
-fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Past {
+fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> StagedHistory {
     // without a tangential memory there is no history
     let vector = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
-    Past {
+    StagedHistory {
         touched: c.last_normal.is_some(),
         normal: c.last_normal.unwrap_or(c.contact.normal()),
         memory: layout.memory.map_or(Vector3::ZERO, vector),
@@ -316,16 +316,21 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Past {
     }
 }
 
-fn write_history(layout: &HistoryLayout, c: &FoundContact, past: &Past, history: &mut [f64]) {
+fn write_history(
+    layout: &HistoryLayout,
+    c: &FoundContact,
+    remembered: &StagedHistory,
+    history: &mut [f64],
+) {
     let Some(at) = layout.memory else {
         return;
     };
-    history[at..at + 3].copy_from_slice(&past.memory.to_array());
+    history[at..at + 3].copy_from_slice(&remembered.memory.to_array());
     if let Some(at) = layout.normal {
         history[at..at + 3].copy_from_slice(&(-c.surface.normal).to_array());
     }
     if let Some(at) = layout.energy {
-        history[at] = past.energy;
+        history[at] = remembered.energy;
     }
 }
 

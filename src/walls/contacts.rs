@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which contacts have all particles with a wall, and from which of the last step does each go on?
 
-use super::memory::MemoryLayout;
+use super::histories::WallHistoryLayout;
 use super::motion::Motion;
 use super::shape::{Grain, Search, Shape};
 use crate::contact::staged::{StagedContact, WallSurface};
@@ -42,7 +42,7 @@ pub struct Contacts {
     all: Vec<FoundContact>,
     /// The history of each.
     histories: Vec<f64>,
-    layout: MemoryLayout,
+    layout: WallHistoryLayout,
     search: Search,
     /// Of one particle: surfaces, and what was remembered.
     surfaces: Vec<(usize, usize, WallSurface)>,
@@ -71,12 +71,12 @@ pub struct Places<'a> {
     pub frame: Frame,
 }
 
-/// A memory that holds a number which no call has written.
+/// Histories that hold a number which no call has written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WrongMemory {
+pub struct WrongHistory {
     /// The particle's index.
     pub particle: usize,
-    /// Place in the particle's memory.
+    /// Place in the particle's histories.
     pub place: usize,
     /// What stands there.
     pub value: f64,
@@ -84,7 +84,7 @@ pub struct WrongMemory {
 
 impl Contacts {
     /// Begins anew.
-    pub(super) fn start(&mut self, layout: MemoryLayout) {
+    pub(super) fn start(&mut self, layout: WallHistoryLayout) {
         self.all.clear();
         self.histories.clear();
         self.layout = layout;
@@ -98,7 +98,7 @@ impl Contacts {
         places: &Places<'_>,
         i: &Particle,
         (particle, near): (usize, usize),
-        memory: &[f64],
+        histories: &[f64],
     ) {
         let seen = places.motion.seen_from_wall(i, places.step);
         let grain = Grain {
@@ -116,9 +116,9 @@ impl Contacts {
             }
         }
         let layout = self.layout;
-        let used = layout.used(memory);
+        let used = layout.used(histories);
         let before = &mut self.before[..used.saturating_sub(1)];
-        before.copy_from_slice(&memory[used.min(1)..used]);
+        before.copy_from_slice(&histories[used.min(1)..used]);
         let mut records = 0;
         // Faces that share a contact find what is remembered with each other: the contacts that act alone come first.
         for alone in [true, false] {
@@ -160,7 +160,7 @@ impl Contacts {
     }
 
     /// Doubles that are remembered of a particle.
-    pub fn memory_length(&self) -> usize {
+    pub fn histories_length(&self) -> usize {
         self.layout.length()
     }
 
@@ -178,31 +178,31 @@ impl Contacts {
         &mut self.histories[index * length..(index + 1) * length]
     }
 
-    /// Writes to the memory of the particles what is remembered of the contacts that were found. Of particles on which the wall acts and
+    /// Writes to the histories of the particles what is remembered of the contacts that were found. Of particles on which the wall acts and
     /// that do not touch nothing is remembered any more.
     ///
     /// # Panics
-    /// If the memory is shorter than those of all particles.
-    pub fn remember(&self, memory: &mut [f64], acts_on: &dyn Fn(usize) -> bool) {
+    /// If the histories are shorter than those of all particles.
+    pub fn remember(&self, histories: &mut [f64], acts_on: &dyn Fn(usize) -> bool) {
         let layout = &self.layout;
         let length = layout.length();
         if length == 0 {
             return;
         }
-        for (particle, memory) in memory.chunks_exact_mut(length).enumerate() {
-            if memory[0] != 0.0 && acts_on(particle) {
-                memory.fill(0.0);
+        for (particle, histories) in histories.chunks_exact_mut(length).enumerate() {
+            if histories[0] != 0.0 && acts_on(particle) {
+                histories.fill(0.0);
             }
         }
         for (index, c) in self.all.iter().enumerate() {
             if !c.is_remembered {
                 continue;
             }
-            let memory = &mut memory[c.particle * length..(c.particle + 1) * length];
-            let at = 1 + memory[0] as usize * layout.record;
-            memory[0] += 1.0;
+            let histories = &mut histories[c.particle * length..(c.particle + 1) * length];
+            let at = 1 + histories[0] as usize * layout.record;
+            histories[0] += 1.0;
             let history = &self.histories[index * layout.history..(index + 1) * layout.history];
-            let record = &mut memory[at..at + layout.record];
+            let record = &mut histories[at..at + layout.record];
             layout.remember(record, c.part, &c.surface, c.centre, history);
         }
     }

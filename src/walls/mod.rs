@@ -3,14 +3,14 @@
 //!
 //! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in the table `SHAPES`); all
 //! else is common: the wall's frame and its motion (`motion.rs`), what is remembered of a contact from step to step
-//! (`memory.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies (`compute.rs`), unless an
+//! (`histories.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies (`compute.rs`), unless an
 //! engine's own contact model computes these.
 
 mod compute;
 mod cone;
 mod contacts;
+mod histories;
 mod lent_triangles;
-mod memory;
 mod mesh;
 mod motion;
 mod one_plane;
@@ -25,9 +25,9 @@ mod triangle_file;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
-pub use contacts::{Contacts, FoundContact, Frame, Places, WrongMemory};
+pub use contacts::{Contacts, FoundContact, Frame, Places, WrongHistory};
+pub use histories::WallHistoryLayout;
 pub use lent_triangles::LentTriangles;
-pub use memory::MemoryLayout;
 pub use mesh::Mesh;
 pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::contacts::{Contacts, Places, WrongMemory};
+use super::contacts::{Contacts, Places, WrongHistory};
+use super::histories::WallHistoryLayout;
 use super::lent_triangles::LentTriangles;
-use super::memory::MemoryLayout;
 use super::mesh::Mesh;
 use super::motion::Motion;
 use super::shape::{Ball, Shape};
@@ -105,15 +105,15 @@ impl Wall {
         self.shapes().count()
     }
 
-    /// How the memory of a particle is laid out, with the library's own contact laws.
-    pub fn memory(&self, laws: &Laws) -> MemoryLayout {
+    /// How the histories of a particle are laid out, with the library's own contact laws.
+    pub fn histories(&self, laws: &Laws) -> WallHistoryLayout {
         let layout = laws.layout();
-        self.memory_of(layout.memory.map_or(0, |_| layout.length))
+        self.histories_of(layout.memory.map_or(0, |_| layout.length))
     }
 
     /// The same, with a contact model that keeps `history` doubles of each contact.
-    pub fn memory_of(&self, history: usize) -> MemoryLayout {
-        MemoryLayout::new(history, self.shapes().map(Shape::remembered).sum())
+    pub fn histories_of(&self, history: usize) -> WallHistoryLayout {
+        WallHistoryLayout::new(history, self.shapes().map(Shape::remembered).sum())
     }
 
     /// Finds the particles that may touch: those of which `of` gives the centre and the largest semi-axis. Of the others it
@@ -148,7 +148,7 @@ impl Wall {
         &self.near
     }
 
-    /// Finds the contacts of the particles that may touch, and what each goes on from. `memory` is read alone; `of_laws` is the
+    /// Finds the contacts of the particles that may touch, and what each goes on from. `histories` are read alone; `of_laws` is the
     /// layout of the library's own histories, `None` for those of an engine.
     ///
     /// # Errors
@@ -156,20 +156,20 @@ impl Wall {
     pub fn find_contacts(
         &mut self,
         places: &Places<'_>,
-        layout: MemoryLayout,
+        layout: WallHistoryLayout,
         of_laws: Option<&HistoryLayout>,
-        memory: &[f64],
-    ) -> Result<(), WrongMemory> {
+        histories: &[f64],
+    ) -> Result<(), WrongHistory> {
         let length = layout.length();
         let mut found = core::mem::take(&mut self.found);
         found.start(layout);
         if length > 0 {
             let parts = self.part_count();
             for &particle in &self.near {
-                let memory = &memory[particle * length..(particle + 1) * length];
-                if let Some((place, value)) = layout.first_wrong(memory, parts, of_laws) {
+                let histories = &histories[particle * length..(particle + 1) * length];
+                if let Some((place, value)) = layout.first_wrong(histories, parts, of_laws) {
                     self.found = found;
-                    return Err(WrongMemory {
+                    return Err(WrongHistory {
                         particle,
                         place,
                         value,
@@ -178,8 +178,8 @@ impl Wall {
             }
         }
         for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
-            let memory = &memory[particle * length..(particle + 1) * length];
-            found.add(self.shapes(), places, i, (particle, near), memory);
+            let histories = &histories[particle * length..(particle + 1) * length];
+            found.add(self.shapes(), places, i, (particle, near), histories);
         }
         self.found = found;
         Ok(())

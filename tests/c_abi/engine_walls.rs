@@ -74,7 +74,7 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
     };
     let mut memory = own.memory(&laws, 3);
     // SAFETY: valid.
-    let per_particle = unsafe { ellgran_wall_found_memory_length(engine.0, length) };
+    let per_particle = unsafe { ellgran_wall_found_histories_length(engine.0, length) };
     let mut remembered = vec![0.0; 3 * per_particle];
     let mut staged = null_mut();
     // SAFETY: valid for writes.
@@ -129,8 +129,8 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
                     0.5,
                     geometry.pointer(),
                 ));
-                let past = EllgranStagedPast {
-                    size: size_of::<EllgranStagedPast>(),
+                let history = EllgranStagedHistory {
+                    size: size_of::<EllgranStagedHistory>(),
                     friction: 0.4,
                     touched: c.touched,
                     normal: c.last_normal,
@@ -142,7 +142,7 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
                     1,
                     1.0,
                     &STEP,
-                    &past,
+                    &history,
                     c.history,
                     force.pointer(),
                 ));
@@ -259,9 +259,9 @@ fn pointers_and_values() {
         }
         ok(ellgran_wall_lend_triangles(wall.0, &good));
         assert_eq!(ellgran_wall_part_count(wall.0), 1);
-        assert_eq!(ellgran_wall_found_memory_length(null(), 4), 0);
-        assert_eq!(ellgran_wall_found_memory_length(wall.0, 0), 0);
-        let length = 3 * ellgran_wall_found_memory_length(wall.0, 4);
+        assert_eq!(ellgran_wall_found_histories_length(null(), 4), 0);
+        assert_eq!(ellgran_wall_found_histories_length(wall.0, 0), 0);
+        let length = 3 * ellgran_wall_found_histories_length(wall.0, 4);
         let mut memory = vec![0.0; length];
         let find = |w, wall, p, m| ellgran_find_wall_contacts(w, wall, p, null(), 0, null(), 4, m);
         let m: *const f64 = memory.as_ptr();

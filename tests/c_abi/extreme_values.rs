@@ -732,8 +732,8 @@ fn stages() {
                 force.check();
             }
             for place in 0..10 {
-                let mut past = EllgranStagedPast {
-                    size: size_of::<EllgranStagedPast>(),
+                let mut history = EllgranStagedHistory {
+                    size: size_of::<EllgranStagedHistory>(),
                     friction: 0.4,
                     touched: 1,
                     normal,
@@ -743,8 +743,8 @@ fn stages() {
                 let mut mass = 1.0;
                 match place {
                     0..3 => memory[place] = x,
-                    3..6 => past.normal[place - 3] = x,
-                    6 => past.friction = x,
+                    3..6 => history.normal[place - 3] = x,
+                    6 => history.friction = x,
                     7 => step.time_step = x,
                     9 if laws.length() > 6 => memory[3] = x,
                     _ => mass = x,
@@ -753,7 +753,8 @@ fn stages() {
                 for call in [ellgran_staged_tangential, ellgran_staged_forces] {
                     let mut force = Untouched::<EllgranContactForce>::sized();
                     let (f, m) = (force.pointer(), memory.as_mut_ptr());
-                    let status = unsafe { call(staged.0, laws.0, 1, 1, mass, &step, &past, m, f) };
+                    let status =
+                        unsafe { call(staged.0, laws.0, 1, 1, mass, &step, &history, m, f) };
                     if status == 0 {
                         finite(&numbers_of_force(unsafe { &*f }), &what);
                         finite(&memory, &what);
@@ -920,16 +921,17 @@ fn surfaces_of_walls() {
             }
             let mut force = Untouched::<EllgranContactForce>::sized();
             let f = force.pointer();
-            let past = EllgranStagedPast {
-                size: size_of::<EllgranStagedPast>(),
+            let history = EllgranStagedHistory {
+                size: size_of::<EllgranStagedHistory>(),
                 friction: 0.4,
                 touched: 0,
                 normal: [0.0; 3],
             };
             let mut memory = [0.0; 4];
             let m = memory.as_mut_ptr();
-            let status =
-                unsafe { ellgran_staged_forces(staged.0, laws.0, 1, 1, 1.0, &STEP, &past, m, f) };
+            let status = unsafe {
+                ellgran_staged_forces(staged.0, laws.0, 1, 1, 1.0, &STEP, &history, m, f)
+            };
             if status == 0 {
                 finite(&numbers_of_force(unsafe { &*f }), &what);
                 finite(&memory, &what);

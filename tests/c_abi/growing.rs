@@ -161,7 +161,7 @@ fn a_size_that_is_not_set_is_named_with_its_cure() {
         (*found.pointer()).size = size_of::<EllgranStagedGeometry>();
         let pair = ellgran_staged_pair(staged, &i, &j, 0.5, normal.as_mut_ptr(), found.pointer());
         ok(pair);
-        let mut past = EllgranStagedPast {
+        let mut history = EllgranStagedHistory {
             size: 0,
             friction: 0.5,
             touched: 0,
@@ -169,10 +169,10 @@ fn a_size_that_is_not_set_is_named_with_its_cure() {
         };
         (*force.pointer()).size = size_of::<EllgranContactForce>();
         let memory = normal.as_mut_ptr();
-        refused::<EllgranStagedPast>("past", |size| {
-            past.size = size;
+        refused::<EllgranStagedHistory>("history", |size| {
+            history.size = size;
             let f = force.pointer();
-            ellgran_staged_forces(staged, laws.0, 1, 1, 1.0, &STEP, &past, memory, f)
+            ellgran_staged_forces(staged, laws.0, 1, 1, 1.0, &STEP, &history, memory, f)
         });
         ellgran_staged_free(staged);
     }

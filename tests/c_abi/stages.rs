@@ -14,8 +14,8 @@ use crate::scene::*;
 
 const FRICTION: &str = "nfd 1e4 0.3 40 60 tangential tfd 0.4";
 
-const PAST: EllgranStagedPast = EllgranStagedPast {
-    size: size_of::<EllgranStagedPast>(),
+const HISTORY: EllgranStagedHistory = EllgranStagedHistory {
+    size: size_of::<EllgranStagedHistory>(),
     friction: 0.4,
     touched: 0,
     normal: [0.0; 3],
@@ -120,18 +120,18 @@ fn pointers_of_the_stages() {
             i32,
             f64,
             *const EllgranStep,
-            *const EllgranStagedPast,
+            *const EllgranStagedHistory,
             *mut f64,
             *mut EllgranContactForce,
         ) -> i32;
         for stage in [ellgran_staged_tangential as Stage, ellgran_staged_forces] {
             let call = |s, l, step, b, m, f| stage(s, l, 1, 1, 1.0, step, b, m, f);
-            is_null(call(null(), l, &STEP, &PAST, m, f), "staged");
-            is_null(call(s, null(), &STEP, &PAST, m, f), "laws");
-            is_null(call(s, l, null(), &PAST, m, f), "step");
-            is_null(call(s, l, &STEP, null(), m, f), "past");
-            is_null(call(s, l, &STEP, &PAST, z, f), "memory");
-            is_null(call(s, l, &STEP, &PAST, m, null_mut()), "force");
+            is_null(call(null(), l, &STEP, &HISTORY, m, f), "staged");
+            is_null(call(s, null(), &STEP, &HISTORY, m, f), "laws");
+            is_null(call(s, l, null(), &HISTORY, m, f), "step");
+            is_null(call(s, l, &STEP, null(), m, f), "history");
+            is_null(call(s, l, &STEP, &HISTORY, z, f), "memory");
+            is_null(call(s, l, &STEP, &HISTORY, m, null_mut()), "force");
         }
         let p = crowd.particles();
         is_null(ellgran_staged_prepare(null_mut(), &p), "staged");
@@ -264,8 +264,11 @@ fn values_of_the_stages() {
         }
         let m: *mut f64 = memory.pointer().cast();
         let call = |l, a, b, friction, step: &EllgranStep| {
-            let past = EllgranStagedPast { friction, ..PAST };
-            ellgran_staged_tangential(s, l, a, b, 1.0, step, &past, m, f)
+            let history = EllgranStagedHistory {
+                friction,
+                ..HISTORY
+            };
+            ellgran_staged_tangential(s, l, a, b, 1.0, step, &history, m, f)
         };
         for (a, b, name) in [(0, 1, "type_i"), (1, 2, "type_j")] {
             fails(call(l, a, b, 0.4, &STEP), argument, &[name]);
@@ -328,7 +331,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
         }
         let (mut start, mut beside) = ([0.0; 3], [0.0; 3]);
         let (mut memory, mut memory_of_both) = ([0.0; 4], [0.0; 4]);
-        let mut past = PAST;
+        let mut remembered = HISTORY;
         let mut touching = 0;
         let mut history = vec![0.0; laws.length()];
         for _ in 0..10 {
@@ -371,7 +374,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                 assert_eq!((*geometry.pointer()).touching, touching);
                 assert_eq!((*by_index.pointer()).touching, touching);
                 assert_eq!(start, beside);
-                past.touched = past.touched.min(touching);
+                remembered.touched = remembered.touched.min(touching);
                 if touching == 1 {
                     let (g, h) = (*geometry.pointer(), *by_index.pointer());
                     assert_eq!(
@@ -393,7 +396,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                         1,
                         1.0,
                         &STEP,
-                        &past,
+                        &remembered,
                         memory.as_mut_ptr(),
                         tangential.pointer(),
                     ));
@@ -404,7 +407,7 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                         1,
                         1.0,
                         &STEP,
-                        &past,
+                        &remembered,
                         memory_of_both.as_mut_ptr(),
                         both.pointer(),
                     ));
@@ -431,10 +434,10 @@ fn stages_of_a_pair_add_up_to_the_contact() {
                     for energy in [memory_of_both[3], kept[3]] {
                         assert!((memory[3] - energy).abs() <= 1e-12 * energy);
                     }
-                    past.normal = g.normal;
+                    remembered.normal = g.normal;
                     seen += 1;
                 }
-                past.touched = touching;
+                remembered.touched = touching;
             }
             let mut both = [i, j];
             advance(&mut both, STEP.time_step);

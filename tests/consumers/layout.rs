@@ -20,7 +20,7 @@ use ellgran::c_api::recorded::EllgranContactPlace;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::servo::EllgranServo;
 use ellgran::c_api::stable_step::{EllgranContactExtremes, ELLGRAN_STEP_SUMS_LENGTH};
-use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedPast, EllgranWallSurface};
+use ellgran::c_api::staged::{EllgranStagedGeometry, EllgranStagedHistory, EllgranWallSurface};
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::EllgranContactStiffness;
 use ellgran::c_api::tallies::EllgranTallies;
@@ -115,7 +115,7 @@ fn claims() -> Claims {
             others_share_by_rotation,
         }
         EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
-        EllgranStagedPast { size, friction, touched, normal }
+        EllgranStagedHistory { size, friction, touched, normal }
         EllgranLentTriangles { size, count, corners, velocities, particle_count, near_starts, near }
         EllgranFoundWallContact {
             size, particle, part, triangle, point, velocity, touched, is_forgotten, last_normal, history,

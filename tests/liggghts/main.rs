@@ -46,5 +46,5 @@ mod stored_forces;
 mod time_step;
 mod velocities_of_the_step;
 mod vtk;
-mod wall_memory;
+mod wall_histories;
 mod wall_outputs;

@@ -24,9 +24,9 @@ const HEAD: usize = 7;
 /// Mark of a record that a contact which acts alone has gone on from.
 const TAKEN: f64 = -1.0;
 
-/// How the memory of one particle is laid out.
+/// How the histories of one particle are laid out: those of its contacts with a wall, by part.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct MemoryLayout {
+pub struct WallHistoryLayout {
     /// Doubles of the contact model's history.
     pub history: usize,
     /// Records of a particle.
@@ -35,10 +35,10 @@ pub struct MemoryLayout {
     pub record: usize,
 }
 
-impl MemoryLayout {
+impl WallHistoryLayout {
     /// Without a history there is nothing to remember.
     pub(super) fn new(history: usize, records: usize) -> Self {
-        MemoryLayout {
+        WallHistoryLayout {
             history,
             records: if history > 0 { records } else { 0 },
             record: HEAD + history,
@@ -54,9 +54,9 @@ impl MemoryLayout {
         }
     }
 
-    /// Doubles of a particle's memory that are in use; the rest need not be kept or carried. 0 where nothing is remembered.
-    pub fn used(&self, memory: &[f64]) -> usize {
-        match memory.first() {
+    /// Doubles of a particle's histories that are in use; the rest need not be kept or carried. 0 where nothing is remembered.
+    pub fn used(&self, histories: &[f64]) -> usize {
+        match histories.first() {
             Some(count) if *count > 0.0 => (1 + *count as usize * self.record).min(self.length()),
             _ => 0,
         }
@@ -66,15 +66,15 @@ impl MemoryLayout {
     /// those of an engine are its own.
     pub(super) fn first_wrong(
         &self,
-        memory: &[f64],
+        histories: &[f64],
         parts: usize,
         of_laws: Option<&HistoryLayout>,
     ) -> Option<(usize, f64)> {
-        let count = *memory.first()?;
+        let count = *histories.first()?;
         if !(count.fract() == 0.0 && (0.0..=self.records as f64).contains(&count)) {
             return Some((0, count));
         }
-        let records = memory[1..self.used(memory).max(1)].chunks_exact(self.record);
+        let records = histories[1..self.used(histories).max(1)].chunks_exact(self.record);
         for (index, record) in records.enumerate() {
             let at = 1 + index * self.record;
             let is_part = record[0].fract() == 0.0 && (1.0..=parts as f64).contains(&record[0]);
