@@ -6,11 +6,32 @@ use crate::liggghts::Optimisation;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Contender {
-    /// In LAMMPS, on an instruction set.
+    /// In LAMMPS, on an instruction set, with the engine's integrator.
     Ours(&'static str),
+    /// The same with `fix nve/ellipsoid`.
+    OursMoved(&'static str, Velocities),
     Superellipsoid,
     Spheres,
     Liggghts(Model, Optimisation),
+}
+
+/// Those that forces see with `fix nve/ellipsoid`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Velocities {
+    Step,
+    Half,
+}
+
+impl Velocities {
+    pub const ALL: [Velocities; 2] = [Velocities::Step, Velocities::Half];
+
+    /// After `nve/`.
+    fn words(self) -> &'static str {
+        match self {
+            Velocities::Step => "ellipsoid velocities step",
+            Velocities::Half => "ellipsoid velocities half",
+        }
+    }
 }
 
 /// Contact models of LIGGGHTS.
@@ -18,6 +39,8 @@ pub enum Contender {
 pub enum Model {
     /// Ours.
     Nfd,
+    /// Ours, with `fix nve/ellipsoid`.
+    NfdMoved(Velocities),
     /// LIGGGHTS' own Hertz on our geometry.
     HertzOnEllipsoids,
     Superquadric,
@@ -35,17 +58,24 @@ impl Contender {
     pub fn label(self) -> String {
         match self {
             Contender::Ours(set) => format!("gran/ellipsoid, {set}"),
+            Contender::OursMoved(set, velocities) => {
+                format!("gran/ellipsoid, {set}, nve/{}", velocities.words())
+            }
             Contender::Superellipsoid => "granular/superellipsoid".into(),
             Contender::Spheres => "granular, spheres".into(),
             Contender::Liggghts(model, optimisation) => {
-                format!("LIGGGHTS {}, {}", optimisation.flag(), model.label())
+                let mut label = format!("LIGGGHTS {}, {}", optimisation.flag(), model.label());
+                if let Model::NfdMoved(velocities) = model {
+                    label += &format!(", nve/{}", velocities.words());
+                }
+                label
             }
         }
     }
 
     pub fn instruction_set(self) -> Option<&'static str> {
         match self {
-            Contender::Ours(set) => Some(set),
+            Contender::Ours(set) | Contender::OursMoved(set, _) => Some(set),
             _ => None,
         }
     }
@@ -61,11 +91,13 @@ impl Contender {
     pub fn cost(self) -> f64 {
         match self {
             Contender::Ours("scalar") => 2.5e-6,
-            Contender::Ours(_) => 1e-6,
+            Contender::Ours(_) | Contender::OursMoved(..) => 1e-6,
             Contender::Superellipsoid => 15e-6,
             Contender::Spheres => 0.5e-6,
             Contender::Liggghts(Model::Spheres, _) => 1e-6,
-            Contender::Liggghts(Model::Nfd | Model::HertzOnEllipsoids, _) => 5e-6,
+            Contender::Liggghts(Model::Nfd | Model::NfdMoved(_) | Model::HertzOnEllipsoids, _) => {
+                5e-6
+            }
             Contender::Liggghts(..) => 10e-6,
         }
     }
@@ -84,17 +116,21 @@ impl Contender {
                 "granular",
                 MATERIAL.granular(mass, MATERIAL.friction),
             ),
-            Contender::Ours(_) | Contender::Liggghts(..) => (
+            Contender::Ours(_) | Contender::OursMoved(..) | Contender::Liggghts(..) => (
                 "ellipsoid",
                 "gran/ellipsoid",
                 MATERIAL.with_friction(&MATERIAL.viscoelastic()),
             ),
         };
-        vec![
+        let mut variables = vec![
             ("atoms", atoms.into()),
             ("style", style.into()),
             ("law", law),
-        ]
+        ];
+        if let Contender::OursMoved(_, velocities) = self {
+            variables.push(("integrator", format!("nve/{}", velocities.words())));
+        }
+        variables
     }
 
     /// Instruction sets of this machine, narrowest first, as ELLGRAN_INSTRUCTION_SET takes them.
@@ -117,7 +153,7 @@ impl Contender {
 impl Model {
     pub fn label(self) -> &'static str {
         match self {
-            Model::Nfd => "nfd, tfd, surface ellipsoid",
+            Model::Nfd | Model::NfdMoved(_) => "nfd, tfd, surface ellipsoid",
             Model::HertzOnEllipsoids => "hertz, history, surface ellipsoid",
             Model::Superquadric => "superquadric",
             Model::MeanCurvature => "superquadric, mean curvature",
@@ -137,7 +173,7 @@ impl Model {
     pub fn words(self) -> String {
         let hertz = "hertz tangential history surface";
         match self {
-            Model::Nfd => "nfd tangential tfd surface ellipsoid".into(),
+            Model::Nfd | Model::NfdMoved(_) => "nfd tangential tfd surface ellipsoid".into(),
             Model::HertzOnEllipsoids => format!("{hertz} ellipsoid"),
             Model::Superquadric => format!("{hertz} superquadric"),
             Model::MeanCurvature => format!(
@@ -153,15 +189,20 @@ impl Model {
     /// The same for a force that is to be compared with Hertz' alone.
     pub fn normal_words(self) -> String {
         match self {
-            Model::Nfd => format!("{} conservative off", self.words()),
+            Model::Nfd | Model::NfdMoved(_) => format!("{} conservative off", self.words()),
             _ => self.words(),
         }
     }
 
     /// Variables of run.lig.
     pub fn variables(self) -> Vec<(&'static str, String)> {
+        let integrator = match self {
+            Model::NfdMoved(velocities) => velocities.words(),
+            _ => self.atoms(),
+        };
         vec![
             ("atoms", self.atoms().into()),
+            ("integrator", integrator.into()),
             ("model", self.words()),
             ("e", MATERIAL.youngs_modulus.to_string()),
             ("nu", MATERIAL.poissons_ratio.to_string()),

@@ -63,7 +63,7 @@ impl Reference {
         }
         let lammps = &engines.lammps;
         let found = match contender {
-            Contender::Ours(set) => {
+            Contender::Ours(set) | Contender::OursMoved(set, _) => {
                 let law = format!(
                     "nfd {} {} 0 0 conservative no",
                     MATERIAL.youngs_modulus, MATERIAL.poissons_ratio

@@ -118,6 +118,7 @@ pub fn quick_scene(output: &Path) -> Result<()> {
         output,
         &[
             "gran/ellipsoid, scalar",
+            "nve/ellipsoid velocities step",
             "granular, spheres",
             "superquadric",
         ],
@@ -350,7 +351,7 @@ fn about_engines(engines: &Engines) -> String {
         );
     }
     text += " Pair times are the engine's own. A contact across a periodic boundary counts once, though newton off computes it \
-             twice. The force error is of the elastic force without friction, as a vector, against elliptical Hertz, over \
+             twice. The grains are moved by the engine's own integrator where a row names none. The force error is of the elastic force without friction, as a vector, against elliptical Hertz, over \
              contacts of the packing; a contact that is missed counts as 100 %.\n";
     text
 }
@@ -361,7 +362,8 @@ fn in_picture(contender: Contender) -> bool {
     !matches!(
         contender,
         Contender::Liggghts(_, Optimisation::O3)
-            | Contender::Liggghts(MeanCurvature | GaussianCurvature, _)
+            | Contender::Liggghts(MeanCurvature | GaussianCurvature | Model::NfdMoved(_), _)
+            | Contender::OursMoved(..)
     )
 }
 
@@ -375,8 +377,11 @@ fn draw_scenes(path: &Path, rows: &[scenes::Row]) -> Result<()> {
             value: row.pair.median,
             colour: match row.contender {
                 Contender::Ours("scalar" | "baseline") => OURS_LIGHT,
-                Contender::Ours(_) => OURS,
-                Contender::Liggghts(Model::Nfd | Model::HertzOnEllipsoids, _) => OURS_LIGHT,
+                Contender::Ours(_) | Contender::OursMoved(..) => OURS,
+                Contender::Liggghts(
+                    Model::Nfd | Model::NfdMoved(_) | Model::HertzOnEllipsoids,
+                    _,
+                ) => OURS_LIGHT,
                 Contender::Superellipsoid => SUPERELLIPSOID,
                 Contender::Spheres | Contender::Liggghts(Model::Spheres, _) => GRANULAR,
                 Contender::Liggghts(..) => SUPERELLIPSOID_LIGHT,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::contender::{Contender, Model};
+use super::contender::{Contender, Model, Velocities};
 use super::force_error::{ForceError, Reference};
 use super::lammps_run::{path_word, timing, touching, Lammps, Timing};
 use super::liggghts_run::{Files, Liggghts};
@@ -131,6 +131,7 @@ fn contenders(engines: &Engines, scene: &Scene) -> Vec<(Contender, bool)> {
         let sets = Contender::instruction_sets();
         let widest = sets[sets.len() - 1];
         list.extend(sets.iter().map(|set| (Contender::Ours(set), false)));
+        list.extend(Velocities::ALL.map(|v| (Contender::OursMoved(widest, v), false)));
         if engines.lammps.superellipsoid {
             list.push((Contender::Superellipsoid, false));
         }
@@ -148,6 +149,7 @@ fn contenders(engines: &Engines, scene: &Scene) -> Vec<(Contender, bool)> {
         for optimisation in liggghts.optimisations() {
             let mut models = vec![Model::Nfd, Model::HertzOnEllipsoids, Model::Superquadric];
             if optimisation == Optimisation::O2 {
+                models.extend(Velocities::ALL.map(Model::NfdMoved));
                 models.extend([Model::MeanCurvature, Model::GaussianCurvature]);
             }
             if scene.spheres {
@@ -206,7 +208,9 @@ impl Inputs {
         match contender {
             Contender::Superellipsoid => &self.superellipsoids,
             Contender::Spheres => &self.spheres,
-            Contender::Ours(_) | Contender::Liggghts(..) => &self.ellipsoids,
+            Contender::Ours(_) | Contender::OursMoved(..) | Contender::Liggghts(..) => {
+                &self.ellipsoids
+            }
         }
     }
 }
@@ -409,13 +413,15 @@ fn fastest_superquadric(rows: &[Row]) -> Option<f64> {
 /// A line a scene: the ratios that matter. `rows` of any number of scenes.
 pub fn summary(rows: &[Row]) -> Table {
     let mut table = Table::new(
-        "In short: pair time of the built-in styles over ours",
+        "In short: pair times, and whole steps with fix nve/ellipsoid",
         &[
             "scene",
             "granular/superellipsoid over gran/ellipsoid, widest lanes",
             "the same over gran/ellipsoid with SSE2 alone",
             "LIGGGHTS superquadrics over gran/ellipsoid, widest lanes",
             "gran/ellipsoid, widest lanes, over LAMMPS' spheres",
+            "whole step, velocities step, over LAMMPS' spheres with nve/sphere",
+            "whole step, velocities half, over the same",
             "in LIGGGHTS -O2: superquadric over nfd",
             "in LIGGGHTS -O3: superquadric over nfd",
         ],
@@ -427,6 +433,14 @@ pub fn summary(rows: &[Row]) -> Table {
         let ratio = |above: Option<f64>, below: Option<f64>| match (above, below) {
             (Some(above), Some(below)) => times(above / below),
             _ => String::new(),
+        };
+        let whole_step = |contender: Contender| {
+            let row = scene.iter().find(|r| r.contender == contender && !r.newton);
+            row.map(|r| r.step.median)
+        };
+        let over_spheres = |velocities: Velocities| {
+            let ours = Contender::OursMoved(sets[sets.len() - 1], velocities);
+            ratio(whole_step(ours), whole_step(Contender::Spheres))
         };
         let in_liggghts = |o: Optimisation| {
             ratio(
@@ -443,6 +457,8 @@ pub fn summary(rows: &[Row]) -> Table {
             ),
             ratio(fastest_superquadric(scene), of(widest)),
             ratio(of(widest), of(Contender::Spheres)),
+            over_spheres(Velocities::Step),
+            over_spheres(Velocities::Half),
             in_liggghts(Optimisation::O2),
             in_liggghts(Optimisation::O3),
         ]);
