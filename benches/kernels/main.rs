@@ -7,6 +7,7 @@
 mod cases;
 mod clock;
 mod scene;
+mod walls;
 
 use std::cell::LazyCell;
 use std::fmt::Write;
@@ -276,6 +277,28 @@ fn one_by_one(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     });
 }
 
+/// Grains on walls, and far from them.
+fn grains_and_walls(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
+    let full: &Case = &CASES[0];
+    let laws = full.laws();
+    for case in walls::CASES {
+        let mut run = None;
+        criterion.bench_function(case.name, |b| {
+            let run =
+                run.get_or_insert_with(|| walls::Run::new(case, full.semi_axes, &laws, &STEP));
+            b.iter_custom(|steps| timed(steps, || run.advance()));
+        });
+        facts.extend(run.map(|run| Fact {
+            name: case.name.into(),
+            history_bytes: run.history_bytes(),
+            particles: run.particles(),
+            pairs: run.particles(),
+            touching: run.contacts,
+            particle_bytes: 0,
+        }));
+    }
+}
+
 /// Hertz factors of a thousand curvature ratios from 1 to 10^4.
 fn factors(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     const COUNT: usize = 1000;
@@ -341,6 +364,7 @@ fn all(criterion: &mut Criterion) {
     searches(criterion, &mut facts);
     preparation(criterion, &mut facts);
     one_by_one(criterion, &mut facts);
+    grains_and_walls(criterion, &mut facts);
     factors(criterion, &mut facts);
     write_facts(&facts);
 }

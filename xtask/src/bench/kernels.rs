@@ -175,10 +175,12 @@ fn parts(rows: &[Row]) -> Table {
         }
         let (count, per) = if group.starts_with("rejected") {
             (row.pairs, "listed pair")
-        } else if group.starts_with("preparation") {
+        } else if group.starts_with("preparation") || group.starts_with("wall, far") {
             (row.particles, "grain and step")
         } else if group.starts_with("Hertz") {
             (row.pairs, "contact")
+        } else if group.starts_with("wall, ") {
+            (row.touching, "contact with a wall")
         } else {
             (row.touching, "touching pair")
         };
