@@ -271,11 +271,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- Where the fit near a circle ends, in [`near_variable`]: B/A = 10.
- */
-#define NEAR_END Q_MAX
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;

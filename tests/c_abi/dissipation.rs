@@ -94,7 +94,7 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
     let count = bodies.len();
     let mut list = List::near(&bodies, count, laws.length());
     let plane = WallHandle::plane([0.0; 3], [0.0, 0.0, 1.0]);
-    let mut memory = plane.memory(&laws, count);
+    let mut memory = plane.histories(&laws, count);
     let mut loads = vec![[0.0; 12]; count];
     let mut tallies = no_tallies();
     if halves {

@@ -72,7 +72,7 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
         ok(ellgran_wall_lend_triangles(engine.0, &triangles));
         (4, ellgran_laws_memory_offset(laws.0) as usize)
     };
-    let mut memory = own.memory(&laws, 3);
+    let mut histories = own.histories(&laws, 3);
     // SAFETY: valid.
     let per_particle = unsafe { ellgran_wall_found_histories_length(engine.0, length) };
     let mut remembered = vec![0.0; 3 * per_particle];
@@ -96,7 +96,7 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
                 0,
                 1,
                 &moving,
-                memory.as_mut_ptr(),
+                histories.as_mut_ptr(),
                 &STEP,
                 &mut load,
                 null_mut(),
@@ -163,9 +163,9 @@ fn found_contacts_and_their_stages_are_the_whole_call() {
                 remembered.as_mut_ptr(),
             ));
         }
-        // The tangential memory of both: behind count, part, point and normal.
+        // The tangential histories of both: behind count, part, point and normal.
         for k in 0..2 {
-            let one = &memory[k * memory.len() / 3..][8 + at..][..length];
+            let one = &histories[k * histories.len() / 3..][8 + at..][..length];
             let other = &remembered[k * per_particle..][8..][..length];
             for (a, b) in one.iter().zip(other) {
                 assert!((a - b).abs() < 1e-9, "{step}: {one:?} {other:?}");
@@ -262,22 +262,22 @@ fn pointers_and_values() {
         assert_eq!(ellgran_wall_found_histories_length(null(), 4), 0);
         assert_eq!(ellgran_wall_found_histories_length(wall.0, 0), 0);
         let length = 3 * ellgran_wall_found_histories_length(wall.0, 4);
-        let mut memory = vec![0.0; length];
+        let mut histories = vec![0.0; length];
         let find = |w, wall, p, m| ellgran_find_wall_contacts(w, wall, p, null(), 0, null(), 4, m);
-        let m: *const f64 = memory.as_ptr();
+        let m: *const f64 = histories.as_ptr();
         is_null(find(null_mut(), wall.0, p, m), "workspace");
         is_null(find(w, null_mut(), p, m), "wall");
         is_null(find(w, wall.0, null(), m), "particles");
-        is_null(find(w, wall.0, p, null()), "memory");
-        memory[0] = 0.5;
+        is_null(find(w, wall.0, p, null()), "histories");
+        histories[0] = 0.5;
         fails(
-            find(w, wall.0, p, memory.as_ptr()),
+            find(w, wall.0, p, histories.as_ptr()),
             ELLGRAN_ERROR_HISTORY,
             &["particle 7", "0.5"],
         );
-        memory[0] = 0.0;
+        histories[0] = 0.0;
         assert_eq!(ellgran_wall_found_count(wall.0), 0);
-        ok(find(w, wall.0, p, memory.as_ptr()));
+        ok(find(w, wall.0, p, histories.as_ptr()));
         assert_eq!(ellgran_wall_found_count(null()), 0);
         assert_eq!(ellgran_wall_found_count(wall.0), 1);
         is_null(ellgran_wall_found(null_mut(), 0, found.pointer()), "wall");
@@ -307,14 +307,14 @@ fn pointers_and_values() {
             argument,
             &["index = 3"],
         );
-        let r = memory.as_mut_ptr();
+        let r = histories.as_mut_ptr();
         let remember = |wall, count, m| ellgran_remember_wall_contacts(wall, count, null(), 0, m);
         is_null(remember(null(), 3, r), "wall");
-        is_null(remember(wall.0, 3, null_mut()), "memory");
+        is_null(remember(wall.0, 3, null_mut()), "histories");
         fails(remember(wall.0, 0, r), argument, &["owned_count = 0"]);
-        assert!(far(&memory));
+        assert!(far(&histories));
         ok(remember(wall.0, 3, r));
-        assert_eq!(memory[0], 1.0);
+        assert_eq!(histories[0], 1.0);
         ellgran_staged_free(staged);
     }
     found.check();

@@ -551,7 +551,7 @@ impl Row {
         step: &EllgranStep,
     ) -> i32 {
         let wall = WallHandle::plane([x, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        self.memory = wall.memory(&self.laws, 3);
+        self.memory = wall.histories(&self.laws, 3);
         let mut particles = self.arrays.particles();
         change(&mut particles);
         // SAFETY: all pointers are valid.

@@ -234,7 +234,7 @@ fn walls_are_no_call_for_a_list() {
         ok(other.call(call));
         let mut apart = Arrays::new(&[0.0, 1.5, 3.0].map(sphere_at), 3);
         let particles = apart.particles();
-        let mut memory = plane.memory(&scene.laws, 3);
+        let mut memory = plane.histories(&scene.laws, 3);
         let mut load = NO_LOAD;
         // SAFETY: all arrays are valid.
         ok(unsafe {

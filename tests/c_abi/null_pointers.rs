@@ -346,7 +346,7 @@ fn walls() {
     let p = x.arrays.particles();
     let (l, w, s) = (x.laws.0, x.workspace.0, &STEP);
     let wall = WallHandle::plane(PLANE.point, PLANE.normal);
-    let mut memory = wall.memory(&x.laws, 2);
+    let mut memory = wall.histories(&x.laws, 2);
     let m = memory.as_mut_ptr();
     let (n, z) = (null(), null_mut());
     // SAFETY: pointers are NULL or valid.
@@ -358,7 +358,7 @@ fn walls() {
         is_null(call(l, null_mut(), wall.0, &p, m, s), "workspace");
         is_null(call(l, w, null_mut(), &p, m, s), "wall");
         is_null(call(l, w, wall.0, null(), m, s), "particles");
-        is_null(call(l, w, wall.0, &p, null_mut(), s), "memory");
+        is_null(call(l, w, wall.0, &p, null_mut(), s), "histories");
         is_null(call(l, w, wall.0, &p, m, null()), "step");
         for (name, lose) in PARTICLE_POINTERS {
             let mut p = p;

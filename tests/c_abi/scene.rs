@@ -170,7 +170,7 @@ impl WallHandle {
     }
 
     /// What is remembered of these many particles at first.
-    pub fn memory(&self, laws: &Laws, particles: usize) -> Vec<f64> {
+    pub fn histories(&self, laws: &Laws, particles: usize) -> Vec<f64> {
         // SAFETY: valid pointers.
         vec![0.0; particles * unsafe { ellgran_wall_histories_length(self.0, laws.0) }]
     }

@@ -6,9 +6,13 @@
 
 int main(void)
 {
-  EllgranBody i = {sizeof(EllgranBody), {0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
-  EllgranBody j = i;
+  EllgranBody i = ELLGRAN_INIT(EllgranBody), j;
   EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
+  i.quaternion[0] = i.semi_axes[0] = i.semi_axes[1] = i.semi_axes[2] = 1;
+  i.mass = 1;
+  i.particle_type = 1;
+  i.identifier = 1;
+  j = i;
   j.position[0] = 1.5;
   if (ellgran_contact_geometry(NULL, &i, &j, NULL, &geometry) != ELLGRAN_SUCCESS) {
     fprintf(stderr, "%s\n", ellgran_last_error());

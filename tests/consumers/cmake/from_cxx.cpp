@@ -6,8 +6,12 @@
 
 int main()
 {
-  EllgranBody i = {sizeof(EllgranBody), {0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1, 1, 1};
-  EllgranBody j = i;
+  EllgranBody i = ELLGRAN_INIT(EllgranBody), j;
+  i.quaternion[0] = i.semi_axes[0] = i.semi_axes[1] = i.semi_axes[2] = 1;
+  i.mass = 1;
+  i.particle_type = 1;
+  i.identifier = 1;
+  j = i;
   j.position[0] = 1.5;
   EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
   if (ellgran_contact_geometry(nullptr, &i, &j, nullptr, &geometry) != ELLGRAN_SUCCESS) {
