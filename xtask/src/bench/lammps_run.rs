@@ -37,6 +37,19 @@ pub struct Timing {
     pub pairs: f64,
     /// How often the list was built.
     pub builds: f64,
+    /// LAMMPS alone says it.
+    pub of_rank: Option<OfRank>,
+}
+
+/// Means over the ranks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfRank {
+    /// Images of atoms, of other ranks' and of periodic ones.
+    pub ghosts: f64,
+    /// Wall-clock time of communication, s.
+    pub communication: f64,
+    /// What LAMMPS counts of its memory, bytes.
+    pub memory: f64,
 }
 
 impl Timing {
@@ -147,26 +160,39 @@ pub fn timing(output: &str) -> Result<Timing> {
             .find_map(|line| line.split_once("% CPU use").map(|(share, _)| share.trim()))
             .context("LAMMPS printed no '% CPU use'")?
             .parse::<f64>()?;
-        let pair: Vec<f64> = rest
+        let section = |name: &str| -> Result<Vec<f64>> {
+            let cells: Vec<f64> = rest
+                .iter()
+                .find(|line| line.starts_with(name))
+                .with_context(|| format!("LAMMPS printed no '{name}' line"))?
+                .split('|')
+                .skip(1)
+                .filter_map(|cell| cell.trim().parse().ok())
+                .collect();
+            // min, avg, max, variation, % CPU, % total: with `timer full` only.
+            if cells.len() != 6 {
+                bail!(
+                    "the '{name}' line of LAMMPS has {} numbers, not 6",
+                    cells.len()
+                );
+            }
+            Ok(cells)
+        };
+        let pair = section("Pair ")?;
+        // ... (min/avg/max) = 11.97 | 11.97 | 11.97 Mbytes
+        let memory = lines[..at]
             .iter()
-            .find(|line| line.starts_with("Pair "))
-            .context("LAMMPS printed no 'Pair' line")?
-            .split('|')
-            .skip(1)
-            .filter_map(|cell| cell.trim().parse().ok())
-            .collect();
-        // min, avg, max, variation, % CPU, % total: with `timer full` only.
-        if pair.len() != 6 {
-            bail!(
-                "the 'Pair' line of LAMMPS has {} numbers, not 6",
-                pair.len()
-            );
-        }
+            .rev()
+            .find(|line| line.starts_with("Per MPI rank memory allocation"))
+            .and_then(|line| line.split('|').nth(1)?.trim().parse::<f64>().ok())
+            .context("LAMMPS printed no 'Per MPI rank memory allocation'")?;
         let after = |title: &str| {
             rest.iter()
                 .find_map(|line| line.strip_prefix(title))
                 .with_context(|| format!("LAMMPS printed no '{title}'"))?
-                .trim()
+                .split_whitespace()
+                .next()
+                .unwrap_or_default()
                 .parse::<f64>()
                 .with_context(|| format!("'{title}' is followed by no number"))
         };
@@ -179,6 +205,11 @@ pub fn timing(output: &str) -> Result<Timing> {
             wall,
             pairs: after("Total # of neighbors =")?,
             builds: after("Neighbor list builds =")?,
+            of_rank: Some(OfRank {
+                ghosts: after("Nghost:")?,
+                communication: section("Comm ")?[1],
+                memory: memory * 1024.0 * 1024.0,
+            }),
         });
     }
     bail!("LAMMPS printed no 'Loop time'")
@@ -201,6 +232,7 @@ mod tests {
     use super::*;
 
     const OUTPUT: &str = "\
+Per MPI rank memory allocation (min/avg/max) = 3 | 4.5 | 6 Mbytes
 Loop time of 2 on 1 procs for 400 steps with 500 atoms
 
 50.0% CPU use with 1 MPI tasks x 1 OpenMP threads
@@ -210,9 +242,12 @@ Section |  min time  |  avg time  |  max time  |%varavg|  %CPU | %total
 ---------------------------------------------------------------
 Pair    | 1.0        | 1.0        | 1.0        |   0.0 |  40.0 | 50.00
 Neigh   | 0          | 0          | 0          |   0.0 | 100.0 |  0.00
+Comm    | 0.2        | 0.3        | 0.4        |   0.0 | 100.0 | 15.00
+Nghost:            184.5 ave         190 max         179 min
 Total # of neighbors = 7675
 Ave neighs/atom = 14.990234
 Neighbor list builds = 3
+Per MPI rank memory allocation (min/avg/max) = 7 | 7 | 7 Mbytes
 Loop time of 5.69e-07 on 1 procs for 0 steps with 500 atoms
 touching pairs 2039.0
 ";
@@ -225,6 +260,12 @@ touching pairs 2039.0
         assert_eq!(found.step, 1.0);
         assert_eq!(found.pairs, 7675.0);
         assert_eq!(found.builds, 3.0);
+        let of_rank = OfRank {
+            ghosts: 184.5,
+            communication: 0.3,
+            memory: 4.5 * 1024.0 * 1024.0,
+        };
+        assert_eq!(found.of_rank, Some(of_rank));
         assert!((found.per_grain(found.pair) - 2000.0).abs() < 1e-9);
         assert_eq!(touching(OUTPUT).unwrap(), 2039.0);
         assert!(timing("nothing").is_err());

@@ -153,6 +153,7 @@ fn timing(output: &str, share: f64) -> Result<Timing> {
             wall,
             pairs: after("Total # of neighbors ")?,
             builds: after("Neighbor list builds ")?,
+            of_rank: None,
         });
     }
     bail!("LIGGGHTS printed no 'Loop time'")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Our pair style in LAMMPS over ranks, and over the number of grains.
+//! Our pair style in LAMMPS over ranks, and over the number of grains; what a billion grains would cost by that.
 
 use std::path::Path;
 
@@ -35,6 +35,12 @@ pub struct Found {
     step: Measured,
     /// Wall-clock nanoseconds of the pair style per grain and step, mean over ranks.
     pair: Measured,
+    /// Images on a rank.
+    ghosts: f64,
+    /// Communication, as a share of the step.
+    communication: Measured,
+    /// Bytes of a rank, as LAMMPS counts them.
+    memory: f64,
 }
 
 const STRONG: &str = "strong";
@@ -50,16 +56,24 @@ fn points(effort: &Effort) -> Vec<Point> {
         spheres: false,
     };
     let mut list = Vec::new();
-    for ranks in [1, 2, 4] {
-        if ranks > jobs() {
-            say(format!("{} cores: {ranks} ranks are left out", jobs()));
-            continue;
-        }
-        if effort.quick {
-            list.push(point(STRONG, 8, [2, 2, 2], ranks));
-        } else {
-            list.push(point(STRONG, 16, [3, 3, 3], ranks));
-            list.push(point(WEAK, 16, [2 * ranks, 2, 2], ranks));
+    say(format!(
+        "{0} cores: up to {0} ranks, so that none waits for a core",
+        jobs()
+    ));
+    for ranks in rank_counts(jobs()) {
+        for spheres in [false, true] {
+            let mut push = |what, side, copies| {
+                list.push(Point {
+                    spheres,
+                    ..point(what, side, copies, ranks)
+                });
+            };
+            if effort.quick {
+                push(STRONG, 8, [2, 2, 2]);
+            } else {
+                push(STRONG, 16, [3, 3, 3]);
+                push(WEAK, 16, [2 * ranks, 2, 2]);
+            }
         }
     }
     let sizes: &[(usize, [usize; 3])] = if effort.quick {
@@ -84,6 +98,18 @@ fn points(effort: &Effort) -> Vec<Point> {
     list
 }
 
+/// Powers of two, and all cores.
+fn rank_counts(cores: usize) -> Vec<usize> {
+    let mut counts: Vec<usize> = (0..)
+        .map(|k| 1 << k)
+        .take_while(|ranks| *ranks <= cores)
+        .collect();
+    if counts.last() != Some(&cores) {
+        counts.push(cores);
+    }
+    counts
+}
+
 /// Steps before the timed ones, and timed ones.
 const WARM_STEPS: usize = 40;
 const STEPS: usize = 100;
@@ -92,8 +118,9 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
     let sets = Contender::instruction_sets();
     let widest = sets[sets.len() - 1];
     let list = points(effort);
-    let mut taken: Vec<Vec<(f64, f64)>> = list.iter().map(|_| Vec::new()).collect();
-    let mut grains = vec![0.0; list.len()];
+    let mut taken: Vec<Vec<(f64, f64, f64)>> = list.iter().map(|_| Vec::new()).collect();
+    // Of grains, of images on a rank, bytes of a rank.
+    let mut counted = vec![[0.0; 3]; list.len()];
     let files: Vec<_> = list
         .iter()
         .map(|point| {
@@ -132,14 +159,19 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
             words.push(("newton", "on".to_string()));
             let output = lammps.run("run.lmp", point.ranks, contender.instruction_set(), &words)?;
             let time = timing(&output)?;
-            grains[k] = time.atoms;
+            let of_rank = time.of_rank.context("LAMMPS says it")?;
+            counted[k] = [time.atoms, of_rank.ghosts, of_rank.memory];
             // On one rank the processor's time, which other programs do not disturb.
             let (wall, pair) = if point.ranks == 1 && point.what == SIZE {
                 (time.step, time.pair)
             } else {
                 (time.wall, time.pair_wall)
             };
-            taken[k].push((1e3 * wall / time.steps, time.per_grain(pair)));
+            taken[k].push((
+                1e3 * wall / time.steps,
+                time.per_grain(pair),
+                of_rank.communication / time.wall,
+            ));
         }
     }
     progress.finish();
@@ -148,13 +180,18 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
         .map(|(k, point)| {
             let step: Vec<f64> = taken[k].iter().map(|t| t.0).collect();
             let pair: Vec<f64> = taken[k].iter().map(|t| t.1).collect();
+            let communication: Vec<f64> = taken[k].iter().map(|t| t.2).collect();
+            let [grains, ghosts, memory] = counted[k];
             Ok(Found {
                 what: point.what,
                 ranks: point.ranks,
                 spheres: point.spheres,
-                grains: grains[k],
+                grains,
                 step: Measured::of(&step).context("no round was run")?,
                 pair: Measured::of(&pair).context("no round was run")?,
+                ghosts,
+                communication: Measured::of(&communication).context("no round was run")?,
+                memory,
             })
         })
         .collect()
@@ -162,29 +199,37 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
 
 pub fn tables(found: &[Found]) -> Vec<Table> {
     let mut ranks = Table::new(
-        "Ranks: gran/ellipsoid, dense, AR 2, newton on",
+        "Ranks: dense, AR 2, newton on",
         &[
             "scaling",
+            "pair style",
             "ranks",
             "grains",
             "wall-clock time of a step (ms)",
             "pair time per grain and step (ns)",
             "times as fast as one rank",
+            "communication (% of the step)",
+            "images on a rank, per grain of it",
         ],
     );
     for row in found.iter().filter(|row| row.what != SIZE) {
         let one = found
             .iter()
-            .find(|other| other.what == row.what && other.ranks == 1)
+            .find(|other| {
+                other.what == row.what && other.ranks == 1 && other.spheres == row.spheres
+            })
             .unwrap_or(row);
         let speed = (one.step.median / one.grains) / (row.step.median / row.grains);
         ranks.row(vec![
             row.what.into(),
+            label(row.spheres).into(),
             row.ranks.to_string(),
             row.grains.to_string(),
             row.step.show(),
             row.pair.show(),
             short(speed),
+            row.communication.scaled(100.0).show(),
+            short(row.ghosts * row.ranks as f64 / row.grains),
         ]);
     }
     let mut sizes = Table::new(
@@ -195,6 +240,8 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
             "pair time per grain and step (ns)",
             "whole step per grain (ns)",
             "pair time against the second size (%)",
+            "memory of LAMMPS per grain (bytes)",
+            "images per grain",
         ],
     );
     for row in found.iter().filter(|row| row.what == SIZE) {
@@ -210,9 +257,107 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
             row.pair.show(),
             row.step.scaled(1e6 / row.grains).show(),
             format!("{:+.0}", 100.0 * (row.pair.median / base.pair.median - 1.0)),
+            short(row.memory / row.grains),
+            short(row.ghosts / row.grains),
         ]);
     }
-    vec![ranks, sizes]
+    let mut tables = vec![ranks, sizes];
+    tables.extend(
+        found
+            .iter()
+            .find(|row| row.what == SIZE && !row.spheres && row.grains > 1e5)
+            .map(billion),
+    );
+    tables
+}
+
+/// Grains of the prediction, and ranks.
+const BILLION: f64 = 1e9;
+const MANY_RANKS: f64 = 1e4;
+/// Doubles that LAMMPS sends of an image in each step, there and back: position, orientation, velocity and angular momentum, then
+/// with `fix nve/ellipsoid velocities step` what these have more at the step; force and torque.
+const FORWARD: f64 = 13.0;
+const OF_STEP: f64 = 6.0;
+const BACK: f64 = 6.0;
+/// Bytes a second that a rank is taken to send, of a node with 25 GB/s and 64 ranks.
+const BANDWIDTH: f64 = 25e9 / 64.0;
+/// Bytes of an atom in a dump of identifier, type, position, orientation and shape with eight digits, and in a restart file.
+const DUMPED: f64 = 120.0;
+/// What a bit for a neighbour's weight leaves of 32, for the atoms and images of a rank.
+const MOST_ON_A_RANK: f64 = (1 << 29) as f64;
+/// Of LAMMPS' identifiers in 32 bits.
+const MOST_IDENTIFIERS: f64 = i32::MAX as f64;
+
+/// What follows for a billion grains from one rank with as many grains as each would have: periodic on all sides, it has as many
+/// images too.
+fn billion(row: &Found) -> Table {
+    let of_rank = BILLION / MANY_RANKS;
+    let step = row.step.median * 1e-3 * of_rank / row.grains;
+    // A surface: images go with the power of two thirds.
+    let images = row.ghosts * (of_rank / row.grains).powf(2.0 / 3.0);
+    let sent = 8.0 * images * (FORWARD + OF_STEP + BACK);
+    let transfer = sent / BANDWIDTH;
+    let memory = row.memory * of_rank / row.grains;
+    let mut table = Table::new(
+        &format!(
+            "A billion grains on 10 000 ranks, dense, AR 2: predicted from {} grains on one rank, not run",
+            row.grains
+        ),
+        &["what", "value", "from"],
+    );
+    let mut line = |what: &str, value: String, from: &str| {
+        table.row(vec![what.into(), value, from.into()]);
+    };
+    line(
+        "grains and images on a rank",
+        format!("{of_rank:.0} and {images:.0}"),
+        "measured, by volume and surface",
+    );
+    line(
+        "time of a step without messages",
+        format!("{} ms", short(1e3 * step)),
+        "measured: on a core that has the memory to itself; 64 ranks on a node share it",
+    );
+    line(
+        "sent and received by a rank in a step",
+        format!("{} MB", short(1e-6 * sent)),
+        "25 doubles an image: 13 and 6 there, 6 back",
+    );
+    line(
+        "time of these messages",
+        format!("{} ms", short(1e3 * transfer)),
+        "assumed: 25 GB/s a node of 64 ranks",
+    );
+    line(
+        "memory of a rank, and of all",
+        format!(
+            "{} MB, {} TB",
+            short(1e-6 * memory),
+            short(1e-12 * memory * MANY_RANKS)
+        ),
+        "measured, as LAMMPS counts it: histories of contacts and neighbour lists included",
+    );
+    line(
+        "one million steps",
+        format!("{} days", short(1e6 * (step + transfer) / 86400.0)),
+        "the sum of both times",
+    );
+    line(
+        "a dump of all grains",
+        format!("{} GB", short(1e-9 * DUMPED * BILLION)),
+        "120 bytes a grain in text: the first thing to break; write one file a group of ranks (`%` in its name), or binary",
+    );
+    line(
+        "identifiers",
+        format!("to {MOST_IDENTIFIERS:.1e} grains"),
+        "32 bits; beyond, LAMMPS built with LAMMPS_BIGBIG (64 bits), which the plugin takes",
+    );
+    line(
+        "grains and images on one rank",
+        format!("to {MOST_ON_A_RANK:.1e}"),
+        "29 bits of an entry of a neighbour list",
+    );
+    table
 }
 
 fn label(spheres: bool) -> &'static str {
@@ -225,11 +370,11 @@ fn label(spheres: bool) -> &'static str {
 
 pub fn csv(found: &[Found]) -> String {
     let mut text = String::from(
-        "what,pair_style,ranks,grains,step_ms,step_spread,pair_ns_per_grain_step,pair_spread\n",
+        "what,pair_style,ranks,grains,step_ms,step_spread,pair_ns_per_grain_step,pair_spread,communication_share,images_per_rank,bytes_per_rank\n",
     );
     for row in found {
         text += &format!(
-            "{},\"{}\",{},{},{:.4},{:.4},{:.2},{:.2}\n",
+            "{},\"{}\",{},{},{:.4},{:.4},{:.2},{:.2},{:.4},{:.0},{:.0}\n",
             row.what,
             label(row.spheres),
             row.ranks,
@@ -237,7 +382,10 @@ pub fn csv(found: &[Found]) -> String {
             row.step.median,
             row.step.spread,
             row.pair.median,
-            row.pair.spread
+            row.pair.spread,
+            row.communication.median,
+            row.ghosts,
+            row.memory
         );
     }
     text
