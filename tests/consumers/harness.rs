@@ -197,7 +197,9 @@ pub fn succeed(command: &mut Command) -> String {
     let output = run(command);
     assert!(
         output.status.success(),
-        "{command:?}: {}\n{}{}",
+        "{:?} {:?}: {}\n{}{}",
+        command.get_program(),
+        command.get_args().collect::<Vec<_>>(),
         output.status,
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)

@@ -3,7 +3,8 @@
 //! restarted go on as one that is not, under viscous laws too?
 
 use crate::harness::{
-    attempt_in, crowd, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome, Scene,
+    attempt_in, between_walls, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome,
+    Scene,
 };
 
 const HALF: u64 = 150;
@@ -18,17 +19,6 @@ const LAWS: [&str; 7] = [
     "hertz 1e8 0.3 tangential tfd 0.5",
     "lsd 2e4 3 tangential linear 1.6e4 2 0.5",
 ];
-
-/// Colliding grains, periodic along y.
-fn between_walls() -> Scene {
-    let mut scene = crowd(64);
-    scene.boundary = "f p f".into();
-    for axis in [0, 2] {
-        scene.low[axis] -= 0.03;
-        scene.high[axis] += 0.03;
-    }
-    scene
-}
 
 fn deck(law: &str) -> Deck {
     Deck {

@@ -5,8 +5,8 @@
 use std::fs;
 
 use crate::harness::{
-    attempt, crowd, fresh_directory, largest_difference, last_rows, run, run_in, Deck, Engine,
-    Frame, Grain, Material, Outcome, Scene, State,
+    attempt, between_walls, crowd, fresh_directory, largest_difference, last_rows, run, run_in,
+    Deck, Engine, Frame, Grain, Material, Outcome, Scene, State,
 };
 use crate::meshes::sheet;
 use crate::shapes::{add, dot, length, mass, scale, sub, surface_point, Random};
@@ -125,17 +125,6 @@ fn the_energy_error_of_a_collision_falls_as_the_square_of_the_step() {
             assert!(step[k] < most[k] && 3.0 * step[k] < half[k], "{model}");
         }
     }
-}
-
-/// Colliding grains, periodic along y, between planes; with `sheet.stl` a mesh is the floor.
-fn between_walls() -> Scene {
-    let mut scene = crowd(64);
-    scene.boundary = "f p f".into();
-    for axis in [0, 2] {
-        scene.low[axis] -= 0.03;
-        scene.high[axis] += 0.03;
-    }
-    scene
 }
 
 /// Laws, and how the contacts are computed.

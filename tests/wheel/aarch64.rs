@@ -66,7 +66,7 @@ fn python(directory: &Path, script: &str) -> String {
 }
 
 #[test]
-#[ignore = "needs the wheel for AArch64 and a Python of it: `cargo xtask aarch64` has them"]
+#[ignore = "needs the wheel for AArch64 and a Python of it: `cargo xtask aarch64 --wheel` has them"]
 fn the_deck_moves_on_aarch64_as_on_this_machine() {
     let stock = fresh_directory("stock");
     fs::write(stock.join("in.deck"), same_deck(STEPS)).unwrap();

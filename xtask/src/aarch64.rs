@@ -54,7 +54,7 @@ pub fn aarch64(options: &Options) -> Result<()> {
 }
 
 fn whole() -> Result<()> {
-    lints(&test::ALL_TARGETS)?;
+    test::LINTED.iter().try_for_each(|targets| lints(targets))?;
     tests(&EVERYTHING, &[])?;
     consumers()?;
     through_the_wheel()

@@ -24,13 +24,18 @@ pub fn mpirun_environment() -> [(&'static str, &'static str); 4] {
 }
 
 /// For a command whose ranks may outnumber the cores: that of the launcher, and that a rank gives its core away while it waits for a
-/// message (waiting_ranks.c). Four ranks on two cores are 30 times faster so. Not for timings.
+/// message (waiting_ranks.c). Not for timings.
 pub fn let_ranks_share_cores(command: &mut Command) -> Result<&mut Command> {
     command
         .envs(mpirun_environment())
         .env("OMPI_MCA_mpi_yield_when_idle", "1");
     if cfg!(target_os = "linux") {
-        command.env("LD_PRELOAD", waiting_ranks()?);
+        let mut preload = waiting_ranks()?.into_os_string();
+        if let Some(others) = std::env::var_os("LD_PRELOAD").filter(|others| !others.is_empty()) {
+            preload.push(":");
+            preload.push(others);
+        }
+        command.env("LD_PRELOAD", preload);
     }
     Ok(command)
 }

@@ -5,6 +5,8 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 unsigned ucp_worker_progress(void *worker) {
     static unsigned (*progress)(void *);
@@ -12,7 +14,12 @@ unsigned ucp_worker_progress(void *worker) {
         void *found = dlsym(RTLD_NEXT, "ucp_worker_progress");
         if (!found) {
             /* MPI itself was loaded at run time. */
-            found = dlsym(dlopen("libucp.so.0", RTLD_LAZY | RTLD_NOLOAD), "ucp_worker_progress");
+            void *library = dlopen("libucp.so.0", RTLD_LAZY | RTLD_NOLOAD);
+            found = library ? dlsym(library, "ucp_worker_progress") : 0;
+        }
+        if (!found) {
+            fputs("waiting_ranks: UCX has no ucp_worker_progress; run without LD_PRELOAD\n", stderr);
+            abort();
         }
         progress = (unsigned (*)(void *))found;
     }

@@ -2,7 +2,7 @@
 //! The entries: what a thread does with which arrays. One thread for each grain, in a grid of one dimension. Every kernel takes the
 //! number of grains first; arrays are a pointer and a length in elements.
 
-use crate::memory::{entries, Parts, Shared};
+use crate::memory::{entries, Parts, Shared, Thread};
 use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, MotionChange, Step};
 use ellgran::force::PairLaw;
@@ -71,6 +71,21 @@ pub struct RowArrays {
     candidate_counts: Parts<u32>,
     states: Parts<u32>,
     histories: Parts<f64>,
+}
+
+impl RowArrays {
+    /// The thread's row with the candidates that were selected; `length` doubles a history.
+    #[inline(always)]
+    fn selected<'t>(&'t mut self, thread: &'t Thread, length: usize) -> Row<'t> {
+        let (starts, k) = (self.starts.all(), thread.index());
+        let count = *self.candidate_counts.one(thread) as usize;
+        Row {
+            neighbours: &self.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
+            candidates: &self.candidates.row(thread, starts, 1)[..count],
+            states: self.states.row(thread, starts, 1),
+            histories: self.histories.row(thread, starts, length),
+        }
+    }
 }
 
 macro_rules! prepare {
@@ -175,18 +190,9 @@ macro_rules! contacts {
             fn $name(thread, scene: SceneArrays, rows: RowArrays, loads: Parts<Load>) {
                 let (mut rows, mut loads) = (rows, loads);
                 let scene = scene.scene($friction);
-                let length = scene.layout.length;
-                let starts = rows.starts.all();
-                let k = thread.index();
-                let count = *rows.candidate_counts.one(&thread) as usize;
-                let mut row = Row {
-                    neighbours: &rows.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
-                    candidates: &rows.candidates.row(&thread, starts, 1)[..count],
-                    states: rows.states.row(&thread, starts, 1),
-                    histories: rows.histories.row(&thread, starts, length),
-                };
+                let mut row = rows.selected(&thread, scene.layout.length);
                 *loads.one(&thread) =
-                    contacts_of_grain::<$kind, $friction, true, $conservative>(k, &scene, &mut row);
+                    contacts_of_grain::<$kind, $friction, true, $conservative>(thread.index(), &scene, &mut row);
             }
         )*}
     };
@@ -211,20 +217,9 @@ macro_rules! marked_contacts {
             fn $name(thread, scene: SceneArrays, rows: RowArrays, loads: Parts<Load>, friction: u32) {
                 let (mut rows, mut loads) = (rows, loads);
                 let scene = scene.scene(friction != 0);
-                let length = scene.layout.length;
-                let starts = rows.starts.all();
-                let k = thread.index();
-                let count = *rows.candidate_counts.one(&thread) as usize;
-                let mut row = Row {
-                    neighbours: &rows.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
-                    candidates: &rows.candidates.row(&thread, starts, 1)[..count],
-                    states: rows.states.row(&thread, starts, 1),
-                    histories: rows.histories.row(&thread, starts, length),
-                };
-                let added = marked_contacts_of_grain::<$kind>(k, &scene, &mut row);
-                let load = loads.one(&thread);
-                load.force = load.force + added.force;
-                load.torque = load.torque + added.torque;
+                let mut row = rows.selected(&thread, scene.layout.length);
+                let added = marked_contacts_of_grain::<$kind>(thread.index(), &scene, &mut row);
+                *loads.one(&thread) += added;
             }
         )*}
     };
@@ -273,9 +268,7 @@ macro_rules! planes {
                     states.one(&thread),
                     histories.of(&thread, length),
                 );
-                let load = loads.one(&thread);
-                load.force = load.force + added.force;
-                load.torque = load.torque + added.torque;
+                *loads.one(&thread) += added;
             }
         )*}
     };

@@ -116,3 +116,14 @@ pub fn crowd(count: usize) -> Scene {
     }
     Scene::periodic([0.0; 3], [side as f64 * cell; 3], grains)
 }
+
+/// Colliding grains, periodic along y, with room for walls across x and z.
+pub fn between_walls() -> Scene {
+    let mut scene = crowd(64);
+    scene.boundary = "f p f".into();
+    for axis in [0, 2] {
+        scene.low[axis] -= 0.03;
+        scene.high[axis] += 0.03;
+    }
+    scene
+}

@@ -162,13 +162,11 @@ impl Device {
                 histories: &mut self.histories[from * length..to * length],
             };
             let scene = lent!(self, laws);
-            let load = contacts_of_grain::<K, FRICTION, true, CONSERVATIVE>(k, &scene, &mut row);
+            let mut load =
+                contacts_of_grain::<K, FRICTION, true, CONSERVATIVE>(k, &scene, &mut row);
             self.marked += row.states.iter().filter(|&&s| s & MARKED != 0).count();
-            let rest = marked_contacts_of_grain::<K>(k, &scene, &mut row);
-            self.loads[k] = Load {
-                force: load.force + rest.force,
-                torque: load.torque + rest.torque,
-            };
+            load += marked_contacts_of_grain::<K>(k, &scene, &mut row);
+            self.loads[k] = load;
         }
     }
 
