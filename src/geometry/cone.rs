@@ -310,6 +310,63 @@ mod tests {
         all
     }
 
+    /// Bodies small and large beside the cone: with one maximum, which Newton's method finds, and with more.
+    #[test]
+    fn the_contacts_are_the_maxima_of_all_directions() {
+        let mut state = 3u64;
+        let mut uniform = |low: f64, high: f64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let axis = Vector3::new(0.0, 0.6, 0.8);
+        let basis = Tangent::new(axis);
+        let (mut alone, mut touching) = (0, 0);
+        for _ in 0..600 {
+            let semi_axes = [0; 3].map(|_| uniform(0.2, 1.0));
+            let body = Ellipsoid::new(semi_axes, [0; 4].map(|_| uniform(-1.0, 1.0))).unwrap();
+            let cone = Cone {
+                slope: uniform(-0.5, 0.5).max(0.0),
+                ..Cone::cylinder(Vector3::ZERO, axis, uniform(1.2, 8.0))
+            };
+            let along = uniform(-0.5, 0.5);
+            let radius = cone.radius + cone.slope * along;
+            let outwards = basis.vector(crate::vector::Vector2::new(0.8, -0.6));
+            let off_axis = (radius - uniform(0.0, 1.0)).max(0.0);
+            let centre = axis * along + outwards * off_axis;
+            let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
+            let depth = |angle: f64| {
+                let u = basis.u * angle.cos() + basis.v * angle.sin();
+                let n = (u - axis * cone.slope) * c;
+                n.dot(centre) - c * cone.radius + body.support(n).h
+            };
+            let step = core::f64::consts::TAU / 2000.0;
+            let mut expected = vec![];
+            for k in 0..2000 {
+                let [a, b, c] = [-1.0, 0.0, 1.0].map(|d| depth((f64::from(k) + d) * step));
+                let top = b - 0.125 * (a - c).powi(2) / (a - 2.0 * b + c);
+                if b >= a && b > c && top > 0.0 {
+                    expected.push(top);
+                }
+            }
+            let mut found = vec![];
+            touch_cone(&body, centre, &cone, true, |contact| {
+                let n = contact.normal;
+                found.push(body.support(-n).h - n.dot(centre - contact.point));
+            });
+            expected.sort_by(f64::total_cmp);
+            found.sort_by(f64::total_cmp);
+            assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
+            for (a, b) in found.iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-9, "{found:?} {expected:?}");
+            }
+            touching += usize::from(!found.is_empty());
+            alone += usize::from(off_axis > 5.0);
+        }
+        assert!(touching > 300 && alone > 50, "{touching} {alone}");
+    }
+
     #[test]
     fn a_sphere_in_a_cone_touches_the_nearest_side() {
         let sphere = Ellipsoid::new([0.1; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
