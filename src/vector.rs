@@ -296,6 +296,23 @@ pub struct Tangent<T = f64> {
     pub v: Vector3<T>,
 }
 
+impl Tangent {
+    /// With `u` along the part of `direction` across the unit vector `n`; any where that part is nothing or rounding.
+    pub fn towards(direction: Vector3, n: Vector3) -> Self {
+        let across = |v: Vector3| v - n * n.dot(v);
+        let u = across(direction)
+            .direction()
+            // Of a vector along `n` rounding is left, which may lie along `n` too.
+            .map(across)
+            .filter(|u| u.norm_squared() > 0.25)
+            .and_then(Vector3::direction);
+        match u {
+            Some(u) => Tangent { u, v: n.cross(u) },
+            None => Tangent::new(n),
+        }
+    }
+}
+
 impl<T: Real> Tangent<T> {
     /// Free of branches and of cancellation for every `n` (Duff et al., J. Comput. Graph. Tech. 6 (2017) 1).
     #[inline(always)]
