@@ -101,7 +101,7 @@ impl Shape for Rim {
         let offset = centre - self.centre;
         let x = offset - self.axis * self.axis.dot(offset);
         let distance = x.norm();
-        let Tangent { u, v } = Tangent::towards(x, self.axis);
+        let Tangent { u, v } = Tangent::towards(offset, self.axis);
         let basis = [u, v];
         // the arc of the edge within the body's reach
         let square = offset.norm_squared() + self.radius * self.radius - reach * reach;

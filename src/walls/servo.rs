@@ -81,32 +81,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn loads_of_any_size_give_a_velocity() {
-        let sizes = [0.0, 1e-300, 1.0, 1e300, f64::MAX];
-        let mut servo = servo(1.0);
-        for target in sizes {
-            for force in sizes.into_iter().chain([-f64::MAX]) {
-                for stiffness in sizes {
-                    for damping in sizes {
-                        for time_step in [1e-300, 1.0, f64::MAX] {
-                            servo.target = target;
-                            let load = ServoLoad {
-                                force,
-                                stiffness,
-                                damping,
-                            };
-                            servo.follow(&load, time_step);
-                            let limit = servo.largest_speed;
-                            assert!(servo.velocity.abs() <= limit, "{servo:?} {load:?}");
-                            assert!(servo.steady_velocity.abs() <= limit, "{servo:?} {load:?}");
-                        }
-                    }
-                }
-            }
-        }
-    }
-
     /// A spring that recedes at a steady speed, with a dashpot beside it.
     #[test]
     fn the_force_on_a_receding_spring_is_the_target() {
