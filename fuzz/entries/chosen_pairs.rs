@@ -236,7 +236,7 @@ fn stable(
     list.neighbours = pointers.as_ptr();
     list.index_mask = -1;
     list.newton = 1;
-    let mut sums = vec![0.0; particles.count * ELLGRAN_STEP_SUMS_LENGTH as usize];
+    let mut sums = vec![0.0; particles.count * ELLGRAN_STEP_SUMS_LENGTH];
     let mut extremes = sized::<EllgranContactExtremes>();
     // SAFETY: the arrays are as long as the structs say.
     let added = unsafe {
