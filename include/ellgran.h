@@ -1099,7 +1099,7 @@ typedef struct EllgranMotion {
    */
   const int32_t *shape_indices;
   /*
-   Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+   Semi-axes, 3 doubles an entry, from 1e-20 to 1e20; two or three that are equal bit for bit make a body of revolution or a sphere.
    */
   const double *semi_axes;
   /*
@@ -2054,8 +2054,8 @@ int32_t ellgran_rayleigh_times(size_t type_count,
  see `velocity_changes`), positions and quaternions of its end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 
  The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
- moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
- finite number, or it would turn by more than half a circle.
+ moved and others have not: the state is lost. An error names the body: it is no ellipsoid, a semi-axis is out of range,
+ its mass is not a positive finite number, or it would turn by more than half a circle.
 
  # Safety
  `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
@@ -2077,7 +2077,8 @@ int32_t ellgran_finish_step(const struct EllgranMotion *motion,
  Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
  `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
 
- An error names the body: it is no ellipsoid, its quaternion has no length, or its mass is not a positive finite number.
+ An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a
+ positive finite number.
 
  # Safety
  The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.

@@ -296,6 +296,27 @@ pub struct Tangent<T = f64> {
     pub v: Vector3<T>,
 }
 
+impl Tangent {
+    /// With `u` along the part of `direction` across the unit vector `n`; any where that part is nothing or rounding.
+    pub fn towards(direction: Vector3, n: Vector3) -> Self {
+        let across = |v: Vector3| v - n * n.dot(v);
+        let first = across(direction);
+        let u = if first.norm_squared() > 1e-4 * direction.norm_squared() {
+            first.direction()
+        } else {
+            // Of a vector along `n` rounding is left, which may lie along `n` too.
+            let again = first.direction().map(across);
+            again
+                .filter(|u| u.norm_squared() > 0.25)
+                .and_then(Vector3::direction)
+        };
+        match u {
+            Some(u) => Tangent { u, v: n.cross(u) },
+            None => Tangent::new(n),
+        }
+    }
+}
+
 impl<T: Real> Tangent<T> {
     /// Free of branches and of cancellation for every `n` (Duff et al., J. Comput. Graph. Tech. 6 (2017) 1).
     #[inline(always)]

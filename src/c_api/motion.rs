@@ -39,7 +39,7 @@ pub struct EllgranMotion {
     /// Index of each body into `semi_axes` and `quaternions`, [count]; negative: not an ellipsoid, an error if it is to move.
     /// NULL: the body's own index.
     pub shape_indices: *const i32,
-    /// Semi-axes, 3 doubles an entry; two or three that are equal bit for bit make a body of revolution or a sphere.
+    /// Semi-axes, 3 doubles an entry, from 1e-20 to 1e20; two or three that are equal bit for bit make a body of revolution or a sphere.
     pub semi_axes: *const f64,
     /// Bytes from one entry of `semi_axes` to the next.
     pub semi_axes_stride: usize,
@@ -257,8 +257,8 @@ fn required_pointer(pointer: *const f64, name: &str) -> Result<(), Failure> {
 /// see `velocity_changes`), positions and quaternions of its end. The way in between is that of a free body: exact to rounding for any shape (docs/theory.md, section 8).
 ///
 /// The workspace names the instruction set; nothing in it is read or written otherwise. On failure some bodies have been
-/// moved and others have not: the state is lost. An error names the body: it is no ellipsoid, its mass is not a positive
-/// finite number, or it would turn by more than half a circle.
+/// moved and others have not: the state is lost. An error names the body: it is no ellipsoid, a semi-axis is out of range,
+/// its mass is not a positive finite number, or it would turn by more than half a circle.
 ///
 /// # Safety
 /// `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
@@ -300,7 +300,8 @@ pub unsafe extern "C" fn ellgran_finish_step(motion: *const EllgranMotion, time_
 /// Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
 /// `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
 ///
-/// An error names the body: it is no ellipsoid, its quaternion has no length, or its mass is not a positive finite number.
+/// An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a
+/// positive finite number.
 ///
 /// # Safety
 /// The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.

@@ -85,16 +85,12 @@ pub fn touch_cone(
         return;
     }
     // The first axis of the cross-section points to the body, where there is such a direction.
-    let first_axis = if distance > 0.0 {
-        x * (1.0 / distance)
-    } else {
-        Tangent::new(axis).u
-    };
+    let Tangent { u, v } = Tangent::towards(offset, axis);
     let search = Search {
         body,
         offset,
         axis,
-        basis: [first_axis, axis.cross(first_axis)],
+        basis: [u, v],
         side: if within { 1.0 } else { -1.0 },
         c,
         s,

@@ -8,7 +8,7 @@ use super::free_rotation::{
     body_velocity, half_angles, of_revolution, of_revolution_by_any_angle, of_three_moments,
     Quaternion, LARGEST_EXPANDED_TURN, LARGEST_HALF_ANGLE,
 };
-use crate::geometry::ellipsoid::rotation_columns;
+use crate::geometry::ellipsoid::{rotation_columns, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::message::Number;
 #[cfg(not(feature = "std"))]
 use crate::real::Functions;
@@ -23,6 +23,10 @@ const LARGEST_TURN: f64 = core::f64::consts::PI;
 
 /// How far the square of a quaternion's length may be from 1 for the quaternion to be taken as it is.
 const UNIT: f64 = 1e-12;
+
+/// Within the range of semi-axes, by a little: one at its very end is looked at by itself.
+const BELOW_SEMI_AXES: f64 = LEAST_SEMI_AXIS * (1.0 + 1e-9);
+const ABOVE_SEMI_AXES: f64 = LARGEST_SEMI_AXIS * (1.0 - 1e-9);
 
 /// More parts of a step than a turn of [`LARGEST_TURN`] needs.
 const MOST_PARTS: usize = 100_000;
@@ -106,7 +110,7 @@ pub struct MotionError {
 /// [`Extrapolation`], of its end), positions and quaternions those of the end of the step. Quaternions come out with length 1.
 ///
 /// # Errors
-/// The first body, in the order of the arrays' chunks, that is no ellipsoid, whose mass is not a positive finite number, or
+/// The first body, in the order of the arrays' chunks, that is no ellipsoid, that has a semi-axis or a mass out of range, or
 /// that would turn by more than half a circle. Other bodies may have been moved then.
 ///
 /// # Example
@@ -190,7 +194,7 @@ pub fn finish_step<B: Bodies>(
 /// others' are left as they are.
 ///
 /// # Errors
-/// The first body that is no ellipsoid, whose quaternion has no length, or whose mass is not a positive finite number.
+/// The first body that is no ellipsoid, whose quaternion has no length, or whose semi-axes or mass are out of range.
 pub fn angular_velocities<B: Bodies>(
     arrays: &BodyArrays<'_, B>,
     selection: Selection<'_>,
@@ -213,6 +217,7 @@ pub fn angular_velocities<B: Bodies>(
             normalised(q).map_err(wrong)?
         };
         let mass = checked_mass(arrays.masses[k]).map_err(wrong)?;
+        check_shape(semi_axes).map_err(wrong)?;
         let axes = rotation_columns(q, 2.0);
         let momentum = Vector3::from_array(arrays.angular_momenta[k]);
         let own = body_velocity(axes, momentum, moments(mass, semi_axes).0);
@@ -227,6 +232,8 @@ pub fn angular_velocities<B: Bodies>(
 pub enum Refusal {
     /// It is no ellipsoid.
     Shape,
+    /// A semi-axis of its.
+    SemiAxis(f64),
     /// Length of its quaternion.
     Quaternion(f64),
     /// Its mass.
@@ -243,6 +250,10 @@ impl Refusal {
             Refusal::Shape => {
                 "it has no shape: every body that is moved must be an ellipsoid".into()
             }
+            Refusal::SemiAxis(length) => format!(
+                "semi-axis = {} must be from {LEAST_SEMI_AXIS:e} to {LARGEST_SEMI_AXIS:e}",
+                Number(length)
+            ),
             Refusal::Quaternion(length) => {
                 format!("its quaternion has length {}", Number(length))
             }
@@ -284,6 +295,14 @@ fn checked_mass(mass: f64) -> Result<f64, Refusal> {
         Ok(mass)
     } else {
         Err(Refusal::Mass(mass))
+    }
+}
+
+fn check_shape(semi_axes: [f64; 3]) -> Result<(), Refusal> {
+    let range = LEAST_SEMI_AXIS..=LARGEST_SEMI_AXIS;
+    match semi_axes.into_iter().find(|a| !range.contains(a)) {
+        Some(a) => Err(Refusal::SemiAxis(a)),
+        None => Ok(()),
     }
 }
 
@@ -536,6 +555,15 @@ impl<B: Bodies> Turn<'_, '_, B> {
         };
         let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
         let unit = (square - 1.0).abs().less(square.constant(UNIT));
+        // One that is not a number makes the turn none, which is not good.
+        let [largest, least] = [
+            a[0].max(a[1])
+                .max(a[2])
+                .less(mass.constant(ABOVE_SEMI_AXES)),
+            mass.constant(BELOW_SEMI_AXES)
+                .less(a[0].min(a[1]).min(a[2])),
+        ];
+        let good = registers.and(good, registers.and(largest, least));
         let good = registers.bits(registers.and(good, unit));
         let mut new = [[0.0; MOST_LANES]; 4];
         turned[0].store(&mut new[0]);
@@ -681,6 +709,7 @@ fn turned(
 ) -> Result<[f64; 4], Refusal> {
     let mut q = normalised(q)?;
     let mass = checked_mass(mass)?;
+    check_shape(semi_axes)?;
     let (inverse_moments, ratios) = moments(mass, semi_axes);
     let omega_of = |q: [f64; 4]| body_velocity(rotation_columns(q, 2.0), momentum, inverse_moments);
     let turn = omega_of(q).norm() * time;

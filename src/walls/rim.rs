@@ -101,8 +101,8 @@ impl Shape for Rim {
         let offset = centre - self.centre;
         let x = offset - self.axis * self.axis.dot(offset);
         let distance = x.norm();
-        let first = x.direction().unwrap_or(Tangent::new(self.axis).u);
-        let basis = [first, self.axis.cross(first)];
+        let Tangent { u, v } = Tangent::towards(offset, self.axis);
+        let basis = [u, v];
         // the arc of the edge within the body's reach
         let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
         let cosine = square / (2.0 * distance * self.radius);

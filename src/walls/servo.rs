@@ -42,7 +42,7 @@ impl Servo {
     ///
     /// A wall that touches nothing approaches with the largest speed; with a target of 0 it stays.
     pub fn follow(&mut self, load: &ServoLoad, time_step: f64) {
-        let error = self.target - load.force;
+        let error = (self.target - load.force).clamp(f64::MIN, f64::MAX);
         let resistance = load.stiffness * time_step + load.damping;
         let limit = self.largest_speed;
         if !(resistance > 0.0) {
@@ -59,7 +59,8 @@ impl Servo {
         self.velocity = velocity.clamp(-limit, limit);
         // What the limit cut off must not be made up for later.
         if velocity == self.velocity {
-            let elastic = load.stiffness * time_step / resistance;
+            // The share of the spring in the resistance, which may be infinite.
+            let elastic = 1.0 / (1.0 + load.damping / (load.stiffness * time_step));
             let steady = self.steady_velocity + 0.25 * self.gain * elastic * wanted;
             self.steady_velocity = steady.clamp(-limit, limit);
         }

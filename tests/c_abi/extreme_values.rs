@@ -10,6 +10,7 @@ use ellgran::c_api::law::*;
 use ellgran::c_api::particles::*;
 use ellgran::c_api::plane::*;
 use ellgran::c_api::rigid_wall::*;
+use ellgran::c_api::servo::*;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
 
@@ -979,6 +980,90 @@ fn constants_of_the_laws() {
                 let what = format!("{deck}: {x:e}");
                 let (status, _) = contact(&laws, &bodies, &STEP, (0, [0.0; 7]), &what);
                 assert_eq!(status, 0, "{what}: {}", message());
+            }
+        }
+    }
+}
+
+/// What is left of the place of a centre on an oblique axis is rounding, which may lie along the axis. The force is across it: along it
+/// nothing changes.
+#[test]
+fn a_grain_on_the_axis_of_an_oblique_cylinder() {
+    let laws = Laws::new(&[DECKS[0]]);
+    let workspace = WorkspaceHandle::new();
+    let along = |k: u32| 1e-2 * f64::from(k) - 1.16082763671875;
+    let mut given = shape(c"cylinder");
+    given.point = [-0.72161865234375; 3];
+    given.axis = [1.0; 3];
+    given.radii = [1.0; 2];
+    given.side = ELLGRAN_SIDE_OUTSIDE;
+    let wall = WallHandle::new();
+    ok(unsafe { ellgran_wall_add_shape(wall.0, &given) });
+    let mut histories = wall.histories(&laws, 1);
+    for k in 0..100 {
+        let mut bodies = [sphere_at(0.0)];
+        bodies[0].position = [along(k); 3];
+        bodies[0].semi_axes = [1.1, 1.0, 0.9];
+        let mut arrays = Arrays::new(&bodies, 1);
+        let particles = arrays.particles();
+        let mut load = EllgranWallLoad {
+            size: size_of::<EllgranWallLoad>(),
+            force: [0.0; 3],
+            torque: [0.0; 3],
+            power: 0.0,
+            contact_count: 0,
+            stiffness: 0.0,
+            damping: 0.0,
+        };
+        ok(unsafe {
+            ellgran_compute_wall(
+                laws.0,
+                workspace.0,
+                wall.0,
+                &particles,
+                null(),
+                0,
+                1,
+                null(),
+                histories.as_mut_ptr(),
+                &STEP,
+                &mut load,
+                null_mut(),
+            )
+        });
+        let [x, y, z] = load.force;
+        let size = (x * x + y * y + z * z).sqrt();
+        let of_axis = (x + y + z).abs() / 3.0_f64.sqrt();
+        assert!(of_axis <= 1e-9 * size, "{:?} {load:?}", along(k));
+        assert!(size > 0.0, "{load:?}");
+    }
+}
+
+#[test]
+fn a_servo_under_loads_of_any_size() {
+    let sizes = [0.0, 1e-300, 1.0, 1e300, f64::MAX];
+    let mut servo = EllgranServo {
+        size: size_of::<EllgranServo>(),
+        target: 0.0,
+        gain: 1.0,
+        largest_speed: 1e3,
+        steady_velocity: 0.0,
+        velocity: 0.0,
+    };
+    for target in sizes {
+        for force in [f64::MIN, 0.0, 1.0, f64::MAX] {
+            for stiffness in sizes {
+                for damping in sizes {
+                    for time_step in [1e-300, 1.0, f64::MAX] {
+                        servo.target = target;
+                        ok(unsafe {
+                            ellgran_servo_follow(&mut servo, force, stiffness, damping, time_step)
+                        });
+                        let given = (force, stiffness, damping, time_step);
+                        assert!(servo.velocity.abs() <= 1e3, "{servo:?} {given:?}");
+                        assert!(servo.steady_velocity.abs() <= 1e3, "{servo:?} {given:?}");
+                    }
+                }
             }
         }
     }

@@ -39,6 +39,11 @@ struct Bodies {
 }
 
 impl Bodies {
+    /// The semi-axes of a body.
+    fn shape(&mut self, body: usize) -> &mut [f64; 3] {
+        &mut self.entries[self.index[body] as usize].semi_axes
+    }
+
     fn new(n: usize) -> Bodies {
         let mut workspace = core::ptr::null_mut();
         // SAFETY: valid for writes.
@@ -283,7 +288,7 @@ fn torques_kick_angular_momenta_and_only_the_group_moves() {
 #[test]
 fn what_cannot_move_is_an_error_that_names_it() {
     type Change = fn(&mut Bodies);
-    let cases: [(Change, &str); 6] = [
+    let cases: [(Change, &str); 9] = [
         (|b| b.index[7] = -1, "particle 107: it has no shape"),
         (|b| b.mass[7] = 0.0, "particle 107: mass = 0"),
         (|b| b.mass[7] = f64::NAN, "particle 107: mass = NaN"),
@@ -302,12 +307,28 @@ fn what_cannot_move_is_an_error_that_names_it() {
             },
             "particle 107: its quaternion has length 0",
         ),
+        (|b| b.shape(7)[2] = 1e276, "particle 107: semi-axis = 1e276"),
+        (
+            |b| b.shape(7)[0] = f64::NAN,
+            "particle 107: semi-axis = NaN",
+        ),
+        (
+            |b| *b.shape(7) = [1.0, 1.0, 1e-30],
+            "particle 107: semi-axis = 1e-30",
+        ),
     ];
     for (change, said) in cases {
         let mut bodies = Bodies::new(19);
         change(&mut bodies);
         assert_eq!(bodies.start(0.01), ELLGRAN_ERROR_PARTICLE, "{said}");
         assert!(message().contains(said), "{} is not {said}", message());
+    }
+    // At the very ends of the range.
+    for length in [1e-20, 1e20] {
+        let mut bodies = Bodies::new(19);
+        *bodies.shape(7) = [length; 3];
+        bodies.l[7] = [0.0; 3];
+        assert_eq!(bodies.start(0.01), ELLGRAN_SUCCESS, "{}", message());
     }
     let mut bodies = Bodies::new(3);
     assert_eq!(bodies.start(-1.0), ELLGRAN_ERROR_ARGUMENT);

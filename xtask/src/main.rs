@@ -100,8 +100,8 @@ enum Task {
     Validate(validate::Options),
     /// Random and adversarial pairs on each instruction set, for minutes, hours or a night; goes on where it stopped
     Stress(stress::Options),
-    /// Look for errors of memory in LAMMPS with the plugin, by valgrind
-    Sanitize,
+    /// Look for errors of memory and undefined behaviour: Miri, sanitizers, valgrind, fuzzing
+    Sanitize(sanitize::Options),
     /// Make the kernels for GPUs as PTX, and the page about them (some minutes; needs rustup)
     Gpu(gpu::Options),
     /// Make the documentation site, which opens from its files
@@ -159,7 +159,7 @@ fn run(task: Task) -> Result<()> {
         Task::Report(options) => report::report(&options)?,
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,
-        Task::Sanitize => sanitize::sanitize()?,
+        Task::Sanitize(options) => sanitize::sanitize(&options)?,
         Task::Gpu(options) => gpu::gpu(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,

@@ -325,7 +325,7 @@ macro_rules! moving {
 
 entries! {
     /// The first half of a step. `faults` gets 0, or what is wrong: 1 shape, 2 quaternion, 3 mass, 4 a turn of more than half a
-    /// circle, 5 a rotation that grows within the step.
+    /// circle, 5 a rotation that grows within the step, 6 a semi-axis.
     fn ellgran_start_step(thread, arrays: MotionArrays, faults: Parts<u32>) {
         let (mut arrays, mut faults) = (arrays, faults);
         let time_step = arrays.time_step;
@@ -337,6 +337,7 @@ entries! {
             Err(Refusal::Mass(_)) => 3,
             Err(Refusal::Turn(..)) => 4,
             Err(Refusal::Rotation) => 5,
+            Err(Refusal::SemiAxis(_)) => 6,
         };
     }
 
