@@ -45,7 +45,10 @@ def cell(rows: List[Row], quantity: str, digits: int) -> str:
 
 
 def main() -> None:
-    rows = read_csv(HERE / "packings.csv")
+    everything = read_csv(HERE / "packings.csv")
+    grains = int(max(row["grains"] for row in everything))
+    rows = [row for row in everything if row["grains"] == grains]
+    smaller = [row for row in everything if row["grains"] < grains]
     published = read_csv(HERE / "published.csv")
     shapes = sorted({row["shape"] for row in rows}, key=place)
     spheroids = [shape for shape in shapes if shape != THREE_AXES]
@@ -117,9 +120,54 @@ def main() -> None:
         f"Friction of 0.5 lowers the solid fraction by {-max(rough):.3f} to {-min(rough):.3f}. "
         f"The two protocols agree for the sphere; without friction they differ most, by {apart[0]:.3f}, at {apart[1]}, which settles with its axes aligned (order {aligned:.2f})."
     )
+    slow = [row for row in rows if row["protocol"].endswith(", slowly")]
+
+    def slowly(shape: str, protocol: str, quantity: str) -> Tuple[float, float]:
+        """As in the other tables, and made slowly."""
+        one, ten = (mean_and_scatter(of(rows, shape, (way, 0.0)), quantity)[0] for way in (protocol, f"{protocol}, slowly"))
+        return one, ten
+
+    def slow_table() -> str:
+        head = ["axes, protocol", "solid fraction", "slowly", "contacts", "slowly", "grains left out", "slowly"]
+        return table(
+            head,
+            [
+                [f"{row['shape']}, {row['protocol'].split(',')[0]}"]
+                + [
+                    f"{value:.{digits}f}"
+                    for quantity, digits in (("solid_fraction", 4), ("coordination", 2), ("rattlers", 3))
+                    for value in slowly(row["shape"], row["protocol"].split(",")[0], quantity)
+                ]
+                for row in slow
+            ],
+        )
+
+    # One realisation of the smaller size may be as far from the mean as its scatter; the shapes with two tell the scatter.
+    def pooled(quantity: str) -> float:
+        groups = [of(smaller, shape, kind) for shape in shapes for kind in KINDS]
+        return float(np.sqrt(np.mean([mean_and_scatter(group, quantity)[1] ** 2 for group in groups if len(group) > 1])))
+
+    def by_size(quantity: str, friction: float) -> Tuple[float, float]:
+        """Mean and greatest difference of the larger packings from the smaller ones, over shapes and protocols."""
+        changes = [
+            mean_and_scatter(of(rows, shape, kind), quantity)[0] - mean_and_scatter(of(smaller, shape, kind), quantity)[0]
+            for shape in shapes
+            for kind in KINDS
+            if kind[1] == friction and of(rows, shape, kind) and of(smaller, shape, kind)
+        ]
+        return float(np.mean(changes)), float(max(changes, key=abs))
+
+    small = int(max((row["grains"] for row in smaller), default=0))
+    size_table = table(
+        ["quantity", "friction", f"scatter of one realisation of {small}", f"{grains} − {small}, mean", "greatest"],
+        [
+            [label, f"{friction:g}", f"{pooled(quantity):.{digits}f}", *[f"{value:+.{digits}f}" for value in by_size(quantity, friction)]]
+            for quantity, label, digits in (("solid_fraction", "solid fraction", 4), ("coordination", "contacts", 2))
+            for friction in (0.0, 0.5)
+        ],
+    )
     realisations = sorted({len(of(rows, shape, kind)) for shape in shapes for kind in KINDS if of(rows, shape, kind)})
     how_many = f"{realisations[0]}" if len(realisations) == 1 else f"{realisations[0]} to {realisations[-1]}"
-    grains = int(max(row["grains"] for row in rows))
 
     def quantity_table(quantity: str, digits: int) -> str:
         head = ["axes", *[name(*kind) for kind in KINDS]]
