@@ -27,7 +27,8 @@ FRICTION = (0.0, 0.5)
 PROTOCOLS = ("compressed", "settled")
 #: What is made again, without friction, with this many times the time: compressed and left to rest, or left to rest after it settled.
 SLOWNESS = 10
-MADE_SLOWLY = ("1:1:1", "1.25:1:0.8", "0.6:1:1", "1.5:1:1")
+SLOW_GRAINS = 1000
+MADE_SLOWLY = (("compressed", "1.25:1:0.8"), ("settled", "1.25:1:0.8"), ("compressed", "1.5:1:1"), ("compressed", "1:1:1"))
 #: The law of the decks, without what it does in motion.
 LAW = "hertz 1 0.3"
 #: Grains with fewer contacts bear no load: a force and three coordinates to balance without friction, a line of two contacts with it.
@@ -51,6 +52,10 @@ class Case:
     def seed(self) -> int:
         return 1000 * self.realisation + 11
 
+    @property
+    def slowly(self) -> bool:
+        return self.protocol.endswith(", slowly")
+
 
 def shapes() -> Dict[str, Tuple[float, float, float]]:
     """Axes by name. The first is the unequal one, which the measure of orientation takes."""
@@ -68,7 +73,7 @@ def cases(realisations: int) -> List[Case]:
         for protocol in PROTOCOLS
         for friction in FRICTION
     ]
-    return quickly + [Case(f"{protocol}, slowly", 0.0, name, shapes()[name], 1) for name in MADE_SLOWLY for protocol in PROTOCOLS]
+    return quickly + [Case(f"{protocol}, slowly", 0.0, name, shapes()[name], 1) for protocol, name in MADE_SLOWLY]
 
 
 def touching(packing: ellgran.Packing) -> np.ndarray:
@@ -88,8 +93,7 @@ def measured(case: Case, packing: ellgran.Packing) -> Measures:
 
 def made(case: Case, grains: int) -> Dict[str, Any]:
     """Runs LAMMPS; a row of the table."""
-    way, *slowly = case.protocol.split(", ")
-    deck = {"compressed": "compress.lmp", "settled": "settle.lmp"}[way]
+    deck = {"compressed": "compress.lmp", "settled": "settle.lmp"}[case.protocol.split(", ")[0]]
     with tempfile.TemporaryDirectory() as directory:
         values = {
             "plugin": os.environ["ELLGRAN_LAMMPS_PLUGIN"],
@@ -97,7 +101,7 @@ def made(case: Case, grains: int) -> Dict[str, Any]:
             "grains": grains,
             "friction": case.friction,
             "seed": case.seed,
-            "slowness": SLOWNESS if slowly else 1,
+            "slowness": SLOWNESS if case.slowly else 1,
             **dict(zip(("dx", "dy", "dz"), (f"{axis:.15g}" for axis in case.axes))),
         }
         words = [str(word) for name, value in values.items() for word in ("-var", name, value)]
@@ -142,14 +146,15 @@ def main() -> None:
     kept: List[Dict[str, Any]] = []
     if given.go_on and stored.is_file():
         kept = [{**row, **{key: int(row[key]) for key in ("realisation", "seed", "grains")}} for row in read_csv(stored)]
-    there = {(row["protocol"], row["friction"], row["shape"], row["realisation"]) for row in kept if row["grains"] == given.grains}
+    there = {(row["protocol"], row["friction"], row["shape"], row["realisation"], row["grains"]) for row in kept}
     order = cases(given.realisations)
     position = {case: number for number, case in enumerate(order)}
-    missing = [case for case in order if (case.protocol, case.friction, case.shape, case.realisation) not in there]
+    sizes = {case: SLOW_GRAINS if case.slowly else given.grains for case in order}
+    missing = [case for case in order if (case.protocol, case.friction, case.shape, case.realisation, sizes[case]) not in there]
     rows: Dict[int, Dict[str, Any]] = {}
     cores = len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(cores) as workers:
-        running = {workers.submit(made, case, given.grains): case for case in missing}
+        running = {workers.submit(made, case, sizes[case]): case for case in missing}
         for done in as_completed(running):
             case, row = running[done], done.result()
             rows[position[case]] = row

@@ -202,6 +202,7 @@ def main() -> None:
                 obliques.append(oblique(name, impact, 0.4))
     write_csv(HERE / "oblique_impacts.csv", obliques)
     write_csv(HERE / "lammps_tests.csv", lammps_tests.compared())
+    write_csv(HERE / "heaps.csv", lammps_tests.heaps())
     write_origin(HERE, started, LAMMPS=os.environ["ELLGRAN_LAMMPS_VERSION"])
 
 

@@ -367,6 +367,57 @@ def hertz_peak(table: Table) -> None:
         table.add("dem11", f"elastic impact {name}, Hertz", "greatest force", stiffness * greatest**1.5, {s: m.force[:, 0, 2].max() for s, m in motions.items()})
 
 
+def heaps() -> List[Row]:
+    """dem10: 120 grains poured between walls. LAMMPS asks for an angle, of the height of the uppermost centre over its greatest distance from the
+    middle, between 15 and 55 degrees."""
+    stiffness, restitution = 1e4, 0.3
+    rolling = "rolling sds 500 50 0.5"
+
+    def law(mass: float, style: str) -> str:
+        damping = dashpot(mass, stiffness, restitution)
+        words = {ELLIPSOID: f"linear 8235 {damping!r} 1", GRANULAR: "linear_history 8235 1 1"}
+        return linear(mass, stiffness, restitution, words[ELLIPSOID], words[GRANULAR], rolling)[style]
+
+    rows: List[Row] = []
+    for style, shape, axes in (
+        (GRANULAR, "spheres", (1.0,)),
+        (ELLIPSOID, "spheres", (1.0, 1.0, 1.0)),
+        (ELLIPSOID, "ellipsoids 1.5:1:1", (1.5 ** (2 / 3), 1.5 ** (-1 / 3), 1.5 ** (-1 / 3))),
+    ):
+        for seed in (5783, 5784, 5785):
+            with tempfile.TemporaryDirectory() as directory:
+                dump = Path(directory) / "heap.dump"
+                values = {
+                    "plugin": os.environ["ELLGRAN_LAMMPS_PLUGIN"],
+                    "style": style,
+                    "law": law(np.pi / 12, style),
+                    "wall_law": law(np.pi / 6, style),
+                    "axes": words(axes),
+                    "seed": seed,
+                    "dump": dump,
+                }
+                options = [str(word) for name, value in values.items() for word in ("-var", name, value)]
+                command = [os.environ["ELLGRAN_LAMMPS"], "-nocite", "-log", "none", "-in", str(HERE / "heap.lmp"), *options]
+                done = subprocess.run(command, capture_output=True, text=True)
+                if done.returncode != 0:
+                    raise RuntimeError(f"LAMMPS stopped at the heap of {shape}, {style}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+                places = np.loadtxt(dump, skiprows=9)
+            energy_left = float(next(line for line in done.stdout.splitlines() if line.startswith("kinetic energy")).split()[2])
+            away = np.hypot(*(places[:, :2] - places[:, :2].mean(0)).T)
+            rows.append(
+                {
+                    "style": style,
+                    "grains": shape,
+                    "seed": seed,
+                    "count": len(places),
+                    "angle": float(np.degrees(np.arctan2(places[:, 2].max(), away.max()))),
+                    "kinetic_energy": energy_left,
+                }
+            )
+            print(f"dem10, {shape}, {style}: {rows[-1]['angle']:.1f} degrees, kinetic energy {energy_left:.1e}", flush=True)
+    return rows
+
+
 def compared() -> List[Row]:
     table = Table()
     for scene in (free_fall_and_bounce, bounces, stack, sliding, oblique, settling_velocity, rolling, collisions, hertz_peak):

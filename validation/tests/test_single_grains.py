@@ -84,3 +84,13 @@ def test_the_scenes_of_lammps_end_as_their_closed_forms_say():
         if row["test"] in ("dem01", "dem03", "dem06", "dem07", "dem11"):
             # One law in two programs.
             assert row["ellipsoid_error"] == pytest.approx(row["granular_error"], rel=1e-3, abs=1e-7)
+
+
+def test_heaps_come_to_rest_at_the_angle_that_lammps_asks_for():
+    rows = read_csv(STORED / "heaps.csv")
+    assert {(row["grains"], row["style"]) for row in rows} == {("spheres", "granular"), ("spheres", "gran/ellipsoid"), ("ellipsoids 1.5:1:1", "gran/ellipsoid")}
+    for row in rows:
+        assert row["count"] == 120
+        assert 15 < row["angle"] < 55
+        # Of a weight times a diameter of 1.05.
+        assert row["kinetic_energy"] < 1e-4
