@@ -39,18 +39,24 @@ def mean_and_scatter(rows: List[Row], quantity: str) -> Tuple[float, float]:
     return float(np.mean(values)), float(np.std(values, ddof=1)) if len(values) > 1 else float("nan")
 
 
-def cell(rows: List[Row], quantity: str, digits: int) -> str:
+def cell(rows: List[Row], quantity: str, digits: int, grains: int) -> str:
+    """With the number of grains where it is another one."""
     if not rows:
         return "not made"
     mean, scatter = mean_and_scatter(rows, quantity)
-    return f"{mean:.{digits}f}" + (f" ± {scatter:.{digits}f}" if np.isfinite(scatter) else "")
+    size = "" if rows[0]["grains"] == grains else f" ({int(rows[0]['grains'])})"
+    return f"{mean:.{digits}f}" + (f" ± {scatter:.{digits}f}" if np.isfinite(scatter) else "") + size
 
 
 def main() -> None:
     everything = read_csv(HERE / "packings.csv")
     grains = int(max(row["grains"] for row in everything))
-    rows = [row for row in everything if row["grains"] == grains]
-    smaller = [row for row in everything if row["grains"] < grains]
+    largest: Dict[Tuple[str, str, float], float] = {}
+    for row in everything:
+        key = (row["shape"], row["protocol"], row["friction"])
+        largest[key] = max(row["grains"], largest.get(key, 0))
+    rows = [row for row in everything if row["grains"] == largest[row["shape"], row["protocol"], row["friction"]]]
+    smaller = [row for row in everything if row["grains"] < largest[row["shape"], row["protocol"], row["friction"]]]
     published = read_csv(HERE / "published.csv")
     shapes = sorted({row["shape"] for row in rows}, key=place)
     spheroids = [shape for shape in shapes if shape != THREE_AXES]
@@ -138,8 +144,8 @@ def main() -> None:
         )
 
     # One realisation of the smaller size may be as far from the mean as its scatter; the shapes with two tell the scatter.
-    def pooled(quantity: str) -> float:
-        groups = [of(smaller, shape, kind) for shape in shapes for kind in KINDS]
+    def pooled(quantity: str, friction: float) -> float:
+        groups = [of(smaller, shape, kind) for shape in shapes for kind in KINDS if kind[1] == friction]
         return float(np.sqrt(np.mean([mean_and_scatter(group, quantity)[1] ** 2 for group in groups if len(group) > 1])))
 
     def by_size(quantity: str, friction: float) -> Tuple[float, float]:
@@ -156,7 +162,7 @@ def main() -> None:
     size_table = table(
         ["quantity", "friction", f"scatter of one realisation of {small}", f"{grains} − {small}, mean", "greatest"],
         [
-            [label, f"{friction:g}", f"{pooled(quantity):.{digits}f}", *[f"{value:+.{digits}f}" for value in by_size(quantity, friction)]]
+            [label, f"{friction:g}", f"{pooled(quantity, friction):.{digits}f}", *[f"{value:+.{digits}f}" for value in by_size(quantity, friction)]]
             for quantity, label, digits in (("solid_fraction", "solid fraction", 4), ("coordination", "contacts", 2))
             for friction in (0.0, 0.5)
         ],
@@ -171,17 +177,19 @@ def main() -> None:
         f"Friction of 0.5 lowers the solid fraction by {-max(rough):.3f} to {-min(rough):.3f}. "
         f"The two protocols agree for the sphere; without friction they differ most, by {apart[0]:.3f}, at {apart[1]}, which settles with its axes aligned (order {aligned:.2f})."
     )
-    realisations = sorted({len(of(rows, shape, kind)) for shape in shapes for kind in KINDS if of(rows, shape, kind)})
+    realisations = sorted({len(group) for shape in shapes for kind in KINDS for group in [of(rows, shape, kind)] if group and group[0]["grains"] == grains})
+    not_so_large = sum(group[0]["grains"] < grains for shape in shapes for kind in KINDS for group in [of(rows, shape, kind)] if group)
+    but = f" (of {not_so_large} shapes and protocols there are smaller ones alone, with their number of grains in brackets)" if not_so_large else ""
     how_many = f"{realisations[0]}" if len(realisations) == 1 else f"{realisations[0]} to {realisations[-1]}"
 
     def quantity_table(quantity: str, digits: int) -> str:
         head = ["axes", *[name(*kind) for kind in KINDS]]
-        return table(head, [[shape, *[cell(of(rows, shape, kind), quantity, digits) for kind in KINDS]] for shape in shapes])
+        return table(head, [[shape, *[cell(of(rows, shape, kind), quantity, digits, grains) for kind in KINDS]] for shape in shapes])
 
     references = "".join(f"{int(row['reference'])}. {row['source']}.\n" for row in {row["reference"]: row for row in published}.values())
-    minutes = sum(row["seconds"] for row in rows) / 60
+    minutes = sum(row["seconds"] for row in rows if row["grains"] == grains) / 60
     parts = [
-        f"{grains} equal grains each, {how_many} {'realisation' if how_many == '1' else 'realisations'}; [smaller ones](#size-and-scatter) tell the scatter. "
+        f"{grains} equal grains each, {how_many} {'realisation' if how_many == '1' else 'realisations'}{but}; [smaller ones](#size-and-scatter) tell the scatter. "
         f"They took {minutes:.0f} minutes of processor time, side by side on the cores there were. `cargo xtask validate packings -- --go-on` goes on where it was stopped, "
         "`-- --grains 1000 --realisations 3` makes others. Hertz contacts with a restitution of 0.5 and, where there is friction, `tangential tfd 0.5`.",
         "## The protocols\n\n"
