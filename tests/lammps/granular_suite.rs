@@ -75,9 +75,9 @@ fn two_spheres_pressed_between_planes_are_a_linear_system() {
             ("axes2", format!("{d} {d} {d}")),
             ("density", word("1e4")),
             ("density2", word("1e4")),
-            ("step", word("1e-6")),
-            ("steps", word("2000")),
-            ("every", word("2000")),
+            ("step", word("2.5e-7")),
+            ("steps", word("8000")),
+            ("every", word("8000")),
         ],
     );
     // The square of the frequency is k/m together and 3 k/m apart; without weight they rest (ceiling + d)/6 from the middle.
@@ -87,7 +87,8 @@ fn two_spheres_pressed_between_planes_are_a_linear_system() {
     for (grain, side) in grains.iter().zip([-1.0, 1.0]) {
         let wanted = 0.5 * ceiling + together + side * apart;
         println!("{:.12e}, wanted {wanted:.12e}", grain[2]);
-        assert!((grain[2] - wanted).abs() < 1e-4 * 1e-4, "{grain:?}");
+        // Of the overlap in the beginning; a step four times as long is off by 1.3e-4.
+        assert!((grain[2] - wanted).abs() < 5e-5 * 1e-4, "{grain:?}");
     }
 }
 
