@@ -25,10 +25,10 @@ ASPECT_RATIOS = (1.0, 1.5, 0.6, 4.0, 0.25, 1.8, 0.7, 1.2, 0.85, 2.5, 0.4)
 THREE_AXES = (1.25, 1.0, 0.8)
 FRICTION = (0.0, 0.5)
 PROTOCOLS = ("compressed", "settled")
-#: What is made again, without friction, with this many times the time: compressed and left to rest, or left to rest after it settled.
+#: What is made with the usual and with this many times the time, without friction: compressed and left to rest, or left to rest after it settled.
 SLOWNESS = 10
-SLOW_GRAINS = 1000
-MADE_SLOWLY = (("compressed", "1.25:1:0.8"), ("settled", "1.25:1:0.8"), ("compressed", "1.5:1:1"), ("compressed", "1:1:1"))
+SLOW_GRAINS = 300
+MADE_SLOWLY = (("compressed", "1.25:1:0.8"), ("settled", "1.25:1:0.8"))
 #: The law of the decks, without what it does in motion.
 LAW = "hertz 1 0.3"
 #: Grains with fewer contacts bear no load: a force and three coordinates to balance without friction, a line of two contacts with it.
@@ -65,15 +65,19 @@ def shapes() -> Dict[str, Tuple[float, float, float]]:
 
 
 def cases(realisations: int) -> List[Case]:
-    """All shapes once before any of them twice; those made slowly, once, at the end."""
-    quickly = [
+    """All shapes once before any of them twice."""
+    return [
         Case(protocol, friction, name, axes, realisation)
         for realisation in range(1, realisations + 1)
         for name, axes in shapes().items()
         for protocol in PROTOCOLS
         for friction in FRICTION
     ]
-    return quickly + [Case(f"{protocol}, slowly", 0.0, name, shapes()[name], 1) for protocol, name in MADE_SLOWLY]
+
+
+def small_cases() -> List[Case]:
+    """Those made slowly, and the same grains as usual."""
+    return [Case(f"{protocol}{slowly}", 0.0, name, shapes()[name], 1) for protocol, name in MADE_SLOWLY for slowly in ("", ", slowly")]
 
 
 def touching(packing: ellgran.Packing) -> np.ndarray:
@@ -147,17 +151,20 @@ def main() -> None:
     if given.go_on and stored.is_file():
         kept = [{**row, **{key: int(row[key]) for key in ("realisation", "seed", "grains")}} for row in read_csv(stored)]
     there = {(row["protocol"], row["friction"], row["shape"], row["realisation"], row["grains"]) for row in kept}
-    order = cases(given.realisations)
-    position = {case: number for number, case in enumerate(order)}
-    sizes = {case: SLOW_GRAINS if case.slowly else given.grains for case in order}
-    missing = [case for case in order if (case.protocol, case.friction, case.shape, case.realisation, sizes[case]) not in there]
+    wanted = [(case, given.grains) for case in cases(given.realisations)] + [(case, SLOW_GRAINS) for case in small_cases()]
+    order = list(dict.fromkeys(wanted))
+    missing = [
+        (number, case, grains)
+        for number, (case, grains) in enumerate(order)
+        if (case.protocol, case.friction, case.shape, case.realisation, grains) not in there
+    ]
     rows: Dict[int, Dict[str, Any]] = {}
     cores = len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(cores) as workers:
-        running = {workers.submit(made, case, sizes[case]): case for case in missing}
+        running = {workers.submit(made, case, grains): (number, case) for number, case, grains in missing}
         for done in as_completed(running):
-            case, row = running[done], done.result()
-            rows[position[case]] = row
+            (number, case), row = running[done], done.result()
+            rows[number] = row
             print(
                 f"{len(rows)} of {len(missing)}: {case.protocol}, friction {case.friction:g}, {row['shape']}: "
                 f"solid fraction {row['solid_fraction']:.4f}, coordination {row['coordination']:.2f}, {row['seconds']} s",

@@ -56,7 +56,9 @@ def main() -> None:
         key = (row["shape"], row["protocol"], row["friction"])
         largest[key] = max(row["grains"], largest.get(key, 0))
     rows = [row for row in everything if row["grains"] == largest[row["shape"], row["protocol"], row["friction"]]]
-    smaller = [row for row in everything if row["grains"] < largest[row["shape"], row["protocol"], row["friction"]]]
+    below = [row for row in everything if row["grains"] < largest[row["shape"], row["protocol"], row["friction"]]]
+    small = int(max((row["grains"] for row in below), default=0))
+    smaller = [row for row in below if row["grains"] == small]
     published = read_csv(HERE / "published.csv")
     shapes = sorted({row["shape"] for row in rows}, key=place)
     spheroids = [shape for shape in shapes if shape != THREE_AXES]
@@ -158,7 +160,6 @@ def main() -> None:
         ]
         return float(np.mean(changes)), float(max(changes, key=abs))
 
-    small = int(max((row["grains"] for row in smaller), default=0))
     size_table = table(
         ["quantity", "friction", f"scatter of one realisation of {small}", f"{grains} − {small}, mean", "greatest"],
         [

@@ -82,7 +82,7 @@ def test_the_stored_packings_are_as_known():
 def test_two_thousand_grains_pack_as_one_thousand_do(packings):
     rows = read_csv(STORED)
     large = {(r["shape"], r["protocol"], r["friction"]): r for r in rows if r["grains"] == 2000}
-    wanted = {(case.shape, case.protocol, case.friction) for case in packings.compare.cases(1) if not case.slowly}
+    wanted = {(case.shape, case.protocol, case.friction) for case in packings.compare.cases(1)}
     assert set(large) == wanted
     compared = 0
     for key, row in large.items():
@@ -95,7 +95,7 @@ def test_two_thousand_grains_pack_as_one_thousand_do(packings):
 
 
 def test_three_axes_close_contacts_for_long():
-    rows = {(r["shape"], r["protocol"]): r for r in read_csv(STORED) if (r["grains"], r["realisation"], r["friction"]) == (1000, 1, 0)}
+    rows = {(r["shape"], r["protocol"]): r for r in read_csv(STORED) if (r["grains"], r["realisation"], r["friction"]) == (300, 1, 0)}
     for protocol in ("compressed", "settled"):
         quickly, slowly = rows["1.25:1:0.8", protocol], rows["1.25:1:0.8", f"{protocol}, slowly"]
         assert quickly["coordination"] + 0.3 < slowly["coordination"] < 12.2
