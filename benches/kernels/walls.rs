@@ -227,6 +227,7 @@ impl<'a> Run<'a> {
                 near: self.workspace.particles(),
                 motion: &Motion::REST,
                 step: self.step,
+                instruction_set: InstructionSet::widest(),
             },
             &mut WallOutput {
                 acts_on: &|_| true,

@@ -10,7 +10,7 @@ use super::staged::{checked_share, EllgranStagedContact, EllgranStagedGeometry};
 use super::status::{at_border, required, required_mut, slice, slice_mut, Failure};
 use crate::contact::Step;
 use crate::vector::Vector3;
-use crate::walls::{FoundContact, Frame, Places, Wall};
+use crate::walls::{FoundContact, Frame, Places, StagedInWorld, Wall};
 
 /// Triangles that an engine keeps and moves itself, as they are in this step: one part of a wall, after its others.
 #[repr(C)]
@@ -184,9 +184,15 @@ pub unsafe extern "C" fn ellgran_wall_found_count(wall: *const EllgranWall) -> u
     unsafe { wall.as_ref() }.map_or(0, |w| w.names.len())
 }
 
-fn contact(wall: &Wall, index: usize, count: usize) -> Result<&FoundContact, Failure> {
-    let all = wall.found().all().get(..count).unwrap_or(&[]);
-    all.get(index)
+fn contact(
+    wall: &Wall,
+    index: usize,
+    count: usize,
+) -> Result<(&FoundContact, &StagedInWorld), Failure> {
+    let found = wall.found();
+    let of_index = found.all().get(index).zip(found.staged().get(index));
+    of_index
+        .filter(|_| index < count)
         .ok_or_else(|| wrong(format!("index = {index} is not one of {count} contacts")))
 }
 
@@ -205,15 +211,16 @@ pub unsafe extern "C" fn ellgran_wall_found(
         let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
         // SAFETY: `found` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let mut out = unsafe { Output::new(found, "found") }?;
-        let c = *contact(wall, index, names.len())?;
+        let (c, staged) = contact(wall, index, names.len())?;
+        let (c, surface) = (*c, staged.surface);
         let history = wall.found_mut().history(index);
         out.write(&EllgranFoundWallContact {
             size: size_of::<EllgranFoundWallContact>(),
             particle: c.particle,
             part: c.part,
             triangle: c.triangle,
-            point: c.world.point.to_array(),
-            velocity: c.world.velocity.to_array(),
+            point: surface.point.to_array(),
+            velocity: surface.velocity.to_array(),
             touched: i32::from(c.last_normal.is_some()),
             is_forgotten: i32::from(
                 !c.is_remembered && !history.is_empty() && c.surface.share.value == 1.0,
@@ -250,10 +257,10 @@ pub unsafe extern "C" fn ellgran_staged_found(
         // section.
         let mut out = unsafe { Output::new(geometry, "geometry") }?;
         let share_i = checked_share(share_i)?;
-        let c = contact(wall, index, names.len())?;
-        staged.contact = Some(c.contact);
+        let (_, found) = contact(wall, index, names.len())?;
+        staged.contact = Some(found.contact);
         staged.identifiers = (names[index], None);
-        staged.write(c.position, share_i, &mut out);
+        staged.write(found.position, share_i, &mut out);
         Ok(())
     })
 }

@@ -560,6 +560,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             near: workspace.particles(),
             motion: &motion,
             step: &step,
+            instruction_set: workspace.instruction_set,
         };
         let found =
             compute_wall(wall, &input, &mut output, sums.as_mut()).map_err(|e| match e {

@@ -4,6 +4,8 @@
 pub(crate) mod couple;
 pub mod forces;
 pub mod history;
+#[cfg(feature = "std")]
+pub(crate) mod lane_law;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]
 pub mod lane_search;
@@ -18,6 +20,10 @@ pub mod stability;
 pub mod stable_step;
 #[cfg(feature = "std")]
 pub mod staged;
+#[cfg(feature = "std")]
+mod turning_normal;
+#[cfg(feature = "std")]
+pub(crate) mod wall_batch;
 #[cfg(feature = "std")]
 pub mod without_history;
 

@@ -6,10 +6,7 @@ use super::forces::{contact_forces, Contact, ContactForces, Remembered};
 use super::history::Step;
 use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
 use super::particle::Particle;
-use crate::force::conservative::{
-    additional_torque, body_gradient, curvature_gradient, normal_response, BodyGradient,
-    NormalResponse,
-};
+use super::turning_normal::{along_and_across, TurningNormal};
 use crate::force::hertz_factors;
 use crate::force::{PairLaw, Tangential};
 use crate::geometry::facet_shares::Share;
@@ -99,13 +96,7 @@ impl StagedContact {
         }
         let tangent = Tangent::new(normal);
         let along = tangent.components(wall.direction);
-        let [k1, k2] = wall.curvatures;
-        let (u, v) = (along.u, along.v);
-        let weingarten_j = Symmetric2::new(
-            k1 * u * u + k2 * v * v,
-            (k1 - k2) * u * v,
-            k1 * v * v + k2 * u * u,
-        );
+        let weingarten_j = along_and_across(along, wall.curvatures);
         let x = contact_with_wall(
             i,
             &support,
@@ -203,7 +194,7 @@ impl StagedContact {
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
-        self.take_share(law.kinds.conservative, &mut f);
+        take_share(&self.share, law.kinds.conservative, &mut f);
         Ok(f)
     }
 
@@ -223,7 +214,7 @@ impl StagedContact {
         // The normal part is subtracted below: without its further terms.
         law.kinds.conservative = false;
         let mut f = self.with_friction(&mut law, friction, effective_mass, step, history)?;
-        self.take_share(false, &mut f);
+        take_share(&self.share, false, &mut f);
         f.force = f.tangential_force;
         f.torque_i = -f.contact_point.cross(f.tangential_force);
         f.torque_j = if self.is_wall() {
@@ -251,7 +242,7 @@ impl StagedContact {
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
-        self.take_share(law.kinds.conservative, &mut f);
+        take_share(&self.share, law.kinds.conservative, &mut f);
         Ok(f)
     }
 
@@ -309,38 +300,7 @@ impl StagedContact {
         })
     }
 
-    /// Times the share; with the conservative law, the further terms by which force and torque are the gradient of share
-    /// times energy. What is remembered is that of the whole, so that it can go from one face to the next.
-    fn take_share(&self, conservative: bool, f: &mut ContactForces) {
-        let share = &self.share;
-        if share.value == 1.0 {
-            return;
-        }
-        let w = share.value;
-        f.force = f.force * w;
-        f.torque_i = f.torque_i * w;
-        f.torque_j = f.torque_j * w;
-        f.tangential_force = f.tangential_force * w;
-        f.viscous_force = f.viscous_force * w;
-        f.frictional_force = f.frictional_force * w;
-        if conservative {
-            f.force = f.force + share.by_position * f.elastic_energy;
-            f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;
-        }
-        for part in [
-            &mut f.normal_force,
-            &mut f.stiffness,
-            &mut f.elastic_energy,
-            &mut f.tangential_energy,
-            &mut f.viscous_power,
-            &mut f.tangential_power,
-        ] {
-            *part *= w;
-        }
-    }
-
-    /// A plane holds the normal where it is; on any other wall the normal turns as the body moves, and the energy changes
-    /// with it: `lambda` of the conservative law, of the directions in which the wall lets it turn.
+    /// `lambda` of the conservative law, of the directions in which the wall lets the normal turn.
     fn turn_with_wall(&self, law: &PairLaw, f: &mut ContactForces) {
         let Some((radii, along)) = self.wall else {
             return;
@@ -349,80 +309,51 @@ impl StagedContact {
             return;
         }
         let x = &self.x;
-        let factors = factors_for(law, self.curvature);
-        let body = x.i.for_gradient();
-        let gamma = body_gradient(curvature_gradient(self.curvature, &factors), &body).gamma;
-        let lambda = response(body.inverse_weingarten, x.penetration, radii, along, gamma);
-        let none = BodyGradient {
-            gamma: Vector2::new(0.0, 0.0),
-            twist: 0.0,
-        };
-        let energy = f.elastic_energy;
-        let (t, m) = additional_torque(&body, &none, &NormalResponse::exactly(lambda));
-        f.force = f.force - x.tangent.vector(lambda) * energy;
-        f.torque_i = f.torque_i - (x.tangent.vector(t) + x.normal * m) * energy;
+        let turning = TurningNormal::of(x, self.curvature, &factors_for(law, self.curvature));
+        let lambda = turning.response(along, radii, x.penetration);
+        turning.add(x, lambda, f.elastic_energy, f);
     }
 }
+
+/// Times the share; with the conservative law, the further terms by which force and torque are the gradient of share
+/// times energy. What is remembered is that of the whole, so that it can go from one face to the next.
+pub(crate) fn take_share(share: &Share, conservative: bool, f: &mut ContactForces) {
+    if share.value == 1.0 {
+        return;
+    }
+    let w = share.value;
+    f.force = f.force * w;
+    f.torque_i = f.torque_i * w;
+    f.torque_j = f.torque_j * w;
+    f.tangential_force = f.tangential_force * w;
+    f.viscous_force = f.viscous_force * w;
+    f.frictional_force = f.frictional_force * w;
+    if conservative {
+        f.force = f.force + share.by_position * f.elastic_energy;
+        f.torque_i = f.torque_i - share.by_rotation * f.elastic_energy;
+    }
+    for part in [
+        &mut f.normal_force,
+        &mut f.stiffness,
+        &mut f.elastic_energy,
+        &mut f.tangential_energy,
+        &mut f.viscous_power,
+        &mut f.tangential_power,
+    ] {
+        *part *= w;
+    }
+}
+
+/// Half of the least share of a body's own curvature that is left where a wall's cavity takes the rest.
+pub(super) const LEAST_CURVATURE: f64 = 5e-4;
 
 /// Hertz' law needs a convex gap. In a cavity nearly as narrow as the body it is not; then the smaller curvature is kept
 /// above a thousandth of the body's own.
 fn convex(m: Symmetric2, own: Symmetric2) -> Symmetric2 {
-    let least = 5e-4 * own.determinant() / own.trace();
+    let least = LEAST_CURVATURE * own.determinant() / own.trace();
     if m.trace() > 0.0 && m.determinant() > least * m.trace() {
         return m;
     }
     let (a, b, direction) = m.eigen();
-    let (a, b) = (a.max(least), b.max(least));
-    let (u, v) = (direction.u, direction.v);
-    Symmetric2::new(
-        a * u * u + b * v * v,
-        (a - b) * u * v,
-        a * v * v + b * u * u,
-    )
-}
-
-fn response(
-    inverse_weingarten: Symmetric2,
-    penetration: f64,
-    radii: [f64; 2],
-    along: Vector2,
-    gamma: Vector2,
-) -> Vector2 {
-    let across = Vector2::new(-along.v, along.u);
-    let respond = |direction: Vector2, second: f64| {
-        // Second derivative zero: the body fits the cavity, and the contact is anywhere.
-        let floor = 0.05 * direction.dot(inverse_weingarten.apply(direction));
-        let second = if second < 0.0 {
-            second.min(-floor)
-        } else {
-            second.max(floor)
-        };
-        direction * (direction.dot(gamma) / second)
-    };
-    let one = |direction: Vector2, radius: f64| {
-        let own = direction.dot(inverse_weingarten.apply(direction));
-        respond(direction, own + radius - penetration)
-    };
-    match (radii[0].is_finite(), radii[1].is_finite()) {
-        (true, true) => {
-            let (u, v) = (along.u, along.v);
-            let [a, b] = radii;
-            let wall = Symmetric2::new(
-                a * u * u + b * v * v,
-                (a - b) * u * v,
-                a * v * v + b * u * u,
-            );
-            if a < 0.0 || b < 0.0 {
-                // A cavity turns the normal the other way.
-                let second = (inverse_weingarten + wall).shifted(-penetration);
-                let (first, other, direction) = second.eigen();
-                let beside = Vector2::new(-direction.v, direction.u);
-                return respond(direction, first) + respond(beside, other);
-            }
-            normal_response(inverse_weingarten + wall, penetration, gamma).lambda
-        }
-        (true, false) => one(along, radii[0]),
-        (false, true) => one(across, radii[1]),
-        (false, false) => Vector2::new(0.0, 0.0),
-    }
+    along_and_across(direction, [a.max(least), b.max(least)])
 }

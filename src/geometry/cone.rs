@@ -58,6 +58,11 @@ pub struct ConeContact {
 const MOST_DIRECTIONS: usize = 64;
 const LEAST_DIRECTIONS: usize = 16;
 
+/// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians.
+const MOST_STEPS: usize = 8;
+const LONGEST_STEP: f64 = 0.5;
+const SHORTEST_STEP: f64 = 1e-9;
+
 /// The contacts of a body with centre `centre`, from within or from without; at most two with a cylinder.
 pub fn touch_cone(
     body: &Ellipsoid,
@@ -72,7 +77,7 @@ pub fn touch_cone(
     let x = offset - axis * height;
     let reach = body.bounding_radius();
     let distance = x.norm();
-    let c = 1.0 / cone.slope.mul_add(cone.slope, 1.0).sqrt();
+    let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
     let s = -cone.slope * c;
     // of the centre, behind the tangent plane nearest to it
     let depth = c * (distance - cone.radius) + s * height;
@@ -97,10 +102,22 @@ pub fn touch_cone(
     };
     // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
     // of the greatest separation is within a quarter turn of it.
+    let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
+    if within && search.is_concave_from(least_cosine, distance) {
+        if let Some(u) = search.only_maximum(least_cosine) {
+            if search.value(u) > 0.0 {
+                found(search.contact(u, cone));
+            }
+            return;
+        }
+    }
     let half = if within {
-        let cosine = (c * cone.radius - s * height - reach) / (c * distance);
         // on the axis, of no size and no sign: all around
-        let cosine = if cosine.is_nan() { -1.0 } else { cosine };
+        let cosine = if least_cosine.is_nan() {
+            -1.0
+        } else {
+            least_cosine
+        };
         cosine.clamp(-1.0, 1.0).acos()
     } else {
         core::f64::consts::FRAC_PI_2
@@ -111,7 +128,7 @@ pub fn touch_cone(
     let mut values = [0.0; MOST_DIRECTIONS + 2];
     // One more at either end, so that each place has two neighbours.
     search.sample(-half - 0.5 * step, step, &mut values[..count + 2]);
-    let mut best: Option<(f64, f64)> = None;
+    let mut best: Option<(Vector3, f64)> = None;
     for k in 1..=count {
         // Of two equals the later.
         if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
@@ -121,18 +138,19 @@ pub fn touch_cone(
         let [before, at, after] = [values[k - 1], values[k], values[k + 1]];
         let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
         let angle = search.maximum(-half + (k as f64 - 0.5) * step, aside * step, step);
-        let value = search.value(angle);
+        let u = search.direction(angle);
+        let value = search.value(u);
         if within {
             if value > 0.0 {
-                found(search.contact(angle, cone));
+                found(search.contact(u, cone));
             }
         } else if best.is_none_or(|(_, v)| value > v) {
-            best = Some((angle, value));
+            best = Some((u, value));
         }
     }
-    if let Some((angle, value)) = best {
+    if let Some((u, value)) = best {
         if value < 0.0 {
-            found(search.contact(angle, cone));
+            found(search.contact(u, cone));
         }
     }
 }
@@ -166,8 +184,8 @@ impl Search<'_> {
     }
 
     /// From within `n.x + h(n) - c R`, from without `n.x - h(n) - c R`.
-    fn value(&self, angle: f64) -> f64 {
-        let n = self.normal(self.direction(angle));
+    fn value(&self, u: Vector3) -> f64 {
+        let n = self.normal(u);
         let scaled = self.body.semi_axes.componentwise(self.body.to_body(n));
         n.dot(self.offset) - self.at_point + self.side * scaled.norm()
     }
@@ -192,9 +210,8 @@ impl Search<'_> {
         }
     }
 
-    /// First and second derivative.
-    fn slopes(&self, angle: f64) -> (f64, f64) {
-        let u = self.direction(angle);
+    /// First and second derivative with the angle, in a direction of the cross-section.
+    fn slopes(&self, u: Vector3) -> (f64, f64) {
         let t = self.axis.cross(u);
         let support = self.body.support(self.normal(u));
         // n' = c t and n'' = -c u; t.H t = |D R^T t|^2/h - (t.p)^2/h of the Hessian H of h, p its gradient.
@@ -213,7 +230,7 @@ impl Search<'_> {
         let (mut low, mut high) = (start - step, start + step);
         let mut angle = start + aside;
         for _ in 0..60 {
-            let (first, second) = self.slopes(angle);
+            let (first, second) = self.slopes(self.direction(angle));
             if first > 0.0 {
                 low = angle;
             } else {
@@ -229,15 +246,46 @@ impl Search<'_> {
             let change = (next - angle).abs();
             angle = next;
             // the error that such a step of Newton's leaves is beneath rounding
-            if change < if converging { 1e-9 } else { 1e-14 } {
+            if change < if converging { SHORTEST_STEP } else { 1e-14 } {
                 break;
             }
         }
         angle
     }
 
-    fn contact(&self, angle: f64, cone: &Cone) -> ConeContact {
-        let n = self.normal(self.direction(angle));
+    /// Whether, from within, the depth is concave in the directions whose cosine with that of the centre, `distance` from the axis, is at
+    /// least so much: then it has one maximum there. Its second derivative with the angle is
+    /// `c (c t.H t - u.p - distance cos)` with the support point `p` and the Hessian `H` of the support function, of which
+    /// `t.H t <= a_max^2/a_min` and `-u.p <= |s| a_max`.
+    fn is_concave_from(&self, least_cosine: f64, distance: f64) -> bool {
+        let (largest, smallest) = (self.body.bounding_radius(), self.body.smallest_semi_axis());
+        let bend = largest * largest / smallest + self.s.abs() * largest;
+        distance * least_cosine > bend
+    }
+
+    /// The maximum of a depth that is concave in these directions, by Newton's method from that of the centre; `None` where it has not
+    /// settled, or elsewhere.
+    fn only_maximum(&self, least_cosine: f64) -> Option<Vector3> {
+        let towards_centre = self.basis[0];
+        let mut u = towards_centre;
+        for _ in 0..MOST_STEPS {
+            let (first, second) = self.slopes(u);
+            let change = -first / second;
+            if !(second < 0.0 && change.abs() < LONGEST_STEP) {
+                return None;
+            }
+            let turned = u + self.axis.cross(u) * change;
+            u = turned * (1.0 / turned.norm());
+            // the error that such a step of Newton's leaves is beneath rounding
+            if change.abs() < SHORTEST_STEP {
+                return Some(u).filter(|u| u.dot(towards_centre) >= least_cosine);
+            }
+        }
+        None
+    }
+
+    fn contact(&self, u: Vector3, cone: &Cone) -> ConeContact {
+        let n = self.normal(u);
         let deepest = self.offset + self.body.support(n * self.side).point;
         let on_wall = deepest - n * (n.dot(deepest) - self.at_point);
         let along = self.axis.dot(on_wall);

@@ -11,15 +11,9 @@ use crate::contact::forces::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
     Surface,
 };
+use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
-use crate::force::hertz_factors::{
-    fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
-};
-use crate::force::normal::normal_constants;
-use crate::force::tangential::tangential_constants;
-use crate::force::{
-    Factors, LawConstants, LawKinds, NormalConstants, PairLaw, TangentialConstants,
-};
+use crate::force::{Factors, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
@@ -164,38 +158,6 @@ pub(super) fn separated_by<S: Registers, K: Kind>(
     apart
 }
 
-/// A number of the law in each lane.
-macro_rules! load_constant {
-    ($registers:expr, $laws:expr, $only:expr, $($field:ident).+) => {
-        if let Some(law) = $only {
-            Lanes::splat($registers, law.constants.$($field).+)
-        } else {
-            let mut numbers = [0.0; MOST_LANES];
-            for k in 0..S::LANES {
-                numbers[k] = $laws[k].constants.$($field).+;
-            }
-            Lanes::load($registers, &numbers)
-        }
-    };
-}
-
-/// The constants of a part of the law, whose name and whose fields come last.
-macro_rules! load_part {
-    ($registers:expr, $laws:expr, $only:expr, $part:ident, $name:ident, $($field:ident),+) => {
-        $name { $($field: load_constant!($registers, $laws, $only, $part.$field)),+ }
-    };
-}
-
-macro_rules! load_constants {
-    ($registers:expr, $laws:expr, $only:expr) => {
-        LawConstants {
-            normal: normal_constants!(load_part, $registers, $laws, $only, normal,),
-            tangential: tangential_constants!(load_part, $registers, $laws, $only, tangential,),
-            share_i: load_constant!($registers, $laws, $only, share_i),
-        }
-    };
-}
-
 /// Bits of the lanes that need more.
 pub(super) struct Left {
     /// Pairs that touch.
@@ -254,7 +216,7 @@ pub(super) fn run<
         FRICTION || CONSERVATIVE,
     );
     let hard = registers.or(found.hard, beyond);
-    let constants = load_constants!(registers, batch.laws, common.only_law);
+    let constants = constants_of(registers, batch.laws, common.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
         effective_mass(registers, batch.inverse_effective_mass)
     } else {
@@ -323,22 +285,10 @@ fn factors<S: Registers, K: Kind>(
     apart: S::Mask,
     with_sigma: bool,
 ) -> (Factors<Lanes<S>>, S::Mask) {
-    let one = Lanes::splat(registers, 1.0);
-    let none = registers.no_lane();
-    let elliptical = kinds.normal.elliptical;
-    if K::SPHERES || !elliptical {
-        let sigma = one * (if elliptical { 1.0 / 6.0 } else { 0.0 });
-        return (Factors { phi: one, sigma }, none);
+    if K::SPHERES {
+        return (factors_of_circles(registers, kinds), registers.no_lane());
     }
-    let (trace, determinant) = (curvature.trace(), curvature.determinant());
-    let q = near_variable(trace, determinant);
-    let near = registers.or(q.less(one.constant(NEAR_END)), apart);
-    if registers.all(near) {
-        return (fitted_near(q, with_sigma), none);
-    }
-    let w = fit_variable(trace, determinant);
-    let beyond = registers.and_not(one.constant(FIT_END).less(w), apart);
-    (fitted(w, with_sigma), beyond)
+    factors_for(registers, kinds, curvature, apart, with_sigma)
 }
 
 /// Effective masses from the sums of the inverse masses.

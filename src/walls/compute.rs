@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contacts of all particles with a wall: force, torque, energies, and what is remembered of them.
 
-use super::contacts::{FoundContact, Frame, Places, WrongHistory};
+use super::contacts::{Contacts, FoundContact, Frame, Places, WrongHistory};
 use super::motion::Motion;
 use super::shape::Shape;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
 use crate::contact::particle::{self, Particle};
-use crate::contact::staged::StagedHistory;
-use crate::contact::{HistoryLayout, Laws, Step};
+use crate::contact::staged::{take_share, StagedContact, StagedHistory};
+use crate::contact::wall_batch::{LastContact, WallBatch};
+use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
 use crate::force::PairLaw;
 use crate::geometry::triangles::Triangle;
+use crate::simd::InstructionSet;
 use crate::tallies::{Contribution, CoupleContribution, Tallies};
 use crate::vector::Vector3;
 
@@ -26,6 +28,8 @@ pub struct WallInput<'a> {
     pub motion: &'a Motion,
     /// The step.
     pub step: &'a Step,
+    /// The instructions that it may use.
+    pub instruction_set: InstructionSet,
 }
 
 /// What a call writes, one entry per particle.
@@ -63,6 +67,7 @@ pub enum WallError {
 /// A ball of radius 1 mm, 10 micrometres deep in a floor of the same material (SI units):
 /// ```
 /// use ellgran::contact::{prepare_body, Body, Laws, Step};
+/// use ellgran::simd::InstructionSet;
 /// use ellgran::vector::Vector3;
 /// use ellgran::walls::{compute_wall, End, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput};
 ///
@@ -100,6 +105,7 @@ pub enum WallError {
 ///         near: &[prepare_body(&ball, Some(1))?],
 ///         motion: &Motion::REST,
 ///         step: &Step { time_step: 1e-6, advance_history: true },
+///         instruction_set: InstructionSet::widest(),
 ///     },
 ///     &mut WallOutput { acts_on: &|_| true, histories: &mut histories, forces: &mut forces, torques: &mut torques },
 ///     None,
@@ -131,9 +137,9 @@ pub fn compute_wall(
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
     }
-    let parts = wall.part_count();
     let Wall {
-        parts: own_parts,
+        parts,
+        lent,
         found,
         part_forces,
         contacts,
@@ -144,31 +150,134 @@ pub fn compute_wall(
     } = wall;
     triangle_loads.clear();
     if *records_triangles {
-        let triangles = own_parts.iter().map(|p| p.triangles().len()).sum();
+        let triangles = parts.iter().map(|p| p.triangles().len()).sum();
         triangle_loads.resize(triangles, TriangleLoad::default());
     }
     part_forces.clear();
-    part_forces.resize(parts, Vector3::ZERO);
+    part_forces.resize(parts.len() + usize::from(lent.is_some()), Vector3::ZERO);
     contacts.clear();
+    let mut forces = Forces {
+        input,
+        of_laws: &of_laws,
+        parts,
+        part_forces,
+        contacts: records_contacts.then_some(contacts),
+        triangle_loads: records_triangles.then_some(triangle_loads),
+        forces: output.forces,
+        torques: output.torques,
+        tallies,
+        load: WallLoad::default(),
+    };
+    forces.of_all(found);
+    let mut load = forces.load;
+    found.remember(output.histories, output.acts_on);
     let motion = input.motion;
-    let mut load = WallLoad::default();
-    for index in 0..found.all().len() {
-        let c = found.all()[index];
-        let (k, i) = (c.particle, &input.near[c.near]);
+    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
+    Ok(load)
+}
+
+/// What the contacts of a call add to.
+struct Forces<'p, 'i, 't> {
+    input: &'p WallInput<'i>,
+    of_laws: &'p HistoryLayout,
+    parts: &'p [Box<dyn Shape>],
+    part_forces: &'p mut [Vector3],
+    contacts: Option<&'p mut Vec<RecordedWallContact>>,
+    triangle_loads: Option<&'p mut Vec<TriangleLoad>>,
+    forces: &'p mut [[f64; 3]],
+    torques: &'p mut [[f64; 3]],
+    tallies: Option<&'p mut Tallies<'t>>,
+    load: WallLoad,
+}
+
+impl<'i> Forces<'_, 'i, '_> {
+    /// All contacts that were found, in lanes where their law has them.
+    fn of_all(&mut self, found: &mut Contacts) {
+        let input = self.input;
+        let mut batch = WallBatch::new(input.instruction_set);
+        let count = found.all().len();
+        for index in 0..count {
+            let near = found.all()[index].near;
+            let i = &input.near[near];
+            let law = law_of(input, i);
+            if !works_in_lanes(input.instruction_set, law) {
+                self.of_batch(&mut batch, found, index);
+                self.of_one(found, index);
+                continue;
+            }
+            if batch.is_closed_to(law, i) {
+                self.of_batch(&mut batch, found, index);
+            }
+            let (c, history) = found.with_history(index);
+            let last = c.last_normal.map(|normal| {
+                let was = recalled(self.of_laws, c, history);
+                LastContact {
+                    normal: if normal.is_unit() {
+                        normal
+                    } else {
+                        -c.surface.normal
+                    },
+                    memory: was.memory,
+                    energy: was.energy,
+                }
+            });
+            let mass = effective_mass(i);
+            if input.motion.is_none() {
+                batch.push(law, i, &c.surface, mass, last.as_ref());
+            } else {
+                let seen = input.motion.seen_from_wall(i, input.step);
+                batch.push(law, &seen, &c.surface, mass, last.as_ref());
+            }
+        }
+        self.of_batch(&mut batch, found, count);
+    }
+
+    /// The contacts of a batch, the last of which is the one before `end`.
+    fn of_batch(&mut self, batch: &mut WallBatch<'i>, found: &mut Contacts, end: usize) {
+        let count = batch.len();
+        let lanes = batch.compute(self.input.step);
+        for lane in 0..count {
+            let index = end - count + lane;
+            if lanes.hard >> lane & 1 != 0 {
+                self.of_one(found, index);
+            } else if lanes.touching >> lane & 1 != 0 {
+                let (mut f, penetration) = batch.forces(lane);
+                let (c, history) = found.with_history(index);
+                write_history(self.of_laws, c, f.memory, f.tangential_energy, history);
+                if c.surface.share.value != 1.0 {
+                    let law = law_of(self.input, &self.input.near[c.near]);
+                    take_share(&c.surface.share, law.kinds.conservative, &mut f);
+                }
+                self.add(c, &mut f, penetration, None);
+            } else {
+                found.forget(index);
+            }
+        }
+    }
+
+    /// One contact.
+    fn of_one(&mut self, found: &mut Contacts, index: usize) {
+        let input = self.input;
+        let (c, history) = found.with_history(index);
+        let i = &input.near[c.near];
         let law = law_of(input, i);
-        let mut remembered = recalled(&of_laws, &c, found.history(index));
+        let Some(contact) = staged(input, i, c) else {
+            found.forget(index);
+            return;
+        };
+        let mut remembered = recalled(self.of_laws, c, history);
         // Hale's form was tried before anything was written.
-        let Ok(mut f) = c.contact.whole_force(
+        let Ok(mut f) = contact.whole_force(
             law,
             law.constants.tangential.friction,
             effective_mass(i),
             input.step,
             &mut remembered,
         ) else {
-            continue;
+            return;
         };
-        let mut couple = Couple::NONE;
-        let (x, curvature, share) = c.contact.for_law();
+        let mut couple = None;
+        let (x, curvature, share) = contact.for_law();
         if law.resistance.any() && share > 0.0 {
             let turning = TurningContact {
                 // Of the whole surface.
@@ -177,47 +286,75 @@ pub fn compute_wall(
                 ..TurningContact::of(x, curvature, &f)
             };
             let (touched, before) = (c.last_normal.is_some(), c.last_normal.unwrap_or(x.normal));
-            let history = found.history(index);
-            couple = contact_couple(
-                law, &turning, &of_laws, history, touched, before, input.step,
+            let mut own = contact_couple(
+                law,
+                &turning,
+                self.of_laws,
+                history,
+                touched,
+                before,
+                input.step,
             )
             .times(share);
-            for torque in [&mut couple.elastic, &mut couple.viscous] {
-                *torque = motion.to_world(*torque);
+            for torque in [&mut own.elastic, &mut own.viscous] {
+                *torque = input.motion.to_world(*torque);
+            }
+            couple = Some(own);
+        }
+        let (memory, energy) = (remembered.memory, remembered.energy);
+        write_history(self.of_laws, c, memory, energy, history);
+        self.add(c, &mut f, contact.penetration(), couple.as_ref());
+    }
+
+    /// Adds what acts at a contact; `f` in the frame of the wall, `couple` in that of the world.
+    fn add(
+        &mut self,
+        c: &FoundContact,
+        f: &mut ContactForces,
+        penetration: f64,
+        couple: Option<&Couple>,
+    ) {
+        let input = self.input;
+        let motion = input.motion;
+        let (k, i) = (c.particle, &input.near[c.near]);
+        let law = law_of(input, i);
+        if motion.axes.is_some() {
+            for v in [
+                &mut f.force,
+                &mut f.torque_i,
+                &mut f.tangential_force,
+                &mut f.contact_point,
+                &mut f.viscous_force,
+                &mut f.frictional_force,
+            ] {
+                *v = motion.to_world(*v);
             }
         }
-        write_history(&of_laws, &c, &remembered, found.history(index));
-        for v in [
-            &mut f.force,
-            &mut f.torque_i,
-            &mut f.tangential_force,
-            &mut f.contact_point,
-            &mut f.viscous_force,
-            &mut f.frictional_force,
-        ] {
-            *v = motion.to_world(*v);
+        let (tangential_energy, powers) =
+            (f.tangential_energy, [f.viscous_power, f.tangential_power]);
+        if let Some(couple) = couple {
+            couple.add_to_first(f);
         }
-        let without_couple = f;
-        couple.add_to_first(&mut f);
         for (target, v) in [
-            (&mut output.forces[k], -f.force),
-            (&mut output.torques[k], f.torque_i),
+            (&mut self.forces[k], -f.force),
+            (&mut self.torques[k], f.torque_i),
         ] {
             target[0] += v.x;
             target[1] += v.y;
             target[2] += v.z;
         }
+        let load = &mut self.load;
         load.contacts += 1;
         load.force = load.force + f.force;
         load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
-        part_forces[c.part] = part_forces[c.part] + f.force;
+        self.part_forces[c.part] = self.part_forces[c.part] + f.force;
         let (stiffness, damping) = law.largest_springs(f.stiffness, effective_mass(i));
         load.stiffness += stiffness;
         load.damping += damping;
-        if *records_triangles {
-            add_to_triangle(own_parts, triangle_loads, &c, f.force, motion);
+        if let Some(loads) = self.triangle_loads.as_deref_mut() {
+            add_to_triangle(self.parts, loads, c, f.force, motion);
         }
-        if let Some(t) = tallies.as_deref_mut() {
+        if let Some(t) = self.tallies.as_deref_mut() {
             t.pairs += 1;
             let time = input.step.elapsed();
             t.add(
@@ -226,11 +363,8 @@ pub fn compute_wall(
                 true,
                 &Contribution {
                     normal_energy: f.elastic_energy,
-                    tangential_energy: without_couple.tangential_energy,
-                    works: [
-                        time * without_couple.viscous_power,
-                        time * without_couple.tangential_power,
-                    ],
+                    tangential_energy,
+                    works: powers.map(|power| time * power),
                     d: f.contact_point,
                     force: f.force,
                     viscous_force: f.viscous_force,
@@ -240,7 +374,7 @@ pub fn compute_wall(
                         + motion.to_world(c.surface.velocity),
                 },
             );
-            if law.resistance.any() {
+            if let Some(couple) = couple {
                 let contribution = CoupleContribution {
                     energy: couple.energy,
                     works: [time * couple.viscous_power, time * couple.elastic_power],
@@ -251,20 +385,31 @@ pub fn compute_wall(
                 t.add_couple(k, None, true, &contribution);
             }
         }
-        if *records_contacts {
+        if let Some(contacts) = self.contacts.as_deref_mut() {
             contacts.push(RecordedWallContact {
                 particle: k,
                 part: c.part,
-                normal: c.world.normal,
+                normal: motion.to_world(c.surface.normal),
                 point: i.position + f.contact_point,
-                penetration: c.contact.penetration(),
-                forces: f,
+                penetration,
+                forces: *f,
             });
         }
     }
-    found.remember(output.histories, output.acts_on);
-    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
-    Ok(load)
+}
+
+/// Whether the lanes have all terms of a law.
+fn works_in_lanes(set: InstructionSet, law: &PairLaw) -> bool {
+    let without_friction = law.kinds.tangential.any() && !(law.constants.tangential.friction > 0.0);
+    set != InstructionSet::Scalar && !(law.kinds.hale || law.resistance.any() || without_friction)
+}
+
+/// A contact that was found, if it touches, ready for its forces.
+fn staged(input: &WallInput<'_>, i: &Particle, c: &FoundContact) -> Option<StagedContact> {
+    if input.motion.is_none() {
+        return StagedContact::of_wall(i, &c.surface);
+    }
+    StagedContact::of_wall(&input.motion.seen_from_wall(i, input.step), &c.surface)
 }
 
 /// Adds a force on the wall to the triangle of its contact, if it has one.
@@ -310,7 +455,7 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Staged
     let vector = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
     StagedHistory {
         touched: c.last_normal.is_some(),
-        normal: c.last_normal.unwrap_or(c.contact.normal()),
+        normal: c.last_normal.unwrap_or(-c.surface.normal),
         memory: layout.memory.map_or(Vector3::ZERO, vector),
         energy: layout.energy.map_or(0.0, |at| history[at]),
     }
@@ -319,18 +464,19 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Staged
 fn write_history(
     layout: &HistoryLayout,
     c: &FoundContact,
-    remembered: &StagedHistory,
+    memory: Vector3,
+    energy: f64,
     history: &mut [f64],
 ) {
     let Some(at) = layout.memory else {
         return;
     };
-    history[at..at + 3].copy_from_slice(&remembered.memory.to_array());
+    history[at..at + 3].copy_from_slice(&memory.to_array());
     if let Some(at) = layout.normal {
         history[at..at + 3].copy_from_slice(&(-c.surface.normal).to_array());
     }
     if let Some(at) = layout.energy {
-        history[at] = remembered.energy;
+        history[at] = energy;
     }
 }
 
@@ -341,10 +487,10 @@ fn check_factors(wall: &Wall, input: &WallInput<'_>) -> Result<(), WallError> {
     }
     for c in wall.found.all() {
         let i = &input.near[c.near];
-        if let Err(ratio) = c
-            .contact
-            .normal_force(law_of(input, i), effective_mass(i), 0.0)
-        {
+        let Some(contact) = staged(input, i, c) else {
+            continue;
+        };
+        if let Err(ratio) = contact.normal_force(law_of(input, i), effective_mass(i), 0.0) {
             return Err(WallError::Hale {
                 particle: c.particle,
                 ratio: ratio.0,

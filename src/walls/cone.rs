@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cylinders and cones as walls, with their ends.
 
-use super::plane::{flat, PlaneWall};
+use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
 use super::shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::ranges::LARGEST_COORDINATE;
@@ -13,6 +13,8 @@ use crate::message::Number;
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
     cone: Cone,
+    /// Way across the axis over the way along the surface's normal, `sqrt(1 + slope^2)`.
+    stretch: f64,
     /// Along the axis from the cone's point.
     bounds: [f64; 2],
     side: Side,
@@ -87,6 +89,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
     let goes_on = |k: usize| p.side == Side::Inside && p.ends[k] == End::Closed;
     let side = ConeWall {
         cone,
+        stretch: (1.0 + cone.slope * cone.slope).sqrt(),
         bounds: [
             if goes_on(0) { f64::NEG_INFINITY } else { low },
             if goes_on(1) { f64::INFINITY } else { high },
@@ -173,10 +176,10 @@ impl Shape for ConvexSolid {
             return;
         }
         let mut least: Option<(f64, WallSurface)> = None;
-        let mut offer = |s: WallSurface, _| {
+        let mut offer = |s: &WallSurface, _| {
             let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
-                least = Some((depth, s));
+                least = Some((depth, *s));
             }
         };
         self.side.touch(grain, search, &mut offer);
@@ -191,7 +194,7 @@ impl Shape for ConvexSolid {
         if let Some((_, surface)) =
             least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
         {
-            found(surface, 0);
+            found(&surface, 0);
         }
     }
 }
@@ -209,10 +212,18 @@ impl Shape for ConeWall {
         if along + radius < self.bounds[0] || along - radius > self.bounds[1] {
             return false;
         }
-        let across = (offset - cone.axis * along).norm();
-        let outwards = across - cone.radius - cone.slope * along;
-        let reach = radius * cone.slope.mul_add(cone.slope, 1.0).sqrt();
-        self.side.may_touch(outwards, reach)
+        // Squares: a root costs more than all else here.
+        let across_squared = (offset - cone.axis * along).norm_squared();
+        let at_surface = cone.radius + cone.slope * along;
+        let reach = radius * self.stretch;
+        let (nearest, farthest) = (at_surface - reach, at_surface + reach);
+        let is_clear_within = nearest > 0.0 && across_squared <= nearest * nearest;
+        let is_clear_outside = farthest <= 0.0 || across_squared >= farthest * farthest;
+        !match self.side {
+            Side::Inside => is_clear_within,
+            Side::Outside => is_clear_outside,
+            Side::OfCentre => is_clear_within || is_clear_outside,
+        }
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
@@ -227,12 +238,15 @@ impl Shape for ConeWall {
                     c.curvature_radius
                 };
                 let surface = WallSurface {
-                    direction: self.cone.axis.cross(c.normal).normalised(),
                     curvatures: [1.0 / signed, 0.0],
                     turning_radii: [signed, f64::INFINITY],
-                    ..flat(c.point, c.normal)
+                    ..flat_along(
+                        c.point,
+                        c.normal,
+                        self.cone.axis.cross(c.normal).normalised(),
+                    )
                 };
-                found(surface, 0);
+                found(&surface, 0);
             }
         });
     }

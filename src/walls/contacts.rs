@@ -21,25 +21,32 @@ pub struct FoundContact {
     pub triangle: usize,
     /// The surface, in the frame of the wall.
     pub surface: WallSurface,
-    /// The same in the world, with the motion of the wall.
-    pub world: WallSurface,
     /// Centre of the particle, in the frame of the wall.
     centre: Vector3,
-    /// The same in the world.
-    pub position: Vector3,
-    /// The contact, ready for its forces.
-    pub contact: StagedContact,
-    /// Its normal at the last step, from the particle into the wall, in the frame in which the contact is staged; `None` for a new
+    /// Its normal at the last step, from the particle into the wall, in the frame in which its force is computed; `None` for a new
     /// contact.
     pub last_normal: Option<Vector3>,
     /// Whether there is room to remember it.
     pub is_remembered: bool,
 }
 
+/// One contact, ready for its forces, in the frame of the world.
+#[derive(Clone, Copy, Debug)]
+pub struct StagedInWorld {
+    /// The surface, with the motion of the wall.
+    pub surface: WallSurface,
+    /// Centre of the particle.
+    pub position: Vector3,
+    /// The contact.
+    pub contact: StagedContact,
+}
+
 /// The contacts of a call, in the order of the particles. The memory of the search is kept from call to call.
 #[derive(Debug, Default)]
 pub struct Contacts {
     all: Vec<FoundContact>,
+    /// The same, ready for their forces, where these are computed in the frame of the world.
+    staged: Vec<StagedInWorld>,
     /// The history of each.
     histories: Vec<f64>,
     layout: WallHistoryLayout,
@@ -49,12 +56,12 @@ pub struct Contacts {
     before: Vec<f64>,
 }
 
-/// In which frame contacts are staged.
+/// In which frame forces are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frame {
     /// That of the wall, in which it is at rest.
     Wall,
-    /// That of the world, in which an engine's own contact model computes.
+    /// That of the world, in which an engine's own contact model computes, from contacts that are staged.
     World,
 }
 
@@ -67,7 +74,7 @@ pub struct Places<'a> {
     pub motion: &'a Motion,
     /// The step.
     pub step: &'a Step,
-    /// In which frame the contacts are staged.
+    /// In which frame forces are computed.
     pub frame: Frame,
 }
 
@@ -86,6 +93,7 @@ impl Contacts {
     /// Begins anew.
     pub(super) fn start(&mut self, layout: WallHistoryLayout) {
         self.all.clear();
+        self.staged.clear();
         self.histories.clear();
         self.layout = layout;
         self.before.resize(layout.records * layout.record, 0.0);
@@ -100,7 +108,13 @@ impl Contacts {
         (particle, near): (usize, usize),
         histories: &[f64],
     ) {
-        let seen = places.motion.seen_from_wall(i, places.step);
+        let moved;
+        let seen = if places.motion.is_none() {
+            i
+        } else {
+            moved = places.motion.seen_from_wall(i, places.step);
+            &moved
+        };
         let grain = Grain {
             particle,
             body: &seen.body,
@@ -111,7 +125,7 @@ impl Contacts {
         for (part, shape) in shapes.enumerate() {
             if shape.may_touch(&grain.ball()) {
                 shape.touch(&grain, &mut self.search, &mut |surface, triangle| {
-                    surfaces.push((part, triangle, surface));
+                    surfaces.push((part, triangle, *surface));
                 });
             }
         }
@@ -126,14 +140,17 @@ impl Contacts {
                 if (surface.share.value == 1.0) != alone {
                     continue;
                 }
-                let world = places.motion.surface_to_world(surface);
-                let staged = match places.frame {
-                    Frame::Wall => StagedContact::of_wall(&seen, surface),
-                    Frame::World => StagedContact::of_wall(i, &world),
-                };
-                let Some(contact) = staged else {
-                    continue;
-                };
+                if places.frame == Frame::World {
+                    let surface = places.motion.surface_to_world(surface);
+                    let Some(contact) = StagedContact::of_wall(i, &surface) else {
+                        continue;
+                    };
+                    self.staged.push(StagedInWorld {
+                        surface,
+                        position: i.position,
+                        contact,
+                    });
+                }
                 let from = self.histories.len();
                 self.histories.resize(from + layout.history, 0.0);
                 let history = &mut self.histories[from..];
@@ -144,10 +161,7 @@ impl Contacts {
                     part: *part,
                     triangle: *triangle,
                     surface: *surface,
-                    world,
                     centre: seen.position,
-                    position: i.position,
-                    contact,
                     last_normal: last.map(|n| match places.frame {
                         Frame::Wall => n,
                         Frame::World => places.motion.to_world(n),
@@ -167,6 +181,25 @@ impl Contacts {
     /// The contacts, in the order of the particles.
     pub fn all(&self) -> &[FoundContact] {
         &self.all
+    }
+
+    /// The same, ready for their forces; empty where these are computed in the frame of the wall.
+    pub fn staged(&self) -> &[StagedInWorld] {
+        &self.staged
+    }
+
+    /// Remembers nothing of a contact that its force did not find touching, by rounding.
+    pub(super) fn forget(&mut self, index: usize) {
+        self.all[index].is_remembered = false;
+    }
+
+    /// A contact and its history.
+    pub(super) fn with_history(&mut self, index: usize) -> (&FoundContact, &mut [f64]) {
+        let length = self.layout.history;
+        (
+            &self.all[index],
+            &mut self.histories[index * length..(index + 1) * length],
+        )
     }
 
     /// The history of a contact.

@@ -100,9 +100,9 @@ impl Shape for LentTriangles {
                 v[0] * a + v[1] * b + v[2] * c
             });
             found(
-                WallSurface {
+                &WallSurface {
                     velocity,
-                    ..surface
+                    ..*surface
                 },
                 triangle,
             );

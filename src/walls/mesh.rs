@@ -114,7 +114,7 @@ pub(super) fn touch_near(
         .triangles
         .touch(grain.body, grain.centre, &search.corners);
     for contact in search.triangles.contacts() {
-        found(surface(contact), search.near[contact.triangle] as usize);
+        found(&surface(contact), search.near[contact.triangle] as usize);
     }
 }
 

@@ -25,7 +25,7 @@ mod triangle_file;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
-pub use contacts::{Contacts, FoundContact, Frame, Places, WrongHistory};
+pub use contacts::{Contacts, FoundContact, Frame, Places, StagedInWorld, WrongHistory};
 pub use histories::WallHistoryLayout;
 pub use lent_triangles::LentTriangles;
 pub use mesh::Mesh;

@@ -63,6 +63,14 @@ impl Motion {
         self.velocity + self.angular_velocity.cross(point - self.centre())
     }
 
+    /// Whether the wall is where it was, and at rest: its frame is the world's.
+    pub fn is_none(&self) -> bool {
+        self.axes.is_none()
+            && [self.displacement, self.velocity, self.angular_velocity]
+                .iter()
+                .all(|v| *v == Vector3::ZERO)
+    }
+
     /// A vector of the world in the wall's frame.
     pub fn to_wall(&self, v: Vector3) -> Vector3 {
         match &self.axes {

@@ -4,7 +4,7 @@
 use super::shape::{Ball, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
-use crate::geometry::{touch_plane, Plane};
+use crate::geometry::Plane;
 use crate::vector::{Tangent, Vector3};
 
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +13,8 @@ pub(super) struct PlaneWall {
     both_sides: bool,
     /// Radius of the disc about the plane's point; infinite for the whole plane.
     radius: f64,
+    /// Any unit vector in it.
+    direction: Vector3,
 }
 
 impl PlaneWall {
@@ -25,12 +27,14 @@ impl PlaneWall {
             },
             both_sides,
             radius,
+            direction: Tangent::new(normal).u,
         }
     }
 
     /// How deep a body lies behind the plane, on the side of its normal; 0 or less for one that does not reach it.
     pub(super) fn depth(&self, grain: &Grain<'_>) -> f64 {
-        touch_plane(grain.body, grain.centre, &self.plane).penetration
+        let Plane { point, normal } = self.plane;
+        grain.body.support(-normal).h - normal.dot(grain.centre - point)
     }
 }
 
@@ -52,10 +56,15 @@ pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resul
 
 /// A flat surface with this deepest point and this normal towards the body, at rest.
 pub(super) fn flat(point: Vector3, normal: Vector3) -> WallSurface {
+    flat_along(point, normal, Tangent::new(normal).u)
+}
+
+/// The same, with this unit vector along it.
+pub(super) fn flat_along(point: Vector3, normal: Vector3, direction: Vector3) -> WallSurface {
     WallSurface {
         point,
         normal,
-        direction: Tangent::new(normal).u,
+        direction,
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: Vector3::ZERO,
@@ -84,11 +93,13 @@ impl Shape for PlaneWall {
         if self.both_sides && plane.normal.dot(centre - plane.point) < 0.0 {
             plane.normal = -plane.normal;
         }
-        let contact = touch_plane(body, centre, &plane);
-        if contact.penetration > 0.0 {
-            let point = centre + contact.support.point - contact.normal * contact.penetration;
+        let inwards = -plane.normal;
+        let support = body.support(inwards);
+        let penetration = support.h - plane.normal.dot(centre - plane.point);
+        if penetration > 0.0 {
+            let point = centre + support.point - inwards * penetration;
             if self.radius == f64::INFINITY || (point - plane.point).norm() <= self.radius {
-                found(flat(point, plane.normal), 0);
+                found(&flat_along(point, plane.normal, self.direction), 0);
             }
         }
     }

@@ -148,7 +148,7 @@ impl Shape for Rim {
                             turning_radii: [self.radius / out, 0.0],
                             ..flat(centre + p.point, p.normal)
                         };
-                        found(surface, 0);
+                        found(&surface, 0);
                     }
                 }
             }

@@ -8,7 +8,7 @@ use crate::vector::Vector3;
 use core::fmt::Debug;
 
 /// A particle in the frame of a wall, before its axes are known.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Ball {
     /// Index of the particle.
     pub particle: usize,
@@ -42,7 +42,7 @@ impl Grain<'_> {
 
 /// What is called with a surface that a particle touches, and the index of the triangle that stands for it; 0 where a shape has
 /// no triangles.
-pub type Found<'a> = dyn FnMut(WallSurface, usize) + 'a;
+pub type Found<'a> = dyn FnMut(&WallSurface, usize) + 'a;
 
 /// A surface that ellipsoids touch, in the frame of its wall.
 pub trait Shape: Debug + Send + Sync {
@@ -51,6 +51,13 @@ pub trait Shape: Debug + Send + Sync {
 
     /// False only if a body within the ball cannot touch; cheap, and true where a number is not finite.
     fn may_touch(&self, ball: &Ball) -> bool;
+
+    /// Marks the balls that may touch. As a function of the shape, so that the loop has no call in it.
+    fn mark_near(&self, balls: &[Ball], marks: &mut [bool]) {
+        for (ball, mark) in balls.iter().zip(marks) {
+            *mark |= self.may_touch(ball);
+        }
+    }
 
     /// Calls `found` with the surface at every contact of a body, deepest first where there are several. The velocity of the
     /// surface is that in the frame of the wall: zero unless the shape itself moves.

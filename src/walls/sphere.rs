@@ -66,7 +66,7 @@ impl Shape for SphereWall {
             for point in farthest(body, x).into_iter().flatten() {
                 let distance = point.norm();
                 if distance > self.radius {
-                    found(self.surface(point * (1.0 / distance), true), 0);
+                    found(&self.surface(point * (1.0 / distance), true), 0);
                 }
             }
             return;
@@ -91,7 +91,7 @@ impl Shape for SphereWall {
             }
         };
         if let Some(outwards) = outwards {
-            found(self.surface(outwards, false), 0);
+            found(&self.surface(outwards, false), 0);
         }
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the contacts with a wall add to the bound of the stable step of the particles.
 
-use super::contacts::FoundContact;
 use super::wall::Wall;
 use crate::contact::pair::HaleRatio;
 use crate::contact::stable_step::{ContactExtremes, StepContact, StepSums};
@@ -34,26 +33,28 @@ impl Wall {
         sums: &mut [StepSums],
         extremes: &mut ContactExtremes,
     ) -> Result<(), (usize, f64)> {
-        let look = |number: usize, c: &FoundContact| {
+        let all = self.found().all();
+        let staged = self.found().staged();
+        let look = |number: usize| {
+            let c = &all[number];
             let i = &near[c.near];
             let m = masses(c.particle);
             StepContact::of_wall(
                 laws.get(i.particle_type as usize, wall_type(number)),
                 i,
-                &c.contact,
+                &staged[number].contact,
                 m.inverse_mass,
                 m.effective_mass,
             )
             .map_err(|HaleRatio(ratio)| (c.particle, ratio))
         };
-        let all = self.found.all();
         if laws.features().hale {
-            for (number, c) in all.iter().enumerate() {
-                look(number, c)?;
+            for number in 0..staged.len() {
+                look(number)?;
             }
         }
-        for (number, c) in all.iter().enumerate() {
-            let contact = look(number, c)?;
+        for (number, c) in all.iter().enumerate().take(staged.len()) {
+            let contact = look(number)?;
             contact.add_to_first(&mut sums[c.particle]);
             let types = [near[c.near].particle_type as usize, wall_type(number)];
             extremes.add(&contact, [identifier(c.particle), 0], types);

@@ -78,6 +78,9 @@ pub struct RecordedWallContact {
     pub forces: ContactForces,
 }
 
+/// Particles that are looked at together.
+const BLOCK: usize = 64;
+
 impl Wall {
     /// A wall without parts.
     pub fn new() -> Self {
@@ -127,17 +130,26 @@ impl Wall {
         let mut near = core::mem::take(&mut self.near);
         near.clear();
         near.reserve(particles);
-        for particle in 0..particles {
-            if let Some((centre, radius)) = of(particle) {
-                let ball = Ball {
-                    particle,
-                    centre: motion.point_to_wall(centre),
-                    radius,
-                };
-                if self.shapes().any(|p| p.may_touch(&ball)) {
-                    near.push(particle);
+        let (mut balls, mut marks) = ([Ball::default(); BLOCK], [false; BLOCK]);
+        for first in (0..particles).step_by(BLOCK) {
+            let mut count = 0;
+            for particle in first..particles.min(first + BLOCK) {
+                if let Some((centre, radius)) = of(particle) {
+                    balls[count] = Ball {
+                        particle,
+                        centre: motion.point_to_wall(centre),
+                        radius,
+                    };
+                    count += 1;
                 }
             }
+            let (balls, marks) = (&balls[..count], &mut marks[..count]);
+            marks.fill(false);
+            for shape in self.shapes() {
+                shape.mark_near(balls, marks);
+            }
+            let marked = balls.iter().zip(marks).filter(|(_, mark)| **mark);
+            near.extend(marked.map(|(ball, _)| ball.particle));
         }
         self.near = near;
         &self.near

@@ -26,4 +26,5 @@ mod spheres;
 mod touching_or_not;
 mod transported_history;
 mod units;
+mod walls_in_lanes;
 mod warm_start;

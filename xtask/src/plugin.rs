@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The LAMMPS plugin, built against one LAMMPS.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -31,12 +32,14 @@ pub fn for_headers(
     let build = workspace::target_directory()?
         .join("lammps-plugin")
         .join(name);
-    std::fs::create_dir_all(&build)?;
+    let source = root.join("lammps-plugin");
     let _lock = cache::lock(&format!("lammps-plugin-{name}"))?;
+    forget_other_sources(&build, &source)?;
+    std::fs::create_dir_all(&build)?;
     let mut configure = Command::new("cmake");
     configure
         .arg("-S")
-        .arg(root.join("lammps-plugin"))
+        .arg(&source)
         .arg("-B")
         .arg(&build)
         .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
@@ -56,15 +59,45 @@ pub fn for_headers(
     Ok(plugin)
 }
 
+/// Removes what CMake has configured for sources in another place, a checkout that has been moved or one for a single use: it refuses
+/// to go on from that.
+fn forget_other_sources(build: &Path, source: &Path) -> Result<()> {
+    let Ok(cache) = fs::read_to_string(build.join("CMakeCache.txt")) else {
+        return Ok(());
+    };
+    let home = cache
+        .lines()
+        .find_map(|line| line.strip_prefix("CMAKE_HOME_DIRECTORY:INTERNAL="));
+    if home.is_some_and(|home| Path::new(home) != source) {
+        fs::remove_dir_all(build)?;
+    }
+    Ok(())
+}
+
 fn define(name: &str, path: &Path) -> String {
     format!("-D{name}={}", path.display())
 }
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
+
+    /// A checkout that has been moved builds.
+    #[test]
+    fn what_was_configured_for_another_place_is_forgotten() {
+        let directory = tempfile::tempdir().unwrap();
+        let build = directory.path().join("build");
+        let configured = |home: &str| {
+            fs::create_dir_all(&build).unwrap();
+            let cache = format!("A:STRING=b\nCMAKE_HOME_DIRECTORY:INTERNAL={home}\n");
+            fs::write(build.join("CMakeCache.txt"), cache).unwrap();
+            forget_other_sources(&build, Path::new("/here")).unwrap();
+            build.exists()
+        };
+        assert!(configured("/here"));
+        assert!(!configured("/there"));
+        assert!(forget_other_sources(&build, Path::new("/here")).is_ok());
+    }
 
     /// Built into LAMMPS, the styles are the same files as in the plugin, without what loads the plugin.
     #[test]

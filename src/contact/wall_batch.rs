@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Contacts of ellipsoids with walls in lanes: surfaces that were found one by one, and the law for as many of them at a time as there
+//! are lanes.
+//!
+//! A lane in which the gap is not convex, the curvature ratio beyond the fit, or the wall a cavity in both directions is handed back, to
+//! be taken one at a time ([`StagedContact::whole_force`](super::staged::StagedContact::whole_force)), which gives the same numbers to
+//! rounding.
+
+use super::forces::{
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
+    Surface,
+};
+use super::history::Step;
+use super::lane_law::{constants_of, factors_for};
+use super::particle::Particle;
+use super::staged::{WallSurface, LEAST_CURVATURE};
+use super::turning_normal::{along_and_across, TurningNormal};
+use crate::force::{LawKinds, PairLaw};
+use crate::geometry::{ConvexBody, Ellipsoid};
+use crate::real::Real;
+use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::vector::{Tangent, Vector2, Vector3};
+
+/// One number of all lanes.
+type Column = [f64; MOST_LANES];
+/// A vector of all lanes.
+type Columns = [Column; 3];
+
+/// What the lanes load.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+struct Numbers {
+    axes: [Columns; 3],
+    semi_axes: Columns,
+    inverse_semi_axes: Columns,
+    /// Centre of the body, from the surface's point.
+    offset: Columns,
+    /// Of the surface, as in [`WallSurface`].
+    normal: Columns,
+    direction: Columns,
+    curvatures: [Column; 2],
+    turning_radii: [Column; 2],
+    /// Velocity of the body relative to the surface, and angular velocity.
+    velocity: Columns,
+    omega: Columns,
+    velocity_change: Columns,
+    omega_change: Columns,
+    effective_mass: Column,
+    /// What is remembered of the last step.
+    last_normal: Columns,
+    memory: Columns,
+    energy: Column,
+}
+
+/// What is remembered of a contact of the last step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LastContact {
+    /// Its normal, from the body into the wall; a unit vector.
+    pub normal: Vector3,
+    /// Its tangential memory.
+    pub memory: Vector3,
+    /// The elastic energy of that.
+    pub energy: f64,
+}
+
+/// Contacts on their way into the lanes.
+#[derive(Debug)]
+pub(crate) struct WallBatch<'a> {
+    set: InstructionSet,
+    lanes: usize,
+    count: usize,
+    laws: [Option<&'a PairLaw>; MOST_LANES],
+    numbers: Numbers,
+    /// Bits of contacts that go on from the last step.
+    continued: u32,
+    /// Whether a surface is curved.
+    curved: bool,
+    /// Whether velocities of the step are known.
+    changes: bool,
+    /// What the lanes gave, four lines a contact.
+    lines: [[Line; MOST_LANES]; 4],
+}
+
+/// Bits of the contacts of a batch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WallLanes {
+    /// Those that touch.
+    pub touching: u32,
+    /// Those that are to be taken one at a time.
+    pub hard: u32,
+}
+
+fn set(columns: &mut Columns, lane: usize, v: Vector3) {
+    columns[0][lane] = v.x;
+    columns[1][lane] = v.y;
+    columns[2][lane] = v.z;
+}
+
+impl<'a> WallBatch<'a> {
+    /// Empty.
+    pub fn new(set: InstructionSet) -> Self {
+        WallBatch {
+            set,
+            lanes: set.lanes(),
+            count: 0,
+            laws: [None; MOST_LANES],
+            numbers: Numbers::default(),
+            continued: 0,
+            curved: false,
+            changes: false,
+            lines: [[Line::ZERO; MOST_LANES]; 4],
+        }
+    }
+
+    /// How many contacts there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is no room for another contact of this law and particle: the terms of all must be the same.
+    pub fn is_closed_to(&self, law: &PairLaw, i: &Particle) -> bool {
+        let Some(first) = self.laws[0].filter(|_| self.count > 0) else {
+            return false;
+        };
+        self.count == self.lanes || first.kinds != law.kinds || self.changes != i.change.is_some()
+    }
+
+    /// Adds a contact that the batch is not closed to. Body, surface and what is remembered are in one frame.
+    ///
+    /// # Panics
+    /// Where there is no room.
+    pub fn push(
+        &mut self,
+        law: &'a PairLaw,
+        i: &Particle,
+        surface: &WallSurface,
+        effective_mass: f64,
+        last: Option<&LastContact>,
+    ) {
+        let lane = self.count;
+        assert!(lane < self.lanes, "a batch that is full");
+        if lane == 0 {
+            self.continued = 0;
+            self.curved = false;
+            self.changes = i.change.is_some();
+        }
+        self.count += 1;
+        self.laws[lane] = Some(law);
+        let n = &mut self.numbers;
+        for (columns, axis) in n.axes.iter_mut().zip(i.body.axes) {
+            set(columns, lane, axis);
+        }
+        set(&mut n.semi_axes, lane, i.body.semi_axes);
+        set(&mut n.inverse_semi_axes, lane, i.body.inverse_semi_axes);
+        set(&mut n.offset, lane, i.position - surface.point);
+        set(&mut n.normal, lane, surface.normal);
+        set(&mut n.direction, lane, surface.direction);
+        for k in 0..2 {
+            n.curvatures[k][lane] = surface.curvatures[k];
+            n.turning_radii[k][lane] = surface.turning_radii[k];
+            self.curved |= surface.turning_radii[k].is_finite();
+        }
+        set(&mut n.velocity, lane, i.velocity - surface.velocity);
+        set(&mut n.omega, lane, i.omega);
+        if let Some(change) = &i.change {
+            set(&mut n.velocity_change, lane, change.velocity);
+            set(&mut n.omega_change, lane, change.omega);
+        }
+        n.effective_mass[lane] = effective_mass;
+        let [normal, memory] = last.map_or([-surface.normal, Vector3::ZERO], |last| {
+            [last.normal, last.memory]
+        });
+        set(&mut n.last_normal, lane, normal);
+        set(&mut n.memory, lane, memory);
+        n.energy[lane] = last.map_or(0.0, |last| last.energy);
+        self.continued |= u32::from(last.is_some()) << lane;
+    }
+
+    /// Takes the contacts through the law, and begins anew; [`WallBatch::forces`] gives what came out. Shares are not taken.
+    pub fn compute(&mut self, step: &Step) -> WallLanes {
+        let mut found = WallLanes::default();
+        let Some(first) = self.laws[0].filter(|_| self.count > 0) else {
+            return found;
+        };
+        // Lanes without a contact of their own compute the first one again.
+        let mut laws = [first; MOST_LANES];
+        for (law, own) in laws.iter_mut().zip(&self.laws[..self.count]) {
+            *law = own.unwrap_or(first);
+        }
+        if self.count < self.lanes {
+            self.numbers.fill_from(self.count);
+        }
+        self.set.run(Contacts {
+            batch: self,
+            laws: &laws,
+            step,
+            found: &mut found,
+        });
+        let present = (1u32 << self.count) - 1;
+        found.touching &= present;
+        found.hard &= present;
+        self.count = 0;
+        found
+    }
+
+    /// Forces and penetration of a contact that touches.
+    pub fn forces(&self, lane: usize) -> (ContactForces, f64) {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.lines[k][lane].0);
+        let vector = |line: &[f64; 8], k: usize| Vector3::new(line[k], line[k + 1], line[k + 2]);
+        let forces = ContactForces {
+            force: vector(a, 0),
+            torque_i: vector(a, 3),
+            torque_j: Vector3::ZERO,
+            normal_force: a[6],
+            stiffness: a[7],
+            tangential_force: vector(b, 0),
+            contact_point: vector(b, 3),
+            elastic_energy: b[6],
+            tangential_energy: b[7],
+            memory: vector(c, 0),
+            displacement: vector(c, 3),
+            rate: c[6],
+            viscous_power: c[7],
+            viscous_force: vector(d, 0),
+            frictional_force: vector(d, 3),
+            tangential_power: d[6],
+            frictional_couple: Vector3::ZERO,
+            viscous_couple: Vector3::ZERO,
+        };
+        (forces, d[7])
+    }
+}
+
+impl Numbers {
+    /// Copies the first lane to those from `from` on.
+    fn fill_from(&mut self, from: usize) {
+        let Numbers {
+            axes: [a, b, c],
+            semi_axes,
+            inverse_semi_axes,
+            offset,
+            normal,
+            direction,
+            curvatures,
+            turning_radii,
+            velocity,
+            omega,
+            velocity_change,
+            omega_change,
+            effective_mass,
+            last_normal,
+            memory,
+            energy,
+        } = self;
+        let vectors = [
+            a,
+            b,
+            c,
+            semi_axes,
+            inverse_semi_axes,
+            offset,
+            normal,
+            direction,
+            velocity,
+            omega,
+            velocity_change,
+            omega_change,
+            last_normal,
+            memory,
+        ];
+        let numbers = curvatures.iter_mut().chain(turning_radii);
+        let all = vectors.into_iter().flatten().chain(numbers);
+        for column in all.chain([effective_mass, energy]) {
+            let first = column[0];
+            column[from..].fill(first);
+        }
+    }
+}
+
+/// See [`contacts`].
+struct Contacts<'p, 'a> {
+    batch: &'p mut WallBatch<'a>,
+    laws: &'p [&'a PairLaw; MOST_LANES],
+    step: &'p Step,
+    found: &'p mut WallLanes,
+}
+
+impl Stage for Contacts<'_, '_> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        *self.found = contacts(registers, self.batch, self.laws, self.step);
+    }
+}
+
+#[inline(always)]
+fn vector<S: Registers>(registers: S, columns: &Columns) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::load(registers, &columns[0]),
+        Lanes::load(registers, &columns[1]),
+        Lanes::load(registers, &columns[2]),
+    )
+}
+
+/// Geometry, law and the turning of the normal.
+#[inline(always)]
+fn contacts<S: Registers>(
+    registers: S,
+    batch: &mut WallBatch<'_>,
+    laws: &[&PairLaw; MOST_LANES],
+    step: &Step,
+) -> WallLanes {
+    let numbers = &batch.numbers;
+    let zero = Lanes::splat(registers, 0.0);
+    let one = Lanes::splat(registers, 1.0);
+    let null = Vector3::new(zero, zero, zero);
+    let kinds: &LawKinds = &laws[0].kinds;
+
+    let body = Ellipsoid {
+        axes: [
+            vector(registers, &numbers.axes[0]),
+            vector(registers, &numbers.axes[1]),
+            vector(registers, &numbers.axes[2]),
+        ],
+        semi_axes: vector(registers, &numbers.semi_axes),
+        inverse_semi_axes: vector(registers, &numbers.inverse_semi_axes),
+    };
+    let outwards = vector(registers, &numbers.normal);
+    let normal = -outwards;
+    let tangent = Tangent::new(normal);
+    let view = body.view(normal, &tangent);
+    let support = body.support_in_frame(&view);
+    let penetration = support.h - outwards.dot(vector(registers, &numbers.offset));
+    let touching = zero.less(penetration);
+    let apart = registers.not(touching);
+
+    let along = tangent.components(vector(registers, &numbers.direction));
+    let curvatures = [
+        Lanes::load(registers, &numbers.curvatures[0]),
+        Lanes::load(registers, &numbers.curvatures[1]),
+    ];
+    let weingarten = body.weingarten_in_frame(&view, support.h);
+    let of_wall = along_and_across(along, curvatures);
+    let curvature = relative_curvature_matrix(weingarten, of_wall);
+    let least = weingarten.determinant() * LEAST_CURVATURE / weingarten.trace();
+    let convex = registers.and(
+        zero.less(curvature.trace()),
+        (least * curvature.trace()).less(curvature.determinant()),
+    );
+    let mut hard = registers.not(convex);
+    let unsound = registers.or(apart, hard);
+    let (factors, beyond) = factors_for(registers, kinds, curvature, unsound, true);
+    hard = registers.or(hard, beyond);
+
+    let changes = batch.changes.then(|| {
+        let change = MotionChange {
+            velocity: vector(registers, &numbers.velocity_change),
+            omega: vector(registers, &numbers.omega_change),
+        };
+        let none = MotionChange {
+            velocity: null,
+            omega: null,
+        };
+        [change, none]
+    });
+    let x = Contact {
+        normal,
+        tangent,
+        // A lane that does not touch computes nothing that is used, but must not make a trap of it.
+        penetration: penetration.max(zero.constant(1e-300)),
+        i: Surface {
+            h: support.h,
+            inverse_h: support.inverse_h,
+            witness: support.witness,
+            weingarten,
+            determinant: body.squared_product(),
+            velocity: vector(registers, &numbers.velocity),
+            omega: vector(registers, &numbers.omega),
+        },
+        j: Surface {
+            h: one,
+            inverse_h: one,
+            witness: Vector2::new(zero, zero),
+            weingarten: of_wall,
+            determinant: one,
+            velocity: null,
+            omega: null,
+        },
+        effective_mass: Lanes::load(registers, &numbers.effective_mass),
+        inverse_hessian: None,
+        changes,
+        begin_time: batch
+            .changes
+            .then(|| Lanes::splat(registers, step.time_step)),
+    };
+    let remembered = Remembered {
+        continued: registers.mask(batch.continued),
+        normal: vector(registers, &numbers.last_normal),
+        memory: vector(registers, &numbers.memory),
+        energy: Lanes::load(registers, &numbers.energy),
+        time: Lanes::splat(registers, step.elapsed()),
+    };
+    let constants = constants_of(registers, laws, None);
+    let mut f = contact_forces::<Lanes<S>, true, true, true, true>(
+        kinds,
+        &constants,
+        &factors,
+        curvature,
+        &x,
+        &remembered,
+    );
+
+    if kinds.conservative && batch.curved {
+        let radii = [
+            Lanes::load(registers, &numbers.turning_radii[0]),
+            Lanes::load(registers, &numbers.turning_radii[1]),
+        ];
+        let infinite = zero.constant(f64::INFINITY);
+        let turns = [radii[0].less(infinite), radii[1].less(infinite)];
+        let both = registers.and(turns[0], turns[1]);
+        let either = registers.or(turns[0], turns[1]);
+        let cavity = registers.or(radii[0].less(zero), radii[1].less(zero));
+        hard = registers.or(hard, registers.and(both, cavity));
+
+        let turning = TurningNormal::of(&x, curvature, &factors);
+        let direction = Vector2::new(
+            Lanes::select(turns[0], along.u, -along.v),
+            Lanes::select(turns[0], along.v, along.u),
+        );
+        let radius = Lanes::select(turns[0], radii[0], radii[1]);
+        let radius = Lanes::select(either, radius, zero);
+        let mut lambda = turning.response_along(direction, radius, x.penetration);
+        if registers.any(both) {
+            let radii = [
+                Lanes::select(both, radii[0], zero),
+                Lanes::select(both, radii[1], zero),
+            ];
+            let around = turning.response_around(along, radii, x.penetration);
+            lambda = Vector2::new(
+                Lanes::select(both, around.u, lambda.u),
+                Lanes::select(both, around.v, lambda.v),
+            );
+        }
+        let lambda = Vector2::new(
+            Lanes::select(either, lambda.u, zero),
+            Lanes::select(either, lambda.v, zero),
+        );
+        turning.add(&x, lambda, f.elastic_energy, &mut f);
+    }
+    store(registers, &f, penetration, &mut batch.lines);
+    WallLanes {
+        touching: registers.bits(registers.and_not(touching, hard)),
+        hard: registers.bits(registers.and_not(hard, apart)),
+    }
+}
+
+/// The reverse of [`WallBatch::forces`].
+#[inline(always)]
+fn store<S: Registers>(
+    registers: S,
+    f: &ContactForces<Lanes<S>>,
+    penetration: Lanes<S>,
+    lines: &mut [[Line; MOST_LANES]; 4],
+) {
+    let line = |a: Vector3<Lanes<S>>, b: Vector3<Lanes<S>>, c: Lanes<S>, d: Lanes<S>| {
+        [a.x, a.y, a.z, b.x, b.y, b.z, c, d]
+    };
+    let all = [
+        line(f.force, f.torque_i, f.normal_force, f.stiffness),
+        line(
+            f.tangential_force,
+            f.contact_point,
+            f.elastic_energy,
+            f.tangential_energy,
+        ),
+        line(f.memory, f.displacement, f.rate, f.viscous_power),
+        line(
+            f.viscous_force,
+            f.frictional_force,
+            f.tangential_power,
+            penetration,
+        ),
+    ];
+    for (numbers, lines) in all.into_iter().zip(lines) {
+        put(registers, numbers, lines);
+    }
+}
