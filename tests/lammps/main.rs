@@ -20,6 +20,7 @@ mod energy_balance;
 mod energy_compute;
 mod engine_commands;
 mod golden_pairs;
+mod granular_suite;
 mod grown_and_moved;
 mod insertion;
 mod insertion_errors;

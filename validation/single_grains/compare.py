@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Impacts of single spheres through LAMMPS: the tests of Chung and Ooi (2011) against closed forms, and Kharaz et al. (2001), measured."""
+"""Impacts of single spheres through LAMMPS: the tests of Chung and Ooi (2011) against closed forms and what they printed, Kharaz et al.
+(2001), measured, and LAMMPS' own granular tests."""
 from __future__ import annotations
 
 import os
@@ -11,6 +12,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 
+import lammps_tests
 from stored import write_csv, write_origin
 
 HERE = Path(__file__).resolve().parent
@@ -21,7 +23,8 @@ STEPS = 2000
 
 @dataclass
 class Impact:
-    """SI units. Against a plane the modulus is that of the sphere, and the plane is rigid."""
+    """SI units. Against a plane the modulus is that of the sphere, and the plane is rigid. The large sphere has 5 times the radius, 1000
+    times the density, and `partner_modulus` times the modulus."""
 
     partner: str
     radius: float
@@ -33,6 +36,7 @@ class Impact:
     spin: float = 0.0
     restitution: float = 1.0
     tangential: str = "none"
+    partner_modulus: float = 1.0
 
     @property
     def mass(self) -> float:
@@ -41,26 +45,35 @@ class Impact:
     @property
     def stiffness(self) -> float:
         """k of F = k delta^(3/2), delta the penetration of sphere and plane, or of the two spheres."""
-        if self.partner == "plane":
-            return 4 / 3 * self.modulus / (1 - self.poisson**2) * np.sqrt(self.radius)
-        return 4 / 3 * self.modulus / (2 * (1 - self.poisson**2)) * np.sqrt(self.radius / 2)
+        effective_radius = self.radius * {"plane": 1, "sphere": 1 / 2, "large": 5 / 6}[self.partner]
+        return 2 / 3 * self.modulus_of_both / (1 - self.poisson**2) * np.sqrt(effective_radius)
+
+    @property
+    def modulus_of_both(self) -> float:
+        """Of two equal materials that are as compliant together as these are. The words of a law stand for both sides."""
+        return self.modulus * {"plane": 2, "sphere": 1, "large": 2 / (1 + 1 / self.partner_modulus)}[self.partner]
+
+    @property
+    def closing_speed(self) -> float:
+        return 2 * self.down if self.partner == "sphere" else self.down
+
+    @property
+    def closing_mass(self) -> float:
+        return self.mass * {"plane": 1, "sphere": 1 / 2, "large": 125000 / 125001}[self.partner]
 
     @property
     def greatest_penetration(self) -> float:
         """Of the elastic impact, by Hertz."""
-        mass, speed = (self.mass, self.down) if self.partner == "plane" else (self.mass / 2, 2 * self.down)
-        return (5 * mass * speed**2 / (4 * self.stiffness)) ** 0.4
+        return (5 * self.closing_mass * self.closing_speed**2 / (4 * self.stiffness)) ** 0.4
 
     @property
     def duration(self) -> float:
         """Of the elastic impact, by Hertz."""
-        return HERTZ_TIME * self.greatest_penetration / (self.down if self.partner == "plane" else 2 * self.down)
+        return HERTZ_TIME * self.greatest_penetration / self.closing_speed
 
     def law(self) -> str:
-        # The wall takes the words for both sides: twice the modulus makes the compliance of the two that of the sphere alone.
-        modulus = self.modulus * (2 if self.partner == "plane" else 1)
         damping = "" if self.restitution == 1 else f" damping restitution {self.restitution}"
-        return f"hertz {modulus!r} {self.poisson}{damping} tangential {self.tangential}"
+        return f"hertz {self.modulus_of_both!r} {self.poisson}{damping} tangential {self.tangential}"
 
 
 def run(impact: Impact) -> Dict[str, np.ndarray]:
@@ -126,6 +139,10 @@ def oblique(name: str, impact: Impact, friction: float) -> Dict[str, Any]:
         "law": impact.tangential,
         "penetration": impact.greatest_penetration / impact.radius,
         "incidence": abs(point) / (friction * impact.down),
+        # The coefficient of tangential restitution: of the velocity of the point, reversed.
+        "tangential_restitution": -after / point,
+        # The same of gross sliding, plus 1: 7 mu (1 + e) v_n / (2 v_t).
+        "slip": 3.5 * friction * (1 + impact.restitution) * impact.down / abs(point),
         "angle": np.degrees(np.arctan2(impact.along, impact.down)),
         "along": columns["along"][-1],
         "up": columns["up"][-1],
@@ -170,7 +187,22 @@ def main() -> None:
             for spin in (0.175, 0.3, 0.5, 0.9, 1.3, 2.0, 3.0, 4.0, 5.0, 7.0, 9.0, 12.0, 22.0):
                 impact = Impact("sphere", 0.1, density, modulus, poisson, 0.2, 0.0, -spin, 0.5, f"{law} 0.4")
                 obliques.append(oblique(f"7, {name}", impact, 0.4))
+    # Tests 6 and 8: the spin makes the point move at the angle to the impact that the paper has, 5 to 85 degrees.
+    spins = [2 * np.tan(np.radians(angle)) for angle in range(5, 90, 5)]
+    alloy, nylon = (7.0e10, 0.33, 2700.0), (2.5e9, 0.4, 1000.0)
+    for name, partner, (modulus, poisson, density), ratio in (
+        ("6, aluminium alloy", "plane", alloy, 1.0),
+        ("6, nylon", "plane", nylon, 1.0),
+        ("8, case A", "large", alloy, 1000.0),
+        ("8, case B", "large", alloy, 1.0),
+    ):
+        for law in laws:
+            for spin in spins:
+                impact = Impact(partner, 0.1, density, modulus, poisson, 0.2, 0.0, -spin, 0.5, f"{law} 0.4", ratio)
+                obliques.append(oblique(name, impact, 0.4))
     write_csv(HERE / "oblique_impacts.csv", obliques)
+    write_csv(HERE / "lammps_tests.csv", lammps_tests.compared())
+    write_csv(HERE / "heaps.csv", lammps_tests.heaps())
     write_origin(HERE, started, LAMMPS=os.environ["ELLGRAN_LAMMPS_VERSION"])
 
 

@@ -43,3 +43,8 @@ def viscoelastic() -> SimpleNamespace:
 @pytest.fixture
 def packings() -> SimpleNamespace:
     return _load("packings", ("packing_measures", "compare"))
+
+
+@pytest.fixture
+def single_grains() -> SimpleNamespace:
+    return _load("single_grains", ("damped_tangential_spring",))
