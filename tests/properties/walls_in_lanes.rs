@@ -223,12 +223,7 @@ fn touching(
     types: usize,
     of_step: bool,
 ) -> Vec<Particle> {
-    let elastic = laws(
-        &vec!["hertz 1e3 0.3"; types]
-            .iter()
-            .map(|s| *s)
-            .collect::<Vec<_>>(),
-    );
+    let elastic = laws(&vec!["hertz 1e3 0.3"; types]);
     (0..60_000)
         .filter_map(|_| {
             let one = [random_particle(stream, types, of_step)];

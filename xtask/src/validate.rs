@@ -24,7 +24,7 @@ pub struct Options {
     /// Hold the stored results against coarse computations of now, in seconds, and write nothing
     #[arg(long, conflicts_with_all = ["comparison", "page"])]
     check: bool,
-    /// Words for the program of the comparison: `packings -- --grains 2000 --realisations 1`, or `packings -- --go-on`
+    /// Words for the program of the comparison: `packings -- --grains 1000 --realisations 3`, or `packings -- --go-on`
     #[arg(last = true, requires = "comparison")]
     words: Vec<String>,
 }
