@@ -144,7 +144,9 @@ pub fn touch_cone(
             best = Some((u, value));
         }
     }
-    if let Some((u, value)) = best {
+    if !within {
+        // Where all directions are alike, by a sphere about a point of the axis, any one serves.
+        let (u, value) = best.unwrap_or((search.basis[0], search.value(search.basis[0])));
         if value < 0.0 {
             found(search.contact(u, cone));
         }
