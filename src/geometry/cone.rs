@@ -357,7 +357,8 @@ mod tests {
             found.sort_by(f64::total_cmp);
             assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
             for (a, b) in found.iter().zip(&expected) {
-                assert!((a - b).abs() < 1e-9, "{found:?} {expected:?}");
+                // What a parabola through three directions leaves at this step.
+                assert!((a - b).abs() < 1e-7, "{found:?} {expected:?}");
             }
             touching += usize::from(!found.is_empty());
             alone += usize::from(off_axis > 5.0);
