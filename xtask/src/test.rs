@@ -294,7 +294,8 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
 
 fn engine_tests(name: &str) -> Command {
     let mut command = cargo();
-    command.args(["test", "--test", name]);
+    // Of the workspace, as the core's tests: with the features of one package alone the library would be compiled once more.
+    command.args(["test", "--workspace", "--test", name]);
     command
 }
 
