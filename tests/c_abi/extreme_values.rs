@@ -1011,15 +1011,7 @@ fn a_grain_on_the_axis_of_an_oblique_cylinder() {
         };
         let mut arrays = Arrays::new(&bodies, 1);
         let particles = arrays.particles();
-        let mut load = EllgranWallLoad {
-            size: size_of::<EllgranWallLoad>(),
-            force: [0.0; 3],
-            torque: [0.0; 3],
-            power: 0.0,
-            contact_count: 0,
-            stiffness: 0.0,
-            damping: 0.0,
-        };
+        let mut load = NO_LOAD;
         ok(unsafe {
             ellgran_compute_wall(
                 laws.0,
