@@ -2338,6 +2338,18 @@ int32_t ellgran_wall_record_contacts(struct EllgranWall *wall,
                                      int32_t record);
 
 /*
+ Whether `ellgran_compute_wall` keeps the loads that are not elastic of the particles that touch the wall, where its `tallies` have
+ no array for them. Each call then adds the work of half a step, and `ellgran_wall_tally_following_half_step` adds the other half
+ (`inelastic_loads` of `EllgranTallies` says why). It takes the time of the particles that touch, where the array
+ takes that of all.
+
+ # Safety
+ `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_keep_inelastic_loads(struct EllgranWall *wall,
+                                          int32_t keep);
+
+/*
  Number of recorded contacts of the last call; 0 for NULL.
 
  # Safety
@@ -2748,6 +2760,19 @@ int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
 int32_t ellgran_tally_following_half_step(const struct EllgranParticles *particles,
                                           const struct EllgranStep *step,
                                           struct EllgranTallies *tallies);
+
+/*
+ Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
+ (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
+ `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
+
+ # Safety
+ The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_tally_following_half_step(const struct EllgranWall *wall,
+                                               const struct EllgranParticles *particles,
+                                               const struct EllgranStep *step,
+                                               struct EllgranTallies *tallies);
 
 /*
  Version of the binary interface of the linked library. Compare it with `ELLGRAN_ABI_VERSION` of the header when the

@@ -72,7 +72,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
     contact_histories(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
-    motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false)
+    motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -80,6 +80,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
                static_cast<int>(ellgran_abi_version()));
   atoms.require_atom_style();
   check(ellgran_wall_new(&wall));
+  check(ellgran_wall_keep_inelastic_loads(wall, 1));
   check(ellgran_workspace_new(&workspace));
 
   int iarg = parse_law(narg, arg);
@@ -622,13 +623,13 @@ void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool tim
 
 void FixWallGranEllipsoid::post_integrate()
 {
-  if (!tallies.inelastic_loads) return;
+  if (!touches_here) return;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
   EllgranParticles particles = atoms.view();
   if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
-  if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
+  if (ellgran_wall_tally_following_half_step(wall, &particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 }
 
@@ -652,8 +653,6 @@ void FixWallGranEllipsoid::post_force(int)
   EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
   const bool writes_triangles = triangle_file_every > 0 && update->ntimestep % triangle_file_every == 0;
   check(ellgran_wall_record_triangles(wall, writes_triangles ? 1 : 0));
-  inelastic_loads.resize(12 * static_cast<std::size_t>(atom->nlocal));
-  tallies.inelastic_loads = (atom->nlocal > 0) ? inelastic_loads.data() : nullptr;
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
@@ -668,6 +667,7 @@ void FixWallGranEllipsoid::post_force(int)
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_histories ? contact_histories[0] : nullptr, &step, &load, &tallies));
   }
+  touches_here = load.contact_count > 0;
   if (tells_contacts) tell_contacts();
   if (writes_triangles) write_triangle_file(motion);
   if (servo) servo->follow(load, update->dt, time_passes);
@@ -811,7 +811,7 @@ void *FixWallGranEllipsoid::extract(const char *name, int &dimension_of)
 double FixWallGranEllipsoid::memory_usage()
 {
   double bytes = static_cast<double>(ellgran_workspace_bytes(workspace));
-  bytes += static_cast<double>(contact_masses.capacity() + inelastic_loads.capacity()) * sizeof(double);
+  bytes += static_cast<double>(contact_masses.capacity()) * sizeof(double);
   bytes += static_cast<double>(contact_values.capacity()) * sizeof(double);
   return bytes + static_cast<double>(atom->nmax) * histories_length * sizeof(double);
 }

@@ -141,9 +141,8 @@ class FixWallGranEllipsoid : public Fix {
     SERVO_TARGET,
     NUMBER_OF_OUTPUTS
   };
-  // Energies dissipated and work of the walls since the fix was made, this rank's share, and the loads that dissipate
+  // Energies dissipated and work of the walls since the fix was made, this rank's share; the wall keeps the loads that dissipate
   EllgranTallies tallies;
-  std::vector<double> inelastic_loads;
   double friction, work_of_walls;
   double load_force[3], load_torque[3];    // on the wall, at the end of the last step
   double output_here[NUMBER_OF_SUMS], output_all[NUMBER_OF_SUMS];
@@ -151,6 +150,7 @@ class FixWallGranEllipsoid : public Fix {
   bool summed;
   EllgranWallMotion motion_of_forces;    // the motion with which forces were computed last
   bool has_forces;                       // whether they were
+  bool touches_here;                     // whether a grain of this rank touched then
 
   int parse_law(int narg, char **arg);
   int parse_wall(int iarg, int narg, char **arg);

@@ -155,18 +155,18 @@ impl Tallies<'_> {
     }
 
     /// Adds the work of loads and walls over half a step of this duration. `motion` gives velocity and rotation of a
-    /// particle.
+    /// particle, by its index among the loads.
     ///
     /// Velocity Verlet lets a force do the work of its half of the step before, with the velocity that the particle had,
     /// and of the half after, with the velocity to which that force itself has led.
-    pub fn add_half_step(
+    pub fn add_half_step<'l>(
         &mut self,
         time: f64,
-        loads: &[InelasticLoad],
+        loads: impl IntoIterator<Item = (usize, &'l InelasticLoad)>,
         motion: impl Fn(usize) -> ([f64; 3], [f64; 3]),
     ) {
         let [mut viscous, mut tangential] = self.wall_powers;
-        for (k, load) in loads.iter().enumerate() {
+        for (k, load) in loads {
             if !load.is_zero() {
                 let (velocity, rotation) = motion(k);
                 let [v, t] = load.powers(velocity, rotation);
@@ -179,14 +179,22 @@ impl Tallies<'_> {
         self.tangential_work -= time * tangential;
     }
 
-    /// Adds a contact of `i` and `j`. `owned_j` is false where another rank adds the same contact too.
+    /// Adds a contact of `i` and `j`. `owned_j` is false where another rank adds the same contact too. `load_i` is where the load of
+    /// `i` goes instead of [`Tallies::inelastic_loads`], if a wall keeps it.
     #[inline(always)]
-    pub(crate) fn add(&mut self, i: usize, j: Option<usize>, owned_j: bool, c: &Contribution) {
+    pub(crate) fn add(
+        &mut self,
+        i: usize,
+        j: Option<usize>,
+        owned_j: bool,
+        c: &Contribution,
+        load_i: Option<&mut InelasticLoad>,
+    ) {
         let weight = if owned_j { 1.0 } else { 0.5 };
         self.touching += weight;
         self.normal_elastic_energy += weight * c.normal_energy;
         self.tangential_elastic_energy += weight * c.tangential_energy;
-        if self.inelastic_loads.is_none() {
+        if self.inelastic_loads.is_none() && load_i.is_none() {
             self.viscous_dissipation += weight * c.works[0];
             self.tangential_work += weight * c.works[1];
         }
@@ -202,17 +210,22 @@ impl Tallies<'_> {
         for (sum, term) in self.virial.iter_mut().zip(v) {
             *sum += weight * term;
         }
-        if let Some(loads) = self.inelastic_loads.as_deref_mut() {
-            let (viscous, tangential) = (c.viscous_force, c.tangential_force);
-            loads[i].add(-viscous, -tangential, c.contact_point);
-            match j {
-                Some(j) if owned_j => loads[j].add(viscous, tangential, c.contact_point - d),
-                Some(_) => {}
-                None => {
-                    self.wall_powers[0] += viscous.dot(c.wall_velocity);
-                    self.wall_powers[1] += tangential.dot(c.wall_velocity);
+        let (viscous, tangential) = (c.viscous_force, c.tangential_force);
+        let loads = self.inelastic_loads.as_deref_mut();
+        let is_wall_in_halves = j.is_none() && (loads.is_some() || load_i.is_some());
+        match (load_i, loads) {
+            (Some(load), _) => load.add(-viscous, -tangential, c.contact_point),
+            (None, Some(loads)) => {
+                loads[i].add(-viscous, -tangential, c.contact_point);
+                if let Some(j) = j.filter(|_| owned_j) {
+                    loads[j].add(viscous, tangential, c.contact_point - d);
                 }
             }
+            (None, None) => {}
+        }
+        if is_wall_in_halves {
+            self.wall_powers[0] += viscous.dot(c.wall_velocity);
+            self.wall_powers[1] += tangential.dot(c.wall_velocity);
         }
         // A wall has no share: all of the contact's energy and virial is the particle's.
         let share = if j.is_some() { 0.5 } else { 1.0 };
@@ -229,30 +242,36 @@ impl Tallies<'_> {
         }
     }
 
-    /// Adds the couple of a contact that was added with [`Tallies::add`].
+    /// Adds the couple of a contact that was added with [`Tallies::add`]; the arguments are the same.
     pub(crate) fn add_couple(
         &mut self,
         i: usize,
         j: Option<usize>,
         owned_j: bool,
         c: &CoupleContribution,
+        load_i: Option<&mut InelasticLoad>,
     ) {
         let weight = if owned_j { 1.0 } else { 0.5 };
         self.tangential_elastic_energy += weight * c.energy;
         let (viscous, tangential) = (c.viscous_torque, c.tangential_torque);
-        if let Some(loads) = self.inelastic_loads.as_deref_mut() {
-            loads[i].add_torques(viscous, tangential);
-            match j {
-                Some(j) if owned_j => loads[j].add_torques(-viscous, -tangential),
-                Some(_) => {}
-                None => {
-                    self.wall_powers[0] -= viscous.dot(c.wall_angular_velocity);
-                    self.wall_powers[1] -= tangential.dot(c.wall_angular_velocity);
+        let loads = self.inelastic_loads.as_deref_mut();
+        let in_halves = loads.is_some() || load_i.is_some();
+        match (load_i, loads) {
+            (Some(load), _) => load.add_torques(viscous, tangential),
+            (None, Some(loads)) => {
+                loads[i].add_torques(viscous, tangential);
+                if let Some(j) = j.filter(|_| owned_j) {
+                    loads[j].add_torques(-viscous, -tangential);
                 }
             }
-        } else {
+            (None, None) => {}
+        }
+        if !in_halves {
             self.viscous_dissipation += weight * c.works[0];
             self.tangential_work += weight * c.works[1];
+        } else if j.is_none() {
+            self.wall_powers[0] -= viscous.dot(c.wall_angular_velocity);
+            self.wall_powers[1] -= tangential.dot(c.wall_angular_velocity);
         }
         let share = if j.is_some() { 0.5 } else { 1.0 };
         for k in core::iter::once(i).chain(j.filter(|_| owned_j)) {

@@ -11,7 +11,9 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
-use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
+use super::tallies::{
+    add_preceding_half_step, add_preceding_half_step_at_wall, borrow, Asked, EllgranTallies,
+};
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
 use crate::list::Workspace;
@@ -445,7 +447,7 @@ pub(super) unsafe fn prepare_near(
     workspace: &mut Workspace,
     laws: Option<&Laws>,
     motion: &Motion,
-    acts_on: &dyn Fn(usize) -> bool,
+    acts_on: &impl Fn(usize) -> bool,
 ) -> Result<(), Failure> {
     let owned = p.owned_count;
     // SAFETY: promised by the caller, for all of this function.
@@ -572,6 +574,9 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
             // SAFETY: promised by the caller.
             unsafe { add_preceding_half_step(&mut sums, p, owned, &step) }?;
+            let near = workspace.particles();
+            // SAFETY: promised by the caller.
+            unsafe { add_preceding_half_step_at_wall(&mut sums, p, wall, near, &step) }?;
             asked.write(&sums);
         }
         if let Some(out) = &mut of_load {
@@ -630,6 +635,27 @@ pub unsafe extern "C" fn ellgran_wall_record_contacts(wall: *mut EllgranWall, re
     at_border("ellgran_wall_record_contacts", || {
         // SAFETY: promised by the caller.
         unsafe { required_mut(wall, "wall") }?.wall.records_contacts = record != 0;
+        Ok(())
+    })
+}
+
+/// Whether `ellgran_compute_wall` keeps the loads that are not elastic of the particles that touch the wall, where its `tallies` have
+/// no array for them. Each call then adds the work of half a step, and `ellgran_wall_tally_following_half_step` adds the other half
+/// (`inelastic_loads` of `EllgranTallies` says why). It takes the time of the particles that touch, where the array
+/// takes that of all.
+///
+/// # Safety
+/// `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_keep_inelastic_loads(
+    wall: *mut EllgranWall,
+    keep: i32,
+) -> i32 {
+    at_border("ellgran_wall_keep_inelastic_loads", || {
+        // SAFETY: promised by the caller.
+        unsafe { required_mut(wall, "wall") }?
+            .wall
+            .keeps_inelastic_loads = keep != 0;
         Ok(())
     })
 }

@@ -3,14 +3,17 @@
 
 use super::growing::{given, growing, Output};
 use super::particles::{changes, shape_of, EllgranParticles, EllgranStep};
+use super::rigid_wall::EllgranWall;
 use super::status::{
-    at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
+    at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_NULL_POINTER,
 };
-use crate::contact::particle::angular_velocity;
-use crate::contact::Step;
+use crate::contact::particle::response_to_torque;
+use crate::contact::{Particle, Step};
 use crate::geometry::Ellipsoid;
 use crate::tallies::InelasticLoad;
 use crate::tallies::Tallies;
+use crate::walls::Wall;
 
 /// Requested quantities, and their sums over the contacts of a call. NULL: nothing is requested, and nothing is computed
 /// for it.
@@ -176,15 +179,62 @@ pub(super) unsafe fn add_preceding_half_step(
             let (shape, mass) = unsafe { (shape_of(p, k), *p.masses.add(k)) };
             let body = shape.and_then(|(a, q)| Ellipsoid::new(a, q).ok());
             if let Some(body) = body {
-                load.respond(|torque| angular_velocity(&body, mass, torque));
+                load.respond(response_to_torque(&body, mass));
             }
         }
     }
     if step.advance_history {
         // SAFETY: promised by the caller.
         let motion = unsafe { motion(p, count) }?;
-        sums.add_half_step(0.5 * step.time_step, &loads[..count], motion);
+        sums.add_half_step(
+            0.5 * step.time_step,
+            loads[..count].iter().enumerate(),
+            motion,
+        );
     }
+    Ok(())
+}
+
+/// The same for the loads that a wall keeps; `near` are the particles that might touch it, as they were prepared.
+///
+/// # Safety
+/// As for [`add_preceding_half_step`].
+pub(super) unsafe fn add_preceding_half_step_at_wall(
+    sums: &mut Tallies<'_>,
+    p: &EllgranParticles,
+    wall: &mut Wall,
+    near: &[Particle],
+    step: &Step,
+) -> Result<(), Failure> {
+    if p.angular_velocities.is_null() {
+        for touching in wall.touching_loads_mut() {
+            // SAFETY: promised by the caller; a particle with a load was found to have a mass.
+            let mass = unsafe { *p.masses.add(touching.particle) };
+            let response = response_to_torque(&near[touching.near].body, mass);
+            touching.load.respond(response);
+        }
+    }
+    // SAFETY: promised by the caller.
+    unsafe { add_half_step_at_wall(sums, p, wall, step) }
+}
+
+/// Adds the work of the loads that a wall keeps over half a step.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+unsafe fn add_half_step_at_wall(
+    sums: &mut Tallies<'_>,
+    p: &EllgranParticles,
+    wall: &Wall,
+    step: &Step,
+) -> Result<(), Failure> {
+    if !step.advance_history || wall.touching_loads().is_empty() {
+        return Ok(());
+    }
+    // SAFETY: promised by the caller.
+    let motion = unsafe { motion(p, p.owned_count) }?;
+    let loads = wall.touching_loads().iter().map(|t| (t.particle, &t.load));
+    sums.add_half_step(0.5 * step.time_step, loads, motion);
     Ok(())
 }
 
@@ -242,13 +292,66 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             };
             // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
             let motion = unsafe { motion(p, count) }?;
-            sums.add_half_step(0.5 * step.time_step, loads, motion);
+            sums.add_half_step(0.5 * step.time_step, loads.iter().enumerate(), motion);
             asked.output.write(&EllgranTallies {
                 viscous_dissipation: sums.viscous_dissipation,
                 tangential_work: sums.tangential_work,
                 ..t
             });
         }
+        Ok(())
+    })
+}
+
+/// Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
+/// (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
+/// `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
+///
+/// # Safety
+/// The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_tally_following_half_step(
+    wall: *const EllgranWall,
+    particles: *const EllgranParticles,
+    step: *const EllgranStep,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_wall_tally_following_half_step", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
+        let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
+        let step = unsafe { given(step, "step") }?.to_core()?;
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
+        let mut asked = unsafe { Asked::new(tallies) }?
+            .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
+        let t = asked.given;
+        if let Some(last) = wall.touching_loads().last() {
+            if last.particle >= p.owned_count {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!(
+                        "owned_count = {}: the wall keeps a load of the particle with index {}",
+                        p.owned_count, last.particle
+                    ),
+                ));
+            }
+        }
+        let mut sums = Tallies {
+            viscous_dissipation: t.viscous_dissipation,
+            tangential_work: t.tangential_work,
+            wall_powers: t.wall_powers,
+            ..Tallies::default()
+        };
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
+        unsafe { add_half_step_at_wall(&mut sums, p, wall, &step) }?;
+        asked.output.write(&EllgranTallies {
+            viscous_dissipation: sums.viscous_dissipation,
+            tangential_work: sums.tangential_work,
+            ..t
+        });
         Ok(())
     })
 }

@@ -49,6 +49,37 @@ pub struct Particle {
     pub sphere: bool,
 }
 
+impl Particle {
+    /// A place for a particle: a unit sphere at rest, without a type.
+    pub(crate) const NONE: Particle = {
+        let zero = Vector3::ZERO;
+        let ones = Vector3 {
+            x: 1.0,
+            y: 1.0,
+            z: 1.0,
+        };
+        Particle {
+            position: zero,
+            radius: 1.0,
+            body: Ellipsoid {
+                axes: [
+                    Vector3 { x: 1.0, ..zero },
+                    Vector3 { y: 1.0, ..zero },
+                    Vector3 { z: 1.0, ..zero },
+                ],
+                semi_axes: ones,
+                inverse_semi_axes: ones,
+            },
+            velocity: zero,
+            omega: zero,
+            change: None,
+            inverse_mass: 0.0,
+            particle_type: 0,
+            sphere: true,
+        }
+    };
+}
+
 /// A body of one contact. World frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
@@ -127,6 +158,11 @@ pub fn describe(error: ShapeError, semi_axes: [f64; 3], quaternion: [f64; 4]) ->
 
 /// Angular velocity of a solid ellipsoid with angular momentum `l`, both in the world frame.
 pub fn angular_velocity(body: &Ellipsoid, mass: f64, l: Vector3) -> Vector3 {
+    response_to_torque(body, mass)(l)
+}
+
+/// The inverse inertia of a solid ellipsoid of this mass, as a function of a torque or an angular momentum, world frame.
+pub(crate) fn response_to_torque(body: &Ellipsoid, mass: f64) -> impl Fn(Vector3) -> Vector3 + '_ {
     let five_over_mass = 5.0 / mass;
     let across = body.squares_across();
     let inverse_inertia = Vector3::new(
@@ -134,7 +170,7 @@ pub fn angular_velocity(body: &Ellipsoid, mass: f64, l: Vector3) -> Vector3 {
         five_over_mass / across.y,
         five_over_mass / across.z,
     );
-    body.to_world(inverse_inertia.componentwise(body.to_body(l)))
+    move |torque| body.to_world(inverse_inertia.componentwise(body.to_body(torque)))
 }
 
 /// `m_i m_j/(m_i + m_j)` from inverse masses; 0 for two frozen bodies, which need no damping.

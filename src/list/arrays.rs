@@ -66,12 +66,18 @@ fn inverse_contact_mass(mass: Option<&f64>) -> Result<f64, String> {
     }
 }
 
+/// Checks a particle and prepares it in its place: a particle is large, and its copies would cost more than its numbers.
+///
+/// # Errors
+/// What is wrong with it; then what is in the place is neither of them.
+#[inline(always)]
 pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
-) -> Result<Particle, String> {
-    let position = ranges::position(arrays.positions[k])?;
+    particle: &mut Particle,
+) -> Result<(), String> {
+    particle.position = ranges::position(arrays.positions[k])?;
     let change = arrays.changes.get(k);
     let (mut velocity, mut rotation) = (arrays.velocities[k], arrays.rotation.of(k));
     if let Some(change) = change {
@@ -80,15 +86,19 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
             rotation[axis] -= change[3 + axis];
         }
     }
-    let velocity = ranges::velocity(velocity)?;
+    particle.velocity = ranges::velocity(velocity)?;
     let particle_type = arrays.types[k];
     if particle_type < 1 || particle_type as usize > types {
         return Err(format!("type {particle_type} is not between 1 and {types}"));
     }
+    particle.particle_type = particle_type as u32;
     let (semi_axes, quaternion) = (arrays.shape)(k).ok_or_else(no_shape)?;
-    let body =
+    let body = &mut particle.body;
+    *body =
         Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;
-    let omega = match arrays.rotation {
+    particle.radius = body.bounding_radius();
+    particle.sphere = body.is_sphere();
+    particle.omega = match arrays.rotation {
         Rotation::Velocity(_) => ranges::angular_velocity(rotation)?,
         Rotation::Momentum(_, masses) => {
             let l = ranges::vector(rotation, f64::MAX, "angular momentum")?;
@@ -101,7 +111,7 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
                     ranges::LARGEST_MASS
                 ));
             }
-            let omega = angular_velocity(&body, mass, l).to_array();
+            let omega = angular_velocity(body, mass, l).to_array();
             ranges::vector(
                 omega,
                 ranges::LARGEST_VELOCITY,
@@ -109,26 +119,17 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
             )?
         }
     };
-    let inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
-    Ok(Particle {
-        position,
-        radius: body.bounding_radius(),
-        body,
-        velocity,
-        omega,
-        change: arrays.of_step.then(|| {
-            let [x, y, z, a, b, c] = change.copied().unwrap_or_default();
-            let rotation = Vector3::new(a, b, c);
-            MotionChange {
-                velocity: Vector3::new(x, y, z),
-                omega: match arrays.rotation {
-                    Rotation::Velocity(_) => rotation,
-                    Rotation::Momentum(_, masses) => angular_velocity(&body, masses[k], rotation),
-                },
-            }
-        }),
-        inverse_mass,
-        particle_type: particle_type as u32,
-        sphere: body.is_sphere(),
-    })
+    particle.inverse_mass = inverse_contact_mass(arrays.contact_masses.get(k))?;
+    particle.change = arrays.of_step.then(|| {
+        let [x, y, z, a, b, c] = change.copied().unwrap_or_default();
+        let rotation = Vector3::new(a, b, c);
+        MotionChange {
+            velocity: Vector3::new(x, y, z),
+            omega: match arrays.rotation {
+                Rotation::Velocity(_) => rotation,
+                Rotation::Momentum(_, masses) => angular_velocity(body, masses[k], rotation),
+            },
+        }
+    });
+    Ok(())
 }

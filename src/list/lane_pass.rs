@@ -450,6 +450,7 @@ fn tally(
                 contact_point: Vector3::new(v[3], v[4], v[5]),
                 wall_velocity: Vector3::ZERO,
             },
+            None,
         );
     }
 }

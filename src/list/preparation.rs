@@ -4,9 +4,11 @@
 //! The engine's numbers are copied into the records as they are; a handful of records at a time is then checked and
 //! finished in place. A handful in which anything looks wrong is done again particle by particle, which finds out what.
 
-use super::arrays::{ParticleArrays, Rotation};
+use super::arrays::{prepare_one, ParticleArrays, Rotation};
 use super::candidates::Candidates;
 use super::records::{prepare_record, Record, Records, Shapes};
+use crate::contact::forces::MotionChange;
+use crate::contact::particle::Particle;
 use crate::contact::ranges::{
     is_mass, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY, LEAST_MASS,
 };
@@ -60,13 +62,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
 impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
     #[inline(always)]
     fn prepare<S: Registers, const CHANGES: bool>(mut self, registers: S) {
-        let mut chunk = Chunk {
-            particles: [0; MOST_LANES],
-            length: 0,
-            lines: [[Line::ZERO; MOST_LANES]; 3],
-            masses: [1.0; MOST_LANES],
-            sound: true,
-        };
+        let mut chunk = Chunk::new();
         for k in 0..self.arrays.positions.len() {
             if let Some(ahead) = self.records.records.get(k + AHEAD) {
                 registers.prefetch(&ahead.pose.0[0]);
@@ -94,13 +90,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
             }
         }
         if chunk.length > 0 {
-            // Lanes without a particle of their own repeat the first.
-            for lane in chunk.length..S::LANES {
-                chunk.lines[0][lane] = chunk.lines[0][0];
-                chunk.lines[1][lane] = chunk.lines[1][0];
-                chunk.lines[2][lane] = chunk.lines[2][0];
-                chunk.masses[lane] = chunk.masses[0];
-            }
+            chunk.repeat_first(S::LANES);
             self.finish::<S, CHANGES>(registers, &mut chunk);
         }
     }
@@ -114,33 +104,10 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
         chunk: &mut Chunk,
     ) {
         let arrays = self.arrays;
-        let lane = chunk.length;
-        chunk.particles[lane] = k;
-        chunk.length = lane + 1;
-        let Some((a, q)) = shape else {
-            chunk.sound = false;
+        if !chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types) {
             return;
-        };
-        let (x, v) = (&arrays.positions[k], &arrays.velocities[k]);
-        let spin = match arrays.rotation {
-            Rotation::Velocity(omega) => &omega[k],
-            Rotation::Momentum(momenta, masses) => {
-                chunk.masses[lane] = masses[k];
-                &momenta[k]
-            }
-        };
-        chunk.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
-        chunk.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
-        if CHANGES {
-            let [x, y, z, a, b, c] = arrays.changes[k];
-            let before = &mut chunk.lines[1][lane].0;
-            for (value, change) in before[2..].iter_mut().zip([x, y, z, a, b, c]) {
-                *value -= change;
-            }
-            chunk.lines[2][lane] = Line([x, y, z, a, b, c, 0.0, 0.0]);
         }
         let particle_type = arrays.types[k];
-        chunk.sound &= particle_type >= 1 && particle_type as usize <= self.types;
         self.outcome.types_changed |= self.records.types[k] != particle_type as u32;
         self.records.types[k] = particle_type as u32;
         if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
@@ -221,6 +188,241 @@ struct Chunk {
     sound: bool,
 }
 
+impl Chunk {
+    fn new() -> Self {
+        Chunk {
+            particles: [0; MOST_LANES],
+            length: 0,
+            lines: [[Line::ZERO; MOST_LANES]; 3],
+            masses: [1.0; MOST_LANES],
+            sound: true,
+        }
+    }
+
+    /// One particle more; false for one without a shape, which is not sound.
+    #[inline(always)]
+    fn copy<
+        const CHANGES: bool,
+        A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
+        I: Fn(usize) -> i64,
+    >(
+        &mut self,
+        arrays: &ParticleArrays<'_, A, I>,
+        k: usize,
+        shape: Option<([f64; 3], [f64; 4])>,
+        types: usize,
+    ) -> bool {
+        let lane = self.length;
+        self.particles[lane] = k;
+        self.length = lane + 1;
+        let Some((a, q)) = shape else {
+            self.sound = false;
+            return false;
+        };
+        let (x, v) = (&arrays.positions[k], &arrays.velocities[k]);
+        let spin = match arrays.rotation {
+            Rotation::Velocity(omega) => &omega[k],
+            Rotation::Momentum(momenta, masses) => {
+                self.masses[lane] = masses[k];
+                &momenta[k]
+            }
+        };
+        self.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
+        self.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
+        if CHANGES {
+            let [x, y, z, a, b, c] = arrays.changes[k];
+            let before = &mut self.lines[1][lane].0;
+            for (value, change) in before[2..].iter_mut().zip([x, y, z, a, b, c]) {
+                *value -= change;
+            }
+            self.lines[2][lane] = Line([x, y, z, a, b, c, 0.0, 0.0]);
+        }
+        let particle_type = arrays.types[k];
+        self.sound &= particle_type >= 1 && particle_type as usize <= types;
+        true
+    }
+
+    /// Lanes without a particle of their own repeat the first.
+    fn repeat_first(&mut self, lanes: usize) {
+        for lane in self.length..lanes {
+            for lines in &mut self.lines {
+                lines[lane] = lines[0];
+            }
+            self.masses[lane] = self.masses[0];
+        }
+    }
+}
+
+/// Prepares chosen particles, each of which then is whole by itself.
+pub(super) struct PrepareChosen<
+    'p,
+    'a,
+    A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
+    I: Fn(usize) -> i64,
+> {
+    pub arrays: &'p ParticleArrays<'a, A, I>,
+    pub chosen: &'p [usize],
+    /// Types that there are.
+    pub types: usize,
+    /// One for each that is chosen.
+    pub particles: &'p mut [Particle],
+    /// The first invalid particle, and what is wrong with it.
+    pub failure: &'p mut Option<(usize, String)>,
+}
+
+impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
+    for PrepareChosen<'_, '_, A, I>
+{
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        if self.arrays.changes.is_empty() {
+            self.prepare::<S, false>(registers);
+        } else {
+            self.prepare::<S, true>(registers);
+        }
+    }
+}
+
+impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
+    PrepareChosen<'_, '_, A, I>
+{
+    #[inline(always)]
+    fn prepare<S: Registers, const CHANGES: bool>(self, registers: S) {
+        let arrays = self.arrays;
+        let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
+        let mut chunk = Chunk::new();
+        let mut poses = [[Line::ZERO; MOST_LANES]; 2];
+        let chunks = self.chosen.chunks(S::LANES);
+        for (chosen, particles) in chunks.zip(self.particles.chunks_mut(S::LANES)) {
+            chunk.length = 0;
+            chunk.sound = true;
+            for &k in chosen {
+                let shape = (arrays.shape)(k);
+                chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
+                let mass = arrays.contact_masses.get(k);
+                chunk.sound &= mass.is_none_or(|mass| is_mass(*mass));
+            }
+            chunk.repeat_first(S::LANES);
+            let masses = &chunk.masses;
+            let is_sound = chunk.sound
+                && finish::<S, CHANGES>(
+                    registers,
+                    &mut chunk.lines,
+                    masses,
+                    from_momenta,
+                    Shapes::Ellipsoids,
+                );
+            if !is_sound {
+                for (&k, particle) in chosen.iter().zip(particles) {
+                    if let Err(what) = prepare_one(arrays, k, self.types, particle) {
+                        *self.failure = Some((k, what));
+                        return;
+                    }
+                }
+                continue;
+            }
+            turn(registers, &chunk.lines, &mut poses);
+            for (lane, (&k, particle)) in chosen.iter().zip(particles).enumerate() {
+                let [pose, motion, change] = [0, 1, 2].map(|line| &chunk.lines[line][lane].0);
+                let [axes, more] = [&poses[0][lane].0, &poses[1][lane].0];
+                let vector = |v: &[f64; 8], at: usize| Vector3::new(v[at], v[at + 1], v[at + 2]);
+                particle.position = vector(pose, 0);
+                particle.body.axes = [
+                    vector(axes, 0),
+                    vector(axes, 3),
+                    Vector3::new(axes[6], axes[7], more[0]),
+                ];
+                particle.body.semi_axes = Vector3::new(pose[7], motion[0], motion[1]);
+                particle.body.inverse_semi_axes = vector(more, 1);
+                particle.radius = more[4];
+                particle.sphere = pose[7] == motion[0] && motion[0] == motion[1];
+                particle.velocity = vector(motion, 2);
+                particle.omega = vector(motion, 5);
+                particle.particle_type = arrays.types[k] as u32;
+                let mass = arrays.contact_masses.get(k);
+                particle.inverse_mass = mass.map_or(0.0, |mass| 1.0 / mass);
+                particle.change = arrays.of_step.then(|| {
+                    if CHANGES {
+                        MotionChange {
+                            velocity: vector(change, 0),
+                            omega: vector(change, 3),
+                        }
+                    } else {
+                        MotionChange::NONE
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// Axes (9 numbers), inverse semi-axes (3) and the largest semi-axis of records.
+#[inline(always)]
+fn turn<S: Registers>(
+    registers: S,
+    lines: &[[Line; MOST_LANES]; 3],
+    poses: &mut [[Line; MOST_LANES]; 2],
+) {
+    let p = Lanes::all(registers, registers.columns(&lines!(&lines[0])));
+    let m = Lanes::all(registers, registers.columns(&lines!(&lines[1])));
+    let one = Lanes::splat(registers, 1.0);
+    let (a, zero) = ([p[7], m[0], m[1]], one * 0.0);
+    let [x, y, z] = rotation_columns([p[3], p[4], p[5], p[6]], one * 2.0);
+    put(
+        registers,
+        [x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y],
+        &mut poses[0],
+    );
+    let largest = a[0].max(a[1]).max(a[2]);
+    let inverse = [one / a[0], one / a[1], one / a[2]];
+    put(
+        registers,
+        [
+            z.z, inverse[0], inverse[1], inverse[2], largest, zero, zero, zero,
+        ],
+        &mut poses[1],
+    );
+}
+
+// Functions that are always inlined, and no closures: one that the compiler leaves as it is does not have the kernel's instructions, and
+// its arithmetic becomes calls.
+
+/// Whether numbers lie between two.
+#[inline(always)]
+fn within<S: Registers>(registers: S, a: Lanes<S>, low: f64, high: f64) -> S::Mask {
+    registers.and(a.constant(low).less(a), a.less(a.constant(high)))
+}
+
+/// Whether no angular velocity is too large.
+#[inline(always)]
+fn are_slow<S: Registers>(registers: S, omega: Vector3<Lanes<S>>) -> bool {
+    let square = omega.norm_squared();
+    registers.all(square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY)))
+}
+
+/// Angular velocities of angular momenta, from the inverse moments of inertia about the axes.
+#[inline(always)]
+fn angular_velocity<S: Registers>(
+    axes: &[Vector3<Lanes<S>>; 3],
+    inverses: [Lanes<S>; 3],
+    momentum: Vector3<Lanes<S>>,
+) -> Vector3<Lanes<S>> {
+    axes[0] * (axes[0].dot(momentum) * inverses[0])
+        + axes[1] * (axes[1].dot(momentum) * inverses[1])
+        + axes[2] * (axes[2].dot(momentum) * inverses[2])
+}
+
+/// The third where the first mask is set, else the second where the second is, else the first.
+#[inline(always)]
+fn choose<S: Registers>(
+    [third, second]: [S::Mask; 2],
+    x: Lanes<S>,
+    y: Lanes<S>,
+    z: Lanes<S>,
+) -> Lanes<S> {
+    Lanes::select(third, z, Lanes::select(second, y, x))
+}
+
 /// Makes records of copies of the engine's numbers; whether all of them can be.
 #[inline(always)]
 fn finish<S: Registers, const CHANGES: bool>(
@@ -250,55 +452,47 @@ fn finish<S: Registers, const CHANGES: bool>(
         way.less(zero.constant(LARGEST_COORDINATE * LARGEST_COORDINATE)),
         speed.less(zero.constant(LARGEST_VELOCITY * LARGEST_VELOCITY)),
     );
-    let within = |a: Lanes<S>, low: f64, high: f64| {
-        registers.and(zero.constant(low).less(a), a.less(zero.constant(high)))
-    };
     // The larger of two may hide one that is not a number: the inertia, of which each is a factor, shows it.
     let (least, most) = (a[2].min(a[1]).min(a[0]), a[2].max(a[1]).max(a[0]));
     let shape = registers.and(
         registers.and(
-            within(least, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
-            within(most, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
+            within(registers, least, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
+            within(registers, most, LEAST_SEMI_AXIS, LARGEST_SEMI_AXIS),
         ),
         registers.and(
             most.less(least * LARGEST_ASPECT_RATIO),
-            within(square, 1e-280, 1e280),
+            within(registers, square, 1e-280, 1e280),
         ),
     );
     let (xx, yy, zz) = (a[0] * a[0], a[1] * a[1], a[2] * a[2]);
     let (yz, xz, xy) = (yy + zz, xx + zz, xx + yy);
     let inertia = mass * yz * xz * xy;
     let heavy = registers.and(
-        within(inertia, 1e-280, 1e280),
-        within(mass, LEAST_MASS, LARGEST_MASS),
+        within(registers, inertia, 1e-280, 1e280),
+        within(registers, mass, LEAST_MASS, LARGEST_MASS),
     );
     let sound = registers.and(registers.and(near, shape), heavy);
     if !registers.all(sound) {
         return false;
     }
-    let slow = |omega: Vector3<Lanes<S>>| {
-        let square = omega.norm_squared();
-        let slow = square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY));
-        registers.all(slow)
-    };
     let scale = square.reciprocal_sqrt();
     let q = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
     // L = (m/5) diag(yz, xz, xy) omega in body axes.
     let inverse = one * 5.0 / inertia;
     if shapes == Shapes::Ellipsoids {
         let axes = rotation_columns(q, one * 2.0);
-        let omega_of = |spin: Vector3<Lanes<S>>| {
-            axes[0] * (axes[0].dot(spin) * (xz * xy * inverse))
-                + axes[1] * (axes[1].dot(spin) * (yz * xy * inverse))
-                + axes[2] * (axes[2].dot(spin) * (yz * xz * inverse))
+        let inverses = [xz * xy * inverse, yz * xy * inverse, yz * xz * inverse];
+        let omega = if from_momenta {
+            angular_velocity(&axes, inverses, spin)
+        } else {
+            spin
         };
-        let omega = if from_momenta { omega_of(spin) } else { spin };
-        if !slow(omega) {
+        if !are_slow(registers, omega) {
             return false;
         }
         if CHANGES && from_momenta {
             let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
-            let w = omega_of(Vector3::new(c[3], c[4], c[5]));
+            let w = angular_velocity(&axes, inverses, Vector3::new(c[3], c[4], c[5]));
             put(
                 registers,
                 [c[0], c[1], c[2], w.x, w.y, w.z, zero, zero],
@@ -321,15 +515,15 @@ fn finish<S: Registers, const CHANGES: bool>(
     let axes = rotation_columns(q, one * 2.0);
     let third = registers.not(registers.or(a[0].less(a[1]), a[1].less(a[0])));
     let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
-    let choose = |x: Lanes<S>, y: Lanes<S>, z: Lanes<S>| {
-        Lanes::select(third, z, Lanes::select(second, y, x))
-    };
     let axis = Vector3::new(
-        choose(axes[0].x, axes[1].x, axes[2].x),
-        choose(axes[0].y, axes[1].y, axes[2].y),
-        choose(axes[0].z, axes[1].z, axes[2].z),
+        choose([third, second], axes[0].x, axes[1].x, axes[2].x),
+        choose([third, second], axes[0].y, axes[1].y, axes[2].y),
+        choose([third, second], axes[0].z, axes[1].z, axes[2].z),
     );
-    let (polar, equatorial) = (choose(a[0], a[1], a[2]), choose(a[1], a[2], a[0]));
+    let (polar, equatorial) = (
+        choose([third, second], a[0], a[1], a[2]),
+        choose([third, second], a[1], a[2], a[0]),
+    );
     let omega = if from_momenta {
         let (polar_square, equatorial_square) = (polar * polar, equatorial * equatorial);
         let across = (mass * (polar_square + equatorial_square)).reciprocal() * 5.0;
@@ -348,7 +542,7 @@ fn finish<S: Registers, const CHANGES: bool>(
     } else {
         spin
     };
-    if !slow(omega) {
+    if !are_slow(registers, omega) {
         return false;
     }
     put(

@@ -213,7 +213,8 @@ pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn
     types: usize,
     shapes: Shapes,
 ) -> Result<(Record, Line, u32, f64), String> {
-    let p = prepare_one(arrays, k, types)?;
+    let mut p = Particle::NONE;
+    prepare_one(arrays, k, types, &mut p)?;
     let x = arrays.positions[k];
     let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
     let q = within_range(q).map_err(|e| describe(e, a, q))?;

@@ -172,7 +172,7 @@ impl Pass<'_, '_, '_> {
                 tangential_torque: couple.elastic,
                 wall_angular_velocity: Vector3::ZERO,
             };
-            t.add_couple(i, Some(j), reaction, &contribution);
+            t.add_couple(i, Some(j), reaction, &contribution, None);
         }
     }
 
@@ -207,6 +207,7 @@ impl Pass<'_, '_, '_> {
                     contact_point: f.contact_point,
                     wall_velocity: Vector3::ZERO,
                 },
+                None,
             );
         }
     }

@@ -5,7 +5,7 @@ use super::arrays::{prepare_one, ParticleArrays};
 use super::candidates::Candidates;
 use super::contact_records::ContactRecords;
 use super::memory::{reserve, Allocated};
-use super::preparation::{Prepare, Prepared};
+use super::preparation::{Prepare, PrepareChosen, Prepared};
 use super::records::{Record, Records, Shapes};
 use super::rows::NeighbourRows;
 use crate::contact::particle::{Particle, ParticleError};
@@ -63,16 +63,7 @@ impl Workspace {
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
     ) -> Result<(), ParticleError> {
-        self.particles.clear();
-        self.particles.reserve(arrays.positions.len());
-        for k in 0..arrays.positions.len() {
-            let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
-                identifier: (arrays.identifier)(k),
-                what,
-            })?;
-            self.particles.push(particle);
-        }
-        Ok(())
+        self.prepare_each(arrays, types, 0..arrays.positions.len())
     }
 
     /// Checks and prepares the particles `chosen` alone, in that order.
@@ -85,14 +76,45 @@ impl Workspace {
         types: usize,
         chosen: &[usize],
     ) -> Result<(), ParticleError> {
-        self.particles.clear();
-        self.particles.reserve(arrays.positions.len());
-        for &k in chosen {
-            let particle = prepare_one(arrays, k, types).map_err(|what| ParticleError {
-                identifier: (arrays.identifier)(k),
-                what,
-            })?;
-            self.particles.push(particle);
+        if self.instruction_set == InstructionSet::Scalar {
+            return self.prepare_each(arrays, types, chosen.iter().copied());
+        }
+        self.make_room(arrays.positions.len(), chosen.len());
+        let mut failure = None;
+        self.instruction_set.run(PrepareChosen {
+            arrays,
+            chosen,
+            types,
+            particles: &mut self.particles,
+            failure: &mut failure,
+        });
+        if failure.is_some() {
+            self.particles.clear();
+        }
+        named(arrays, failure)
+    }
+
+    /// For `count` particles, of which there are at most `most`.
+    fn make_room(&mut self, most: usize, count: usize) {
+        if self.particles.capacity() < count {
+            self.particles.reserve(most);
+        }
+        self.particles.resize(count, Particle::NONE);
+    }
+
+    fn prepare_each<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        types: usize,
+        chosen: impl ExactSizeIterator<Item = usize>,
+    ) -> Result<(), ParticleError> {
+        self.make_room(arrays.positions.len(), chosen.len());
+        for (particle, k) in self.particles.iter_mut().zip(chosen) {
+            if let Err(what) = prepare_one(arrays, k, types, particle) {
+                self.particles.clear();
+                let identifier = (arrays.identifier)(k);
+                return Err(ParticleError { identifier, what });
+            }
         }
         Ok(())
     }
@@ -149,7 +171,7 @@ impl Workspace {
             }
             // Batches are made of pairs of one kind of law.
             if hold && !outcome.types_changed {
-                return named(arrays, outcome);
+                return named(arrays, outcome.failure);
             }
             outcome = Prepared::default();
         }
@@ -178,7 +200,7 @@ impl Workspace {
             records: &mut *r,
             outcome: &mut outcome,
         });
-        named(arrays, outcome)?;
+        named(arrays, outcome.failure)?;
         r.sums.clear();
         reserve(&mut r.sums, count, self.allocated);
         r.sums.resize(count, Line::ZERO);
@@ -243,9 +265,9 @@ impl Workspace {
 /// The failure, with the name of its particle.
 fn named<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
-    outcome: Prepared,
+    failure: Option<(usize, String)>,
 ) -> Result<(), ParticleError> {
-    match outcome.failure {
+    match failure {
         None => Ok(()),
         Some((k, what)) => Err(ParticleError {
             identifier: (arrays.identifier)(k),

@@ -4,6 +4,7 @@
 use super::contacts::{Contacts, FoundContact, Frame, Places, WrongHistory};
 use super::motion::Motion;
 use super::shape::Shape;
+use super::touching_loads::TouchingLoads;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
 use crate::contact::particle::{self, Particle};
@@ -123,6 +124,7 @@ pub fn compute_wall(
     output: &mut WallOutput<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<WallLoad, WallError> {
+    wall.touching_loads.clear();
     let of_laws = input.laws.layout();
     let layout = wall.histories(input.laws);
     let places = Places {
@@ -146,8 +148,13 @@ pub fn compute_wall(
         records_contacts,
         triangle_loads,
         records_triangles,
+        touching_loads,
+        keeps_inelastic_loads,
         ..
     } = wall;
+    let halves = tallies
+        .as_deref()
+        .is_some_and(|t| t.inelastic_loads.is_none());
     triangle_loads.clear();
     if *records_triangles {
         let triangles = parts.iter().map(|p| p.triangles().len()).sum();
@@ -163,6 +170,7 @@ pub fn compute_wall(
         part_forces,
         contacts: records_contacts.then_some(contacts),
         triangle_loads: records_triangles.then_some(triangle_loads),
+        touching_loads: (*keeps_inelastic_loads && halves).then_some(touching_loads),
         forces: output.forces,
         torques: output.torques,
         tallies,
@@ -184,6 +192,7 @@ struct Forces<'p, 'i, 't> {
     part_forces: &'p mut [Vector3],
     contacts: Option<&'p mut Vec<RecordedWallContact>>,
     triangle_loads: Option<&'p mut Vec<TriangleLoad>>,
+    touching_loads: Option<&'p mut TouchingLoads>,
     forces: &'p mut [[f64; 3]],
     torques: &'p mut [[f64; 3]],
     tallies: Option<&'p mut Tallies<'t>>,
@@ -373,6 +382,7 @@ impl<'i> Forces<'_, 'i, '_> {
                     wall_velocity: motion.velocity_at(i.position + f.contact_point)
                         + motion.to_world(c.surface.velocity),
                 },
+                self.touching_loads.as_deref_mut().map(|l| l.of(k, c.near)),
             );
             if let Some(couple) = couple {
                 let contribution = CoupleContribution {
@@ -382,7 +392,8 @@ impl<'i> Forces<'_, 'i, '_> {
                     tangential_torque: couple.elastic,
                     wall_angular_velocity: motion.angular_velocity,
                 };
-                t.add_couple(k, None, true, &contribution);
+                let load = self.touching_loads.as_deref_mut().map(|l| l.of(k, c.near));
+                t.add_couple(k, None, true, &contribution, load);
             }
         }
         if let Some(contacts) = self.contacts.as_deref_mut() {

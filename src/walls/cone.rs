@@ -3,7 +3,7 @@
 
 use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
-use super::shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Block, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
@@ -161,6 +161,10 @@ impl Shape for ConvexSolid {
         self.side.may_touch(ball) && self.caps.iter().all(|cap| cap.may_touch(ball))
     }
 
+    fn may_touch_block(&self, block: &Block) -> bool {
+        self.side.may_touch_block(block) && self.caps.iter().all(|cap| cap.may_touch_block(block))
+    }
+
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
         let shallowest =
@@ -224,6 +228,28 @@ impl Shape for ConeWall {
             Side::Outside => is_clear_outside,
             Side::OfCentre => is_clear_within || is_clear_outside,
         }
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        let (cone, half) = (&self.cone, block.half_edges());
+        let offset = block.centre() - cone.point;
+        let along = cone.axis.dot(offset);
+        let across = (offset - cone.axis * along).norm();
+        // How far centres may lie from the middle, along the axis and across it.
+        let a = cone.axis;
+        let spread_along = a.x.abs() * half.x + a.y.abs() * half.y + a.z.abs() * half.z;
+        let off_axis = |component: f64| (1.0 - component * component).max(0.0).sqrt();
+        let spread_across =
+            off_axis(a.x) * half.x + off_axis(a.y) * half.y + off_axis(a.z) * half.z;
+        let reach_along = spread_along + block.radius();
+        if along + reach_along < self.bounds[0] || along - reach_along > self.bounds[1] {
+            return false;
+        }
+        let at_surface = cone.radius + cone.slope * along;
+        let spread = spread_across + cone.slope.abs() * spread_along;
+        // `stretch` is at least 1.
+        self.side
+            .may_touch_block(across - at_surface, spread, block.radius() * self.stretch)
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

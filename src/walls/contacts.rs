@@ -47,13 +47,12 @@ pub struct Contacts {
     all: Vec<FoundContact>,
     /// The same, ready for their forces, where these are computed in the frame of the world.
     staged: Vec<StagedInWorld>,
-    /// The history of each.
+    /// The history of each, and those of earlier calls behind them.
     histories: Vec<f64>,
     layout: WallHistoryLayout,
     search: Search,
-    /// Of one particle: surfaces, and what was remembered.
-    surfaces: Vec<(usize, usize, WallSurface)>,
-    before: Vec<f64>,
+    /// Of one particle: which of its records a contact that acts alone has gone on from.
+    taken: Vec<bool>,
 }
 
 /// In which frame forces are computed.
@@ -94,15 +93,14 @@ impl Contacts {
     pub(super) fn start(&mut self, layout: WallHistoryLayout) {
         self.all.clear();
         self.staged.clear();
-        self.histories.clear();
         self.layout = layout;
-        self.before.resize(layout.records * layout.record, 0.0);
+        self.taken.resize(layout.records, false);
     }
 
-    /// Adds the contacts of a particle.
+    /// Adds the contacts of a particle with some shapes. One that is alone has already been asked whether the particle may touch it.
     pub(super) fn add<'a>(
         &mut self,
-        shapes: impl Iterator<Item = &'a dyn Shape>,
+        (is_alone, shapes): (bool, impl Iterator<Item = &'a dyn Shape>),
         places: &Places<'_>,
         i: &Particle,
         (particle, near): (usize, usize),
@@ -120,55 +118,80 @@ impl Contacts {
             body: &seen.body,
             centre: seen.position,
         };
-        let surfaces = &mut self.surfaces;
-        surfaces.clear();
+        let first = self.all.len();
+        let all = &mut self.all;
         for (part, shape) in shapes.enumerate() {
-            if shape.may_touch(&grain.ball()) {
+            if is_alone || shape.may_touch(&grain.ball()) {
                 shape.touch(&grain, &mut self.search, &mut |surface, triangle| {
-                    surfaces.push((part, triangle, *surface));
+                    all.push(FoundContact {
+                        particle,
+                        near,
+                        part,
+                        triangle,
+                        surface: *surface,
+                        centre: seen.position,
+                        last_normal: None,
+                        is_remembered: false,
+                    });
                 });
             }
         }
+        if self.all.len() == first {
+            return;
+        }
+        if places.frame == Frame::World {
+            self.stage(first, places.motion, i);
+        }
+        self.recall(first, places, histories);
+    }
+
+    /// Stages the contacts from `first` on, all of one particle, in the frame of the world, and drops those that do not touch there.
+    fn stage(&mut self, first: usize, motion: &Motion, i: &Particle) {
+        let mut kept = first;
+        for index in first..self.all.len() {
+            let surface = motion.surface_to_world(&self.all[index].surface);
+            if let Some(contact) = StagedContact::of_wall(i, &surface) {
+                self.staged.push(StagedInWorld {
+                    surface,
+                    position: i.position,
+                    contact,
+                });
+                self.all[kept] = self.all[index];
+                kept += 1;
+            }
+        }
+        self.all.truncate(kept);
+    }
+
+    /// Finds what the contacts from `first` on, all of one particle, go on from.
+    fn recall(&mut self, first: usize, places: &Places<'_>, histories: &[f64]) {
         let layout = self.layout;
-        let used = layout.used(histories);
-        let before = &mut self.before[..used.saturating_sub(1)];
-        before.copy_from_slice(&histories[used.min(1)..used]);
+        let length = layout.history;
+        let needed = self.all.len() * length;
+        if self.histories.len() < needed {
+            self.histories.resize(needed, 0.0);
+        }
+        let before = &histories[..layout.used(histories)];
+        let taken = &mut self.taken[..];
+        taken.fill(false);
         let mut records = 0;
         // Faces that share a contact find what is remembered with each other: the contacts that act alone come first.
         for alone in [true, false] {
-            for (part, triangle, surface) in surfaces.iter() {
-                if (surface.share.value == 1.0) != alone {
+            for (index, c) in self.all.iter_mut().enumerate().skip(first) {
+                if (c.surface.share.value == 1.0) != alone {
                     continue;
                 }
-                if places.frame == Frame::World {
-                    let surface = places.motion.surface_to_world(surface);
-                    let Some(contact) = StagedContact::of_wall(i, &surface) else {
-                        continue;
-                    };
-                    self.staged.push(StagedInWorld {
-                        surface,
-                        position: i.position,
-                        contact,
-                    });
-                }
-                let from = self.histories.len();
-                self.histories.resize(from + layout.history, 0.0);
-                let history = &mut self.histories[from..];
-                let last = layout.recall(before, *part, surface, seen.position, history);
-                self.all.push(FoundContact {
-                    particle,
-                    near,
-                    part: *part,
-                    triangle: *triangle,
-                    surface: *surface,
-                    centre: seen.position,
-                    last_normal: last.map(|n| match places.frame {
-                        Frame::Wall => n,
-                        Frame::World => places.motion.to_world(n),
-                    }),
-                    is_remembered: records < layout.records,
+                let history = &mut self.histories[index * length..(index + 1) * length];
+                let last = layout.recall(before, taken, c.part, &c.surface, c.centre, history);
+                c.last_normal = last.map(|n| match places.frame {
+                    Frame::Wall => n,
+                    Frame::World => places.motion.to_world(n),
                 });
+                c.is_remembered = records < layout.records;
                 records += 1;
+            }
+            if records == self.all.len() - first {
+                break;
             }
         }
     }
@@ -222,21 +245,27 @@ impl Contacts {
         if length == 0 {
             return;
         }
+        let mut next = 0;
         for (particle, histories) in histories.chunks_exact_mut(length).enumerate() {
-            if histories[0] != 0.0 && acts_on(particle) {
-                histories.fill(0.0);
-            }
-        }
-        for (index, c) in self.all.iter().enumerate() {
-            if !c.is_remembered {
+            let touches = self.all.get(next).is_some_and(|c| c.particle == particle);
+            if !touches && (histories[0] == 0.0 || !acts_on(particle)) {
                 continue;
             }
-            let histories = &mut histories[c.particle * length..(c.particle + 1) * length];
-            let at = 1 + histories[0] as usize * layout.record;
-            histories[0] += 1.0;
-            let history = &self.histories[index * layout.history..(index + 1) * layout.history];
-            let record = &mut histories[at..at + layout.record];
-            layout.remember(record, c.part, &c.surface, c.centre, history);
+            let used_before = layout.used(histories);
+            let mut used = 1;
+            while let Some(c) = self.all.get(next).filter(|c| c.particle == particle) {
+                if c.is_remembered {
+                    let history = &self.histories[next * layout.history..][..layout.history];
+                    let record = &mut histories[used..used + layout.record];
+                    layout.remember(record, c.part, &c.surface, c.centre, history);
+                    used += layout.record;
+                }
+                next += 1;
+            }
+            histories[0] = ((used - 1) / layout.record) as f64;
+            if used < used_before {
+                histories[used..used_before].fill(0.0);
+            }
         }
     }
 }

@@ -21,8 +21,6 @@ use crate::vector::Vector3;
 
 /// Length of a record before the tangential memory.
 const HEAD: usize = 7;
-/// Mark of a record that a contact which acts alone has gone on from.
-const TAKEN: f64 = -1.0;
 
 /// How the histories of one particle are laid out: those of its contacts with a wall, by part.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,14 +69,13 @@ impl WallHistoryLayout {
         of_laws: Option<&HistoryLayout>,
     ) -> Option<(usize, f64)> {
         let count = *histories.first()?;
-        if !(count.fract() == 0.0 && (0.0..=self.records as f64).contains(&count)) {
+        if !is_whole(count, 0, self.records) {
             return Some((0, count));
         }
-        let records = histories[1..self.used(histories).max(1)].chunks_exact(self.record);
-        for (index, record) in records.enumerate() {
+        for index in 0..count as usize {
             let at = 1 + index * self.record;
-            let is_part = record[0].fract() == 0.0 && (1.0..=parts as f64).contains(&record[0]);
-            if !is_part {
+            let record = &histories[at..at + self.record];
+            if !is_whole(record[0], 1, parts) {
                 return Some((at, record[0]));
             }
             if let Some(k) = (1..HEAD).find(|k| !record[*k].is_finite()) {
@@ -91,11 +88,12 @@ impl WallHistoryLayout {
         None
     }
 
-    /// Copies to `history` what a contact of this step goes on from, among the records of the last step, and gives the normal
-    /// that it had; `None`, and zeros, for a new contact. A record that has been gone on from is marked.
+    /// Copies to `history` what a contact of this step goes on from, among the records `before` of the last step, and gives the
+    /// normal that it had; `None`, and zeros, for a new contact. A record that has been gone on from is marked in `taken`.
     pub(super) fn recall(
         &self,
-        before: &mut [f64],
+        before: &[f64],
+        taken: &mut [bool],
         part: usize,
         surface: &WallSurface,
         centre: Vector3,
@@ -105,8 +103,13 @@ impl WallHistoryLayout {
         let alone = surface.share.value == 1.0;
         let own = (part + 1) as f64;
         let mut best: Option<(f64, usize)> = None;
-        for (index, record) in before.chunks_exact(self.record).enumerate() {
-            if record[0] != own && (alone || record[0] != TAKEN - own) {
+        let mut at = 1;
+        for (index, taken) in taken.iter().enumerate() {
+            let Some(record) = before.get(at..at + HEAD) else {
+                break;
+            };
+            at += self.record;
+            if record[0] != own || (alone && *taken) {
                 continue;
             }
             if vector(&record[4..]).dot(-surface.normal) < 0.5 {
@@ -117,10 +120,12 @@ impl WallHistoryLayout {
                 best = Some((distance, index));
             }
         }
-        history.fill(0.0);
-        let (_, index) = best?;
-        let record = &mut before[index * self.record..(index + 1) * self.record];
-        record[0] = TAKEN - own;
+        let Some((_, index)) = best else {
+            history.fill(0.0);
+            return None;
+        };
+        taken[index] = true;
+        let record = &before[1 + index * self.record..1 + (index + 1) * self.record];
         history.copy_from_slice(&record[HEAD..]);
         Some(vector(&record[4..]))
     }
@@ -139,6 +144,12 @@ impl WallHistoryLayout {
         record[4..7].copy_from_slice(&(-surface.normal).to_array());
         record[HEAD..].copy_from_slice(history);
     }
+}
+
+/// Whether a number is a whole one of this range. (`fract` is a call where the processor's rounding may not be used.)
+fn is_whole(number: f64, least: usize, most: usize) -> bool {
+    let whole = number as usize;
+    whole as f64 == number && (least..=most).contains(&whole)
 }
 
 fn vector(v: &[f64]) -> Vector3 {

@@ -2,7 +2,7 @@
 //! A surface of triangles as a wall. A body meets those whose boxes it meets, however many there are.
 
 use super::plane::flat;
-use super::shape::{Ball, Found, Grain, Search, Shape};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::{BoxTree, Extent};
@@ -47,6 +47,16 @@ impl Mesh {
     /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Whether the box of a triangle reaches into a box.
+    fn has_within(&self, extent: &Extent) -> bool {
+        let mut has = false;
+        self.tree.visit(&self.boxes, extent, |_| {
+            has = true;
+            false
+        });
+        has
     }
 }
 
@@ -128,6 +138,21 @@ impl Shape for Mesh {
         !(self.tree.extent()).is_none_or(|Extent { low, high }| {
             (0..3).any(|k| c[k] + ball.radius < low[k] || c[k] - ball.radius > high[k])
         })
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        self.has_within(&block.extent())
+    }
+
+    /// Within the box of a mesh, which most particles are in a vessel, the triangles tell.
+    fn mark_near(&self, balls: &[Ball], marks: &mut [bool]) {
+        for (ball, mark) in balls.iter().zip(marks) {
+            *mark |= self.may_touch(ball) && {
+                let Ball { centre, radius, .. } = *ball;
+                let finite = (centre.x + centre.y + centre.z + radius).is_finite();
+                !finite || self.has_within(&Extent::about(centre.to_array(), radius))
+            };
+        }
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {

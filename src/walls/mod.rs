@@ -21,6 +21,7 @@ mod shape;
 mod sphere;
 mod step_sums;
 pub mod stl;
+mod touching_loads;
 mod triangle_file;
 mod wall;
 
@@ -32,8 +33,9 @@ pub use mesh::Mesh;
 pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
 pub use servo::{Servo, ServoLoad};
-pub use shape::{Ball, End, Found, Grain, Search, Shape, ShapeParameters, Side};
+pub use shape::{Ball, Block, End, Found, Grain, Search, Shape, ShapeParameters, Side};
 pub use step_sums::WallMasses;
+pub use touching_loads::TouchingLoad;
 pub use triangle_file::write_triangle_loads;
 pub use wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 

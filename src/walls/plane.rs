@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A plane, or a disc of it, as a wall.
 
-use super::shape::{Ball, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::Plane;
@@ -28,6 +28,15 @@ impl PlaneWall {
             both_sides,
             radius,
             direction: Tangent::new(normal).u,
+        }
+    }
+
+    /// Where the particles are that touch.
+    fn side(&self) -> Side {
+        if self.both_sides {
+            Side::OfCentre
+        } else {
+            Side::Outside
         }
     }
 
@@ -79,12 +88,15 @@ impl Shape for PlaneWall {
 
     fn may_touch(&self, ball: &Ball) -> bool {
         let height = self.plane.normal.dot(ball.centre - self.plane.point);
-        let side = if self.both_sides {
-            Side::OfCentre
-        } else {
-            Side::Outside
-        };
-        side.may_touch(height, ball.radius)
+        self.side().may_touch(height, ball.radius)
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        let normal = self.plane.normal;
+        let height = normal.dot(block.centre() - self.plane.point);
+        let half = block.half_edges();
+        let spread = normal.x.abs() * half.x + normal.y.abs() * half.y + normal.z.abs() * half.z;
+        self.side().may_touch_block(height, spread, block.radius())
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

@@ -6,7 +6,7 @@
 //! and curvature are the same.
 
 use super::plane::flat;
-use super::shape::{Ball, Found, Grain, Search, Shape};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
 use crate::geometry::triangles::nearest_across;
 use crate::geometry::Ellipsoid;
@@ -89,6 +89,15 @@ impl Shape for Rim {
         let along = self.axis.dot(offset);
         let across = (offset - self.axis * along).norm() - self.radius;
         !(across * across + along * along >= radius * radius)
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        let radius = block.radius() + block.half_edges().norm();
+        self.may_touch(&Ball {
+            particle: 0,
+            centre: block.centre(),
+            radius,
+        })
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

@@ -2,6 +2,7 @@
 //! What a shape of a wall is, and what describes one.
 
 use crate::contact::staged::WallSurface;
+use crate::geometry::box_tree::Extent;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
@@ -16,6 +17,71 @@ pub struct Ball {
     pub centre: Vector3,
     /// Radius of the ball about the centre that contains it.
     pub radius: f64,
+}
+
+/// Some particles in the frame of a wall: a box about their centres, and the largest of their radii.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    low: Vector3,
+    high: Vector3,
+    radius: f64,
+    /// Whether all numbers are finite.
+    finite: bool,
+}
+
+impl Block {
+    /// Of some particles.
+    pub(super) fn of(balls: &[Ball]) -> Self {
+        // The smaller of two as the processor has it, which does not ask for numbers that are none.
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let (mut radius, mut finite) = (0.0, true);
+        for ball in balls {
+            let x = ball.centre.to_array();
+            for k in 0..3 {
+                low[k] = less(x[k], low[k]);
+                high[k] = more(x[k], high[k]);
+            }
+            radius = more(ball.radius, radius);
+            finite &= (x[0] + x[1] + x[2] + ball.radius).is_finite();
+        }
+        Block {
+            low: Vector3::from_array(low),
+            high: Vector3::from_array(high),
+            radius,
+            finite,
+        }
+    }
+
+    /// Whether a shape may be asked about it; particles whose numbers are not finite are looked at one by one.
+    pub(super) fn can_be_asked(&self) -> bool {
+        self.finite && self.low.x <= self.high.x
+    }
+
+    /// Middle of the box about the centres.
+    pub fn centre(&self) -> Vector3 {
+        (self.low + self.high) * 0.5
+    }
+
+    /// Half of its edges.
+    pub fn half_edges(&self) -> Vector3 {
+        (self.high - self.low) * 0.5
+    }
+
+    /// The largest radius.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The box that contains all of the particles.
+    pub(super) fn extent(&self) -> Extent {
+        Extent {
+            low: self.low.to_array(),
+            high: self.high.to_array(),
+        }
+        .wider(self.radius)
+    }
 }
 
 /// A particle in the frame of a wall.
@@ -51,6 +117,11 @@ pub trait Shape: Debug + Send + Sync {
 
     /// False only if a body within the ball cannot touch; cheap, and true where a number is not finite.
     fn may_touch(&self, ball: &Ball) -> bool;
+
+    /// False only if none of the particles of a block can touch. Some shapes look at the particles' indices: true unless it is said.
+    fn may_touch_block(&self, _: &Block) -> bool {
+        true
+    }
 
     /// Marks the balls that may touch. As a function of the shape, so that the loop has no call in it.
     fn mark_near(&self, balls: &[Ball], marks: &mut [bool]) {
@@ -99,6 +170,11 @@ impl Side {
             Side::Outside => false,
             Side::OfCentre => centre_is(),
         }
+    }
+
+    /// The same of balls whose centres lie by `spread` at most from one by `outwards` outside the surface.
+    pub(super) fn may_touch_block(self, outwards: f64, spread: f64, radius: f64) -> bool {
+        self.may_touch(outwards, radius + spread)
     }
 
     /// Whether a ball of this radius may touch whose centre lies by `outwards` outside the surface; true for NaN.

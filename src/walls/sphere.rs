@@ -7,7 +7,7 @@
 //! square of the largest semi-axis is the farthest point, and the first one below it, where the sum rises, the other maximum.
 
 use super::plane::flat;
-use super::shape::{Ball, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side};
 use crate::contact::staged::WallSurface;
 use crate::geometry::ellipsoid::{LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::geometry::{search, Ellipsoid, Outcome};
@@ -57,6 +57,12 @@ impl Shape for SphereWall {
     fn may_touch(&self, ball: &Ball) -> bool {
         let outwards = (ball.centre - self.centre).norm() - self.radius;
         self.side.may_touch(outwards, ball.radius)
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        let outwards = (block.centre() - self.centre).norm() - self.radius;
+        let spread = block.half_edges().norm();
+        self.side.may_touch_block(outwards, spread, block.radius())
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

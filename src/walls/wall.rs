@@ -6,7 +6,8 @@ use super::histories::WallHistoryLayout;
 use super::lent_triangles::LentTriangles;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::shape::{Ball, Shape};
+use super::shape::{Ball, Block, Shape};
+use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::geometry::triangles::Triangle;
 use crate::vector::Vector3;
@@ -31,6 +32,11 @@ pub struct Wall {
     pub(super) triangle_loads: Vec<TriangleLoad>,
     /// Whether a call records the loads of triangles.
     pub records_triangles: bool,
+    /// What acted on the particles that touched in the last call that kept it.
+    pub(super) touching_loads: TouchingLoads,
+    /// Whether a call with tallies that have no place for the loads that are not elastic keeps those of the particles that touch, so
+    /// that their work is reckoned in two halves ([`crate::tallies::Tallies::add_half_step`]).
+    pub keeps_inelastic_loads: bool,
 }
 
 /// What the particles do to one triangle.
@@ -78,7 +84,8 @@ pub struct RecordedWallContact {
     pub forces: ContactForces,
 }
 
-/// Particles that are looked at together.
+/// Particles that are looked at together: engines keep neighbours next to each other, so that most of these are far from a wall as a
+/// whole.
 const BLOCK: usize = 64;
 
 impl Wall {
@@ -135,18 +142,30 @@ impl Wall {
             let mut count = 0;
             for particle in first..particles.min(first + BLOCK) {
                 if let Some((centre, radius)) = of(particle) {
+                    let centre = motion.point_to_wall(centre);
                     balls[count] = Ball {
                         particle,
-                        centre: motion.point_to_wall(centre),
+                        centre,
                         radius,
                     };
                     count += 1;
                 }
             }
             let (balls, marks) = (&balls[..count], &mut marks[..count]);
-            marks.fill(false);
+            let block = Block::of(balls);
+            let mut is_far = true;
             for shape in self.shapes() {
+                if block.can_be_asked() && !shape.may_touch_block(&block) {
+                    continue;
+                }
+                if is_far {
+                    marks.fill(false);
+                    is_far = false;
+                }
                 shape.mark_near(balls, marks);
+            }
+            if is_far {
+                continue;
             }
             let marked = balls.iter().zip(marks).filter(|(_, mark)| **mark);
             near.extend(marked.map(|(ball, _)| ball.particle));
@@ -189,9 +208,11 @@ impl Wall {
                 }
             }
         }
+        let is_alone = self.part_count() == 1;
         for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
             let histories = &histories[particle * length..(particle + 1) * length];
-            found.add(self.shapes(), places, i, (particle, near), histories);
+            let shapes = (is_alone, self.shapes());
+            found.add(shapes, places, i, (particle, near), histories);
         }
         self.found = found;
         Ok(())
@@ -210,6 +231,16 @@ impl Wall {
     /// Force on each part in the last call, world frame.
     pub fn part_forces(&self) -> &[Vector3] {
         &self.part_forces
+    }
+
+    /// What acted on the particles that touched in the last call, if it kept that; else empty.
+    pub fn touching_loads(&self) -> &[TouchingLoad] {
+        self.touching_loads.all()
+    }
+
+    /// The same, to replace their torques ([`crate::tallies::InelasticLoad::respond`]).
+    pub fn touching_loads_mut(&mut self) -> &mut [TouchingLoad] {
+        self.touching_loads.all_mut()
     }
 
     /// The triangles of all parts, one part after the other, in the frame of the wall.

@@ -8,7 +8,9 @@ use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
-use ellgran::c_api::tallies::{ellgran_tally_following_half_step, EllgranTallies};
+use ellgran::c_api::tallies::{
+    ellgran_tally_following_half_step, ellgran_wall_tally_following_half_step, EllgranTallies,
+};
 
 use crate::scene::*;
 
@@ -63,18 +65,26 @@ const COARSE: usize = 200;
 /// The error of a collision depends on where within a step it begins: so many places stand for all.
 const PHASES: usize = 16;
 
+/// How the work of forces that are not elastic is reckoned: with the velocities of a call for the whole step, or in two halves, with
+/// the loads in an array of all particles or kept by the wall.
+#[derive(Clone, Copy, PartialEq)]
+enum Work {
+    WholeSteps,
+    Halves,
+    HalvesKeptByWall,
+}
+
 /// Root of the mean square of the errors over the phases, and the account of the last.
-fn mean_error(law: &str, partner: &Partner, steps: usize, halves: bool) -> (f64, Account) {
+fn mean_error(law: &str, partner: &Partner, steps: usize, work: Work) -> (f64, Account) {
     let all: Vec<Account> = (0..PHASES)
-        .map(|k| run(law, partner, steps, halves, k as f64 / PHASES as f64))
+        .map(|k| run(law, partner, steps, work, k as f64 / PHASES as f64))
         .collect();
     let square = all.iter().map(|a| a.error().powi(2)).sum::<f64>() / PHASES as f64;
     (square.sqrt(), all.into_iter().next_back().unwrap())
 }
 
-/// Moves the spheres over a time; `halves`: whether the work is that of both half steps; `phase`: share of a coarse step by
-/// which they begin before or after the others.
-fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> Account {
+/// Moves the spheres over a time; `phase`: share of a coarse step by which they begin before or after the others.
+fn run(law: &str, partner: &Partner, steps: usize, work: Work, phase: f64) -> Account {
     let laws = Laws::new(&[law]);
     let workspace = WorkspaceHandle::new();
     let mut bodies = match partner {
@@ -97,9 +107,12 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
     let mut memory = plane.histories(&laws, count);
     let mut loads = vec![[0.0; 12]; count];
     let mut tallies = no_tallies();
-    if halves {
+    if work == Work::Halves {
         tallies.inelastic_loads = loads.as_mut_ptr().cast();
     }
+    let keeps = (work == Work::HalvesKeptByWall).into();
+    // SAFETY: the wall is valid.
+    ok(unsafe { ellgran_wall_keep_inelastic_loads(plane.0, keeps) });
     let before = kinetic(&bodies);
     let mut wall = 0.0;
     for n in 0..=steps {
@@ -157,14 +170,21 @@ fn run(law: &str, partner: &Partner, steps: usize, halves: bool, phase: f64) -> 
             break;
         }
         kick(&mut bodies, &arrays, 0.5 * time_step);
-        if halves {
+        if work != Work::WholeSteps {
             let mut now = Arrays::new(&bodies, count);
             let step = EllgranStep {
                 advance_history: 1,
                 ..step
             };
             // SAFETY: as above.
-            ok(unsafe { ellgran_tally_following_half_step(&now.particles(), &step, &mut tallies) });
+            ok(unsafe {
+                if work == Work::Halves {
+                    ellgran_tally_following_half_step(&now.particles(), &step, &mut tallies)
+                } else {
+                    let now = now.particles();
+                    ellgran_wall_tally_following_half_step(plane.0, &now, &step, &mut tallies)
+                }
+            });
         }
         advance(&mut bodies, time_step);
     }
@@ -198,10 +218,10 @@ fn energies_add_up_to_second_order() {
         ("lsd 100 1 tangential linear 60 0.5 0.3", true),
     ] {
         for (name, partner) in [("sphere", Partner::Sphere), ("plane", Partner::Plane)] {
-            let all = [1, 4, 16].map(|k| mean_error(law, &partner, k * COARSE, true));
+            let all = [1, 4, 16].map(|k| mean_error(law, &partner, k * COARSE, Work::Halves));
             let errors = [0, 1, 2].map(|k| all[k].0);
             let last = &all[2].1;
-            let one_velocity = mean_error(law, &partner, COARSE, false).0;
+            let one_velocity = mean_error(law, &partner, COARSE, Work::WholeSteps).0;
             println!(
                 "{law}, {name}: off by {:.1e} {:.1e} {:.1e} of what is dissipated ({:.3} and {:.3} of {:.3}); {one_velocity:.1e} with one velocity a step",
                 errors[0], errors[1], errors[2], last.viscous, last.friction, last.before
@@ -220,6 +240,92 @@ fn energies_add_up_to_second_order() {
                 assert!(last.friction > 1e-3 * last.before, "{law}, {name}");
             }
         }
+    }
+}
+
+/// What a wall keeps of the particles that touch it gives the work that an array of all particles gives, to the last digit: with
+/// angular velocities here, with angular momenta in the tests of LAMMPS.
+#[test]
+fn a_wall_keeps_the_loads_of_those_that_touch() {
+    for law in [
+        "nfd 200 0.3 3 3 tangential tfd 0.3 displacement rescaled",
+        "hertz 200 0.3 damping restitution 0.7 tangential mindlin 0.3 rolling sds 5 1 0.2",
+    ] {
+        for phase in [0.0, 0.4] {
+            let [array, kept, whole] = [Work::Halves, Work::HalvesKeptByWall, Work::WholeSteps]
+                .map(|work| run(law, &Partner::Plane, COARSE, work, phase));
+            assert!(array.viscous > 1e-3 * array.before);
+            assert_eq!(
+                (array.viscous, array.friction),
+                (kept.viscous, kept.friction)
+            );
+            assert_ne!(array.viscous, whole.viscous);
+        }
+    }
+}
+
+/// What a wall keeps of a particle that is no longer there is refused; a call of the wall without tallies keeps nothing.
+#[test]
+fn a_load_of_a_particle_that_is_gone() {
+    let laws = Laws::new(&["nfd 200 0.3 3 3 tangential tfd 0.3"]);
+    let workspace = WorkspaceHandle::new();
+    let plane = WallHandle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+    let mut body = sphere_at(0.0);
+    body.position[2] = 0.99;
+    let mut arrays = Arrays::new(&[body], 1);
+    let particles = arrays.particles();
+    let mut memory = plane.histories(&laws, 1);
+    let mut tallies = no_tallies();
+    let nobody = EllgranParticles {
+        owned_count: 0,
+        ..particles
+    };
+    // SAFETY: the arrays live to the end of the test.
+    unsafe {
+        ok(ellgran_wall_keep_inelastic_loads(plane.0, 1));
+        let mut compute = |tallies: *mut EllgranTallies| {
+            ok(ellgran_compute_wall(
+                laws.0,
+                workspace.0,
+                plane.0,
+                &particles,
+                null(),
+                0,
+                1,
+                null(),
+                memory.as_mut_ptr(),
+                &STEP,
+                null_mut(),
+                tallies,
+            ));
+        };
+        compute(&mut tallies);
+        let tally = |p: &EllgranParticles, tallies: *mut EllgranTallies| {
+            ellgran_wall_tally_following_half_step(plane.0, p, &STEP, tallies)
+        };
+        fails(
+            tally(&nobody, &mut tallies),
+            ELLGRAN_ERROR_ARGUMENT,
+            &["owned_count = 0: the wall keeps a load of the particle with index 0"],
+        );
+        ok(tally(&particles, &mut tallies));
+        compute(null_mut());
+        ok(tally(&nobody, &mut tallies));
+        fails(
+            tally(&particles, null_mut()),
+            ELLGRAN_ERROR_NULL_POINTER,
+            &["tallies"],
+        );
+        fails(
+            ellgran_wall_tally_following_half_step(null(), &particles, &STEP, &mut tallies),
+            ELLGRAN_ERROR_NULL_POINTER,
+            &["wall"],
+        );
+        fails(
+            ellgran_wall_keep_inelastic_loads(null_mut(), 1),
+            ELLGRAN_ERROR_NULL_POINTER,
+            &["wall"],
+        );
     }
 }
 

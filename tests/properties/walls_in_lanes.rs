@@ -55,7 +55,8 @@ fn stairs() -> Wall {
     wall
 }
 
-fn surfaces() -> Vec<(&'static str, Wall)> {
+/// The names of all kinds of surfaces, and a wall of each.
+pub fn surfaces() -> Vec<(&'static str, Wall)> {
     vec![
         ("plane", shape("plane", Side::Inside)),
         ("within a cylinder", shape("cylinder", Side::Inside)),
