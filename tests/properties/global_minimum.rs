@@ -324,3 +324,37 @@ fn thin_discs_pressed_together() {
     println!("{different} of {contacts} contacts of discs differ from one without a past");
     assert_eq!(different, 0);
 }
+
+/// Equal needles in one another, parallel, with centres that are apart across them by so little that the penetrations along all
+/// directions across differ by less than rounding of the Hessian shows. The deepest of those directions is known: it is that of the
+/// centres.
+#[test]
+fn needles_in_one_another() {
+    let laws = elastic();
+    let mut stream = Stream::new(2014);
+    let (number, mut worst) = (4000, 0.0f64);
+    for _ in 0..number {
+        let thin = stream.log_uniform(1e-3, 1e-2);
+        let turn = stream.rotation();
+        let across = |angle: f64| turn * Vector::new(0.0, angle.cos(), angle.sin());
+        let (direction, remembered) = (
+            across(stream.uniform(0.0, 2.0 * std::f64::consts::PI)),
+            across(stream.uniform(0.0, 2.0 * std::f64::consts::PI)),
+        );
+        let apart = thin * stream.log_uniform(1e-7, 1e-3);
+        let i = body([1.0, thin, thin], Vector::zeros(), turn);
+        let j = Body {
+            position: (direction * apart).into(),
+            ..i
+        };
+        let wanted = 2.0 * thin - apart;
+        let mut memory = Memory::new(&laws);
+        memory.history[..3].copy_from_slice(remembered.as_slice());
+        let warm = advance(&laws, &i, &j, 0.0, &mut memory).expect("they overlap");
+        for found in [warm.geometry.penetration, alone(&laws, &i, &j)] {
+            worst = worst.max((found - wanted).abs() / slack(&i, &j, wanted));
+        }
+    }
+    println!("{number} pairs: at most {worst} times what rounding may do");
+    assert!(worst < 1.0, "{worst}");
+}
