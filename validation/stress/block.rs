@@ -25,15 +25,28 @@ use ellgran::simd::InstructionSet;
 pub const PAIRS: usize = 64;
 /// The first with nothing remembered, the others from the normal of the step before.
 pub const STEPS: usize = 2;
-/// Runs with changed numbers, to see what rounding of the input does; and where these do not explain a difference.
+/// Runs with changed numbers, to see what rounding of the input does.
 pub const CHANGED: usize = 12;
-const CHANGED_OFTEN: usize = 1000;
+/// So few are enough where they explain a difference many times over: more would explain more of it.
+const CHANGED_FIRST: (usize, f64) = (1, 0.05);
+/// And so many where these do not explain it.
+const CHANGED_OFTEN: [usize; 2] = [100, 1000];
 /// Times the largest change that was seen among them.
 const ALLOWED: f64 = 64.0;
 /// A difference below this, relative to the largest number of its kind, is none: it needs no explanation.
 const NO_DIFFERENCE: f64 = 1e-12;
-/// One pair in so many is held against descents from very many directions.
-const BRUTE_FORCE_EVERY: usize = 32;
+/// A number below this is zero: a contact that is deeper than rounding has none so small, at whatever lengths.
+const ZERO: f64 = 1e-100;
+/// What counts as no difference is more by so much times the aspect ratio of the more slender body: the lanes leave the curvature off by as much as the normal may be
+/// off before its last correction (`LARGEST_CORRECTION` in src/contact/lane_search.rs), times how fast it changes with the normal.
+const CURVATURE: f64 = 1e-13;
+/// Nor does one of a force or torque by this many roundings of the size of the bodies over the penetration: one of them changes a force,
+/// which grows as a power of the penetration, by as much, and that is a small part of what is allowed.
+const ROUNDINGS: f64 = 2.0;
+/// One contact in so many is held against descents from very many directions, which take as long as the rest for all of them together.
+const DESCENTS_EVERY: usize = 256;
+/// And the search of one pair in so many is timed.
+const TIMED_EVERY: usize = 8;
 /// Minima as close as this, relative, the library does not tell apart (`RESOLUTION` in src/geometry/contact_search.rs).
 pub const RESOLUTION: f64 = 1e-6;
 
@@ -62,6 +75,8 @@ pub struct Block {
     pub name: Name,
     pub deck: String,
     pub pairs: Vec<Drawn>,
+    /// One contact in so many is held against descents from very many directions.
+    pub descents_every: usize,
 }
 
 /// What a path gave for a pair in one step.
@@ -124,9 +139,24 @@ impl Given {
         })
     }
 
-    fn sizes(&self) -> [f64; 6] {
-        self.kinds().map(largest)
+    /// Of each kind. Terms of forces and torques come of one another, with a lever of this length.
+    fn sizes(&self, lever: f64) -> [f64; 6] {
+        let mut sizes = self.kinds().map(largest);
+        let torque = sizes[2] / lever;
+        sizes[2] = sizes[2].max(sizes[0] * lever);
+        sizes[0] = sizes[0].max(torque);
+        sizes[1] = sizes[1].max(torque);
+        sizes
     }
+}
+
+/// Aspect ratio of the more slender of the two.
+fn most_slender(i: &Body, j: &Body) -> f64 {
+    let of = |b: &Body| {
+        let least = b.semi_axes.iter().fold(f64::INFINITY, |m, a| a.min(m));
+        largest(&b.semi_axes) / least
+    };
+    of(i).max(of(j))
 }
 
 fn largest(numbers: &[f64]) -> f64 {
@@ -197,14 +227,51 @@ const STEP: Step = Step {
     advance_history: true,
 };
 
-/// By how much each kind of number changes when the last places of the pair's numbers do.
-pub fn rounding(laws: &Laws, drawn: &Drawn, last: usize, changed_times: usize) -> [f64; 6] {
-    let base = alone(laws, drawn, last);
-    let mut stream = Stream::new(7);
-    let mut most = [0.0f64; 6];
-    for _ in 0..changed_times {
-        let mut changed = *drawn;
+/// By how much each kind of number changes when the last places of the pair's numbers do, the largest of so many times.
+pub struct Rounding<'a> {
+    laws: &'a Laws,
+    drawn: &'a Drawn,
+    last: usize,
+    base: Given,
+    stream: Stream,
+    times: usize,
+    most: [f64; 6],
+}
+
+impl<'a> Rounding<'a> {
+    pub fn new(laws: &'a Laws, drawn: &'a Drawn, last: usize) -> Self {
+        Rounding {
+            laws,
+            drawn,
+            last,
+            base: alone(laws, drawn, last),
+            stream: Stream::new(7),
+            times: 0,
+            most: [0.0; 6],
+        }
+    }
+
+    /// Of so many times, those of earlier calls among them.
+    pub fn of(&mut self, times: usize) -> [f64; 6] {
+        while self.times < times {
+            self.times += 1;
+            let changed = self.changed();
+            let changed = alone(self.laws, &changed, self.last);
+            for (m, d) in self.most.iter_mut().zip(changed.differences(&self.base)) {
+                *m = m.max(d);
+            }
+            if changed.touching != self.base.touching {
+                // Whether they touched before is rounding, and with it all that is remembered but the normal.
+                self.most[4..].fill(f64::INFINITY);
+            }
+        }
+        self.most
+    }
+
+    fn changed(&mut self) -> Drawn {
+        let mut changed = *self.drawn;
         let reach = size(&changed.i, &changed.j);
+        let stream = &mut self.stream;
         for body in [&mut changed.i, &mut changed.j] {
             let mut relative = |numbers: &mut [f64]| {
                 for x in numbers {
@@ -222,12 +289,8 @@ pub fn rounding(laws: &Laws, drawn: &Drawn, last: usize, changed_times: usize) -
                 *x += reach * f64::EPSILON * stream.uniform(-1.0, 1.0);
             }
         }
-        let differences = alone(laws, &changed, last).differences(&base);
-        for (m, d) in most.iter_mut().zip(differences) {
-            *m = m.max(d);
-        }
+        changed
     }
-    most
 }
 
 impl Block {
@@ -242,7 +305,12 @@ impl Block {
                 drawn
             })
             .collect();
-        Block { name, deck, pairs }
+        Block {
+            name,
+            deck,
+            pairs,
+            descents_every: DESCENTS_EVERY,
+        }
     }
 
     /// Adds to the counts of its family.
@@ -276,11 +344,16 @@ impl Block {
                     &now[pair],
                     (pair, step, parted[pair]),
                 );
-                if step == 0 {
+                if step == 0 && self.turn(pair, TIMED_EVERY) {
                     self.time_search(counts, pair, &now[pair]);
                 }
             }
         }
+    }
+
+    /// Whether it is the turn of this one, of so many: another one in each block.
+    fn turn(&self, number: usize, of: usize) -> bool {
+        (number + 97 * self.name.number as usize).is_multiple_of(of)
     }
 
     fn finding(
@@ -336,7 +409,7 @@ impl Block {
             })
             .collect();
         let mut least = depths.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-        if (pair + step) % BRUTE_FORCE_EVERY == self.name.number as usize % BRUTE_FORCE_EVERY {
+        if self.turn(STEPS * pair + step, self.descents_every) {
             counts.by_brute_force += 1;
             least = least.min(deepest(i, j, 100).0).max(0.0);
         }
@@ -352,44 +425,60 @@ impl Block {
             return true;
         }
         let mut severity: f64 = 0.0;
-        let (mut allowed, mut at_rounding) = (None, false);
+        let (mut rounding, mut at_rounding) = (None::<Rounding>, false);
         for (set, other) in sets.iter().zip(given).skip(1) {
-            let differences = other.differences(scalar);
-            let sizes = scalar.sizes();
-            if (0..6).all(|k| differences[k] <= NO_DIFFERENCE * sizes[k]) {
-                continue;
-            }
             if scalar.touching != other.touching {
                 // By less than rounding of the bodies' size, as was seen above.
                 at_rounding = true;
                 continue;
             }
-            let explained = |times: usize| {
-                let rounding = rounding(laws, &self.pairs[pair], step, times);
-                core::array::from_fn::<f64, 6, _>(|k| {
-                    ALLOWED * rounding[k] + NO_DIFFERENCE * sizes[k]
-                })
+            let differences = other.differences(scalar);
+            let sizes = scalar.sizes(size(i, j));
+            let no_difference = NO_DIFFERENCE + CURVATURE * most_slender(i, j);
+            let of_depth =
+                ROUNDINGS * f64::EPSILON * size(i, j) / depths[0].max(f64::EPSILON * size(i, j));
+            let none = |k: usize| {
+                let relative = no_difference + if k < 3 { of_depth } else { 0.0 };
+                differences[k] <= relative * sizes[k] + ZERO
             };
-            let worst = |allowed: &[f64; 6]| {
+            if (0..6).all(none) {
+                continue;
+            }
+            let mut worst = |times: usize| {
+                let rounding = rounding
+                    .get_or_insert_with(|| Rounding::new(laws, &self.pairs[pair], step))
+                    .of(times);
                 (0..6)
                     .filter(|k| differences[*k] > 0.0)
-                    .map(|k| (k, differences[k] / allowed[k]))
+                    .map(|k| {
+                        (
+                            k,
+                            differences[k]
+                                / (ALLOWED * rounding[k] + no_difference * sizes[k] + ZERO),
+                        )
+                    })
                     .max_by(|a, b| a.1.total_cmp(&b.1))
                     .expect("some kind differs")
             };
-            let (mut kind, mut ratio) = worst(allowed.get_or_insert_with(|| explained(CHANGED)));
-            if ratio > 1.0 {
-                (kind, ratio) = worst(&explained(CHANGED_OFTEN));
+            let (few, enough) = CHANGED_FIRST;
+            let (mut kind, mut ratio) = worst(few);
+            if ratio > enough {
+                (kind, ratio) = worst(CHANGED);
+            }
+            for times in CHANGED_OFTEN {
+                if ratio > 1.0 {
+                    (kind, ratio) = worst(times);
+                }
+            }
+            let apart = scalar.touching && (other.normal() - scalar.normal()).norm() > 1e-6;
+            if apart {
+                // The penetrations are equal, as was seen above: other minima of the same depth, or a flat one.
+                counts.equal_minima += 1;
+                return true;
             }
             severity = severity.max(ratio);
             if ratio <= 1.0 {
                 continue;
-            }
-            let apart = scalar.touching && (other.normal() - scalar.normal()).norm() > 1e-6;
-            if apart {
-                // The penetrations are equal, as was seen above: other minima of the same depth.
-                counts.equal_minima += 1;
-                return true;
             }
             let of = [
                 "force on i",
@@ -408,7 +497,7 @@ impl Block {
             counts.found(finding(Kind::Differs, words, ratio.min(f64::MAX)));
             return false;
         }
-        counts.at_rounding += u64::from(at_rounding || allowed.is_some());
+        counts.at_rounding += u64::from(at_rounding || rounding.is_some());
         if scalar.touching {
             let sampled = Sampled {
                 block: self.name.number,

@@ -145,7 +145,7 @@ pub struct State {
     pub version: String,
     pub seed: u64,
     pub instruction_sets: Vec<String>,
-    /// Run time so far, all threads together.
+    /// Processor time so far, all threads together.
     pub seconds: f64,
     pub families: BTreeMap<String, Counts>,
     pub refusals: super::refusals::Refusals,
