@@ -31,7 +31,10 @@ pub const CHANGED: usize = 12;
 const CHANGED_FIRST: (usize, f64) = (1, 0.05);
 /// And so many where these do not explain it.
 const CHANGED_OFTEN: [usize; 2] = [100, 1000];
-/// Times the largest change that was seen among them.
+/// Units in the last place by which they are changed. The scalar search ends where the gradient is less than four of them: it would not
+/// see one.
+const UNITS: f64 = 8.0;
+/// Times the largest change that was seen among them, for one unit.
 const ALLOWED: f64 = 64.0;
 /// A difference below this, relative to the largest number of its kind, is none: it needs no explanation.
 const NO_DIFFERENCE: f64 = 1e-12;
@@ -199,12 +202,18 @@ pub fn slack(i: &Body, j: &Body, penetration: f64) -> f64 {
     RESOLUTION * penetration + 64.0 * f64::EPSILON * size(i, j)
 }
 
-/// One contact alone, over the steps up to this one.
-fn alone(laws: &Laws, drawn: &Drawn, last: usize) -> Given {
+/// One contact alone, over the steps up to this one, with bodies that are changed before each.
+fn alone(
+    laws: &Laws,
+    drawn: &Drawn,
+    last: usize,
+    mut change: impl FnMut(&mut Body, &mut Body),
+) -> Given {
     let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
     let mut loads = [[0.0; 3]; 4];
     for step in 0..=last {
-        let (i, j) = after(drawn, step);
+        let (mut i, mut j) = after(drawn, step);
+        change(&mut i, &mut j);
         let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
         let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
             .expect("exact factors do not break");
@@ -244,21 +253,23 @@ impl<'a> Rounding<'a> {
             laws,
             drawn,
             last,
-            base: alone(laws, drawn, last),
+            base: alone(laws, drawn, last, |_, _| ()),
             stream: Stream::new(7),
             times: 0,
             most: [0.0; 6],
         }
     }
 
-    /// Of so many times, those of earlier calls among them.
+    /// Of so many times, those of earlier calls among them; for a change of one unit in the last place.
     pub fn of(&mut self, times: usize) -> [f64; 6] {
         while self.times < times {
             self.times += 1;
-            let changed = self.changed();
-            let changed = alone(self.laws, &changed, self.last);
+            let stream = &mut self.stream;
+            let changed = alone(self.laws, self.drawn, self.last, |i, j| {
+                change_last_places(stream, i, j);
+            });
             for (m, d) in self.most.iter_mut().zip(changed.differences(&self.base)) {
-                *m = m.max(d);
+                *m = m.max(d / UNITS);
             }
             if changed.touching != self.base.touching {
                 // Whether they touched before is rounding, and with it all that is remembered but the normal.
@@ -267,29 +278,29 @@ impl<'a> Rounding<'a> {
         }
         self.most
     }
+}
 
-    fn changed(&mut self) -> Drawn {
-        let mut changed = *self.drawn;
-        let reach = size(&changed.i, &changed.j);
-        let stream = &mut self.stream;
-        for body in [&mut changed.i, &mut changed.j] {
-            let mut relative = |numbers: &mut [f64]| {
-                for x in numbers {
-                    *x *= 1.0 + f64::EPSILON * stream.uniform(-1.0, 1.0);
-                }
-            };
-            relative(&mut body.semi_axes);
-            relative(&mut body.velocity);
-            relative(&mut body.angular_velocity);
-            let length = largest(&body.quaternion);
-            for q in &mut body.quaternion {
-                *q += length * f64::EPSILON * stream.uniform(-1.0, 1.0);
-            }
-            for x in &mut body.position {
-                *x += reach * f64::EPSILON * stream.uniform(-1.0, 1.0);
+/// Each number by up to [`UNITS`] units in the last place, in each step anew, as an engine rounds them.
+fn change_last_places(stream: &mut Stream, i: &mut Body, j: &mut Body) {
+    let reach = size(i, j);
+    for body in [i, j] {
+        let mut some = || UNITS * f64::EPSILON * stream.uniform(-1.0, 1.0);
+        let length = largest(&body.quaternion);
+        for numbers in [
+            &mut body.semi_axes,
+            &mut body.velocity,
+            &mut body.angular_velocity,
+        ] {
+            for x in numbers {
+                *x *= 1.0 + some();
             }
         }
-        changed
+        for q in &mut body.quaternion {
+            *q += length * some();
+        }
+        for x in &mut body.position {
+            *x += reach * some();
+        }
     }
 }
 

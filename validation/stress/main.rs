@@ -9,6 +9,8 @@
 //! - `... -- stability --to FILE` finds the largest stable steps.
 //! - `... -- pair FAMILY BLOCK PAIR [--seed N]` prints one pair; the family by its number, counted from 0 in the order of
 //!   `Family::ALL`.
+//! - `... -- again --state FILE [--seed N]` tries the blocks of all findings again, after the library or this program was mended, and takes
+//!   those out of the run that hold now.
 //! - `... -- block FAMILY BLOCK [--seed N]` has a block again, each contact held against descents from very many directions, and fails
 //!   where something is wrong.
 
@@ -128,6 +130,25 @@ fn work() -> Outcome {
             let state = State::begin(&file, seed)?;
             sample::write(&state, &words.file("to")?)
         }
+        ["again"] => {
+            let file = words.file("state")?;
+            let mut state = State::begin(&file, seed)?;
+            for (name, counts) in &mut state.families {
+                let family = Family::ALL.into_iter().find(|f| f.name() == name);
+                let family = family.ok_or("no such family")?;
+                counts.try_again(|number| {
+                    let mut now = Counts::default();
+                    Block::draw(Name {
+                        seed,
+                        family,
+                        number,
+                    })
+                    .run(&mut now);
+                    now.findings
+                });
+            }
+            state.write(&file)
+        }
         ["stability"] => stability::write(&words.file("to")?),
         ["pair", family, block, pair] => {
             let block = named(seed, family, block)?;
@@ -149,7 +170,7 @@ fn work() -> Outcome {
                 wrong => Err(format!("{wrong} wrong").into()),
             }
         }
-        _ => Err("wanted: run, sample, stability, pair or block".into()),
+        _ => Err("wanted: run, sample, again, stability, pair or block".into()),
     }
 }
 
