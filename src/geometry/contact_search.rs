@@ -255,24 +255,24 @@ impl Pair<'_> {
         (smaller, larger, direction): (f64, f64, Vector2),
         settled: bool,
     ) -> IndefiniteStep {
-        // Newton's step along each eigenvector with the curvature made positive: still downhill.
+        // Newton's step along each eigenvector with the curvature made positive: still downhill. A small curvature is taken as it
+        // is: a larger one would follow a long valley in thousands of steps.
         let scale = larger.abs().max(smaller.abs()).max(f64::MIN_POSITIVE);
-        let along = |e: Vector2, value: f64| e * (-g.dot(e) / value.abs().max(1e-3 * scale));
         let other = Vector2::new(-direction.v, direction.u);
         let slope = g.dot(direction);
-        let across = along(other, larger);
+        let across = other * (-g.dot(other) / larger.abs().max(1e-3 * scale));
+        let length = (slope.abs() / smaller.abs().max(f64::MIN_POSITIVE)).min(LARGEST_STEP);
         let mut step = IndefiniteStep {
-            y: along(direction, smaller) + across,
+            y: across - direction * length.copysign(slope),
             across: f64::INFINITY,
             escape: false,
         };
         if is_valley(smaller, larger) {
-            // How curved it is along the valley is lost in rounding, so the slope alone says what could be gained there.
+            // How curved it is along the valley is lost in rounding: the slope alone says what could be gained there.
             if slope.abs() * LARGEST_STEP <= 4.0 * f64::EPSILON * self.size {
                 // Nothing: what is left is the way across.
+                step.y = across;
                 step.across = g.dot(other).abs() / larger;
-            } else {
-                step.y = across - direction * LARGEST_STEP.copysign(slope);
             }
         } else if slope.abs() < 0.05 * smaller.abs() || settled {
             // A maximum or a saddle: leave it along the direction of negative curvature.
