@@ -82,7 +82,7 @@ def pairs_part(state, rows):
         "- **paths differ**: force, torque, or history of an instruction set differ from the scalar path's by more than 64 times what one unit in the last place of the "
         "pair's own numbers changes in the scalar path, and by more than 1e-12 and 1e-13 times the aspect ratio, by which the lanes may leave the curvature off, of the largest number of the "
         "kind. Pairs of which two paths took equal minima are not compared in the second step.\n"
-        "- **equal minima** are no error: two paths found normals of the same penetration that are more than 1e-6 apart, and each is right. So are differences **at rounding**: more than 1e-12, and "
+        "- **equal minima** are no error: two paths found normals of the same penetration that are more than 1e-6 apart, and each is right; their forces are not compared. So are differences **at rounding**: more than 1e-12, and "
         "explained by the last places of the input.\n"
         "- **flat minimum**: no isolated minimum to rounding, a ring or a valley of equal ones, as coincident discs have. Newton's method has nothing to converge to there; "
         "what it ends with is held against the other paths like any other answer.\n"
@@ -98,7 +98,7 @@ def findings_part(state):
             lines.append(f"- {family}, block {f['block']}, pair {f['pair']}, step {f['step']}, law `{f['deck']}`: {f['words']}")
     lines += [f"- {words}" for words in state["refusals"]["wrong"]]
     text = "## What was found wrong\n\n"
-    return text + ("\n".join(lines) + "\n" if lines else "In this run nothing.\n") + "\n" + (HERE / "known.md").read_text()
+    return text + ("\n".join(lines) + "\n" if lines else "Nothing that is wrong now.\n") + "\n" + (HERE / "known.md").read_text()
 
 
 def billion_part(state, pairs):
