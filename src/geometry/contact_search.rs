@@ -142,6 +142,16 @@ impl Minima {
     }
 }
 
+/// A step of a descent where the Hessian is not safely positive.
+struct IndefiniteStep {
+    /// In the tangent plane.
+    y: Vector2,
+    /// In a valley that has no slope: the length of the step across it. Infinite elsewhere.
+    across: f64,
+    /// Whether it leaves a maximum or a saddle.
+    escape: bool,
+}
+
 // One lives on the stack of a search: a box would be an allocation in a step.
 #[allow(clippy::large_enum_variant)]
 enum Descent {
@@ -189,9 +199,7 @@ impl Pair<'_> {
             let (smaller, larger, direction) = eigen_of_any_sign(hessian);
             let settled = g.dot(g) <= tolerance * tolerance || last_step < SETTLED_STEP;
             let definite = smaller > LEAST_DEFINITE * larger.abs();
-            // Flat along one direction as far as rounding can tell: a ring of equal minima.
-            let valley = !definite && larger > 0.0 && smaller.abs() <= LEAST_DEFINITE * larger;
-            if settled && (definite || valley || escapes > 3) {
+            if settled && (definite || is_valley(smaller, larger) || escapes > 3) {
                 return Descent::Minimum(Minimum {
                     at,
                     tangent,
@@ -205,25 +213,10 @@ impl Pair<'_> {
                 let inverse = 1.0 / hessian.determinant();
                 y = hessian.adjugate().apply(g) * -inverse;
             } else {
-                // Newton's step along each eigenvector with the curvature made positive: still downhill.
-                let scale = larger.abs().max(smaller.abs()).max(f64::MIN_POSITIVE);
-                let along =
-                    |e: Vector2, value: f64| e * (-g.dot(e) / value.abs().max(1e-3 * scale));
-                let other = Vector2::new(-direction.v, direction.u);
-                y = along(direction, smaller) + along(other, larger);
-                last_step = f64::INFINITY;
-                if valley {
-                    // Nothing to gain along the valley: what is left is the way across.
-                    let gain = g.dot(direction) * g.dot(direction) / (1e-3 * scale);
-                    if gain <= f64::EPSILON * self.size {
-                        last_step = g.dot(other).abs() / larger;
-                    }
-                } else if g.dot(direction).abs() < 0.05 * smaller.abs() || settled {
-                    // A maximum or a saddle: leave it along the direction of negative curvature.
-                    let sign = if g.dot(direction) > 0.0 { -1.0 } else { 1.0 };
-                    y = y + direction * (0.2 * sign);
-                    escapes += 1;
-                }
+                let indefinite = self.indefinite_step(g, (smaller, larger, direction), settled);
+                y = indefinite.y;
+                last_step = indefinite.across;
+                escapes += i32::from(indefinite.escape);
             }
             let length = y.dot(y).sqrt();
             if !(length > 0.0) {
@@ -252,6 +245,42 @@ impl Pair<'_> {
             stationary: false,
             converged: false,
         })
+    }
+
+    /// A step downhill where the Hessian, of these eigenvalues and the eigenvector of the smaller one, is not safely positive.
+    #[cold]
+    fn indefinite_step(
+        &self,
+        g: Vector2,
+        (smaller, larger, direction): (f64, f64, Vector2),
+        settled: bool,
+    ) -> IndefiniteStep {
+        // Newton's step along each eigenvector with the curvature made positive: still downhill. A small curvature is taken as it
+        // is: a larger one would follow a long valley in thousands of steps.
+        let scale = larger.abs().max(smaller.abs()).max(f64::MIN_POSITIVE);
+        let other = Vector2::new(-direction.v, direction.u);
+        let slope = g.dot(direction);
+        let across = other * (-g.dot(other) / larger.abs().max(1e-3 * scale));
+        let length = (slope.abs() / smaller.abs().max(f64::MIN_POSITIVE)).min(LARGEST_STEP);
+        let mut step = IndefiniteStep {
+            y: across - direction * length.copysign(slope),
+            across: f64::INFINITY,
+            escape: false,
+        };
+        if is_valley(smaller, larger) {
+            // How curved it is along the valley is lost in rounding: the slope alone says what could be gained there.
+            if slope.abs() * LARGEST_STEP <= 4.0 * f64::EPSILON * self.size {
+                // Nothing: what is left is the way across.
+                step.y = across;
+                step.across = g.dot(other).abs() / larger;
+            }
+        } else if slope.abs() < 0.05 * smaller.abs() || settled {
+            // A maximum or a saddle: leave it along the direction of negative curvature.
+            let sign = if slope > 0.0 { -1.0 } else { 1.0 };
+            step.y = step.y + direction * (0.2 * sign);
+            step.escape = true;
+        }
+        step
     }
 
     /// The minimum that a descent from `n` ends in, separated or not.
@@ -449,6 +478,11 @@ impl Pair<'_> {
         }
         Outcome::Touching(self.found(m, deep))
     }
+}
+
+/// Flat along one direction as far as rounding can tell: a ring of equal minima.
+fn is_valley(smaller: f64, larger: f64) -> bool {
+    larger > 0.0 && smaller.abs() <= LEAST_DEFINITE * larger
 }
 
 /// Of a positive definite matrix, without the eigenvector.

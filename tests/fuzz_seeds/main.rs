@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The seeds of fuzz/, each input that once was a finding among them, through the same entries, on a stable compiler and on any machine;
 //! and inputs with bytes of the seeds changed.
+//!
+//! `ELLGRAN_FUZZ_INPUTS` is the number of these for each entry (3000 without it), `ELLGRAN_FUZZ_SEED` what they are drawn from.
 
 #![allow(unsafe_code)]
 
@@ -14,7 +16,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How many inputs are made from the seeds of an entry.
-const CHANGED: usize = 3000;
+const CHANGED: u64 = 3000;
+const SEED: u64 = 2013;
+
+fn number(variable: &str, without: u64) -> u64 {
+    std::env::var(variable).map_or(without, |n| n.parse().expect("a number"))
+}
+
+/// An input that is at work; it is said if that fails.
+struct AtWork<'a>(&'a [u8]);
+
+impl Drop for AtWork<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            println!("{:?}", self.0);
+        }
+    }
+}
 
 fn seeds(name: &str) -> Vec<PathBuf> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -29,7 +47,6 @@ fn seeds(name: &str) -> Vec<PathBuf> {
     files
 }
 
-/// What is printed before a failure says which input it was.
 fn all_through(name: &str) {
     let (_, run) = entries::ENTRIES
         .into_iter()
@@ -42,9 +59,10 @@ fn all_through(name: &str) {
         run(&bytes);
         read.push(bytes);
     }
-    let mut random = shapes::Random(2013);
+    let mut random = shapes::Random(number("ELLGRAN_FUZZ_SEED", SEED));
     let mut below = |count: usize| random.between(0.0, count as f64) as usize % count;
-    for _ in 0..CHANGED {
+    let inputs = number("ELLGRAN_FUZZ_INPUTS", CHANGED);
+    for k in 0..inputs {
         let mut bytes = read[below(read.len())].clone();
         if bytes.is_empty() {
             continue;
@@ -53,8 +71,11 @@ fn all_through(name: &str) {
             let place = below(bytes.len());
             bytes[place] = below(256) as u8;
         }
-        println!("{name}: {bytes:?}");
-        run(&bytes);
+        if k % 1000 == 0 {
+            println!("{name}: input {k} of {inputs}");
+        }
+        let at_work = AtWork(&bytes);
+        run(at_work.0);
     }
 }
 

@@ -324,3 +324,73 @@ fn thin_discs_pressed_together() {
     println!("{different} of {contacts} contacts of discs differ from one without a past");
     assert_eq!(different, 0);
 }
+
+/// Equal needles in one another, parallel, with centres that are apart across them by so little that the penetrations along all
+/// directions across differ by less than rounding of the Hessian shows. The deepest of those directions is known: it is that of the
+/// centres.
+#[test]
+fn needles_in_one_another() {
+    let laws = elastic();
+    let mut stream = Stream::new(2014);
+    let (number, mut worst) = (4000, 0.0f64);
+    for _ in 0..number {
+        let thin = stream.log_uniform(1e-3, 1e-2);
+        let turn = stream.rotation();
+        let across = |angle: f64| turn * Vector::new(0.0, angle.cos(), angle.sin());
+        let (direction, remembered) = (
+            across(stream.uniform(0.0, 2.0 * std::f64::consts::PI)),
+            across(stream.uniform(0.0, 2.0 * std::f64::consts::PI)),
+        );
+        let apart = thin * stream.log_uniform(1e-7, 1e-3);
+        let i = body([1.0, thin, thin], Vector::zeros(), turn);
+        let j = Body {
+            position: (direction * apart).into(),
+            ..i
+        };
+        let wanted = 2.0 * thin - apart;
+        let mut memory = Memory::new(&laws);
+        memory.history[..3].copy_from_slice(remembered.as_slice());
+        let warm = advance(&laws, &i, &j, 0.0, &mut memory).expect("they overlap");
+        for found in [warm.geometry.penetration, alone(&laws, &i, &j)] {
+            worst = worst.max((found - wanted).abs() / slack(&i, &j, wanted));
+        }
+    }
+    println!("{number} pairs: at most {worst} times what rounding may do");
+    assert!(worst < 1.0, "{worst}");
+}
+
+/// Crossed blades that the line between their centres leads into a valley that curves downwards a little, over its whole length.
+#[test]
+fn a_long_valley_is_followed_to_its_end() {
+    let laws = elastic();
+    let half = 0.5f64.sqrt();
+    let i = body(
+        [1.0, 0.0013130564228458256, 0.043699183993689265],
+        Vector::zeros(),
+        Rotation::identity(),
+    );
+    let j = body(
+        [1.0, 0.0013793028137081892, 0.516178531165505],
+        Vector::new(
+            1.2992030317335048,
+            -5.706054315811349e-8,
+            0.8155471609086992,
+        ),
+        rotation([half, 0.0, half, 0.0]),
+    );
+    let between = Vector::from(j.position).normalize();
+    let wanted = touch(&laws, &i, &j).expect("they overlap").normal;
+    let mut stream = Stream::new(2015);
+    for k in 0..200 {
+        let remembered = between + stream.direction() * (1e-5 * f64::from(k));
+        let mut memory = Memory::new(&laws);
+        memory.history[..3].copy_from_slice(remembered.normalize().as_slice());
+        let warm = advance(&laws, &i, &j, 0.0, &mut memory).expect("they overlap");
+        // Each way ends to the side of the blades' plane that it is on.
+        let found = warm.normal;
+        let off = (found - wanted)
+            .norm()
+            .min((found - Vector::new(wanted.x, -wanted.y, wanted.z)).norm());
+        assert!(off < 1e-9, "start {k}: off by {off:e}");
+    }
+}

@@ -25,15 +25,31 @@ use ellgran::simd::InstructionSet;
 pub const PAIRS: usize = 64;
 /// The first with nothing remembered, the others from the normal of the step before.
 pub const STEPS: usize = 2;
-/// Runs with changed numbers, to see what rounding of the input does; and where these do not explain a difference.
+/// Runs with changed numbers, to see what rounding of the input does.
 pub const CHANGED: usize = 12;
-const CHANGED_OFTEN: usize = 1000;
-/// Times the largest change that was seen among them.
+/// So few are enough where they explain a difference many times over: more would explain more of it.
+const CHANGED_FIRST: (usize, f64) = (1, 0.05);
+/// And so many where these do not explain it.
+const CHANGED_OFTEN: [usize; 2] = [100, 1000];
+/// Units in the last place by which they are changed. The scalar search ends where the gradient is less than four of them: it would not
+/// see one.
+const UNITS: f64 = 8.0;
+/// Times the largest change that was seen among them, for one unit.
 const ALLOWED: f64 = 64.0;
 /// A difference below this, relative to the largest number of its kind, is none: it needs no explanation.
 const NO_DIFFERENCE: f64 = 1e-12;
-/// One pair in so many is held against descents from very many directions.
-const BRUTE_FORCE_EVERY: usize = 32;
+/// A number below this is zero: a contact that is deeper than rounding has none so small, at whatever lengths.
+const ZERO: f64 = 1e-100;
+/// What counts as no difference is more by so much times the aspect ratio of the more slender body: the lanes leave the curvature off by as much as the normal may be
+/// off before its last correction (`LARGEST_CORRECTION` in src/contact/lane_search.rs), times how fast it changes with the normal.
+const CURVATURE: f64 = 1e-13;
+/// Nor does one of a force or torque by this many roundings of the size of the bodies over the penetration: one of them changes a force,
+/// which grows as a power of the penetration, by as much, and that is a small part of what is allowed.
+const ROUNDINGS: f64 = 2.0;
+/// One contact in so many is held against descents from very many directions, which take as long as the rest for all of them together.
+const DESCENTS_EVERY: usize = 256;
+/// And the search of one pair in so many is timed.
+const TIMED_EVERY: usize = 8;
 /// Minima as close as this, relative, the library does not tell apart (`RESOLUTION` in src/geometry/contact_search.rs).
 pub const RESOLUTION: f64 = 1e-6;
 
@@ -62,6 +78,8 @@ pub struct Block {
     pub name: Name,
     pub deck: String,
     pub pairs: Vec<Drawn>,
+    /// One contact in so many is held against descents from very many directions.
+    pub descents_every: usize,
 }
 
 /// What a path gave for a pair in one step.
@@ -124,9 +142,24 @@ impl Given {
         })
     }
 
-    fn sizes(&self) -> [f64; 6] {
-        self.kinds().map(largest)
+    /// Of each kind. Terms of forces and torques come of one another, with a lever of this length.
+    fn sizes(&self, lever: f64) -> [f64; 6] {
+        let mut sizes = self.kinds().map(largest);
+        let torque = sizes[2] / lever;
+        sizes[2] = sizes[2].max(sizes[0] * lever);
+        sizes[0] = sizes[0].max(torque);
+        sizes[1] = sizes[1].max(torque);
+        sizes
     }
+}
+
+/// Aspect ratio of the more slender of the two.
+fn most_slender(i: &Body, j: &Body) -> f64 {
+    let of = |b: &Body| {
+        let least = b.semi_axes.iter().fold(f64::INFINITY, |m, a| a.min(m));
+        largest(&b.semi_axes) / least
+    };
+    of(i).max(of(j))
 }
 
 fn largest(numbers: &[f64]) -> f64 {
@@ -169,12 +202,18 @@ pub fn slack(i: &Body, j: &Body, penetration: f64) -> f64 {
     RESOLUTION * penetration + 64.0 * f64::EPSILON * size(i, j)
 }
 
-/// One contact alone, over the steps up to this one.
-fn alone(laws: &Laws, drawn: &Drawn, last: usize) -> Given {
+/// One contact alone, over the steps up to this one, with bodies that are changed before each.
+fn alone(
+    laws: &Laws,
+    drawn: &Drawn,
+    last: usize,
+    mut change: impl FnMut(&mut Body, &mut Body),
+) -> Given {
     let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
     let mut loads = [[0.0; 3]; 4];
     for step in 0..=last {
-        let (i, j) = after(drawn, step);
+        let (mut i, mut j) = after(drawn, step);
+        change(&mut i, &mut j);
         let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
         let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
             .expect("exact factors do not break");
@@ -197,37 +236,72 @@ const STEP: Step = Step {
     advance_history: true,
 };
 
-/// By how much each kind of number changes when the last places of the pair's numbers do.
-pub fn rounding(laws: &Laws, drawn: &Drawn, last: usize, changed_times: usize) -> [f64; 6] {
-    let base = alone(laws, drawn, last);
-    let mut stream = Stream::new(7);
-    let mut most = [0.0f64; 6];
-    for _ in 0..changed_times {
-        let mut changed = *drawn;
-        let reach = size(&changed.i, &changed.j);
-        for body in [&mut changed.i, &mut changed.j] {
-            let mut relative = |numbers: &mut [f64]| {
-                for x in numbers {
-                    *x *= 1.0 + f64::EPSILON * stream.uniform(-1.0, 1.0);
-                }
-            };
-            relative(&mut body.semi_axes);
-            relative(&mut body.velocity);
-            relative(&mut body.angular_velocity);
-            let length = largest(&body.quaternion);
-            for q in &mut body.quaternion {
-                *q += length * f64::EPSILON * stream.uniform(-1.0, 1.0);
-            }
-            for x in &mut body.position {
-                *x += reach * f64::EPSILON * stream.uniform(-1.0, 1.0);
-            }
-        }
-        let differences = alone(laws, &changed, last).differences(&base);
-        for (m, d) in most.iter_mut().zip(differences) {
-            *m = m.max(d);
+/// By how much each kind of number changes when the last places of the pair's numbers do, the largest of so many times.
+pub struct Rounding<'a> {
+    laws: &'a Laws,
+    drawn: &'a Drawn,
+    last: usize,
+    base: Given,
+    stream: Stream,
+    times: usize,
+    most: [f64; 6],
+}
+
+impl<'a> Rounding<'a> {
+    pub fn new(laws: &'a Laws, drawn: &'a Drawn, last: usize) -> Self {
+        Rounding {
+            laws,
+            drawn,
+            last,
+            base: alone(laws, drawn, last, |_, _| ()),
+            stream: Stream::new(7),
+            times: 0,
+            most: [0.0; 6],
         }
     }
-    most
+
+    /// Of so many times, those of earlier calls among them; for a change of one unit in the last place.
+    pub fn of(&mut self, times: usize) -> [f64; 6] {
+        while self.times < times {
+            self.times += 1;
+            let stream = &mut self.stream;
+            let changed = alone(self.laws, self.drawn, self.last, |i, j| {
+                change_last_places(stream, i, j);
+            });
+            for (m, d) in self.most.iter_mut().zip(changed.differences(&self.base)) {
+                *m = m.max(d / UNITS);
+            }
+            if changed.touching != self.base.touching {
+                // Whether they touched before is rounding, and with it all that is remembered but the normal.
+                self.most[4..].fill(f64::INFINITY);
+            }
+        }
+        self.most
+    }
+}
+
+/// Each number by up to [`UNITS`] units in the last place, in each step anew, as an engine rounds them.
+fn change_last_places(stream: &mut Stream, i: &mut Body, j: &mut Body) {
+    let reach = size(i, j);
+    for body in [i, j] {
+        let mut some = || UNITS * f64::EPSILON * stream.uniform(-1.0, 1.0);
+        let length = largest(&body.quaternion);
+        for numbers in [
+            &mut body.semi_axes,
+            &mut body.velocity,
+            &mut body.angular_velocity,
+        ] {
+            for x in numbers {
+                *x *= 1.0 + some();
+            }
+        }
+        for q in &mut body.quaternion {
+            *q += length * some();
+        }
+        for x in &mut body.position {
+            *x += reach * some();
+        }
+    }
 }
 
 impl Block {
@@ -242,7 +316,12 @@ impl Block {
                 drawn
             })
             .collect();
-        Block { name, deck, pairs }
+        Block {
+            name,
+            deck,
+            pairs,
+            descents_every: DESCENTS_EVERY,
+        }
     }
 
     /// Adds to the counts of its family.
@@ -276,11 +355,16 @@ impl Block {
                     &now[pair],
                     (pair, step, parted[pair]),
                 );
-                if step == 0 {
+                if step == 0 && self.turn(pair, TIMED_EVERY) {
                     self.time_search(counts, pair, &now[pair]);
                 }
             }
         }
+    }
+
+    /// Whether it is the turn of this one, of so many: another one in each block.
+    fn turn(&self, number: usize, of: usize) -> bool {
+        (number + 97 * self.name.number as usize).is_multiple_of(of)
     }
 
     fn finding(
@@ -336,7 +420,7 @@ impl Block {
             })
             .collect();
         let mut least = depths.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-        if (pair + step) % BRUTE_FORCE_EVERY == self.name.number as usize % BRUTE_FORCE_EVERY {
+        if self.turn(STEPS * pair + step, self.descents_every) {
             counts.by_brute_force += 1;
             least = least.min(deepest(i, j, 100).0).max(0.0);
         }
@@ -352,44 +436,60 @@ impl Block {
             return true;
         }
         let mut severity: f64 = 0.0;
-        let (mut allowed, mut at_rounding) = (None, false);
+        let (mut rounding, mut at_rounding) = (None::<Rounding>, false);
         for (set, other) in sets.iter().zip(given).skip(1) {
-            let differences = other.differences(scalar);
-            let sizes = scalar.sizes();
-            if (0..6).all(|k| differences[k] <= NO_DIFFERENCE * sizes[k]) {
-                continue;
-            }
             if scalar.touching != other.touching {
                 // By less than rounding of the bodies' size, as was seen above.
                 at_rounding = true;
                 continue;
             }
-            let explained = |times: usize| {
-                let rounding = rounding(laws, &self.pairs[pair], step, times);
-                core::array::from_fn::<f64, 6, _>(|k| {
-                    ALLOWED * rounding[k] + NO_DIFFERENCE * sizes[k]
-                })
+            let differences = other.differences(scalar);
+            let sizes = scalar.sizes(size(i, j));
+            let no_difference = NO_DIFFERENCE + CURVATURE * most_slender(i, j);
+            let of_depth =
+                ROUNDINGS * f64::EPSILON * size(i, j) / depths[0].max(f64::EPSILON * size(i, j));
+            let none = |k: usize| {
+                let relative = no_difference + if k < 3 { of_depth } else { 0.0 };
+                differences[k] <= relative * sizes[k] + ZERO
             };
-            let worst = |allowed: &[f64; 6]| {
+            if (0..6).all(none) {
+                continue;
+            }
+            let mut worst = |times: usize| {
+                let rounding = rounding
+                    .get_or_insert_with(|| Rounding::new(laws, &self.pairs[pair], step))
+                    .of(times);
                 (0..6)
                     .filter(|k| differences[*k] > 0.0)
-                    .map(|k| (k, differences[k] / allowed[k]))
+                    .map(|k| {
+                        (
+                            k,
+                            differences[k]
+                                / (ALLOWED * rounding[k] + no_difference * sizes[k] + ZERO),
+                        )
+                    })
                     .max_by(|a, b| a.1.total_cmp(&b.1))
                     .expect("some kind differs")
             };
-            let (mut kind, mut ratio) = worst(allowed.get_or_insert_with(|| explained(CHANGED)));
-            if ratio > 1.0 {
-                (kind, ratio) = worst(&explained(CHANGED_OFTEN));
+            let (few, enough) = CHANGED_FIRST;
+            let (mut kind, mut ratio) = worst(few);
+            if ratio > enough {
+                (kind, ratio) = worst(CHANGED);
+            }
+            for times in CHANGED_OFTEN {
+                if ratio > 1.0 {
+                    (kind, ratio) = worst(times);
+                }
+            }
+            let apart = scalar.touching && (other.normal() - scalar.normal()).norm() > 1e-6;
+            if apart {
+                // The penetrations are equal, as was seen above: other minima of the same depth, or a flat one.
+                counts.equal_minima += 1;
+                return true;
             }
             severity = severity.max(ratio);
             if ratio <= 1.0 {
                 continue;
-            }
-            let apart = scalar.touching && (other.normal() - scalar.normal()).norm() > 1e-6;
-            if apart {
-                // The penetrations are equal, as was seen above: other minima of the same depth.
-                counts.equal_minima += 1;
-                return true;
             }
             let of = [
                 "force on i",
@@ -408,7 +508,7 @@ impl Block {
             counts.found(finding(Kind::Differs, words, ratio.min(f64::MAX)));
             return false;
         }
-        counts.at_rounding += u64::from(at_rounding || allowed.is_some());
+        counts.at_rounding += u64::from(at_rounding || rounding.is_some());
         if scalar.touching {
             let sampled = Sampled {
                 block: self.name.number,

@@ -115,6 +115,28 @@ impl Counts {
         self.trim();
     }
 
+    /// Holds the findings against those that their blocks have now.
+    pub fn try_again(&mut self, findings_of: impl Fn(u64) -> Vec<Finding>) {
+        let before = std::mem::take(&mut self.findings);
+        let blocks: std::collections::BTreeSet<u64> = before.iter().map(|f| f.block).collect();
+        for finding in &before {
+            let kind = format!("{:?}", finding.kind);
+            let number = self.wrong.get_mut(&kind).expect("it was counted");
+            *number -= 1;
+            println!(
+                "block {}, pair {}: {}",
+                finding.block, finding.pair, finding.words
+            );
+        }
+        for finding in blocks.into_iter().flat_map(findings_of) {
+            println!(
+                "still: block {}, pair {}: {}",
+                finding.block, finding.pair, finding.words
+            );
+            self.found(finding);
+        }
+    }
+
     fn trim(&mut self) {
         self.findings.sort_by(|a, b| {
             let by_kind = a.kind.cmp(&b.kind);
@@ -145,7 +167,7 @@ pub struct State {
     pub version: String,
     pub seed: u64,
     pub instruction_sets: Vec<String>,
-    /// Run time so far, all threads together.
+    /// Processor time so far, all threads together.
     pub seconds: f64,
     pub families: BTreeMap<String, Counts>,
     pub refusals: super::refusals::Refusals,

@@ -7,7 +7,12 @@
 //!   with the one of the file.
 //! - `... -- sample --state FILE --to FILE` writes the pairs for the reference.
 //! - `... -- stability --to FILE` finds the largest stable steps.
-//! - `... -- pair FAMILY BLOCK PAIR [--seed N]` prints one pair; the family by its number in the table.
+//! - `... -- pair FAMILY BLOCK PAIR [--seed N]` prints one pair; the family by its number, counted from 0 in the order of
+//!   `Family::ALL`.
+//! - `... -- again --state FILE [--seed N]` tries the blocks of all findings again, after the library or this program was mended, and takes
+//!   those out of the run that hold now.
+//! - `... -- block FAMILY BLOCK [--seed N]` has a block again, each contact held against descents from very many directions, and fails
+//!   where something is wrong.
 
 mod block;
 mod counts;
@@ -26,7 +31,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use block::{Block, Name};
-use counts::State;
+use counts::{Counts, State};
 use families::Family;
 use run::{go_on, Length};
 
@@ -125,19 +130,55 @@ fn work() -> Outcome {
             let state = State::begin(&file, seed)?;
             sample::write(&state, &words.file("to")?)
         }
+        ["again"] => {
+            let file = words.file("state")?;
+            let mut state = State::begin(&file, seed)?;
+            for (name, counts) in &mut state.families {
+                let family = Family::ALL.into_iter().find(|f| f.name() == name);
+                let family = family.ok_or("no such family")?;
+                counts.try_again(|number| {
+                    let mut now = Counts::default();
+                    Block::draw(Name {
+                        seed,
+                        family,
+                        number,
+                    })
+                    .run(&mut now);
+                    now.findings
+                });
+            }
+            state.write(&file)
+        }
         ["stability"] => stability::write(&words.file("to")?),
         ["pair", family, block, pair] => {
-            let family: usize = family.parse()?;
-            let name = Name {
-                seed,
-                family: *Family::ALL.get(family).ok_or("no such family")?,
-                number: block.parse()?,
-            };
-            let block = Block::draw(name);
+            let block = named(seed, family, block)?;
             let pair = block.pairs.get(pair.parse::<usize>()?);
             println!("{}\n{:#?}", block.deck, pair.ok_or("no such pair")?);
             Ok(())
         }
-        _ => Err("wanted: run, sample, stability or pair".into()),
+        ["block", family, block] => {
+            let mut block = named(seed, family, block)?;
+            block.descents_every = 1;
+            let mut counts = Counts::default();
+            block.run(&mut counts);
+            println!(
+                "{} contacts, {} held against descents, wrong: {:#?}",
+                counts.touching, counts.by_brute_force, counts.findings
+            );
+            match counts.wrong_answers() {
+                0 => Ok(()),
+                wrong => Err(format!("{wrong} wrong").into()),
+            }
+        }
+        _ => Err("wanted: run, sample, again, stability, pair or block".into()),
     }
+}
+
+fn named(seed: u64, family: &str, number: &str) -> Result<Block, Box<dyn std::error::Error>> {
+    let family: usize = family.parse()?;
+    Ok(Block::draw(Name {
+        seed,
+        family: *Family::ALL.get(family).ok_or("no such family")?,
+        number: number.parse()?,
+    }))
 }

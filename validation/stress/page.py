@@ -78,28 +78,36 @@ def pairs_part(state, rows):
         "\n- **contacts**: pairs that touch, counted in each of two steps: the first with nothing remembered, the second from the normal of the first.\n"
         "- **refused**: a pair within all ranges ended in an error. **not finite**: a force, torque or number of the history is none.\n"
         "- **not the global minimum**: the penetration along the normal that a path found exceeds what another path found, or the least of hundreds of descents "
-        f"(one contact in 32: {grouped(total['by_brute_force'])} of them), by more than a millionth and rounding.\n"
+        f"(one contact in 256: {grouped(total['by_brute_force'])} of them), by more than a millionth and rounding.\n"
         "- **paths differ**: force, torque, or history of an instruction set differ from the scalar path's by more than 64 times what one unit in the last place of the "
-        "pair's own numbers changes in the scalar path.\n"
-        "- **equal minima** are no error: two paths found different normals of the same penetration, and each is right. So are differences **at rounding**: more than 1e-12, and "
+        "pair's own numbers changes in the scalar path, and by more than 1e-12 and 1e-13 times the aspect ratio, by which the lanes may leave the curvature off, of the largest number of the "
+        "kind. Pairs of which two paths took equal minima are not compared in the second step.\n"
+        "- **equal minima** are no error: two paths found normals of the same penetration that are more than 1e-6 apart, and each is right; their forces are not compared. So are differences **at rounding**: more than 1e-12, and "
         "explained by the last places of the input.\n"
         "- **flat minimum**: no isolated minimum to rounding, a ring or a valley of equal ones, as coincident discs have. Newton's method has nothing to converge to there; "
         "what it ends with is held against the other paths like any other answer.\n"
-        "- **slowest search**: from nothing, on a processor that others used as well.\n"
+        "- **slowest search**: from nothing, of one pair in 8, on a processor that others used as well.\n"
     )
 
 
 def findings_part(state):
-    """The findings, and known.md: what is known of those of the stored run, written by hand."""
+    """The findings, and known.md: what is known of them and of those of earlier runs, written by hand."""
     lines = []
     for family, c in state["families"].items():
         for f in c["findings"]:
             lines.append(f"- {family}, block {f['block']}, pair {f['pair']}, step {f['step']}, law `{f['deck']}`: {f['words']}")
     lines += [f"- {words}" for words in state["refusals"]["wrong"]]
     text = "## What was found wrong\n\n"
-    known = HERE / "known.md"
-    explained = "\n" + known.read_text() if lines and known.exists() else ""
-    return text + ("\n".join(lines) + "\n" if lines else "Nothing.\n") + explained
+    return text + ("\n".join(lines) + "\n" if lines else "Nothing that is wrong now.\n") + "\n" + (HERE / "known.md").read_text()
+
+
+def billion_part(state, pairs):
+    """What it takes to get to the pairs that are aimed at."""
+    rate, aim = pairs / state["seconds"], 1e9
+    return (
+        f"\n{grouped(pairs)} pairs took {grouped(state['seconds'])} s of processor time, {grouped(rate)} pairs a second. The aim of 1e9 pairs would take {aim / rate / 3600:.0f} hours of a core: this "
+        f"is {100 * pairs / aim:.2g} % of it.\n"
+    )
 
 
 def reference_part(rows):
@@ -202,12 +210,12 @@ def main():
         "Each block of 64 pairs has a law of its own: Hertz, NFD or LSD with Young's modulus 1e3 to 1e13, friction 0 to 1e3, from no damping to relaxation times of 1e7 steps, all "
         "kinds of tangential laws. Masses differ by up to 1e9, speeds by eight decades: in a step the bodies move by 1e-9 to 0.1 of their overlap.\n\n"
     )
-    text += "\n".join([pairs_part(state, rows), findings_part(state), reference_part(reference), refusals_part(state), stability_part(stability)])
+    text += "\n".join([pairs_part(state, rows) + billion_part(state, pairs), findings_part(state), reference_part(reference), refusals_part(state), stability_part(stability)])
     machine = "; ".join(line for line in origin["machine"] if not line.startswith("load"))
     text += (
-        f"\n## Where the numbers come from\n\n`{origin['command']}`, ellgran {origin['version']}, seed {state['seed']}, {round(state['seconds'])} s of all threads, on a machine that others shared "
+        f"\n## Where the numbers come from\n\n`{origin['command']}`, ellgran {origin['version']}, seed {state['seed']}, {round(state['seconds'])} s of processor time, on a machine that others shared "
         f"({machine}). `cargo xtask stress` goes on where the last run stopped, for `--minutes`, `--hours`, `--night`, or until there are so many `--pairs`. A pair is had again by family "
-        "(counted from 0 in the order of `Family::ALL`), block and number: `cargo bench --bench stress -- pair FAMILY BLOCK PAIR`. The numbers: "
+        "(counted from 0 in the order of `Family::ALL`), block and number: `cargo bench --bench stress -- pair FAMILY BLOCK PAIR`; `block FAMILY BLOCK` tries a whole block again, with descents for each contact, `again` those of all findings. The numbers: "
         "[counts.csv](../../validation/stress/counts.csv), [reference.csv](../../validation/stress/reference.csv), [stability.csv](../../validation/stress/stability.csv), "
         "[origin.json](../../validation/stress/origin.json).\n"
     )

@@ -33,7 +33,7 @@ pub fn go_on(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let started = Instant::now();
     let mut last_said = started;
-    let before = state.seconds;
+    let (before, processor) = (state.seconds, processor_seconds());
     if state.refusals.tried == 0 {
         state.refusals = Refusals::run(state.seed);
     }
@@ -42,7 +42,7 @@ pub fn go_on(
             Length::Pairs(pairs) => state.pairs() as f64 / pairs as f64,
             Length::Time(time) => started.elapsed().as_secs_f64() / time.as_secs_f64(),
         };
-        state.seconds = before + threads as f64 * started.elapsed().as_secs_f64();
+        state.seconds = before + processor_seconds() - processor;
         if share >= 1.0 {
             break;
         }
@@ -85,6 +85,17 @@ pub fn go_on(
         state.write(file)?;
     }
     Ok(())
+}
+
+/// Time that this process has had processors, all threads together: on a machine that others use it is not the time that passed.
+fn processor_seconds() -> f64 {
+    let mut time = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
+    // SAFETY: writes to the struct that it is given, which outlives the call.
+    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut time) };
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
 /// What came out of each of these blocks, in their order.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::block::{after, rounding, slack, with_unit_quaternions, Block, Given, Name, CHANGED};
+use super::block::{after, slack, with_unit_quaternions, Block, Given, Name, Rounding, CHANGED};
 use super::counts::State;
 use super::families::{Drawn, Family};
 use crate::support::list::{instruction_sets, PairList};
@@ -86,7 +86,7 @@ fn case(
             j: now.1,
             depth: drawn.depth,
         };
-        let by_rounding = rounding(&laws, &still, 0, CHANGED);
+        let by_rounding = Rounding::new(&laws, &still, 0).of(CHANGED);
         allowed[1] = allowed[1].max(by_rounding[1]);
         allowed[2] = allowed[2].max(by_rounding[2]);
         for set in instruction_sets() {

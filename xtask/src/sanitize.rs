@@ -206,21 +206,37 @@ fn host() -> Result<String> {
     Ok(host.context("rustc -vV names no host")?.to_owned())
 }
 
+/// The static library among what cargo built, by its messages.
+fn static_library(messages: &str) -> Option<PathBuf> {
+    let artifacts = messages
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter(|message| message["target"]["name"] == "ellgran");
+    let files = artifacts.flat_map(|m| m["filenames"].as_array().cloned().unwrap_or_default());
+    files
+        .filter_map(|file| file.as_str().map(PathBuf::from))
+        .find(|file| file.extension().is_some_and(|e| e == "a"))
+}
+
 /// Three ways: the library and the tests that call it as C does, all compiled with the sanitizer; a C and a C++ program that link the library
 /// so compiled; and C and C++ programs, compiled with both sanitizers, that link the library as users have it
 /// (tests/consumers/sanitizer.rs).
 fn address() -> Result<String> {
     let (host, target) = (host()?, target_directory()?.join("address"));
-    let passed = tests(
-        nightly(&[])?
+    let of_tests = || -> Result<Command> {
+        let mut command = nightly(&[])?;
+        command
             .args(["test", "--package", "ellgran", "--target", &host])
             .args(["--test", "c_abi", "--test", "fuzz_seeds"])
             .env("RUSTFLAGS", "-Zsanitizer=address")
             .env("ASAN_OPTIONS", "detect_leaks=1")
-            .env("CARGO_TARGET_DIR", &target),
-        "address",
-    )?;
-    let library = target.join(&host).join("debug").join("libellgran.a");
+            .env("CARGO_TARGET_DIR", &target);
+        Ok(command)
+    };
+    let passed = tests(&mut of_tests()?, "address")?;
+    // Built already: cargo says where.
+    let said = output_of(of_tests()?.args(["--no-run", "--message-format=json"]))?;
+    let library = static_library(&said).context("cargo names no library for C")?;
     let programs = [("cc", "two_grains.c"), ("c++", "neighbour_list.cpp")];
     for (compiler, source) in programs {
         let program = target.join(source).with_extension("out");
