@@ -27,6 +27,8 @@ RELAXATION = 0.5
 SPEEDS = (0.001, 0.003, 0.01)
 #: LSD is fitted at this speed.
 FITTED_AT = 0.003
+#: Impacts of which the laws' forces over time are kept; those of the finite elements are of all.
+SHOWN = ("normal, viscous", "45 degrees")
 GRIDS = {"coarse": Grid(6, 2, 3.0), "medium": Grid(8, 3, 2.4), "fine": Grid(10, 3, 2.1)}
 #: What the laws are held against; the coarse grid has all collisions too, the fine one these poses at the highest speed.
 REFERENCE = "medium"
@@ -240,9 +242,10 @@ def laws(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tuple[List
             for name, impact in wanted(pose, speed).items():
                 if not any((row["pose"], row["speed"], row["impact"]) == (pose.name, speed, name) for row in full_rows):
                     continue
-                chosen = {"NFD+TFD": (words(impact), False), "spheres": (words(impact), True)}
-                if impact.relaxation and fitted:
+                chosen = {"NFD+TFD": (words(impact), False)}
+                if impact.relaxation:
                     chosen["LSD"] = (spring_and_dashpot(pose, fitted[0], impact), False)
+                    chosen["spheres"] = (words(impact), True)
                 for label, (law, spheres) in chosen.items():
                     out, path = by_law(pose, impact, law, spheres)
                     times = times_of(pose, speed)
@@ -251,7 +254,7 @@ def laws(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tuple[List
                     common = {"pose": pose.name, "speed": speed, "impact": name}
                     difference = float(np.sqrt(np.mean(np.sum((force - full) ** 2, axis=1)) / np.mean(np.sum(full**2, axis=1))))
                     found.append({**common, "law": label, **out, "force_difference": difference})
-                    for moment, (along, up) in zip(times, force):
+                    for moment, (along, up) in zip(times, force) if name in SHOWN and not spheres else ():
                         curves.append({**common, "time": float(moment), "law": label, "force_x": float(along), "force_z": float(up)})
     return found, curves
 
@@ -313,7 +316,7 @@ def lowest_vibrations() -> List[Dict[str, Any]]:
     for pose in POSES:
         of = scale(pose, FITTED_AT)
         widths = (WIDTH * of.half_widths[0], WIDTH * of.half_widths[1])
-        body = free_body(matrices(pose.bodies())[0], POISSON, widths, GRIDS["medium"], 12)
+        body = free_body(matrices(pose.bodies())[0], POISSON, widths, GRIDS["coarse"], 12)
         count = len(body.places)
         moved = np.abs(body.shapes[2 * count + int(np.argmin((body.places**2).sum(axis=1)))])
         period = 2 * np.pi / float(body.frequencies[np.flatnonzero(moved > 0.1 * moved.max())[0]])
@@ -359,6 +362,7 @@ def main() -> None:
     for name, make in {"checks": checks, "whole_mesh": lambda: whole_mesh(rows), "pressed": pressed, "vibrations": lowest_vibrations}.items():
         if not (options.go_on and (HERE / f"{name}.csv").exists()):
             write_csv(HERE / f"{name}.csv", make())
+            write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
             print(f"{name}.csv", flush=True)
     if REFERENCE in made or not (options.go_on and (HERE / "laws.csv").exists()):
         found, curves = laws(rows, forces)

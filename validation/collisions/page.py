@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
-from compare import FRICTION, GRIDS, RELAXATION, VIBRATIONS
+from compare import FRICTION, GRIDS, RELAXATION, STEPS, VIBRATIONS
 from free_body import WIDTH
 from report_page import COLOURS, plt, save, table, write
 from stored import read_csv
@@ -60,7 +60,9 @@ class Results:
         return chosen(self.laws, law=law, pose=row["pose"], speed=row["speed"], impact=row["impact"])[0]
 
     def with_bar(self, row: Row, name: str, digits: int = 3) -> str:
-        return f"{number(row[name], digits)} ± {self.bar(row, name):.0e}"
+        # A duration is a whole number of steps.
+        bar = max(self.bar(row, name), 1 / STEPS if name == "duration" else 0.0)
+        return f"{number(row[name], digits)} ± {bar:.0e}"
 
 
 def pick(results: Results, impact: str) -> List[Row]:
@@ -223,10 +225,9 @@ def main() -> None:
     def of(name: str, row: Row, law: str = "NFD+TFD") -> float:
         return results.by(law, row)[name] - row[name]
 
-    def swings(pose: str, law: str) -> int:
-        force = [row["force_x"] for row in chosen(results.forces, pose=pose, speed=slow, impact="45 degrees", law=law)]
-        signs = [value > 0 for value in force if abs(value) > 0.02 * max(map(abs, force))]
-        return sum(one != other for one, other in zip(signs[:-1], signs[1:]))
+    def back(row: Row, law: str) -> float:
+        force = [r["force_x"] for r in chosen(results.forces, pose=row["pose"], speed=row["speed"], impact=row["impact"], law=law)]
+        return max(0.0, *force) / row["peak_force"]
 
     def at(rows: Sequence[Row], speed: float, *poses: str) -> List[Row]:
         return [row for row in rows if row["speed"] == speed and (not poses or row["pose"] in poses)]
@@ -256,6 +257,12 @@ def main() -> None:
     twice = {changed: max(abs(row[name] - chosen(results.rows, grid="coarse", pose=row["pose"], speed=row["speed"], impact=row["impact"])[0][name]) for row in checks if row["twice as many"] == changed for name in SPEED_AND_SPIN) for changed in ("vibrations", "steps")}
     reduced = max(abs(row["restitution"] - row["restitution_reduced"]) for row in whole)
     at_rest = max(abs(row["error"] - row["axisymmetric"]) for row in pressed)
+    finer = sorted({row["pose"] for row in results.rows if row["grid"] == "fine"})
+    third = f"; {FINE} elements ({FINE / WIDTH:.1f} nodes) for {', '.join(finer)} at v/c = {fast:g} (*fine*)" if finer else ""
+    three = f"Three grids at v/c = {fast:g}:\n\n{grid_table(results)}" if finer else ""
+    swing_back = "; ".join(
+        f"{row['pose']} {back(row, 'finite elements'):.2f} by finite elements, {back(row, 'NFD+TFD'):.2f} by the law" for row in at(pick(results, "45 degrees"), middle)
+    )
     parts = [
         f"""Equal prolate grains, smallest semi-axis 1, density 1, Young's modulus 1, Poisson's ratio 0.3: a speed of 1 is that of sound in a thin rod, c. The speed v is that of approach along the normal:
 {', '.join(f'{speed:g}' for speed in results.speeds)} of c. For a modulus of 70 GPa and 2700 kg/m^3 the lowest is {slow * (70e9 / 2700) ** 0.5:.0f} m/s. The poses:
@@ -275,8 +282,8 @@ Restitution is of the velocity along the normal at the point of first touch.""",
 Quadratic hexahedra of 27 nodes, small strain, graded to the contact ellipse; the plane of motion is one of symmetry, so half of each body is meshed. The rigid motion is exact, rotation and sliding of the surfaces over one another included.
 The {VIBRATIONS} lowest vibrations of each body have their inertia; all others follow the force at once, with the flexibility that the mesh gives them. In each step the inequalities are solved: no penetration, no tension, Coulomb's friction at each node, no penalty.
 
-Grids of {COARSE} (*coarse*) and {MEDIUM} elements (*medium*) across the contact, which are {COARSE / WIDTH:.1f} and {MEDIUM / WIDTH:.1f} nodes along its semi-axis at the greatest compression by Hertz, in all collisions; {FINE} elements ({FINE / WIDTH:.1f} nodes) for side by side at v/c = {fast:g} (*fine*).
-The values are of the medium grid. The error bar is what extrapolation at second order adds to it, {EXTRAPOLATED:.1f} times the change from the coarse grid, or the change to the fine one where that is larger. The medium half bodies have {span([row['unknowns'] / 2 for row in results.full], '.0f', 1)} unknowns.
+Grids of {COARSE} (*coarse*) and {MEDIUM} elements (*medium*) across the contact, which are {COARSE / WIDTH:.1f} and {MEDIUM / WIDTH:.1f} nodes along its semi-axis at the greatest compression by Hertz, in all collisions{third}.
+The values are of the medium grid. The error bar is what extrapolation at second order adds to it, {EXTRAPOLATED:.1f} times the change from the coarse grid, or the change to a finer one where that is larger. The medium half bodies have {span([row['unknowns'] / 2 for row in results.full], '.0f', 1)} unknowns.
 
 What it was held to:
 
@@ -286,9 +293,7 @@ What it was held to:
 - Twice as many vibrations change velocities and spins by at most {twice['vibrations']:.4f} of v, twice as many steps by {twice['steps']:.4f} (side by side at {fast:g}, coarse grid).
 - A body turns by at most {max(r['rotation'] for r in results.full if r['speed'] == slow):.3f} rad during contact at {slow:g} and {max(r['rotation'] for r in results.full):.3f} at {fast:g}: so much is neglected where vibrations are taken about the orientation at first touch.
 
-Three grids at v/c = {fast:g}:
-
-{grid_table(results)}""",
+{three}""",
         f"""## Normal impacts, elastic
 
 *Largest force: law* is its relative error. Duration is over that by Hertz (for the oblique pose with the mass that the contact feels).
@@ -307,8 +312,7 @@ volume with the same law, which is what an engine's own granular law of spheres 
 By NFD and TFD; *along* and *apart* are the velocities along x and z. Two spins where the bodies differ. *Force differs by*: root mean square of the difference of the force vector over time, over that of the force.
 
 {oblique_table(results, ('45 degrees', '45 degrees, viscous', '45 degrees, other side', '63 degrees'))}
-The largest error along x, {number(of('velocity_x', worst_along))} of v, is of *{worst_along['pose']}, {worst_along['impact']}* at {worst_along['speed']:g} (error bar {results.bar(worst_along, 'velocity_x'):.3f}). TFD has no hysteresis below sliding ([tangential contact](tangential-contact.md)), so its spring gives back what partial slip loses. Where the arm of the force is long against the radius of gyration (tip to tip) the grains have little inertia along the contact, and the
-tangential force swings: it changes its sign {swings('tip to tip', 'finite elements')} times in the contact by finite elements at {slow:g} and 45 degrees, {swings('tip to tip', 'NFD+TFD')} times by the law; {swings('crossed', 'finite elements')} and {swings('crossed', 'NFD+TFD')} in the crossed pose.""",
+The largest error along x, {number(of('velocity_x', worst_along))} of v, is of *{worst_along['pose']}, {worst_along['impact']}* at {worst_along['speed']:g} (error bar {results.bar(worst_along, 'velocity_x'):.3f}). TFD has no hysteresis below sliding ([tangential contact](tangential-contact.md)), so its spring gives back what partial slip loses. In collisions that stick, the force turns its sign before the end. This swing back, over the largest normal force, at 45 degrees and v/c = {middle:g}: {swing_back}.""",
         f"""## LSD and spheres at 45 degrees, viscous
 
 {spring_table(results)}
