@@ -41,6 +41,11 @@ def viscoelastic() -> SimpleNamespace:
 
 
 @pytest.fixture
+def collisions() -> SimpleNamespace:
+    return _load("collisions", ("free_body", "two_bodies", "whole_mesh", "compare"))
+
+
+@pytest.fixture
 def packings() -> SimpleNamespace:
     return _load("packings", ("packing_measures", "compare"))
 

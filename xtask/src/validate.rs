@@ -40,6 +40,9 @@ pub enum Comparison {
     /// Viscosity: the Kelvin-Voigt half-space with its exact memory
     #[value(name = "viscoelastic-contact")]
     Viscoelastic,
+    /// Collisions of two ellipsoids by finite elements with inertia: force over time, rebound, spin, vibration
+    #[value(name = "collisions")]
+    Collisions,
     /// Random packings against shape, with LAMMPS: solid fraction and coordination
     #[value(name = "packings")]
     Packings,
@@ -52,10 +55,11 @@ pub enum Comparison {
 }
 
 impl Comparison {
-    const ALL: [Comparison; 6] = [
+    const ALL: [Comparison; 7] = [
         Comparison::Elastic,
         Comparison::Tangential,
         Comparison::Viscoelastic,
+        Comparison::Collisions,
         Comparison::Packings,
         Comparison::SingleGrains,
         Comparison::Scenes,
@@ -67,6 +71,7 @@ impl Comparison {
             Comparison::Elastic => "elastic_contact",
             Comparison::Tangential => "tangential_contact",
             Comparison::Viscoelastic => "viscoelastic_contact",
+            Comparison::Collisions => "collisions",
             Comparison::Packings => "packings",
             Comparison::SingleGrains => "single_grains",
             Comparison::Scenes => "scenes",
