@@ -2350,6 +2350,19 @@ int32_t ellgran_wall_keep_inelastic_loads(struct EllgranWall *wall,
                                           int32_t keep);
 
 /*
+ Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
+ (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
+ `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
+
+ # Safety
+ The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
+ */
+int32_t ellgran_wall_tally_following_half_step(const struct EllgranWall *wall,
+                                               const struct EllgranParticles *particles,
+                                               const struct EllgranStep *step,
+                                               struct EllgranTallies *tallies);
+
+/*
  Number of recorded contacts of the last call; 0 for NULL.
 
  # Safety
@@ -2760,19 +2773,6 @@ int32_t ellgran_rayleigh_time(const struct EllgranLawParameters *parameters,
 int32_t ellgran_tally_following_half_step(const struct EllgranParticles *particles,
                                           const struct EllgranStep *step,
                                           struct EllgranTallies *tallies);
-
-/*
- Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
- (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
- `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
-
- # Safety
- The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
- */
-int32_t ellgran_wall_tally_following_half_step(const struct EllgranWall *wall,
-                                               const struct EllgranParticles *particles,
-                                               const struct EllgranStep *step,
-                                               struct EllgranTallies *tallies);
 
 /*
  Version of the binary interface of the linked library. Compare it with `ELLGRAN_ABI_VERSION` of the header when the

@@ -12,7 +12,8 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
 use super::tallies::{
-    add_preceding_half_step, add_preceding_half_step_at_wall, borrow, Asked, EllgranTallies,
+    add_half_step_at_wall, add_preceding_half_step, add_preceding_half_step_at_wall, borrow, Asked,
+    EllgranTallies,
 };
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
@@ -656,6 +657,49 @@ pub unsafe extern "C" fn ellgran_wall_keep_inelastic_loads(
         unsafe { required_mut(wall, "wall") }?
             .wall
             .keeps_inelastic_loads = keep != 0;
+        Ok(())
+    })
+}
+
+/// Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
+/// (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
+/// `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
+///
+/// # Safety
+/// The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_tally_following_half_step(
+    wall: *const EllgranWall,
+    particles: *const EllgranParticles,
+    step: *const EllgranStep,
+    tallies: *mut EllgranTallies,
+) -> i32 {
+    at_border("ellgran_wall_tally_following_half_step", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
+        let p = &*unsafe { given(particles, "particles") }?;
+        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
+        let step = unsafe { given(step, "step") }?.to_core()?;
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
+        let mut asked = unsafe { Asked::new(tallies) }?
+            .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
+        if let Some(last) = wall.touching_loads().last() {
+            if last.particle >= p.owned_count {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!(
+                        "owned_count = {}: the wall keeps a load of the particle with index {}",
+                        p.owned_count, last.particle
+                    ),
+                ));
+            }
+        }
+        let mut sums = asked.carried();
+        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
+        unsafe { add_half_step_at_wall(&mut sums, p, wall, &step) }?;
+        asked.write_carried(&sums);
         Ok(())
     })
 }

@@ -3,10 +3,8 @@
 
 use super::growing::{given, growing, Output};
 use super::particles::{changes, shape_of, EllgranParticles, EllgranStep};
-use super::rigid_wall::EllgranWall;
 use super::status::{
-    at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
-    ELLGRAN_ERROR_NULL_POINTER,
+    at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
 };
 use crate::contact::particle::response_to_torque;
 use crate::contact::{Particle, Step};
@@ -222,7 +220,7 @@ pub(super) unsafe fn add_preceding_half_step_at_wall(
 ///
 /// # Safety
 /// The arrays of `p` have the lengths that [`EllgranParticles`] states.
-unsafe fn add_half_step_at_wall(
+pub(super) unsafe fn add_half_step_at_wall(
     sums: &mut Tallies<'_>,
     p: &EllgranParticles,
     wall: &Wall,
@@ -284,74 +282,12 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             )
         })?;
         if step.advance_history {
-            let mut sums = Tallies {
-                viscous_dissipation: t.viscous_dissipation,
-                tangential_work: t.tangential_work,
-                wall_powers: t.wall_powers,
-                ..Tallies::default()
-            };
+            let mut sums = asked.carried();
             // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
             let motion = unsafe { motion(p, count) }?;
             sums.add_half_step(0.5 * step.time_step, loads.iter().enumerate(), motion);
-            asked.output.write(&EllgranTallies {
-                viscous_dissipation: sums.viscous_dissipation,
-                tangential_work: sums.tangential_work,
-                ..t
-            });
+            asked.write_carried(&sums);
         }
-        Ok(())
-    })
-}
-
-/// Adds the work that the loads which a wall keeps since the last call of `ellgran_compute_wall`
-/// (`ellgran_wall_keep_inelastic_loads`) do in the half step after it, to `viscous_dissipation` and `tangential_work` of its
-/// `tallies`. Otherwise like `ellgran_tally_following_half_step`; `inelastic_loads` is not read.
-///
-/// # Safety
-/// The pointers are as `EllgranParticles` and `EllgranTallies` state; `wall` is NULL or valid.
-#[no_mangle]
-pub unsafe extern "C" fn ellgran_wall_tally_following_half_step(
-    wall: *const EllgranWall,
-    particles: *const EllgranParticles,
-    step: *const EllgranStep,
-    tallies: *mut EllgranTallies,
-) -> i32 {
-    at_border("ellgran_wall_tally_following_half_step", || {
-        // SAFETY: promised by the caller, for all of this function.
-        let wall = &unsafe { required(wall, "wall") }?.wall;
-        // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
-        let p = &*unsafe { given(particles, "particles") }?;
-        // SAFETY: `step` is NULL or valid for reads, by this function's safety section.
-        let step = unsafe { given(step, "step") }?.to_core()?;
-        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
-        // safety section.
-        let mut asked = unsafe { Asked::new(tallies) }?
-            .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
-        let t = asked.given;
-        if let Some(last) = wall.touching_loads().last() {
-            if last.particle >= p.owned_count {
-                return Err(Failure::new(
-                    ELLGRAN_ERROR_ARGUMENT,
-                    format!(
-                        "owned_count = {}: the wall keeps a load of the particle with index {}",
-                        p.owned_count, last.particle
-                    ),
-                ));
-            }
-        }
-        let mut sums = Tallies {
-            viscous_dissipation: t.viscous_dissipation,
-            tangential_work: t.tangential_work,
-            wall_powers: t.wall_powers,
-            ..Tallies::default()
-        };
-        // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        unsafe { add_half_step_at_wall(&mut sums, p, wall, &step) }?;
-        asked.output.write(&EllgranTallies {
-            viscous_dissipation: sums.viscous_dissipation,
-            tangential_work: sums.tangential_work,
-            ..t
-        });
         Ok(())
     })
 }
@@ -375,6 +311,25 @@ impl Asked<'_> {
         // SAFETY: promised by the caller.
         let output = unsafe { Output::new(tallies, "tallies") }?;
         Ok(Some(Asked { given, output }))
+    }
+
+    /// The sums that are carried between steps.
+    pub(super) fn carried(&self) -> Tallies<'static> {
+        Tallies {
+            viscous_dissipation: self.given.viscous_dissipation,
+            tangential_work: self.given.tangential_work,
+            wall_powers: self.given.wall_powers,
+            ..Tallies::default()
+        }
+    }
+
+    /// Writes these alone.
+    pub(super) fn write_carried(&mut self, sums: &Tallies<'_>) {
+        self.output.write(&EllgranTallies {
+            viscous_dissipation: sums.viscous_dissipation,
+            tangential_work: sums.tangential_work,
+            ..self.given
+        });
     }
 
     pub(super) fn write(&mut self, sums: &Tallies<'_>) {

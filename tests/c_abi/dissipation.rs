@@ -8,9 +8,7 @@ use ellgran::c_api::neighbour_list::ellgran_compute_pairs;
 use ellgran::c_api::particles::{EllgranParticles, EllgranStep};
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
-use ellgran::c_api::tallies::{
-    ellgran_tally_following_half_step, ellgran_wall_tally_following_half_step, EllgranTallies,
-};
+use ellgran::c_api::tallies::{ellgran_tally_following_half_step, EllgranTallies};
 
 use crate::scene::*;
 
