@@ -59,6 +59,16 @@ pub struct BodyAtNormal<T = f64> {
     pub radii: Symmetric2<T>,
 }
 
+impl<T: Real> BodyAtNormal<T> {
+    /// The square root of the radii of curvature. (No closure: one that the compiler leaves as it is does not have a kernel's
+    /// instructions.)
+    #[inline(always)]
+    fn root_of_radii(&self) -> Symmetric2<T> {
+        let root_of_determinant = self.squared_product.sqrt() * self.inverse_h;
+        square_root(self.radii, self.h, root_of_determinant)
+    }
+}
+
 /// The matrix that proves, if it is positive definite and `n.d > 0`, that a stationary point `n` of `f` with the value
 /// `penetration` is the global minimum; otherwise nothing is known. Length^2; `across` is `T^T d`.
 #[inline(always)]
@@ -68,23 +78,23 @@ pub fn inscribed_ellipsoid_margin<T: Real>(
     penetration: T,
     across: Vector2<T>,
 ) -> Symmetric2<T> {
-    let root =
-        |b: &BodyAtNormal<T>| square_root(b.radii, b.h, b.squared_product.sqrt() * b.inverse_h);
-    let (x, y) = (root(i), root(j));
-    let s = x + y;
+    let s = i.root_of_radii() + j.root_of_radii();
     let total = i.h + j.h;
     let tilt = across * (total - penetration).reciprocal();
-    let least = |square: T, product: T| square - penetration * product;
+    let square = Symmetric2::new(
+        s.uu.multiply_add(s.uu, s.uv * s.uv),
+        s.uv * (s.uu + s.vv),
+        s.vv.multiply_add(s.vv, s.uv * s.uv),
+    );
+    let product = Symmetric2::new(
+        across.u.multiply_add(tilt.u, total),
+        across.u * tilt.v,
+        across.v.multiply_add(tilt.v, total),
+    );
     Symmetric2::new(
-        least(
-            s.uu.multiply_add(s.uu, s.uv * s.uv),
-            across.u.multiply_add(tilt.u, total),
-        ),
-        least(s.uv * (s.uu + s.vv), across.u * tilt.v),
-        least(
-            s.vv.multiply_add(s.vv, s.uv * s.uv),
-            across.v.multiply_add(tilt.v, total),
-        ),
+        square.uu - penetration * product.uu,
+        square.uv - penetration * product.uv,
+        square.vv - penetration * product.vv,
     )
 }
 

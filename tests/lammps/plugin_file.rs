@@ -106,3 +106,26 @@ fn both_versions_plugin_loads_again_after_clear_and_unload() {
         "{output}"
     );
 }
+
+/// Each arithmetic operation of the lanes is one instruction. Where the compiler leaves a function without the kernel's instruction set
+/// as it is, its operations become calls of functions that are in the file by their names.
+#[test]
+fn no_arithmetic_of_the_lanes_is_a_call() {
+    let engine = Engine::from_environment();
+    let output = Command::new("nm")
+        .arg("-C")
+        .arg(&engine.plugin)
+        .output()
+        .expect("cannot run nm");
+    let output = String::from_utf8_lossy(&output.stdout);
+    let operations = ["::_mm_", "::_mm256_", "::_mm512_", "core_arch::arm"];
+    let (mut of_library, mut calls) = (0, vec![]);
+    for line in output.lines() {
+        of_library += usize::from(line.contains("ellgran::list::"));
+        if operations.iter().any(|word| line.contains(word)) {
+            calls.push(line);
+        }
+    }
+    assert!(of_library > 10, "the plugin has no names of functions");
+    assert!(calls.is_empty(), "{calls:#?}");
+}

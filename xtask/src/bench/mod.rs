@@ -12,6 +12,7 @@ pub mod packing;
 mod scaling;
 pub mod scenes;
 pub mod statistics;
+mod walls;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,7 +34,7 @@ pub struct Options {
     /// Small scenes, short runs: under two minutes once engines and packings are there
     #[arg(long)]
     quick: bool,
-    /// Only this: kernels, scaling, or a scene by its name (repeat for more)
+    /// Only this: kernels, walls, scaling, or a scene by its name (repeat for more)
     #[arg(long)]
     scene: Vec<String>,
     /// Only this engine's pair styles in the scenes [default: both; packings are always made by LAMMPS]
@@ -68,6 +69,7 @@ pub struct Effort {
 }
 
 const KERNELS: &str = "kernels";
+const WALLS: &str = "walls";
 const SCALING: &str = "scaling";
 const SCENES_FILE: &str = "scenes";
 const SCENES_PICTURE: &str = "scenes.svg";
@@ -104,13 +106,13 @@ pub fn quick_kernels(output: &Path) -> Result<()> {
     )
 }
 
-/// The small dense scene through both engines, shortly: for the tests.
+/// A small dense scene through both engines, and walls, shortly: for the tests.
 pub fn quick_scene(output: &Path) -> Result<()> {
     run(
         output,
         &Choice {
             quick: true,
-            only: &[QUICK_SCENES[0].name.to_string()],
+            only: &[QUICK_SCENES[0].name.to_string(), WALLS.to_string()],
             ..Choice::default()
         },
     )?;
@@ -121,6 +123,8 @@ pub fn quick_scene(output: &Path) -> Result<()> {
             "nve/ellipsoid velocities step",
             "granular, spheres",
             "superquadric",
+            "far from a plane",
+            "on the inside of a cylinder",
         ],
     )?;
     let csv = fs::read_to_string(output.join("scenes.csv"))?;
@@ -222,7 +226,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         seconds: if quick { 0.2 } else { 1.0 },
     };
     let all: &[Scene] = if quick { &QUICK_SCENES } else { &SCENES };
-    let names: Vec<&str> = [KERNELS, SCALING]
+    let names: Vec<&str> = [KERNELS, WALLS, SCALING]
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
@@ -254,7 +258,8 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
     }
     let scenes: Vec<&Scene> = all.iter().filter(|scene| wanted(scene.name)).collect();
     let scaling = wanted(SCALING) && choice.engine != Some(Engine::Liggghts);
-    if !scenes.is_empty() || scaling {
+    let walls = wanted(WALLS) && choice.engine != Some(Engine::Liggghts);
+    if !scenes.is_empty() || walls || scaling {
         let engines = engines(choice, !scenes.is_empty())?;
         scenes::announce(&engines);
         report.head += &about_engines(&engines);
@@ -266,6 +271,10 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
             report.summary = Some(scenes::summary(&rows));
             draw_scenes(&report.picture(SCENES_PICTURE), &rows)?;
             report.add(SCENES_FILE, table, &scenes::csv(&rows))?;
+        }
+        if walls {
+            let found = walls::run(&engines.lammps, &effort)?;
+            report.add(WALLS, [walls::table(&found)], &walls::csv(&found))?;
         }
         if scaling {
             let found = scaling::run(&engines.lammps, &effort)?;
@@ -284,7 +293,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
 
 /// Nothing of an earlier run may stand beside this one's.
 fn remove_earlier(output: &Path) -> Result<()> {
-    let csv = [KERNELS, SCENES_FILE, SCALING].map(|name| format!("{name}.csv"));
+    let csv = [KERNELS, SCENES_FILE, WALLS, SCALING].map(|name| format!("{name}.csv"));
     let names = csv.iter().map(String::as_str);
     for name in names.chain([Report::TEXT, SCENES_PICTURE, GRAINS_PICTURE]) {
         let path = output.join(name);

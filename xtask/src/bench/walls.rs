@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a wall costs in LAMMPS: a layer of grains on it, and high above it, beside the same grains without a wall and beside the pairs of a
+//! dense packing, in turns, on one core.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use super::contender::Contender;
+use super::lammps_run::{path_word, timing, touching, Lammps};
+use super::packing::{Kind, Packing};
+use super::scenes::run_variables;
+use super::statistics::{short, Measured};
+use super::Effort;
+use crate::demo::table::Table;
+use crate::progress::Progress;
+
+/// Far above the wall, m: many grains.
+const FAR: &str = "0.02";
+/// Squares of two triangles along a side of the mesh, and their size, m: five of the grains' short axes.
+const SQUARES: usize = 33;
+const SQUARE: f64 = 0.008;
+
+/// A layer, by the words of the deck.
+#[derive(Clone, Copy, PartialEq)]
+struct Case {
+    surface: &'static str,
+    far: bool,
+}
+
+const CASES: [Case; 7] = [
+    case("none", false),
+    case("plane", false),
+    case("plane", true),
+    case("cylinder", false),
+    case("cylinder", true),
+    case("mesh", false),
+    case("mesh", true),
+];
+
+const fn case(surface: &'static str, far: bool) -> Case {
+    Case { surface, far }
+}
+
+/// Nanoseconds.
+pub struct Costs {
+    /// Grains of the layer.
+    grains: f64,
+    walls: Vec<Cost>,
+    /// Of the pair style, per touching pair of the dense packing.
+    pair: Measured,
+}
+
+struct Cost {
+    case: Case,
+    /// Per grain and step, above the step without a wall.
+    per_grain: Measured,
+    /// Contacts with the wall per grain.
+    contacts: f64,
+}
+
+pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
+    let directory = tempfile::tempdir()?;
+    let mesh = directory.path().join("floor.stl");
+    write_floor(&mesh)?;
+    let (side, steps) = if effort.quick { (16, 100) } else { (64, 500) };
+    let lattice = if effort.quick { 8 } else { 16 };
+    let packing = Packing {
+        kind: Kind::Dense,
+        lattice: [lattice; 3],
+        spheres: false,
+    }
+    .file(lammps)?;
+    let sets = Contender::instruction_sets();
+    let ours = Contender::Ours(sets[sets.len() - 1]);
+    let mut progress = Progress::start("Walls");
+    let mut layers: Vec<Vec<f64>> = CASES.iter().map(|_| Vec::new()).collect();
+    let (mut contacts, mut pairs) = (vec![0.0; CASES.len()], Vec::new());
+    let mut grains = 0.0;
+    for round in 0..effort.rounds {
+        progress.update(Some(round as f64 / effort.rounds as f64), "layers");
+        for (k, case) in CASES.iter().enumerate() {
+            let words = [
+                ("surface", case.surface.to_string()),
+                ("height", if case.far { FAR } else { "0" }.to_string()),
+                ("mesh", path_word(&mesh)?),
+                ("side", side.to_string()),
+                ("steps", steps.to_string()),
+            ];
+            let output = lammps.run("layer.lmp", 1, None, &words)?;
+            let found = timing(&output)?;
+            layers[k].push(found.per_grain(found.step));
+            contacts[k] = touching(&output)? / found.atoms;
+            grains = found.atoms;
+        }
+        let mut words = run_variables(&packing, ours, [1; 3], 20, steps)?;
+        // Every pair once.
+        words.extend([("count", "1".to_string()), ("newton", "on".to_string())]);
+        let output = lammps.run("run.lmp", 1, None, &words)?;
+        let found = timing(&output)?;
+        pairs.push(found.per_grain(found.pair) * found.atoms / touching(&output)?);
+    }
+    progress.finish();
+    let walls = (1..CASES.len())
+        .map(|k| {
+            // Of one round each, so that what disturbs a round is in both.
+            let above: Vec<f64> = layers[k]
+                .iter()
+                .zip(&layers[0])
+                .map(|(with, without)| with - without)
+                .collect();
+            Ok(Cost {
+                case: CASES[k],
+                per_grain: Measured::of(&above).context("no round was run")?,
+                contacts: contacts[k],
+            })
+        })
+        .collect::<Result<_>>()?;
+    Ok(Costs {
+        grains,
+        walls,
+        pair: Measured::of(&pairs).context("no round was run")?,
+    })
+}
+
+/// A floor of triangles.
+fn write_floor(path: &Path) -> Result<()> {
+    let at = |k: usize| SQUARE * (k as f64 - 0.5 * SQUARES as f64);
+    let mut text = String::from("solid floor\n");
+    for k in 0..SQUARES * SQUARES {
+        let (i, j) = (k % SQUARES, k / SQUARES);
+        let [a, b] = [(at(i), at(j)), (at(i + 1), at(j))];
+        let [c, d] = [(at(i + 1), at(j + 1)), (at(i), at(j + 1))];
+        for corners in [[a, b, c], [a, c, d]] {
+            text += "facet normal 0 0 1\nouter loop\n";
+            for (x, y) in corners {
+                writeln!(text, "vertex {x:.6} {y:.6} 0")?;
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text += "endsolid floor\n";
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+impl Case {
+    fn title(self) -> String {
+        let surface = match self.surface {
+            "plane" => "a plane".to_string(),
+            "cylinder" => "the inside of a cylinder, region".to_string(),
+            _ => format!("a mesh of {} triangles", 2 * SQUARES * SQUARES),
+        };
+        let place = if self.far { "far from" } else { "on" };
+        format!("{place} {surface}")
+    }
+}
+
+pub fn table(costs: &Costs) -> Table {
+    let title = format!(
+        "Walls in LAMMPS: what a step of {} grains takes more than without the wall; a touching pair of a dense packing takes {} ns",
+        costs.grains,
+        costs.pair.show()
+    );
+    let mut table = Table::new(
+        &title,
+        &[
+            "a layer of grains, AR 2",
+            "contacts with the wall per grain",
+            "ns per grain and step",
+            "ns per contact",
+            "over a touching pair",
+        ],
+    );
+    for cost in &costs.walls {
+        let [per_contact, ratio] = if cost.contacts > 0.0 {
+            let per_contact = cost.per_grain.scaled(1.0 / cost.contacts);
+            let ratio = per_contact.median / costs.pair.median;
+            [per_contact.show(), short(ratio)]
+        } else {
+            [String::new(), String::new()]
+        };
+        table.row(vec![
+            cost.case.title(),
+            short(cost.contacts),
+            cost.per_grain.show(),
+            per_contact,
+            ratio,
+        ]);
+    }
+    table
+}
+
+pub fn csv(costs: &Costs) -> String {
+    let mut text =
+        String::from("surface,far,contacts_per_grain,ns_per_grain,spread,pair_ns_per_contact\n");
+    for cost in &costs.walls {
+        text += &format!(
+            "{},{},{},{},{},{}\n",
+            cost.case.surface,
+            cost.case.far,
+            cost.contacts,
+            cost.per_grain.median,
+            cost.per_grain.spread,
+            costs.pair.median
+        );
+    }
+    text
+}
