@@ -124,7 +124,8 @@ pub fn quick_scene(output: &Path) -> Result<()> {
             "granular, spheres",
             "superquadric",
             "far from a plane",
-            "on the inside of a cylinder",
+            "on a cylinder",
+            "far from a closed mesh",
         ],
     )?;
     let csv = fs::read_to_string(output.join("scenes.csv"))?;

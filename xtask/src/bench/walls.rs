@@ -19,8 +19,8 @@ use crate::progress::Progress;
 
 /// Far above the wall, m: many grains.
 const FAR: &str = "0.02";
-/// Squares of two triangles along a side of the mesh, and their size, m: five of the grains' short axes.
-const SQUARES: usize = 33;
+/// Squares of two triangles along a side of a mesh, and their size, m: five of the grains' short axes.
+const SQUARES: usize = 41;
 const SQUARE: f64 = 0.008;
 
 /// A layer, by the words of the deck.
@@ -30,7 +30,10 @@ struct Case {
     far: bool,
 }
 
-const CASES: [Case; 7] = [
+/// Faces of the closed mesh.
+const FACES: usize = 6;
+
+const CASES: [Case; 8] = [
     case("none", false),
     case("plane", false),
     case("plane", true),
@@ -38,6 +41,7 @@ const CASES: [Case; 7] = [
     case("cylinder", true),
     case("mesh", false),
     case("mesh", true),
+    case("closed mesh", true),
 ];
 
 const fn case(surface: &'static str, far: bool) -> Case {
@@ -63,8 +67,11 @@ struct Cost {
 
 pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     let directory = tempfile::tempdir()?;
-    let mesh = directory.path().join("floor.stl");
-    write_floor(&mesh)?;
+    let [floor, closed] = ["floor.stl", "box.stl"].map(|name| directory.path().join(name));
+    write_squares(&floor, &[([0, 1, 2], 0.0)])?;
+    let half = 0.5 * SQUARE * SQUARES as f64;
+    let faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|axes| [(axes, half), (axes, -half)]);
+    write_squares(&closed, faces.as_flattened())?;
     let (side, steps) = if effort.quick { (16, 100) } else { (64, 500) };
     let lattice = if effort.quick { 8 } else { 16 };
     let packing = Packing {
@@ -82,10 +89,14 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     for round in 0..effort.rounds {
         progress.update(Some(round as f64 / effort.rounds as f64), "layers");
         for (k, case) in CASES.iter().enumerate() {
+            let (surface, mesh) = match case.surface {
+                "closed mesh" => ("mesh", &closed),
+                surface => (surface, &floor),
+            };
             let words = [
-                ("surface", case.surface.to_string()),
+                ("surface", surface.to_string()),
                 ("height", if case.far { FAR } else { "0" }.to_string()),
-                ("mesh", path_word(&mesh)?),
+                ("mesh", path_word(mesh)?),
                 ("side", side.to_string()),
                 ("steps", steps.to_string()),
             ];
@@ -125,23 +136,31 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     })
 }
 
-/// A floor of triangles.
-fn write_floor(path: &Path) -> Result<()> {
+/// Faces of squares about the origin: the first two axes span each, the third is its normal, along which it lies so far.
+fn write_squares(path: &Path, faces: &[([usize; 3], f64)]) -> Result<()> {
     let at = |k: usize| SQUARE * (k as f64 - 0.5 * SQUARES as f64);
-    let mut text = String::from("solid floor\n");
-    for k in 0..SQUARES * SQUARES {
-        let (i, j) = (k % SQUARES, k / SQUARES);
-        let [a, b] = [(at(i), at(j)), (at(i + 1), at(j))];
-        let [c, d] = [(at(i + 1), at(j + 1)), (at(i), at(j + 1))];
-        for corners in [[a, b, c], [a, c, d]] {
-            text += "facet normal 0 0 1\nouter loop\n";
-            for (x, y) in corners {
-                writeln!(text, "vertex {x:.6} {y:.6} 0")?;
+    let mut text = String::from("solid squares\n");
+    for (axes, height) in faces {
+        for k in 0..SQUARES * SQUARES {
+            let (i, j) = (k % SQUARES, k / SQUARES);
+            let [a, b] = [(at(i), at(j)), (at(i + 1), at(j))];
+            let [c, d] = [(at(i + 1), at(j + 1)), (at(i), at(j + 1))];
+            for corners in [[a, b, c], [a, c, d]] {
+                // Readers take the normal from the corners.
+                text += "facet normal 0 0 0\nouter loop\n";
+                for (u, v) in corners {
+                    let mut place = [0.0; 3];
+                    for (axis, value) in axes.iter().zip([u, v, *height]) {
+                        place[*axis] = value;
+                    }
+                    let [x, y, z] = place;
+                    writeln!(text, "vertex {x:.6} {y:.6} {z:.6}")?;
+                }
+                text += "endloop\nendfacet\n";
             }
-            text += "endloop\nendfacet\n";
         }
     }
-    text += "endsolid floor\n";
+    text += "endsolid squares\n";
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -149,8 +168,12 @@ impl Case {
     fn title(self) -> String {
         let surface = match self.surface {
             "plane" => "a plane".to_string(),
-            "cylinder" => "the inside of a cylinder, region".to_string(),
-            _ => format!("a mesh of {} triangles", 2 * SQUARES * SQUARES),
+            "cylinder" => "a cylinder, within it".to_string(),
+            "mesh" => format!("a flat mesh of {} triangles", 2 * SQUARES * SQUARES),
+            _ => format!(
+                "a closed mesh of {} triangles, within it",
+                2 * FACES * SQUARES * SQUARES
+            ),
         };
         let place = if self.far { "far from" } else { "on" };
         format!("{place} {surface}")
