@@ -9,7 +9,8 @@ use ellgran::list::{ParticleArrays, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
 use ellgran::walls::{
-    compute_wall, End, Mesh, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput,
+    compute_planes, compute_wall, End, Mesh, Motion, PlaneInput, ShapeParameters, Side, Wall,
+    WallInput, WallOutput,
 };
 
 use crate::clock::{since, Clock};
@@ -216,27 +217,45 @@ impl<'a> Run<'a> {
             shape: |k| Some((self.semi_axes, self.quaternions[k])),
             identifier: |k| k as i64,
         };
-        self.workspace
-            .prepare_chosen(&arrays, self.laws.types(), self.wall.near())
-            .expect("the layer is made of ellipsoids");
-        let load = compute_wall(
-            &mut self.wall,
-            &WallInput {
+        let (types, set) = (self.laws.types(), self.workspace.instruction_set);
+        let mut output = WallOutput {
+            acts_on: &|_| true,
+            histories: &mut self.histories,
+            forces: &mut self.forces,
+            torques: &mut self.torques,
+        };
+        // As the C interface does
+        let load = if self
+            .wall
+            .is_taken_in_lanes(self.laws, 1, &Motion::REST, set, None)
+        {
+            self.workspace
+                .prepare_chosen_records(&arrays, types, self.wall.near())
+                .expect("the layer is made of ellipsoids");
+            let input = PlaneInput {
+                laws: self.laws,
+                wall_type: 1,
+                near: self.workspace.chosen_records(),
+                masses: None,
+                motion: &Motion::REST,
+                step: self.step,
+                instruction_set: set,
+            };
+            compute_planes(&mut self.wall, &input, &mut output, None)
+        } else {
+            self.workspace
+                .prepare_chosen(&arrays, types, self.wall.near())
+                .expect("the layer is made of ellipsoids");
+            let input = WallInput {
                 laws: self.laws,
                 wall_type: 1,
                 near: self.workspace.particles(),
                 motion: &Motion::REST,
                 step: self.step,
-                instruction_set: InstructionSet::widest(),
-            },
-            &mut WallOutput {
-                acts_on: &|_| true,
-                histories: &mut self.histories,
-                forces: &mut self.forces,
-                torques: &mut self.torques,
-            },
-            None,
-        )
+                instruction_set: set,
+            };
+            compute_wall(&mut self.wall, &input, &mut output, None)
+        }
         .expect("no law of the table can break");
         self.contacts = load.contacts;
         since(&started)

@@ -156,7 +156,7 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
         // function's safety section.
         let histories = unsafe { slice(histories, p.owned_count * layout.length(), "histories") }?;
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on) }?;
+        unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on, false) }?;
         let places = Places {
             near: workspace.particles(),
             motion: &motion,
@@ -167,8 +167,9 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
             },
             frame: Frame::World,
         };
-        wall.find_contacts(&places, layout, None, histories)
+        wall.check_histories(layout, None, histories)
             .map_err(|e| wall_history_failure(p, &e))?;
+        wall.find_contacts(&places, layout, histories);
         names.extend(wall.found().all().iter().map(|c| identifier(p, c.particle)));
         Ok(())
     })
@@ -295,6 +296,7 @@ pub unsafe extern "C" fn ellgran_remember_wall_contacts(
         found.remember(
             unsafe { slice_mut(histories, length, "histories") }?,
             &acts_on,
+            &[],
         );
         Ok(())
     })

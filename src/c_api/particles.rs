@@ -244,6 +244,8 @@ pub(super) enum Purpose<'a> {
     SingleContacts,
     /// One contact at a time, of these particles alone.
     Chosen(&'a [usize]),
+    /// Records of these particles alone, for lanes.
+    ChosenRecords(&'a [usize]),
     /// The pairs of a list, and whether list and particles are those of the last call.
     Pairs { unchanged: bool },
 }
@@ -361,6 +363,9 @@ pub(super) unsafe fn prepare(
         }
         (Purpose::Chosen(chosen), laws) => {
             workspace.prepare_chosen(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
+        }
+        (Purpose::ChosenRecords(chosen), laws) => {
+            workspace.prepare_chosen_records(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
         }
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }

@@ -12,8 +12,7 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
 use super::tallies::{
-    add_half_step_at_wall, add_preceding_half_step, add_preceding_half_step_at_wall, borrow, Asked,
-    EllgranTallies,
+    add_half_step_at_wall, add_preceding_half_step, borrow, respond_at_wall, Asked, EllgranTallies,
 };
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
@@ -21,8 +20,8 @@ use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
-    compute_wall, stl, write_triangle_loads, End, Mesh, Motion, ShapeParameters, Side,
-    TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongHistory,
+    compute_planes, compute_wall, stl, write_triangle_loads, End, Mesh, Motion, PlaneInput,
+    ShapeParameters, Side, TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -438,7 +437,8 @@ pub(super) unsafe fn chosen<'a>(
     Ok(move |k: usize| mask.is_none_or(|m| m[k] & group_mask != 0))
 }
 
-/// Finds the particles that may touch a wall, and prepares them in `workspace`.
+/// Finds the particles that may touch a wall, and prepares them in `workspace`: records of them for the lanes, or
+/// to be taken one at a time.
 ///
 /// # Safety
 /// The arrays are as `EllgranParticles` states.
@@ -449,6 +449,7 @@ pub(super) unsafe fn prepare_near(
     laws: Option<&Laws>,
     motion: &Motion,
     acts_on: &impl Fn(usize) -> bool,
+    as_records: bool,
 ) -> Result<(), Failure> {
     let owned = p.owned_count;
     // SAFETY: promised by the caller, for all of this function.
@@ -473,8 +474,13 @@ pub(super) unsafe fn prepare_near(
         });
         acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
     });
+    let purpose = if as_records {
+        Purpose::ChosenRecords(wall.near())
+    } else {
+        Purpose::Chosen(wall.near())
+    };
     // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-    unsafe { prepare(p, owned, laws, workspace, Purpose::Chosen(wall.near())) }
+    unsafe { prepare(p, owned, laws, workspace, purpose) }
 }
 
 /// The message of histories that hold what no call has written.
@@ -534,8 +540,20 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         let length = wall.histories(laws).length();
         // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
         let acts_on = unsafe { chosen(masks, group_mask, owned) }?;
+        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
+        // safety section.
+        let mut asked = unsafe { Asked::new(tallies) }?;
+        let mut sums = match &asked {
+            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
+            // are borrowed once.
+            Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
+            None => None,
+        };
+        let instruction_set = workspace.instruction_set;
+        let in_lanes =
+            wall.is_taken_in_lanes(laws, wall_type, &motion, instruction_set, sums.as_ref());
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on) }?;
+        unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on, in_lanes) }?;
         let mut output = WallOutput {
             acts_on: &acts_on,
             // SAFETY: `histories` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
@@ -548,36 +566,51 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             // `EllgranParticles` demands.
             torques: unsafe { slice_mut(p.torques.cast::<[f64; 3]>(), owned, "torques") }?,
         };
-        // SAFETY: `tallies` and the arrays that it names are valid as `EllgranTallies` demands, by this function's
-        // safety section.
-        let mut asked = unsafe { Asked::new(tallies) }?;
-        let mut sums = match &asked {
-            // SAFETY: the arrays of `tallies` have an element for each particle, as `EllgranTallies` demands; they
-            // are borrowed once.
-            Some(asked) => Some(unsafe { borrow(&asked.given, owned) }?),
-            None => None,
+        let found = if in_lanes {
+            let masses = if p.angular_velocities.is_null() && owned > 0 {
+                // SAFETY: `masses` is valid for reads of `owned` elements where there are angular momenta, as
+                // `EllgranParticles` demands.
+                Some(unsafe { slice(p.masses, owned, "masses") }?)
+            } else {
+                None
+            };
+            let input = PlaneInput {
+                laws,
+                wall_type,
+                near: workspace.chosen_records(),
+                masses,
+                motion: &motion,
+                step: &step,
+                instruction_set,
+            };
+            compute_planes(wall, &input, &mut output, sums.as_mut())
+        } else {
+            let input = WallInput {
+                laws,
+                wall_type,
+                near: workspace.particles(),
+                motion: &motion,
+                step: &step,
+                instruction_set,
+            };
+            compute_wall(wall, &input, &mut output, sums.as_mut())
         };
-        let input = WallInput {
-            laws,
-            wall_type,
-            near: workspace.particles(),
-            motion: &motion,
-            step: &step,
-            instruction_set: workspace.instruction_set,
-        };
-        let found =
-            compute_wall(wall, &input, &mut output, sums.as_mut()).map_err(|e| match e {
-                WallError::Hale { particle, ratio } => {
-                    hale_failure(identifier(p, particle), None, ratio)
-                }
-                WallError::History(wrong) => wall_history_failure(p, &wrong),
-            })?;
+        let found = found.map_err(|e| match e {
+            WallError::Hale { particle, ratio } => {
+                hale_failure(identifier(p, particle), None, ratio)
+            }
+            WallError::History(wrong) => wall_history_failure(p, &wrong),
+        })?;
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
             // SAFETY: promised by the caller.
             unsafe { add_preceding_half_step(&mut sums, p, owned, &step) }?;
-            let near = workspace.particles();
+            if !in_lanes {
+                let near = workspace.particles();
+                // SAFETY: promised by the caller.
+                unsafe { respond_at_wall(p, wall, near) };
+            }
             // SAFETY: promised by the caller.
-            unsafe { add_preceding_half_step_at_wall(&mut sums, p, wall, near, &step) }?;
+            unsafe { add_half_step_at_wall(&mut sums, p, wall, &step) }?;
             asked.write(&sums);
         }
         if let Some(out) = &mut of_load {
@@ -685,16 +718,15 @@ pub unsafe extern "C" fn ellgran_wall_tally_following_half_step(
         // safety section.
         let mut asked = unsafe { Asked::new(tallies) }?
             .ok_or_else(|| Failure::new(ELLGRAN_ERROR_NULL_POINTER, "tallies must not be NULL"))?;
-        if let Some(last) = wall.touching_loads().last() {
-            if last.particle >= p.owned_count {
-                return Err(Failure::new(
-                    ELLGRAN_ERROR_ARGUMENT,
-                    format!(
-                        "owned_count = {}: the wall keeps a load of the particle with index {}",
-                        p.owned_count, last.particle
-                    ),
-                ));
-            }
+        let last = wall.touching_loads().iter().map(|t| t.particle).max();
+        if let Some(last) = last.filter(|last| *last >= p.owned_count) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "owned_count = {}: the wall keeps a load of the particle with index {last}",
+                    p.owned_count
+                ),
+            ));
         }
         let mut sums = asked.carried();
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.

@@ -193,27 +193,21 @@ pub(super) unsafe fn add_preceding_half_step(
     Ok(())
 }
 
-/// The same for the loads that a wall keeps; `near` are the particles that might touch it, as they were prepared.
+/// Makes of the torques of the loads that a wall keeps what answers to the engine's rotations; `near` are the particles that might
+/// touch it, as they were prepared.
 ///
 /// # Safety
 /// As for [`add_preceding_half_step`].
-pub(super) unsafe fn add_preceding_half_step_at_wall(
-    sums: &mut Tallies<'_>,
-    p: &EllgranParticles,
-    wall: &mut Wall,
-    near: &[Particle],
-    step: &Step,
-) -> Result<(), Failure> {
-    if p.angular_velocities.is_null() {
-        for touching in wall.touching_loads_mut() {
-            // SAFETY: promised by the caller; a particle with a load was found to have a mass.
-            let mass = unsafe { *p.masses.add(touching.particle) };
-            let response = response_to_torque(&near[touching.near].body, mass);
-            touching.load.respond(response);
-        }
+pub(super) unsafe fn respond_at_wall(p: &EllgranParticles, wall: &mut Wall, near: &[Particle]) {
+    if !p.angular_velocities.is_null() {
+        return;
     }
-    // SAFETY: promised by the caller.
-    unsafe { add_half_step_at_wall(sums, p, wall, step) }
+    for touching in wall.touching_loads_mut() {
+        // SAFETY: promised by the caller; a particle with a load was found to have a mass.
+        let mass = unsafe { *p.masses.add(touching.particle) };
+        let response = response_to_torque(&near[touching.near].body, mass);
+        touching.load.respond(response);
+    }
 }
 
 /// Adds the work of the loads that a wall keeps over half a step.

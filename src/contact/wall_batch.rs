@@ -15,11 +15,11 @@ use super::lane_law::{constants_of, factors_for};
 use super::particle::Particle;
 use super::staged::{WallSurface, LEAST_CURVATURE};
 use super::turning_normal::{along_and_across, TurningNormal};
-use crate::force::{LawKinds, PairLaw};
-use crate::geometry::{ConvexBody, Ellipsoid};
+use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
+use crate::geometry::{ConvexBody, Ellipsoid, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
-use crate::vector::{Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// One number of all lanes.
 type Column = [f64; MOST_LANES];
@@ -301,6 +301,153 @@ fn vector<S: Registers>(registers: S, columns: &Columns) -> Vector3<Lanes<S>> {
     )
 }
 
+/// A body in each lane beside a surface, in one frame, in which the surface is at rest.
+pub(crate) struct BodyAtSurface<T: Real, B> {
+    pub body: B,
+    /// Unit normal out of the wall, towards the body.
+    pub outwards: Vector3<T>,
+    /// How far its centre lies from the plane that touches the surface.
+    pub height: T,
+    /// Motion of the body.
+    pub velocity: Vector3<T>,
+    pub omega: Vector3<T>,
+    /// What it has more at the step, where that is known.
+    pub change: Option<MotionChange<T>>,
+    pub effective_mass: T,
+}
+
+/// The same, with the place of the contact.
+pub(crate) struct PlacedAtSurface<S: Registers, B: ConvexBody<Lanes<S>>> {
+    at: BodyAtSurface<Lanes<S>, B>,
+    view: B::View,
+    support: SupportInFrame<Lanes<S>>,
+    /// Basis of the tangent plane; the normal of the contact is into the wall.
+    pub tangent: Tangent<Lanes<S>>,
+    /// Penetration, not positive in lanes that do not touch.
+    pub penetration: Lanes<S>,
+    /// Lanes that touch.
+    pub touching: S::Mask,
+}
+
+/// What the law makes of it.
+pub(crate) struct ForcesAtSurface<S: Registers> {
+    pub contact: Contact<Lanes<S>>,
+    pub curvature: Symmetric2<Lanes<S>>,
+    pub factors: Factors<Lanes<S>>,
+    pub forces: ContactForces<Lanes<S>>,
+    /// Lanes that are to be taken one at a time.
+    pub hard: S::Mask,
+}
+
+impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
+    /// Finds how deep each body is.
+    #[inline(always)]
+    pub fn new(registers: S, at: BodyAtSurface<Lanes<S>, B>) -> Self {
+        let normal = -at.outwards;
+        let tangent = Tangent::new(normal);
+        let view = at.body.view(normal, &tangent);
+        let support = at.body.support_in_frame(&view);
+        let penetration = support.h - at.height;
+        PlacedAtSurface {
+            touching: Lanes::splat(registers, 0.0).less(penetration),
+            at,
+            view,
+            support,
+            tangent,
+            penetration,
+        }
+    }
+
+    /// The body.
+    #[inline(always)]
+    pub fn body(&self) -> &B {
+        &self.at.body
+    }
+
+    /// The surface's deepest point, from the centre of the body.
+    #[inline(always)]
+    pub fn point(&self) -> Vector3<Lanes<S>> {
+        self.tangent.vector(self.support.witness) - self.at.outwards * self.at.height
+    }
+
+    /// Forces, with this Weingarten map of the surface in the tangent basis; none for a plane.
+    #[inline(always)]
+    pub fn forces(
+        &self,
+        registers: S,
+        kinds: &LawKinds,
+        constants: &LawConstants<Lanes<S>>,
+        of_wall: Option<Symmetric2<Lanes<S>>>,
+        remembered: &Remembered<Lanes<S>>,
+        step: &Step,
+    ) -> ForcesAtSurface<S> {
+        let zero = Lanes::splat(registers, 0.0);
+        let one = Lanes::splat(registers, 1.0);
+        let null = Vector3::new(zero, zero, zero);
+        let at = &self.at;
+        let weingarten = at.body.weingarten_in_frame(&self.view, self.support.h);
+        let flat = Symmetric2::new(zero, zero, zero);
+        let curvature = relative_curvature_matrix(weingarten, of_wall.unwrap_or(flat));
+        let mut hard = registers.no_lane();
+        if of_wall.is_some() {
+            let least = weingarten.determinant() * LEAST_CURVATURE / weingarten.trace();
+            hard = registers.not(registers.and(
+                zero.less(curvature.trace()),
+                (least * curvature.trace()).less(curvature.determinant()),
+            ));
+        }
+        let unsound = registers.or(registers.not(self.touching), hard);
+        let (factors, beyond) = factors_for(registers, kinds, curvature, unsound, true);
+
+        let mut contact = Contact {
+            normal: -at.outwards,
+            tangent: self.tangent,
+            // A lane that does not touch computes nothing that is used, but must not make a trap of it.
+            penetration: self.penetration.max(zero.constant(1e-300)),
+            i: Surface {
+                h: self.support.h,
+                inverse_h: self.support.inverse_h,
+                witness: self.support.witness,
+                weingarten,
+                determinant: at.body.squared_product(),
+                velocity: at.velocity,
+                omega: at.omega,
+            },
+            j: Surface {
+                h: one,
+                inverse_h: one,
+                witness: Vector2::new(zero, zero),
+                weingarten: of_wall.unwrap_or(flat),
+                determinant: one,
+                velocity: null,
+                omega: null,
+            },
+            effective_mass: at.effective_mass,
+            inverse_hessian: None,
+            changes: None,
+            begin_time: None,
+        };
+        if let Some(change) = at.change {
+            let none = MotionChange {
+                velocity: null,
+                omega: null,
+            };
+            contact.changes = Some([change, none]);
+            contact.begin_time = Some(Lanes::splat(registers, step.time_step));
+        }
+        let forces = contact_forces::<Lanes<S>, true, true, true, true>(
+            kinds, constants, &factors, curvature, &contact, remembered,
+        );
+        ForcesAtSurface {
+            contact,
+            curvature,
+            factors,
+            forces,
+            hard: registers.or(hard, beyond),
+        }
+    }
+}
+
 /// Geometry, law and the turning of the normal.
 #[inline(always)]
 fn contacts<S: Registers>(
@@ -311,87 +458,44 @@ fn contacts<S: Registers>(
 ) -> WallLanes {
     let numbers = &batch.numbers;
     let zero = Lanes::splat(registers, 0.0);
-    let one = Lanes::splat(registers, 1.0);
-    let null = Vector3::new(zero, zero, zero);
     let kinds: &LawKinds = &laws[0].kinds;
 
-    let body = Ellipsoid {
-        axes: [
-            vector(registers, &numbers.axes[0]),
-            vector(registers, &numbers.axes[1]),
-            vector(registers, &numbers.axes[2]),
-        ],
-        semi_axes: vector(registers, &numbers.semi_axes),
-        inverse_semi_axes: vector(registers, &numbers.inverse_semi_axes),
-    };
     let outwards = vector(registers, &numbers.normal);
-    let normal = -outwards;
-    let tangent = Tangent::new(normal);
-    let view = body.view(normal, &tangent);
-    let support = body.support_in_frame(&view);
-    let penetration = support.h - outwards.dot(vector(registers, &numbers.offset));
-    let touching = zero.less(penetration);
+    let mut at = BodyAtSurface {
+        body: Ellipsoid {
+            axes: [
+                vector(registers, &numbers.axes[0]),
+                vector(registers, &numbers.axes[1]),
+                vector(registers, &numbers.axes[2]),
+            ],
+            semi_axes: vector(registers, &numbers.semi_axes),
+            inverse_semi_axes: vector(registers, &numbers.inverse_semi_axes),
+        },
+        outwards,
+        height: outwards.dot(vector(registers, &numbers.offset)),
+        velocity: vector(registers, &numbers.velocity),
+        omega: vector(registers, &numbers.omega),
+        change: None,
+        effective_mass: Lanes::load(registers, &numbers.effective_mass),
+    };
+    if batch.changes {
+        at.change = Some(MotionChange {
+            velocity: vector(registers, &numbers.velocity_change),
+            omega: vector(registers, &numbers.omega_change),
+        });
+    }
+    let placed = PlacedAtSurface::new(registers, at);
+    let (penetration, touching) = (placed.penetration, placed.touching);
     let apart = registers.not(touching);
 
-    let along = tangent.components(vector(registers, &numbers.direction));
+    let along = placed
+        .tangent
+        .components(vector(registers, &numbers.direction));
     let curvatures = [
         Lanes::load(registers, &numbers.curvatures[0]),
         Lanes::load(registers, &numbers.curvatures[1]),
     ];
-    let weingarten = body.weingarten_in_frame(&view, support.h);
     let of_wall = along_and_across(along, curvatures);
-    let curvature = relative_curvature_matrix(weingarten, of_wall);
-    let least = weingarten.determinant() * LEAST_CURVATURE / weingarten.trace();
-    let convex = registers.and(
-        zero.less(curvature.trace()),
-        (least * curvature.trace()).less(curvature.determinant()),
-    );
-    let mut hard = registers.not(convex);
-    let unsound = registers.or(apart, hard);
-    let (factors, beyond) = factors_for(registers, kinds, curvature, unsound, true);
-    hard = registers.or(hard, beyond);
-
-    let changes = batch.changes.then(|| {
-        let change = MotionChange {
-            velocity: vector(registers, &numbers.velocity_change),
-            omega: vector(registers, &numbers.omega_change),
-        };
-        let none = MotionChange {
-            velocity: null,
-            omega: null,
-        };
-        [change, none]
-    });
-    let x = Contact {
-        normal,
-        tangent,
-        // A lane that does not touch computes nothing that is used, but must not make a trap of it.
-        penetration: penetration.max(zero.constant(1e-300)),
-        i: Surface {
-            h: support.h,
-            inverse_h: support.inverse_h,
-            witness: support.witness,
-            weingarten,
-            determinant: body.squared_product(),
-            velocity: vector(registers, &numbers.velocity),
-            omega: vector(registers, &numbers.omega),
-        },
-        j: Surface {
-            h: one,
-            inverse_h: one,
-            witness: Vector2::new(zero, zero),
-            weingarten: of_wall,
-            determinant: one,
-            velocity: null,
-            omega: null,
-        },
-        effective_mass: Lanes::load(registers, &numbers.effective_mass),
-        inverse_hessian: None,
-        changes,
-        begin_time: batch
-            .changes
-            .then(|| Lanes::splat(registers, step.time_step)),
-    };
     let remembered = Remembered {
         continued: registers.mask(batch.continued),
         normal: vector(registers, &numbers.last_normal),
@@ -400,13 +504,19 @@ fn contacts<S: Registers>(
         time: Lanes::splat(registers, step.elapsed()),
     };
     let constants = constants_of(registers, laws, None);
-    let mut f = contact_forces::<Lanes<S>, true, true, true, true>(
+    let ForcesAtSurface {
+        contact: x,
+        curvature,
+        factors,
+        forces: mut f,
+        mut hard,
+    } = placed.forces(
+        registers,
         kinds,
         &constants,
-        &factors,
-        curvature,
-        &x,
+        Some(of_wall),
         &remembered,
+        step,
     );
 
     if kinds.conservative && batch.curved {

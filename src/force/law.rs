@@ -7,6 +7,7 @@ use super::parameters::{Constant, FactorForm, LawParameters, Normal, ParameterEr
 use super::rolling::{Rolling, RollingConstants};
 use super::tangential::{self, Tangential, TangentialConstants, TangentialKinds};
 use super::twisting::{TwistSpring, Twisting};
+use crate::real::Real;
 #[cfg(not(feature = "std"))]
 use alloc::string::String;
 
@@ -206,13 +207,12 @@ impl PairLaw {
     /// without slip included: the normal stiffness that it has, times what the tangential compliance `C_n (kappa0 - kappa1 beta)`,
     /// `beta` from 0 to 1, can make of it. The effective mass is read by `damping restitution` alone.
     pub fn largest_springs(&self, normal_stiffness: f64, effective_mass: f64) -> (f64, f64) {
-        let (k, c) = (&self.kinds, &self.constants.tangential);
-        let normal_damping =
-            k.normal
-                .dashpot(&self.constants.normal, normal_stiffness, effective_mass);
-        let (stiffness, damping) =
-            tangential::largest_tangential_stiffness(&k.tangential, c, normal_stiffness);
-        (normal_stiffness.max(stiffness), normal_damping.max(damping))
+        largest_springs(
+            &self.kinds,
+            &self.constants,
+            normal_stiffness,
+            effective_mass,
+        )
     }
 
     /// Another coefficient of restitution.
@@ -328,4 +328,22 @@ fn effective_moduli(i: &LawParameters, j: &LawParameters) -> (f64, f64) {
         1.0 / ((2.0 - mi.poissons_ratio) / mi.shear_modulus()
             + (2.0 - mj.poissons_ratio) / mj.shear_modulus()),
     )
+}
+/// See [`PairLaw::largest_springs`].
+#[inline(always)]
+pub(crate) fn largest_springs<T: Real>(
+    kinds: &LawKinds,
+    c: &LawConstants<T>,
+    normal_stiffness: T,
+    effective_mass: T,
+) -> (T, T) {
+    let normal_damping = kinds
+        .normal
+        .dashpot(&c.normal, normal_stiffness, effective_mass);
+    let (stiffness, damping) = tangential::largest_tangential_stiffness(
+        &kinds.tangential,
+        &c.tangential,
+        normal_stiffness,
+    );
+    (normal_stiffness.max(stiffness), normal_damping.max(damping))
 }

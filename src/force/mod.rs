@@ -20,6 +20,7 @@ pub mod twisting;
 pub use choice::Choice;
 pub use damping::{Closure, Damping, Unloading};
 pub use hertz_factors::Factors;
+pub(crate) use law::largest_springs;
 pub use law::{LawConstants, LawKinds, PairLaw, Resistance, RollingResistance, TwistingResistance};
 pub use material::Material;
 pub use normal::{normal_force, NormalConstants, NormalForce, NormalKinds};

@@ -366,17 +366,19 @@ pub fn tangential_stiffness(
 
 /// Bounds in any direction of the stiffness (force/length) and the damping (force x time/length) of a contact that has not
 /// slipped, whatever its ellipse (`beta` is from 0 to 1); zero for a law without a tangential part.
-pub fn largest_tangential_stiffness(
+#[inline(always)]
+pub fn largest_tangential_stiffness<T: Real>(
     kinds: &TangentialKinds,
-    c: &TangentialConstants,
-    normal_stiffness: f64,
-) -> (f64, f64) {
+    c: &TangentialConstants<T>,
+    normal_stiffness: T,
+) -> (T, T) {
+    let zero = normal_stiffness.constant(0.0);
     match kinds.law {
-        Tangential::None => (0.0, 0.0),
+        Tangential::None => (zero, zero),
         law if !law.needs_material() => (c.stiffness, c.damping),
         _ => {
             let least = c.kappa0.min(c.kappa0 - c.kappa1);
-            let viscous = c.tau0.max(c.tau0 - c.tau1).max(0.0);
+            let viscous = c.tau0.max(c.tau0 - c.tau1).max(zero);
             (
                 normal_stiffness / least,
                 normal_stiffness * viscous / (least * least),

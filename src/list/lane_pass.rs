@@ -9,15 +9,13 @@ use super::batch::{
 use super::batches::{Candidate, LaneBits, Numbers};
 use super::candidates::Candidates;
 use super::contact_records::{contact_point, of_lane, turning_contact};
-use super::records::{Record, Records, Shapes};
+use super::records::{ParticleRecords, Record, Records, Shapes};
 use super::rows::{check_history, ListError, NeighbourRow};
 use super::scalar_pass::{Pass, Place};
 use super::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use super::workspace::Workspace;
 use crate::contact::couple::{approach, couple, Couple};
-use crate::contact::forces::MotionChange;
 use crate::contact::pair::normal_of_spheres_before;
-use crate::contact::particle::Particle;
 use crate::contact::{HistoryLayout, Laws};
 use crate::simd::{Line, Registers, Stage, MOST_LANES};
 use crate::tallies::Contribution;
@@ -314,7 +312,7 @@ fn contacts<
     let mut inverse_effective_mass = [0.0; MOST_LANES];
     let mut tallies = BatchTallies::EMPTY;
     let mut lines = BatchRecords::EMPTY;
-    let single = Single {
+    let single = ParticleRecords {
         records,
         types,
         inverse_masses,
@@ -462,7 +460,7 @@ fn record(
     lane: usize,
     lines: &BatchRecords,
     couple: Option<&Couple>,
-    single: Single<'_>,
+    single: ParticleRecords<'_>,
 ) {
     let (i, j) = (pair.i as usize, pair.j as usize);
     let law = pass
@@ -515,7 +513,7 @@ fn resist(
     numbers: &mut Numbers<'_>,
     lines: &BatchRecords,
     sums: &mut [Line],
-    single: Single<'_>,
+    single: ParticleRecords<'_>,
 ) -> [Couple; MOST_LANES] {
     let mut couples = [Couple::NONE; MOST_LANES];
     let layout = numbers.layout;
@@ -590,7 +588,7 @@ fn resist(
 fn scalar_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     pass: &mut Pass<'_, '_, '_>,
     pair: Candidate,
-    single: Single<'_>,
+    single: ParticleRecords<'_>,
 ) {
     let place = Place {
         entry: pair.entry as usize,
@@ -663,32 +661,4 @@ fn settle<S: Registers, K: Kind>(
     }
     pending.stay = 0;
     pending.count = 0;
-}
-
-/// Where the particles of a single pair are read.
-#[derive(Clone, Copy)]
-struct Single<'a> {
-    records: &'a [Record],
-    types: &'a [u32],
-    inverse_masses: &'a [f64],
-    changes: &'a [Line],
-    of_step: bool,
-    shapes: Shapes,
-}
-
-impl Single<'_> {
-    fn particle(&self, k: usize) -> Particle {
-        let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
-        let change = self.of_step.then(|| self.change(k));
-        self.records[k].particle(self.shapes, self.types[k], inverse_mass, change)
-    }
-
-    /// What the motion of a particle has more at the step.
-    fn change(&self, k: usize) -> MotionChange {
-        let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
-        MotionChange {
-            velocity: Vector3::new(x, y, z),
-            omega: Vector3::new(a, b, c),
-        }
-    }
 }

@@ -13,13 +13,15 @@ mod preparation;
 mod records;
 pub mod rows;
 mod scalar_pass;
-mod shapes;
+pub(crate) mod shapes;
 mod step_sums;
 pub mod workspace;
 
 pub use arrays::{ParticleArrays, Rotation};
 pub use contact_records::{ContactRecord, ContactRecords};
 pub use neighbour_list::compute_pairs;
+pub use records::ParticleRecords;
+pub(crate) use records::Shapes;
 pub use rows::{Accumulators, Entries, HaleBroke, ListError, NeighbourRow, NeighbourRows};
 pub use step_sums::add_pairs_to_step_sums;
 pub use workspace::Workspace;

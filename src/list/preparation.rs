@@ -356,6 +356,107 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
     }
 }
 
+/// Prepares the records of chosen particles, in that order. Where one of them has another shape than the records are made for, nothing is
+/// prepared.
+pub(super) struct PrepareChosenRecords<
+    'p,
+    'a,
+    A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
+    I: Fn(usize) -> i64,
+> {
+    pub arrays: &'p ParticleArrays<'a, A, I>,
+    pub chosen: &'p [usize],
+    /// Types that there are.
+    pub types: usize,
+    /// With room for one for each that is chosen.
+    pub records: &'p mut Records,
+    /// The simplest form that serves all of them, or one before it.
+    pub shapes: &'p mut Shapes,
+    /// The first invalid particle, and what is wrong with it.
+    pub failure: &'p mut Option<(usize, String)>,
+}
+
+impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
+    for PrepareChosenRecords<'_, '_, A, I>
+{
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        if self.arrays.changes.is_empty() {
+            self.prepare::<S, false>(registers);
+        } else {
+            self.prepare::<S, true>(registers);
+        }
+    }
+}
+
+impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
+    PrepareChosenRecords<'_, '_, A, I>
+{
+    #[inline(always)]
+    fn prepare<S: Registers, const CHANGES: bool>(self, registers: S) {
+        let arrays = self.arrays;
+        let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
+        let r = self.records;
+        let mut chunk = Chunk::new();
+        let mut first = 0;
+        for chosen in self.chosen.chunks(S::LANES) {
+            let mut of_chunk = Shapes::Spheres;
+            chunk.length = 0;
+            chunk.sound = true;
+            for (lane, &k) in chosen.iter().enumerate() {
+                let shape = (arrays.shape)(k);
+                if let Some((a, _)) = &shape {
+                    of_chunk = of_chunk.max(Shapes::of(a));
+                }
+                chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
+                r.types[first + lane] = arrays.types[k] as u32;
+                if let Some(inverse) = r.inverse_masses.get_mut(first + lane) {
+                    let mass = arrays.contact_masses[k];
+                    chunk.sound &= is_mass(mass);
+                    *inverse = 1.0 / mass;
+                }
+            }
+            if of_chunk > r.shapes {
+                *self.shapes = of_chunk;
+                return;
+            }
+            chunk.repeat_first(S::LANES);
+            let (masses, shapes) = (&chunk.masses, r.shapes);
+            let is_sound = chunk.sound
+                && finish::<S, CHANGES>(registers, &mut chunk.lines, masses, from_momenta, shapes);
+            for (lane, &k) in chosen.iter().enumerate() {
+                let n = first + lane;
+                if is_sound {
+                    r.records[n] = Record {
+                        pose: chunk.lines[0][lane],
+                        motion: chunk.lines[1][lane],
+                    };
+                    if CHANGES {
+                        r.changes[n] = chunk.lines[2][lane];
+                    }
+                    continue;
+                }
+                match prepare_record(arrays, k, self.types, shapes) {
+                    Ok((record, change, _, inverse_mass)) => {
+                        r.records[n] = record;
+                        if let Some(place) = r.changes.get_mut(n) {
+                            *place = change;
+                        }
+                        if let Some(inverse) = r.inverse_masses.get_mut(n) {
+                            *inverse = inverse_mass;
+                        }
+                    }
+                    Err(what) => {
+                        *self.failure = Some((k, what));
+                        return;
+                    }
+                }
+            }
+            first += chosen.len();
+        }
+    }
+}
+
 /// Axes (9 numbers), inverse semi-axes (3) and the largest semi-axis of records.
 #[inline(always)]
 fn turn<S: Registers>(

@@ -2,6 +2,7 @@
 //! The particles as the lanes load them, and the simplest closed form that serves all their shapes.
 
 use super::arrays::{no_shape, prepare_one, ParticleArrays};
+use super::memory::{reserve, Allocated};
 use crate::contact::forces::MotionChange;
 use crate::contact::particle::{describe, Particle};
 use crate::geometry::ellipsoid::{rotation_columns, within_range};
@@ -11,7 +12,7 @@ use crate::vector::{Tangent, Vector3};
 
 /// The simplest form that serves all shapes of a list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Shapes {
+pub(crate) enum Shapes {
     /// Three semi-axes the same.
     Spheres,
     /// Two of them the same: an axis of revolution.
@@ -197,12 +198,89 @@ pub(super) struct Records {
 }
 
 impl Records {
+    /// For `count` particles of these shapes, of which there are at most `most`.
+    pub fn make_room<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        shapes: Shapes,
+        count: usize,
+        allocated: Allocated,
+    ) {
+        let most = arrays.positions.len();
+        let with_masses = !arrays.contact_masses.is_empty();
+        let with_changes = !arrays.changes.is_empty();
+        self.of_step = arrays.of_step;
+        self.shapes = shapes;
+        // What was there is overwritten: only places that are new are filled.
+        if self.records.capacity() < count {
+            self.records.clear();
+            reserve(&mut self.records, most, allocated);
+        }
+        self.records.resize(count, Record::NONE);
+        self.types.resize(count, 0);
+        self.inverse_masses
+            .resize(if with_masses { count } else { 0 }, 0.0);
+        let changes = if with_changes { count } else { 0 };
+        if self.changes.capacity() < changes {
+            self.changes.clear();
+            reserve(&mut self.changes, most, allocated);
+        }
+        self.changes.resize(changes, Line::ZERO);
+    }
+
+    /// To be read.
+    pub fn view(&self) -> ParticleRecords<'_> {
+        ParticleRecords {
+            records: &self.records,
+            types: &self.types,
+            inverse_masses: &self.inverse_masses,
+            changes: &self.changes,
+            of_step: self.of_step,
+            shapes: self.shapes,
+        }
+    }
+
     pub fn bytes(&self) -> usize {
         self.records.capacity() * core::mem::size_of::<Record>()
             + self.types.capacity() * core::mem::size_of::<u32>()
             + self.inverse_masses.capacity() * core::mem::size_of::<f64>()
             + self.changes.capacity() * core::mem::size_of::<Line>()
             + self.sums.capacity() * core::mem::size_of::<Line>()
+    }
+}
+
+/// Records of particles, to be read.
+#[derive(Clone, Copy, Debug)]
+pub struct ParticleRecords<'a> {
+    /// Shape, pose and motion.
+    pub(crate) records: &'a [Record],
+    /// Types, counted from 1.
+    pub(crate) types: &'a [u32],
+    /// Empty where no law reads masses.
+    pub(crate) inverse_masses: &'a [f64],
+    /// Empty where the motion of the step is that of the half step, or not known.
+    pub(crate) changes: &'a [Line],
+    /// Whether forces see velocities of the step.
+    pub(crate) of_step: bool,
+    /// What the records are made for.
+    pub(crate) shapes: Shapes,
+}
+
+impl ParticleRecords<'_> {
+    /// A particle for the scalar path.
+    pub(crate) fn particle(&self, k: usize) -> Particle {
+        let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
+        let change = self.of_step.then(|| self.change(k));
+        self.records[k].particle(self.shapes, self.types[k], inverse_mass, change)
+    }
+
+    /// What the motion of a particle has more at the step.
+    pub(super) fn change(&self, k: usize) -> MotionChange {
+        let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
+        MotionChange {
+            velocity: Vector3::new(x, y, z),
+            omega: Vector3::new(a, b, c),
+        }
     }
 }
 

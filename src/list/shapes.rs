@@ -9,7 +9,7 @@ use crate::simd::{lines, Lanes, Registers, MOST_LANES};
 use crate::vector::Vector3;
 
 /// One side of the pairs: centre, shape and motion.
-pub(super) struct Side<S: Registers, K: Kind> {
+pub(crate) struct Side<S: Registers, K: Kind> {
     pub centre: Vector3<Lanes<S>>,
     pub body: K::Body<S>,
     pub velocity: Vector3<Lanes<S>>,
@@ -17,7 +17,7 @@ pub(super) struct Side<S: Registers, K: Kind> {
 }
 
 /// A kind of shape that a kernel is made for.
-pub(super) trait Kind: Sized {
+pub(crate) trait Kind: Sized {
     /// Whether the closed form of spheres serves.
     const SPHERES: bool;
     /// The form of the others.
@@ -28,16 +28,22 @@ pub(super) trait Kind: Sized {
     fn round<S: Registers>(registers: S, body: &Self::Body<S>) -> S::Mask;
     /// Radius of the bounding sphere.
     fn radius(record: &Record) -> f64;
+    /// The inverse inertia of solid bodies of these masses, times a torque in the world frame.
+    fn response<S: Registers>(
+        body: &Self::Body<S>,
+        mass: Lanes<S>,
+        torque: Vector3<Lanes<S>>,
+    ) -> Vector3<Lanes<S>>;
 }
 
 /// Spheres alone. Their records are those of spheroids.
-pub(super) struct Spheres;
+pub(crate) struct Spheres;
 /// Spheroids, and spheres among them. The records are
 /// `[position, axis, polar and equatorial semi-axis] [velocity, angular velocity, inverses of the two]`.
-pub(super) struct Spheroids;
+pub(crate) struct Spheroids;
 /// Any shapes. The records are
 /// `[position, unit quaternion w x y z, first semi-axis] [second and third semi-axis, velocity, angular velocity]`.
-pub(super) struct Ellipsoids;
+pub(crate) struct Ellipsoids;
 
 #[inline(always)]
 fn same<S: Registers>(registers: S, a: Lanes<S>, b: Lanes<S>) -> S::Mask {
@@ -74,6 +80,18 @@ impl Kind for Spheroids {
     fn radius(record: &Record) -> f64 {
         record.pose.0[6].max(record.pose.0[7])
     }
+    #[inline(always)]
+    fn response<S: Registers>(
+        body: &Self::Body<S>,
+        mass: Lanes<S>,
+        torque: Vector3<Lanes<S>>,
+    ) -> Vector3<Lanes<S>> {
+        let (polar, equatorial) = (body.polar * body.polar, body.equatorial * body.equatorial);
+        let across = (mass * (polar + equatorial)).reciprocal() * 5.0;
+        let along = (mass * equatorial).reciprocal() * 2.5;
+        body.axis
+            .scale_add(body.axis.dot(torque) * (along - across), torque * across)
+    }
 }
 
 impl Kind for Spheres {
@@ -97,6 +115,14 @@ impl Kind for Spheres {
     #[inline(always)]
     fn radius(record: &Record) -> f64 {
         record.pose.0[7]
+    }
+    #[inline(always)]
+    fn response<S: Registers>(
+        body: &Self::Body<S>,
+        mass: Lanes<S>,
+        torque: Vector3<Lanes<S>>,
+    ) -> Vector3<Lanes<S>> {
+        Spheroids::response(body, mass, torque)
     }
 }
 
@@ -135,5 +161,18 @@ impl Kind for Ellipsoids {
     fn radius(record: &Record) -> f64 {
         let [a, b, c] = [record.pose.0[7], record.motion.0[0], record.motion.0[1]];
         a.max(b).max(c)
+    }
+    #[inline(always)]
+    fn response<S: Registers>(
+        body: &Self::Body<S>,
+        mass: Lanes<S>,
+        torque: Vector3<Lanes<S>>,
+    ) -> Vector3<Lanes<S>> {
+        let a = body.semi_axes;
+        let (x, y, z) = (a.x * a.x, a.y * a.y, a.z * a.z);
+        let (yz, xz, xy) = (y + z, x + z, x + y);
+        let inverse = (mass * yz * xz * xy).reciprocal() * 5.0;
+        let inverse_inertia = Vector3::new(xz * xy * inverse, yz * xy * inverse, yz * xz * inverse);
+        body.to_world(inverse_inertia.componentwise(body.to_body(torque)))
     }
 }

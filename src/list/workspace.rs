@@ -5,8 +5,8 @@ use super::arrays::{prepare_one, ParticleArrays};
 use super::candidates::Candidates;
 use super::contact_records::ContactRecords;
 use super::memory::{reserve, Allocated};
-use super::preparation::{Prepare, PrepareChosen, Prepared};
-use super::records::{Record, Records, Shapes};
+use super::preparation::{Prepare, PrepareChosen, PrepareChosenRecords, Prepared};
+use super::records::{ParticleRecords, Records, Shapes};
 use super::rows::NeighbourRows;
 use crate::contact::particle::{Particle, ParticleError};
 use crate::contact::Laws;
@@ -18,6 +18,8 @@ pub struct Workspace {
     particles: Vec<Particle>,
     /// For the lanes.
     pub(super) records: Records,
+    /// Of particles that were chosen.
+    chosen: Records,
     /// Pairs that may touch.
     pub(super) candidates: Candidates,
     /// What the pairs are computed on.
@@ -42,6 +44,10 @@ impl Workspace {
         Workspace {
             particles: Vec::new(),
             records: Records::default(),
+            chosen: Records {
+                shapes: Shapes::Spheroids,
+                ..Records::default()
+            },
             candidates: Candidates::default(),
             instruction_set,
             keeps_history: false,
@@ -92,6 +98,40 @@ impl Workspace {
             self.particles.clear();
         }
         named(arrays, failure)
+    }
+
+    /// Checks the particles `chosen` and prepares records of them, in that order, for the lanes.
+    ///
+    /// # Errors
+    /// As [`Workspace::prepare`].
+    pub fn prepare_chosen_records<
+        S: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
+        I: Fn(usize) -> i64,
+    >(
+        &mut self,
+        arrays: &ParticleArrays<'_, S, I>,
+        types: usize,
+        chosen: &[usize],
+    ) -> Result<(), ParticleError> {
+        // Those of the last call, as long as they serve: to look at all of them first would take longer.
+        let mut shapes = self.chosen.shapes;
+        loop {
+            let r = &mut self.chosen;
+            r.make_room(arrays, shapes, chosen.len(), self.allocated);
+            let mut failure = None;
+            let before = shapes;
+            self.instruction_set.run(PrepareChosenRecords {
+                arrays,
+                chosen,
+                types,
+                records: r,
+                shapes: &mut shapes,
+                failure: &mut failure,
+            });
+            if shapes == before {
+                return named(arrays, failure);
+            }
+        }
     }
 
     /// For `count` particles, of which there are at most `most`.
@@ -177,22 +217,7 @@ impl Workspace {
         }
         self.candidates.forget();
         let r = &mut self.records;
-        r.of_step = arrays.of_step;
-        r.shapes = Shapes::of_all(arrays);
-        r.records.clear();
-        reserve(&mut r.records, count, self.allocated);
-        r.records.resize(count, Record::NONE);
-        r.types.clear();
-        r.types.resize(count, 0);
-        r.inverse_masses.clear();
-        if with_masses {
-            r.inverse_masses.resize(count, 0.0);
-        }
-        r.changes.clear();
-        if with_changes {
-            reserve(&mut r.changes, count, self.allocated);
-            r.changes.resize(count, Line::ZERO);
-        }
+        r.make_room(arrays, Shapes::of_all(arrays), count, self.allocated);
         self.instruction_set.run(Prepare {
             arrays,
             candidates: None,
@@ -243,6 +268,7 @@ impl Workspace {
     /// Forgets the particles; keeps the memory.
     pub fn clear(&mut self) {
         self.particles.clear();
+        self.chosen.records.clear();
         self.records.records.clear();
         self.candidates.forget();
         self.list_is_known = false;
@@ -252,8 +278,14 @@ impl Workspace {
     pub fn bytes(&self) -> usize {
         self.particles.capacity() * core::mem::size_of::<Particle>()
             + self.records.bytes()
+            + self.chosen.bytes()
             + self.candidates.bytes()
             + self.contacts.bytes()
+    }
+
+    /// The records of [`Workspace::prepare_chosen_records`].
+    pub fn chosen_records(&self) -> ParticleRecords<'_> {
+        self.chosen.view()
     }
 
     /// The particles prepared one at a time.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contacts of all particles with a wall: force, torque, energies, and what is remembered of them.
 
-use super::contacts::{Contacts, FoundContact, Frame, Places, WrongHistory};
+use super::contacts::{Contacts, FoundContact, Frame, Places};
+use super::histories::WrongHistory;
 use super::motion::Motion;
 use super::shape::Shape;
 use super::touching_loads::TouchingLoads;
@@ -124,7 +125,7 @@ pub fn compute_wall(
     output: &mut WallOutput<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<WallLoad, WallError> {
-    wall.touching_loads.clear();
+    wall.start_call();
     let of_laws = input.laws.layout();
     let layout = wall.histories(input.laws);
     let places = Places {
@@ -133,15 +134,31 @@ pub fn compute_wall(
         step: input.step,
         frame: Frame::Wall,
     };
-    wall.find_contacts(&places, layout, Some(&of_laws), output.histories)
+    wall.check_histories(layout, Some(&of_laws), output.histories)
         .map_err(WallError::History)?;
+    wall.find_contacts(&places, layout, output.histories);
     check_factors(wall, input)?;
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
     }
+    let mut load = WallLoad::default();
+    add_forces_of_found(wall, input, output, tallies, &mut load);
+    wall.found.remember(output.histories, output.acts_on, &[]);
+    let motion = input.motion;
+    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
+    Ok(load)
+}
+
+/// The forces of the contacts that were found, added to what a call has already.
+pub(super) fn add_forces_of_found(
+    wall: &mut Wall,
+    input: &WallInput<'_>,
+    output: &mut WallOutput<'_>,
+    tallies: Option<&mut Tallies<'_>>,
+    load: &mut WallLoad,
+) {
     let Wall {
         parts,
-        lent,
         found,
         part_forces,
         contacts,
@@ -155,17 +172,9 @@ pub fn compute_wall(
     let halves = tallies
         .as_deref()
         .is_some_and(|t| t.inelastic_loads.is_none());
-    triangle_loads.clear();
-    if *records_triangles {
-        let triangles = parts.iter().map(|p| p.triangles().len()).sum();
-        triangle_loads.resize(triangles, TriangleLoad::default());
-    }
-    part_forces.clear();
-    part_forces.resize(parts.len() + usize::from(lent.is_some()), Vector3::ZERO);
-    contacts.clear();
     let mut forces = Forces {
         input,
-        of_laws: &of_laws,
+        of_laws: &input.laws.layout(),
         parts,
         part_forces,
         contacts: records_contacts.then_some(contacts),
@@ -174,14 +183,9 @@ pub fn compute_wall(
         forces: output.forces,
         torques: output.torques,
         tallies,
-        load: WallLoad::default(),
+        load,
     };
     forces.of_all(found);
-    let mut load = forces.load;
-    found.remember(output.histories, output.acts_on);
-    let motion = input.motion;
-    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
-    Ok(load)
 }
 
 /// What the contacts of a call add to.
@@ -196,7 +200,7 @@ struct Forces<'p, 'i, 't> {
     forces: &'p mut [[f64; 3]],
     torques: &'p mut [[f64; 3]],
     tallies: Option<&'p mut Tallies<'t>>,
-    load: WallLoad,
+    load: &'p mut WallLoad,
 }
 
 impl<'i> Forces<'_, 'i, '_> {
@@ -352,7 +356,7 @@ impl<'i> Forces<'_, 'i, '_> {
             target[1] += v.y;
             target[2] += v.z;
         }
-        let load = &mut self.load;
+        let load = &mut *self.load;
         load.contacts += 1;
         load.force = load.force + f.force;
         load.torque = load.torque + (i.position - motion.centre()).cross(f.force) - f.torque_i;
@@ -410,7 +414,7 @@ impl<'i> Forces<'_, 'i, '_> {
 }
 
 /// Whether the lanes have all terms of a law.
-fn works_in_lanes(set: InstructionSet, law: &PairLaw) -> bool {
+pub(super) fn works_in_lanes(set: InstructionSet, law: &PairLaw) -> bool {
     let without_friction = law.kinds.tangential.any() && !(law.constants.tangential.friction > 0.0);
     set != InstructionSet::Scalar && !(law.kinds.hale || law.resistance.any() || without_friction)
 }

@@ -77,17 +77,6 @@ pub struct Places<'a> {
     pub frame: Frame,
 }
 
-/// Histories that hold a number which no call has written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WrongHistory {
-    /// The particle's index.
-    pub particle: usize,
-    /// Place in the particle's histories.
-    pub place: usize,
-    /// What stands there.
-    pub value: f64,
-}
-
 impl Contacts {
     /// Begins anew.
     pub(super) fn start(&mut self, layout: WallHistoryLayout) {
@@ -235,11 +224,16 @@ impl Contacts {
     }
 
     /// Writes to the histories of the particles what is remembered of the contacts that were found. Of particles on which the wall acts and
-    /// that do not touch nothing is remembered any more.
+    /// that do not touch nothing is remembered any more. Those of the particles `written`, in ascending order, stay as they are.
     ///
     /// # Panics
     /// If the histories are shorter than those of all particles.
-    pub fn remember(&self, histories: &mut [f64], acts_on: &dyn Fn(usize) -> bool) {
+    pub fn remember(
+        &self,
+        histories: &mut [f64],
+        acts_on: &dyn Fn(usize) -> bool,
+        mut written: &[usize],
+    ) {
         let layout = &self.layout;
         let length = layout.length();
         if length == 0 {
@@ -247,6 +241,10 @@ impl Contacts {
         }
         let mut next = 0;
         for (particle, histories) in histories.chunks_exact_mut(length).enumerate() {
+            if written.first() == Some(&particle) {
+                written = &written[1..];
+                continue;
+            }
             let touches = self.all.get(next).is_some_and(|c| c.particle == particle);
             if !touches && (histories[0] == 0.0 || !acts_on(particle)) {
                 continue;

@@ -15,12 +15,24 @@
 //! remembered belongs to the contact as a whole, of which each face takes its share, so that friction goes on from one face to the
 //! next.
 
+use crate::contact::ranges::LARGEST_DISPLACEMENT;
 use crate::contact::staged::WallSurface;
 use crate::contact::HistoryLayout;
 use crate::vector::Vector3;
 
 /// Length of a record before the tangential memory.
 const HEAD: usize = 7;
+
+/// Histories that hold a number which no call has written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrongHistory {
+    /// The particle's index.
+    pub particle: usize,
+    /// Place in the particle's histories.
+    pub place: usize,
+    /// What stands there.
+    pub value: f64,
+}
 
 /// How the histories of one particle are laid out: those of its contacts with a wall, by part.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,6 +72,30 @@ impl WallHistoryLayout {
         }
     }
 
+    /// Whether the histories of a particle, among those of all, are such as calls have written. `of_laws` is the layout of the library's
+    /// own histories, `None` for those of an engine.
+    ///
+    /// # Errors
+    /// The first number that is not.
+    pub(super) fn check(
+        &self,
+        particle: usize,
+        histories: &[f64],
+        parts: usize,
+        of_laws: Option<&HistoryLayout>,
+    ) -> Result<(), WrongHistory> {
+        let length = self.length();
+        let histories = &histories[particle * length..(particle + 1) * length];
+        match self.first_wrong(histories, parts, of_laws) {
+            None => Ok(()),
+            Some((place, value)) => Err(WrongHistory {
+                particle,
+                place,
+                value,
+            }),
+        }
+    }
+
     /// The first number that no call has written: its place and its value. `of_laws` is the layout of the library's own histories;
     /// those of an engine are its own.
     pub(super) fn first_wrong(
@@ -69,12 +105,20 @@ impl WallHistoryLayout {
         of_laws: Option<&HistoryLayout>,
     ) -> Option<(usize, f64)> {
         let count = *histories.first()?;
-        if !is_whole(count, 0, self.records) {
+        if count == 0.0 {
+            return None;
+        }
+        if !is_whole(count, 1, self.records) {
             return Some((0, count));
         }
         for index in 0..count as usize {
             let at = 1 + index * self.record;
             let record = &histories[at..at + self.record];
+            // One look at all numbers, since almost always nothing is wrong: none of their ranges is narrower.
+            let within = is_whole(record[0], 1, parts) && are_within_range(&record[1..]);
+            if within {
+                continue;
+            }
             if !is_whole(record[0], 1, parts) {
                 return Some((at, record[0]));
             }
@@ -130,6 +174,60 @@ impl WallHistoryLayout {
         Some(vector(&record[4..]))
     }
 
+    /// Normal and history of a record.
+    #[inline(always)]
+    pub(super) fn parts_of<'h>(&self, record: &'h [f64]) -> (Vector3, &'h [f64]) {
+        (vector(&record[4..]), &record[HEAD..])
+    }
+
+    /// What a contact with a part that a particle touches in one place at most goes on from: the normal of the last step, and the
+    /// history; `None` for a new contact. `normal` is that of now, from the particle into the wall.
+    #[inline(always)]
+    pub(super) fn record_of<'h>(
+        &self,
+        histories: &'h [f64],
+        part: usize,
+        normal: Vector3,
+    ) -> Option<(Vector3, &'h [f64])> {
+        let count = *histories.first()?;
+        let own = (part + 1) as f64;
+        let mut at = 1;
+        // Numbers below `count` are as many as there are records.
+        let mut number = 0.0;
+        while number < count {
+            let record = &histories[at..at + self.record];
+            let (last, history) = self.parts_of(record);
+            if record[0] == own && last.dot(normal) >= 0.5 {
+                return Some((last, history));
+            }
+            at += self.record;
+            number += 1.0;
+        }
+        None
+    }
+
+    /// Writes the record of the only contact of a particle, but for its history, which it gives.
+    #[inline(always)]
+    pub(super) fn write_one<'h>(
+        &self,
+        histories: &'h mut [f64],
+        part: usize,
+        point: [f64; 3],
+        normal: [f64; 3],
+    ) -> &'h mut [f64] {
+        let end = 1 + self.record;
+        if histories[0] > 1.0 {
+            let used = self.used(histories);
+            histories[end..used].fill(0.0);
+        }
+        histories[0] = 1.0;
+        let record = &mut histories[1..end];
+        record[0] = (part + 1) as f64;
+        record[1..4].copy_from_slice(&point);
+        record[4..7].copy_from_slice(&normal);
+        &mut record[HEAD..]
+    }
+
     /// Writes the record of a contact.
     pub(super) fn remember(
         &self,
@@ -146,8 +244,24 @@ impl WallHistoryLayout {
     }
 }
 
+/// Whether no number is larger than [`LARGEST_DISPLACEMENT`] in size, or not finite. As whole numbers the sizes stand in the same order,
+/// and a sum of them that passes the highest bit needs no branch.
+fn are_within_range(numbers: &[f64]) -> bool {
+    const SIZE: u64 = i64::MAX as u64;
+    let to_highest_bit = SIZE - LARGEST_DISPLACEMENT.to_bits();
+    let mut sums = 0;
+    for number in numbers {
+        sums |= (number.to_bits() & SIZE) + to_highest_bit;
+    }
+    sums >> 63 == 0
+}
+
 /// Whether a number is a whole one of this range. (`fract` is a call where the processor's rounding may not be used.)
 fn is_whole(number: f64, least: usize, most: usize) -> bool {
+    // Most often it is that.
+    if number == least as f64 && least <= most {
+        return true;
+    }
     let whole = number as usize;
     whole as f64 == number && (least..=most).contains(&whole)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A plane, or a disc of it, as a wall.
 
-use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side, WholePlane};
 use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::Plane;
@@ -97,6 +97,15 @@ impl Shape for PlaneWall {
         let half = block.half_edges();
         let spread = normal.x.abs() * half.x + normal.y.abs() * half.y + normal.z.abs() * half.z;
         self.side().may_touch_block(height, spread, block.radius())
+    }
+
+    fn whole_plane(&self) -> Option<WholePlane> {
+        let Plane { point, normal } = self.plane;
+        (self.radius == f64::INFINITY).then_some(WholePlane {
+            point,
+            normal,
+            both_sides: self.both_sides,
+        })
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

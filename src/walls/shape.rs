@@ -36,7 +36,8 @@ impl Block {
         let less = |a: f64, b: f64| if a < b { a } else { b };
         let more = |a: f64, b: f64| if a > b { a } else { b };
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        let (mut radius, mut finite) = (0.0, true);
+        // Not finite where one of the numbers is not.
+        let (mut radius, mut sum) = (0.0, 0.0);
         for ball in balls {
             let x = ball.centre.to_array();
             for k in 0..3 {
@@ -44,13 +45,13 @@ impl Block {
                 high[k] = more(x[k], high[k]);
             }
             radius = more(ball.radius, radius);
-            finite &= (x[0] + x[1] + x[2] + ball.radius).is_finite();
+            sum += x[0] + x[1] + x[2] + ball.radius;
         }
         Block {
             low: Vector3::from_array(low),
             high: Vector3::from_array(high),
             radius,
-            finite,
+            finite: f64::is_finite(sum),
         }
     }
 
@@ -134,10 +135,26 @@ pub trait Shape: Debug + Send + Sync {
     /// surface is that in the frame of the wall: zero unless the shape itself moves.
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>);
 
+    /// The plane that it is, if it is a whole one: its contacts are then found in lanes.
+    fn whole_plane(&self) -> Option<WholePlane> {
+        None
+    }
+
     /// Its triangles; none for a surface that is not made of them, or that an engine lends.
     fn triangles(&self) -> &[Triangle] {
         &[]
     }
+}
+
+/// A plane without an end.
+#[derive(Clone, Copy, Debug)]
+pub struct WholePlane {
+    /// A point of it.
+    pub point: Vector3,
+    /// Its unit normal, towards the particles.
+    pub normal: Vector3,
+    /// Whether it acts on both sides, each on the particles whose centres are there.
+    pub both_sides: bool,
 }
 
 /// Memory for the searches of all shapes, kept between calls.

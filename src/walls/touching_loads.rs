@@ -26,14 +26,19 @@ impl TouchingLoads {
         self.all.clear();
     }
 
-    /// The load of a particle. Contacts come in the order of the particles, so that one that is there is the last.
+    /// A particle that has none yet.
+    pub(super) fn push(&mut self, particle: usize, near: usize, load: InelasticLoad) {
+        self.all.push(TouchingLoad {
+            particle,
+            near,
+            load,
+        });
+    }
+
+    /// The load of a particle. The contacts of one come one after the other, so that a load that is there is the last.
     pub(super) fn of(&mut self, particle: usize, near: usize) -> &mut InelasticLoad {
         if self.all.last().is_none_or(|last| last.particle != particle) {
-            self.all.push(TouchingLoad {
-                particle,
-                near,
-                load: InelasticLoad::default(),
-            });
+            self.push(particle, near, InelasticLoad::default());
         }
         let last = self.all.len() - 1;
         &mut self.all[last].load

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::contacts::{Contacts, Places, WrongHistory};
-use super::histories::WallHistoryLayout;
+use super::contacts::{Contacts, Places};
+use super::histories::{WallHistoryLayout, WrongHistory};
 use super::lent_triangles::LentTriangles;
 use super::mesh::Mesh;
 use super::motion::Motion;
+use super::plane_contacts::PlaneContacts;
 use super::shape::{Ball, Block, Shape};
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
@@ -22,6 +23,8 @@ pub struct Wall {
     pub(super) near: Vec<usize>,
     /// The contacts that were found last.
     pub(super) found: Contacts,
+    /// Of walls whose contacts are taken in lanes.
+    pub(super) planes: PlaneContacts,
     /// Force on each part in the last call, world frame.
     pub(super) part_forces: Vec<Vector3>,
     /// The contacts of the last call.
@@ -135,8 +138,8 @@ impl Wall {
         of: impl Fn(usize) -> Option<(Vector3, f64)>,
     ) -> &[usize] {
         let mut near = core::mem::take(&mut self.near);
-        near.clear();
-        near.reserve(particles);
+        near.resize(particles, 0);
+        let mut found = 0;
         let (mut balls, mut marks) = ([Ball::default(); BLOCK], [false; BLOCK]);
         for first in (0..particles).step_by(BLOCK) {
             let mut count = 0;
@@ -167,9 +170,13 @@ impl Wall {
             if is_far {
                 continue;
             }
-            let marked = balls.iter().zip(marks).filter(|(_, mark)| **mark);
-            near.extend(marked.map(|(ball, _)| ball.particle));
+            for (ball, mark) in balls.iter().zip(marks) {
+                // Without a branch, which would often be mispredicted
+                near[found] = ball.particle;
+                found += usize::from(*mark);
+            }
         }
+        near.truncate(found);
         self.near = near;
         &self.near
     }
@@ -179,35 +186,49 @@ impl Wall {
         &self.near
     }
 
-    /// Finds the contacts of the particles that may touch, and what each goes on from. `histories` are read alone; `of_laws` is the
-    /// layout of the library's own histories, `None` for those of an engine.
+    /// Forgets what the last call gave.
+    pub(super) fn start_call(&mut self) {
+        self.touching_loads.clear();
+        self.contacts.clear();
+        self.triangle_loads.clear();
+        if self.records_triangles {
+            let triangles = self.parts.iter().map(|p| p.triangles().len()).sum();
+            self.triangle_loads
+                .resize(triangles, TriangleLoad::default());
+        }
+        let parts = self.part_count();
+        self.part_forces.clear();
+        self.part_forces.resize(parts, Vector3::ZERO);
+    }
+
+    /// Whether the histories of the particles that may touch are such as calls have written. `of_laws` is the layout of the library's
+    /// own histories, `None` for those of an engine.
     ///
     /// # Errors
-    /// Before anything is found.
-    pub fn find_contacts(
-        &mut self,
-        places: &Places<'_>,
+    /// The first number that is not.
+    pub fn check_histories(
+        &self,
         layout: WallHistoryLayout,
         of_laws: Option<&HistoryLayout>,
         histories: &[f64],
     ) -> Result<(), WrongHistory> {
+        let parts = self.part_count();
+        self.near
+            .iter()
+            .try_for_each(|&particle| layout.check(particle, histories, parts, of_laws))
+    }
+
+    /// Finds the contacts of the particles that may touch, and what each goes on from. `histories` are read alone, and have been
+    /// checked ([`Wall::check_histories`]).
+    pub fn find_contacts(
+        &mut self,
+        places: &Places<'_>,
+        layout: WallHistoryLayout,
+        histories: &[f64],
+    ) {
         let length = layout.length();
         let mut found = core::mem::take(&mut self.found);
         found.start(layout);
-        if length > 0 {
-            let parts = self.part_count();
-            for &particle in &self.near {
-                let histories = &histories[particle * length..(particle + 1) * length];
-                if let Some((place, value)) = layout.first_wrong(histories, parts, of_laws) {
-                    self.found = found;
-                    return Err(WrongHistory {
-                        particle,
-                        place,
-                        value,
-                    });
-                }
-            }
-        }
         let is_alone = self.part_count() == 1;
         for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
             let histories = &histories[particle * length..(particle + 1) * length];
@@ -215,7 +236,6 @@ impl Wall {
             found.add(shapes, places, i, (particle, near), histories);
         }
         self.found = found;
-        Ok(())
     }
 
     /// The contacts that were found last.

@@ -241,7 +241,7 @@ fn energies_add_up_to_second_order() {
     }
 }
 
-/// What a wall keeps of the particles that touch it gives the work that an array of all particles gives, to the last digit: with
+/// What a wall keeps of the particles that touch it gives the work that an array of all particles gives, to rounding: with
 /// angular velocities here, with angular momenta in the tests of LAMMPS.
 #[test]
 fn a_wall_keeps_the_loads_of_those_that_touch() {
@@ -253,10 +253,12 @@ fn a_wall_keeps_the_loads_of_those_that_touch() {
             let [array, kept, whole] = [Work::Halves, Work::HalvesKeptByWall, Work::WholeSteps]
                 .map(|work| run(law, &Partner::Plane, COARSE, work, phase));
             assert!(array.viscous > 1e-3 * array.before);
-            assert_eq!(
-                (array.viscous, array.friction),
-                (kept.viscous, kept.friction)
-            );
+            for (a, b) in [
+                (array.viscous, kept.viscous),
+                (array.friction, kept.friction),
+            ] {
+                assert!((a - b).abs() <= 1e-13 * array.before, "{law}: {a} and {b}");
+            }
             assert_ne!(array.viscous, whole.viscous);
         }
     }

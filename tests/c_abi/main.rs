@@ -28,6 +28,7 @@ mod measures;
 mod motion;
 mod null_pointers;
 mod paths;
+mod planes_in_lanes;
 mod recorded;
 mod scene;
 mod shapes;

@@ -19,6 +19,7 @@ mod global_minimum;
 mod momentum;
 mod near_walls;
 mod passivity;
+mod planes_in_lanes;
 mod preparation;
 mod relabelling;
 mod rigid_motion;

@@ -106,18 +106,19 @@ impl NormalFormula for Hertz {
         result
     }
 
-    fn dashpot(
+    #[inline(always)]
+    fn dashpot<T: Real>(
         kinds: &NormalKinds,
-        c: &NormalConstants,
-        stiffness: f64,
-        effective_mass: f64,
-    ) -> f64 {
+        c: &NormalConstants<T>,
+        stiffness: T,
+        effective_mass: T,
+    ) -> T {
         if kinds.relaxation {
             c.damping * stiffness
         } else if kinds.restitution {
-            c.restitution * (effective_mass * stiffness / 1.5).sqrt()
+            c.restitution * (effective_mass * stiffness * (1.0 / 1.5)).sqrt()
         } else {
-            0.0
+            stiffness.constant(0.0)
         }
     }
 

@@ -49,7 +49,8 @@ impl NormalFormula for Lsd {
         }
     }
 
-    fn dashpot(_: &NormalKinds, c: &NormalConstants, _: f64, _: f64) -> f64 {
+    #[inline(always)]
+    fn dashpot<T: Real>(_: &NormalKinds, c: &NormalConstants<T>, _: T, _: T) -> T {
         c.damping
     }
 

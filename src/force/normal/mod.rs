@@ -72,12 +72,12 @@ trait NormalFormula {
 
     /// Coefficient of the dashpot of a contact that begins to approach, force x time/length, where the normal stiffness is
     /// `stiffness`.
-    fn dashpot(
+    fn dashpot<T: Real>(
         kinds: &NormalKinds,
-        c: &NormalConstants,
-        stiffness: f64,
-        effective_mass: f64,
-    ) -> f64;
+        c: &NormalConstants<T>,
+        stiffness: T,
+        effective_mass: T,
+    ) -> T;
 
     /// The elastic collision of bodies that meet at `speed`. `stiffness` is the normal stiffness at a penetration of 1, and
     /// `inverse_mass` the acceleration of the penetration by a unit force.
@@ -263,7 +263,8 @@ macro_rules! formulas {
         impl NormalKinds {
             /// Coefficient of the dashpot of a contact that begins to approach, force x time/length, where the normal
             /// stiffness is `stiffness`.
-            pub fn dashpot(&self, c: &NormalConstants, stiffness: f64, effective_mass: f64) -> f64 {
+            #[inline(always)]
+            pub fn dashpot<T: Real>(&self, c: &NormalConstants<T>, stiffness: T, effective_mass: T) -> T {
                 match self.formula {
                     $(Formula::$formula => <$of as NormalFormula>::dashpot(self, c, stiffness, effective_mass)),+
                 }

@@ -1,0 +1,673 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The contacts of all particles with a wall of planes that does not turn, in lanes from the search to the sums: no surface is searched
+//! for, so most of the time would go into carrying a contact from one place to the next.
+//!
+//! A particle that touches more than one plane, or whose contact the lanes hand back, is taken as `compute.rs` takes the particles of any
+//! other wall.
+
+use super::compute::{add_forces_of_found, works_in_lanes, WallError, WallInput, WallOutput};
+use super::contacts::{Frame, Places};
+use super::histories::WallHistoryLayout;
+use super::motion::Motion;
+use super::plane_contacts::{splat, PlaneContact, PlaneContacts};
+use super::shape::WholePlane;
+use super::touching_loads::TouchingLoads;
+use super::wall::{Wall, WallLoad};
+use crate::contact::forces::{ContactForces, MotionChange, Remembered};
+use crate::contact::particle::response_to_torque;
+use crate::contact::wall_batch::{BodyAtSurface, ForcesAtSurface, PlacedAtSurface};
+use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
+use crate::force::{largest_springs, PairLaw};
+use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
+use crate::list::{ParticleRecords, Shapes};
+use crate::real::Real;
+use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::tallies::{InelasticLoad, Tallies};
+use crate::vector::Vector3;
+
+/// One number of all lanes.
+type Column = [f64; MOST_LANES];
+/// A vector of all lanes.
+type Columns = [Column; 3];
+
+/// What a call is given.
+pub struct PlaneInput<'a> {
+    /// The laws; a contact follows that of the particle's type and `wall_type`.
+    pub laws: &'a Laws,
+    /// The wall's type, counted from 1.
+    pub wall_type: usize,
+    /// The particles that may touch ([`Wall::near`]), in that order.
+    pub near: ParticleRecords<'a>,
+    /// Masses of all particles, where the engine keeps angular momenta.
+    pub masses: Option<&'a [f64]>,
+    /// Where the wall is and how it moves.
+    pub motion: &'a Motion,
+    /// The step.
+    pub step: &'a Step,
+    /// The instructions that it may use.
+    pub instruction_set: InstructionSet,
+}
+
+impl Wall {
+    /// Whether [`compute_planes`] serves. Lists of contacts, and energies of each particle, are made by
+    /// [`compute_wall`](super::compute_wall) alone.
+    pub fn is_taken_in_lanes(
+        &self,
+        laws: &Laws,
+        wall_type: usize,
+        motion: &Motion,
+        set: InstructionSet,
+        tallies: Option<&Tallies<'_>>,
+    ) -> bool {
+        let per_particle = |t: &Tallies<'_>| {
+            t.particle_energies.is_some()
+                || t.particle_virials.is_some()
+                || t.inelastic_loads.is_some()
+        };
+        self.lent.is_none()
+            && !(self.records_contacts || self.records_triangles)
+            && !self.parts.is_empty()
+            && self.parts.iter().all(|p| p.whole_plane().is_some())
+            && motion.axes.is_none()
+            && motion.angular_velocity == Vector3::ZERO
+            && !tallies.is_some_and(per_particle)
+            && (1..=laws.types()).all(|t| works_in_lanes(set, laws.get(t, wall_type)))
+    }
+}
+
+/// All particles against a wall for which [`Wall::is_taken_in_lanes`] holds.
+///
+/// Where the wall keeps the loads that are not elastic, their torques answer to the engine's rotations: to angular momenta where there
+/// are masses.
+///
+/// # Errors
+/// Before anything is written.
+pub fn compute_planes(
+    wall: &mut Wall,
+    input: &PlaneInput<'_>,
+    output: &mut WallOutput<'_>,
+    mut tallies: Option<&mut Tallies<'_>>,
+) -> Result<WallLoad, WallError> {
+    let layout = wall.histories(input.laws);
+    let of_laws = input.laws.layout();
+    wall.start_call();
+    let mut pass = core::mem::take(&mut wall.planes);
+    let planes = wall.parts.iter().filter_map(|p| p.whole_plane());
+    let planes = planes.map(|plane| WholePlane {
+        point: plane.point + input.motion.displacement,
+        ..plane
+    });
+    pass.find(planes, input.near, input.instruction_set);
+    let recalled = pass.recall(&wall.near, layout, &of_laws, output.histories);
+    if let Err(wrong) = recalled {
+        wall.planes = pass;
+        return Err(WallError::History(wrong));
+    }
+    if let Some(t) = tallies.as_deref_mut() {
+        t.start_step();
+    }
+    let mut load = WallLoad::default();
+    input.instruction_set.run(AddForces {
+        input,
+        layout,
+        of_laws: &of_laws,
+        near: &wall.near,
+        part_forces: &mut wall.part_forces,
+        touching_loads: (wall.keeps_inelastic_loads && tallies.is_some())
+            .then_some(&mut wall.touching_loads),
+        planes: &pass.planes,
+        contacts: &pass.contacts,
+        last: &pass.last,
+        others: &mut pass.others,
+        written: &mut pass.written,
+        histories: output.histories,
+        forces: output.forces,
+        torques: output.torques,
+        tallies: tallies.as_deref_mut(),
+        load: &mut load,
+    });
+    pass.take_others(wall, input, output, tallies, &mut load);
+    wall.found
+        .remember(output.histories, output.acts_on, &pass.written);
+    wall.planes = pass;
+    load.power = load.force.dot(input.motion.velocity);
+    Ok(load)
+}
+
+impl PlaneContacts {
+    /// The particles that the lanes do not take.
+    fn take_others(
+        &mut self,
+        wall: &mut Wall,
+        input: &PlaneInput<'_>,
+        output: &mut WallOutput<'_>,
+        tallies: Option<&mut Tallies<'_>>,
+        load: &mut WallLoad,
+    ) {
+        self.others.sort_unstable();
+        self.particles.clear();
+        self.indices.clear();
+        for &near in &self.others {
+            self.particles.push(input.near.particle(near as usize));
+            self.indices.push(wall.near[near as usize]);
+        }
+        let as_others = WallInput {
+            laws: input.laws,
+            wall_type: input.wall_type,
+            near: &self.particles,
+            motion: input.motion,
+            step: input.step,
+            instruction_set: input.instruction_set,
+        };
+        let places = Places {
+            near: &self.particles,
+            motion: input.motion,
+            step: input.step,
+            frame: Frame::Wall,
+        };
+        let layout = wall.histories(input.laws);
+        core::mem::swap(&mut wall.near, &mut self.indices);
+        wall.find_contacts(&places, layout, output.histories);
+        core::mem::swap(&mut wall.near, &mut self.indices);
+        if self.others.is_empty() {
+            return;
+        }
+        let before = wall.touching_loads.all().len();
+        add_forces_of_found(wall, &as_others, output, tallies, load);
+        if let Some(masses) = input.masses {
+            for touching in &mut wall.touching_loads.all_mut()[before..] {
+                let body = &self.particles[touching.near].body;
+                let response = response_to_torque(body, masses[touching.particle]);
+                touching.load.respond(response);
+            }
+        }
+    }
+}
+
+/// A vector of each lane.
+#[inline(always)]
+fn load<S: Registers>(registers: S, columns: &Columns) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::load(registers, &columns[0]),
+        Lanes::load(registers, &columns[1]),
+        Lanes::load(registers, &columns[2]),
+    )
+}
+
+#[inline(always)]
+fn put_in_lane(columns: &mut Columns, lane: usize, v: Vector3) {
+    columns[0][lane] = v.x;
+    columns[1][lane] = v.y;
+    columns[2][lane] = v.z;
+}
+
+/// Adds the forces of the contacts that were found, remembers them, and names those that the lanes hand back.
+struct AddForces<'p, 'i, 't> {
+    input: &'p PlaneInput<'i>,
+    layout: WallHistoryLayout,
+    of_laws: &'p HistoryLayout,
+    near: &'p [usize],
+    part_forces: &'p mut [Vector3],
+    touching_loads: Option<&'p mut TouchingLoads>,
+    planes: &'p [WholePlane],
+    contacts: &'p [PlaneContact],
+    last: &'p [Line],
+    others: &'p mut Vec<u32>,
+    written: &'p mut Vec<usize>,
+    histories: &'p mut [f64],
+    forces: &'p mut [[f64; 3]],
+    torques: &'p mut [[f64; 3]],
+    tallies: Option<&'p mut Tallies<'t>>,
+    load: &'p mut WallLoad,
+}
+
+/// What the lanes load of a contact beside the records.
+#[derive(Default)]
+#[repr(C, align(64))]
+struct Numbers {
+    outwards: Columns,
+    /// A point of the plane.
+    point: Columns,
+    inverse_mass: Column,
+    mass: Column,
+}
+
+/// What each lane sums up.
+struct Sums<S: Registers> {
+    force: Vector3<Lanes<S>>,
+    torque: Vector3<Lanes<S>>,
+    /// Bounds of stiffness and damping.
+    springs: [Lanes<S>; 2],
+    energies: [Lanes<S>; 2],
+    powers: [Lanes<S>; 2],
+    virial: [Lanes<S>; 6],
+    viscous_force: Vector3<Lanes<S>>,
+    frictional_force: Vector3<Lanes<S>>,
+}
+
+impl<'i> AddForces<'_, 'i, '_> {
+    fn law(&self, contact: &PlaneContact) -> &'i PairLaw {
+        let particle_type = self.input.near.types[contact.near as usize] as usize;
+        self.input.laws.get(particle_type, self.input.wall_type)
+    }
+}
+
+impl Stage for AddForces<'_, '_, '_> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        match self.input.near.shapes {
+            Shapes::Ellipsoids => self.add::<S, Ellipsoids>(registers),
+            _ => self.add::<S, Spheroids>(registers),
+        }
+    }
+}
+
+impl AddForces<'_, '_, '_> {
+    #[inline(always)]
+    fn add<S: Registers, K: Kind>(mut self, registers: S) {
+        let zero = Lanes::splat(registers, 0.0);
+        let null = Vector3::new(zero, zero, zero);
+        let mut sums = Sums {
+            force: null,
+            torque: null,
+            springs: [zero; 2],
+            energies: [zero; 2],
+            powers: [zero; 2],
+            virial: [zero; 6],
+            viscous_force: null,
+            frictional_force: null,
+        };
+        let mut numbers = Numbers::default();
+        let mut lines = [[Line::ZERO; MOST_LANES]; 4];
+        let contacts = self.contacts;
+        let one_law = self.input.laws.types() == 1;
+        let mut first = 0;
+        while first < contacts.len() {
+            let law = self.law(&contacts[first]);
+            let (mut laws, mut all_the_same) = ([law; MOST_LANES], true);
+            let mut count = 1;
+            if one_law {
+                count = S::LANES.min(contacts.len() - first);
+            }
+            while !one_law && count < S::LANES && first + count < contacts.len() {
+                let other = self.law(&contacts[first + count]);
+                if !core::ptr::eq(other, law) {
+                    if other.kinds != law.kinds {
+                        break;
+                    }
+                    all_the_same = false;
+                }
+                laws[count] = other;
+                count += 1;
+            }
+            let batch = &contacts[first..first + count];
+            let only = all_the_same.then_some(law);
+            let last = self.last.get(first..first + count).unwrap_or(&[]);
+            self.batch::<S, K>(
+                registers,
+                (batch, last),
+                &laws,
+                only,
+                &mut numbers,
+                &mut lines,
+                &mut sums,
+            );
+            first += count;
+        }
+        self.add_sums(&sums);
+    }
+}
+
+impl AddForces<'_, '_, '_> {
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn batch<S: Registers, K: Kind>(
+        &mut self,
+        registers: S,
+        (batch, last): (&[PlaneContact], &[Line]),
+        laws: &[&PairLaw; MOST_LANES],
+        only: Option<&PairLaw>,
+        numbers: &mut Numbers,
+        lines: &mut [[Line; MOST_LANES]; 4],
+        sums: &mut Sums<S>,
+    ) {
+        let input = self.input;
+        let near = input.near;
+        let mut of_lanes = [&near.records[batch[0].near as usize]; MOST_LANES];
+        let mut lasts = [&Line::ZERO; MOST_LANES];
+        let one_side = self.planes.len() == 1 && !self.planes[0].both_sides;
+        let with_loads = self.touching_loads.is_some();
+        let masses = input.masses.filter(|_| with_loads);
+        for lane in 0..S::LANES {
+            // Lanes without a contact of their own compute the last one again.
+            let contact = &batch[lane.min(batch.len() - 1)];
+            let place = contact.near as usize;
+            of_lanes[lane] = &near.records[place];
+            if let Some(line) = last.get(lane.min(batch.len() - 1)) {
+                lasts[lane] = line;
+            }
+            if !one_side {
+                let plane = &self.planes[contact.part as usize];
+                put_in_lane(&mut numbers.outwards, lane, plane.outwards(contact));
+                put_in_lane(&mut numbers.point, lane, plane.point);
+            }
+            if let Some(inverse_mass) = near.inverse_masses.get(place) {
+                numbers.inverse_mass[lane] = *inverse_mass;
+            }
+            if let Some(masses) = masses {
+                numbers.mass[lane] = masses[self.near[place]];
+            }
+        }
+        let side = K::load(registers, &of_lanes);
+        let (centre, velocity, omega) = (side.centre, side.velocity, side.omega);
+        let zero = Lanes::splat(registers, 0.0);
+        let null = Vector3::new(zero, zero, zero);
+        let (outwards, point) = if one_side {
+            let plane = &self.planes[0];
+            (
+                splat(registers, plane.normal),
+                splat(registers, plane.point),
+            )
+        } else {
+            (
+                load(registers, &numbers.outwards),
+                load(registers, &numbers.point),
+            )
+        };
+        let effective_mass = if near.inverse_masses.is_empty() {
+            zero
+        } else {
+            let inverse = Lanes::load(registers, &numbers.inverse_mass);
+            let mass = inverse.max(zero.constant(1e-300)).reciprocal();
+            Lanes::select(zero.less(inverse), mass, zero)
+        };
+        let mut at = BodyAtSurface {
+            body: side.body,
+            outwards,
+            height: outwards.dot(centre - point),
+            velocity: velocity - splat(registers, input.motion.velocity),
+            omega,
+            change: None,
+            effective_mass,
+        };
+        if near.of_step {
+            let mut change = MotionChange {
+                velocity: null,
+                omega: null,
+            };
+            if !near.changes.is_empty() {
+                let mut changes = [&near.changes[batch[0].near as usize]; MOST_LANES];
+                for lane in 0..S::LANES {
+                    let contact = &batch[lane.min(batch.len() - 1)];
+                    changes[lane] = &near.changes[contact.near as usize];
+                }
+                let c = Lanes::all(registers, registers.columns(&changes));
+                change.velocity = Vector3::new(c[0], c[1], c[2]);
+                change.omega = Vector3::new(c[3], c[4], c[5]);
+            }
+            at.change = Some(change);
+        }
+        let placed = PlacedAtSurface::new(registers, at);
+        let l = Lanes::all(registers, registers.columns(&lasts));
+        let continued = zero.less(l[7]);
+        let remembered = Remembered {
+            continued,
+            normal: Vector3::new(
+                Lanes::select(continued, l[0], -outwards.x),
+                Lanes::select(continued, l[1], -outwards.y),
+                Lanes::select(continued, l[2], -outwards.z),
+            ),
+            memory: Vector3::new(l[3], l[4], l[5]),
+            energy: l[6],
+            time: Lanes::splat(registers, input.step.elapsed()),
+        };
+        let constants = constants_of(registers, laws, only);
+        let kinds = &laws[0].kinds;
+        let ForcesAtSurface {
+            forces: f, hard, ..
+        } = placed.forces(registers, kinds, &constants, None, &remembered, input.step);
+
+        let present = (1u32 << batch.len()) - 1;
+        let sound = registers.bits(registers.and_not(placed.touching, hard)) & present;
+        let hard = registers.bits(registers.and(placed.touching, hard)) & present;
+        let mask = registers.mask(sound);
+        let springs = largest_springs(kinds, &constants, f.stiffness, effective_mass);
+        add_where(mask, &mut sums.springs[0], springs.0);
+        add_where(mask, &mut sums.springs[1], springs.1);
+        let from_centre = centre - splat(registers, input.motion.centre());
+        sums.add_load(mask, &f, from_centre);
+        if self.tallies.is_some() {
+            sums.add_energies(mask, &f);
+        }
+        put_action(registers, &f, placed.point(), lines);
+        if with_loads {
+            let loads = Loads::of(&f);
+            let loads = if masses.is_some() {
+                loads.respond::<K>(placed.body(), Lanes::load(registers, &numbers.mass))
+            } else {
+                loads
+            };
+            loads.put(registers, lines);
+        } else {
+            add_where(mask, &mut sums.powers[0], f.viscous_power);
+            add_where(mask, &mut sums.powers[1], f.tangential_power);
+        }
+        self.scatter(batch, [sound, hard], lines);
+    }
+
+    /// From the lines of a batch to the arrays of the engine.
+    fn scatter(
+        &mut self,
+        batch: &[PlaneContact],
+        [sound, hard]: [u32; 2],
+        lines: &[[Line; MOST_LANES]; 4],
+    ) {
+        let length = self.layout.length();
+        for (lane, contact) in batch.iter().enumerate() {
+            if hard >> lane & 1 != 0 {
+                self.others.push(contact.near);
+            }
+            if sound >> lane & 1 == 0 {
+                continue;
+            }
+            let k = self.near[contact.near as usize];
+            let [acting, remembered] = [&lines[0][lane].0, &lines[1][lane].0];
+            for axis in 0..3 {
+                self.forces[k][axis] -= acting[axis];
+                self.torques[k][axis] += acting[3 + axis];
+            }
+            let part = contact.part as usize;
+            if self.part_forces.len() > 1 {
+                let force = Vector3::new(acting[0], acting[1], acting[2]);
+                self.part_forces[part] = self.part_forces[part] + force;
+            }
+            self.load.contacts += 1;
+            if length > 0 {
+                let normal = (-self.planes[part].outwards(contact)).to_array();
+                let histories = &mut self.histories[k * length..(k + 1) * length];
+                let point = [remembered[0], remembered[1], remembered[2]];
+                let history = self.layout.write_one(histories, part, point, normal);
+                if let Some(at) = self.of_laws.memory {
+                    history[at..at + 3].copy_from_slice(&remembered[3..6]);
+                }
+                if let Some(at) = self.of_laws.normal {
+                    history[at..at + 3].copy_from_slice(&normal);
+                }
+                if let Some(at) = self.of_laws.energy {
+                    history[at] = acting[6];
+                }
+                // What resists rolling is not in the lanes.
+                history[self.of_laws.resistance()..].fill(0.0);
+                self.written.push(k);
+            }
+            if let Some(loads) = self.touching_loads.as_deref_mut() {
+                let [c, d] = [&lines[2][lane].0, &lines[3][lane].0];
+                loads.push(
+                    k,
+                    contact.near as usize,
+                    InelasticLoad {
+                        viscous_force: [c[0], c[1], c[2]],
+                        viscous_torque: [c[3], c[4], c[5]],
+                        tangential_force: [c[6], c[7], d[0]],
+                        tangential_torque: [d[1], d[2], d[3]],
+                    },
+                );
+            }
+        }
+    }
+
+    /// What the lanes have summed up, at the end.
+    #[inline(always)]
+    fn add_sums<S: Registers>(&mut self, sums: &Sums<S>) {
+        let load = &mut *self.load;
+        load.force = load.force + total_vector(sums.force);
+        load.torque = load.torque + total_vector(sums.torque);
+        load.stiffness += total(sums.springs[0]);
+        load.damping += total(sums.springs[1]);
+        if let [only] = self.part_forces {
+            *only = *only + load.force;
+        }
+        let Some(t) = self.tallies.as_deref_mut() else {
+            return;
+        };
+        t.touching += load.contacts as f64;
+        t.pairs += load.contacts as u64;
+        t.normal_elastic_energy += total(sums.energies[0]);
+        t.tangential_elastic_energy += total(sums.energies[1]);
+        for k in 0..6 {
+            t.virial[k] += total(sums.virial[k]);
+        }
+        if self.touching_loads.is_some() {
+            let velocity = self.input.motion.velocity;
+            t.wall_powers[0] += total_vector(sums.viscous_force).dot(velocity);
+            t.wall_powers[1] += total_vector(sums.frictional_force).dot(velocity);
+        } else {
+            let time = self.input.step.elapsed();
+            t.viscous_dissipation += time * total(sums.powers[0]);
+            t.tangential_work += time * total(sums.powers[1]);
+        }
+    }
+}
+
+// Functions that are always inlined, and no closures: arithmetic in a function of its own does not have the kernel's instructions.
+
+/// Sum of the lanes.
+#[inline(always)]
+fn total<S: Registers>(a: Lanes<S>) -> f64 {
+    let mut numbers = [0.0; MOST_LANES];
+    a.store(&mut numbers);
+    let mut sum = 0.0;
+    for number in &numbers[..S::LANES] {
+        sum += number;
+    }
+    sum
+}
+
+/// The same of a vector.
+#[inline(always)]
+fn total_vector<S: Registers>(a: Vector3<Lanes<S>>) -> Vector3 {
+    Vector3::new(total(a.x), total(a.y), total(a.z))
+}
+
+/// Adds where the mask holds.
+#[inline(always)]
+fn add_where<S: Registers>(mask: S::Mask, sum: &mut Lanes<S>, a: Lanes<S>) {
+    *sum = *sum + Lanes::select(mask, a, a.constant(0.0));
+}
+
+/// The same of a vector.
+#[inline(always)]
+fn add_vector_where<S: Registers>(
+    mask: S::Mask,
+    sum: &mut Vector3<Lanes<S>>,
+    a: Vector3<Lanes<S>>,
+) {
+    add_where(mask, &mut sum.x, a.x);
+    add_where(mask, &mut sum.y, a.y);
+    add_where(mask, &mut sum.z, a.z);
+}
+
+impl<S: Registers> Sums<S> {
+    /// Adds what acts on the wall.
+    #[inline(always)]
+    fn add_load(
+        &mut self,
+        sound: S::Mask,
+        f: &ContactForces<Lanes<S>>,
+        from_centre: Vector3<Lanes<S>>,
+    ) {
+        add_vector_where(sound, &mut self.force, f.force);
+        let torque = from_centre.cross(f.force) - f.torque_i;
+        add_vector_where(sound, &mut self.torque, torque);
+    }
+
+    /// Adds energies, virial, and the forces on the wall that are not elastic.
+    #[inline(always)]
+    fn add_energies(&mut self, sound: S::Mask, f: &ContactForces<Lanes<S>>) {
+        add_where(sound, &mut self.energies[0], f.elastic_energy);
+        add_where(sound, &mut self.energies[1], f.tangential_energy);
+        let d = f.contact_point;
+        add_where(sound, &mut self.virial[0], d.x * f.force.x);
+        add_where(sound, &mut self.virial[1], d.y * f.force.y);
+        add_where(sound, &mut self.virial[2], d.z * f.force.z);
+        add_where(sound, &mut self.virial[3], d.x * f.force.y);
+        add_where(sound, &mut self.virial[4], d.x * f.force.z);
+        add_where(sound, &mut self.virial[5], d.y * f.force.z);
+        add_vector_where(sound, &mut self.viscous_force, f.viscous_force);
+        add_vector_where(sound, &mut self.frictional_force, f.frictional_force);
+    }
+}
+
+/// Forces on the bodies that are not elastic, the viscous one first, and their torques.
+struct Loads<S: Registers> {
+    forces: [Vector3<Lanes<S>>; 2],
+    torques: [Vector3<Lanes<S>>; 2],
+}
+
+impl<S: Registers> Loads<S> {
+    #[inline(always)]
+    fn of(f: &ContactForces<Lanes<S>>) -> Self {
+        let forces = [-f.viscous_force, -f.frictional_force];
+        let torques = [
+            f.contact_point.cross(forces[0]),
+            f.contact_point.cross(forces[1]),
+        ];
+        Loads { forces, torques }
+    }
+
+    /// The same with the inverse inertia of solid ellipsoids times the torques.
+    #[inline(always)]
+    fn respond<K: Kind>(self, body: &K::Body<S>, mass: Lanes<S>) -> Self {
+        let torques = [
+            K::response(body, mass, self.torques[0]),
+            K::response(body, mass, self.torques[1]),
+        ];
+        Loads { torques, ..self }
+    }
+
+    #[inline(always)]
+    fn put(&self, registers: S, lines: &mut [[Line; MOST_LANES]; 4]) {
+        let ([v, t], [of_v, of_t]) = (&self.forces, &self.torques);
+        let zero = v.x.constant(0.0);
+        let first = [v.x, v.y, v.z, of_v.x, of_v.y, of_v.z, t.x, t.y];
+        put(registers, first, &mut lines[2]);
+        let second = [t.z, of_t.x, of_t.y, of_t.z, zero, zero, zero, zero];
+        put(registers, second, &mut lines[3]);
+    }
+}
+
+/// Writes force, torque and energy; point and memory.
+#[inline(always)]
+fn put_action<S: Registers>(
+    registers: S,
+    f: &ContactForces<Lanes<S>>,
+    point: Vector3<Lanes<S>>,
+    lines: &mut [[Line; MOST_LANES]; 4],
+) {
+    let zero = point.x.constant(0.0);
+    let (a, b, m) = (f.force, f.torque_i, f.memory);
+    let first = [a.x, a.y, a.z, b.x, b.y, b.z, f.tangential_energy, zero];
+    put(registers, first, &mut lines[0]);
+    let second = [point.x, point.y, point.z, m.x, m.y, m.z, zero, zero];
+    put(registers, second, &mut lines[1]);
+}
