@@ -2,6 +2,7 @@
 
 #include "fix_nve_ellipsoid.h"
 
+#include "ellgran_kokkos.h"
 #include "ellgran_restart_format.h"
 
 #include "atom.h"
@@ -84,6 +85,7 @@ int FixNVEEllipsoid::setmask()
 
 void FixNVEEllipsoid::init()
 {
+  require_host_kokkos(lmp, "Fix nve/ellipsoid");
   if (force->ftm2v != 1.0)
     error->all(FLERR, "Fix nve/ellipsoid: in units {} force is not mass times acceleration: use si, cgs, micro, nano or lj",
                update->unit_style);
@@ -107,7 +109,7 @@ void FixNVEEllipsoid::init()
 std::vector<FixNVEEllipsoid *> FixNVEEllipsoid::all_of_step(Modify *modify)
 {
   std::vector<FixNVEEllipsoid *> all;
-  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
+  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid")) {
     auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
     if (found && found->of_step) all.push_back(found);
   }

@@ -4,6 +4,7 @@
 
 #include "ellgran_half_step.h"
 #include "ellgran_history.h"
+#include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
 #include "ellgran_scene_step.h"
@@ -479,6 +480,7 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
 
 void PairGranEllipsoid::init_style()
 {
+  require_host_kokkos(lmp, CALLER);
   atoms.require_atom_style();
   if (comm->ghost_velocity == 0)
     error->all(FLERR,
