@@ -81,7 +81,7 @@ void FixEllgranEnergyBalance::find_sources()
   } else if (Pair *found = force->pair_match(PAIR_STYLE, 0))
     pairs.push_back(found);
 
-  walls = modify->get_fix_by_style("^wall/gran/ellipsoid");
+  walls = modify->get_fix_by_style("^wall/gran/ellipsoid$");
   gravities = modify->get_fix_by_style("^gravity");
 }
 

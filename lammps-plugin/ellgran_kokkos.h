@@ -7,6 +7,7 @@
 #define ELLGRAN_KOKKOS_H
 
 #include "pointers.h"
+#include "utils.h"
 
 namespace LAMMPS_NS {
 
@@ -40,6 +41,25 @@ template <class Style> class EllgranKokkos : public Style {
     require_host_kokkos(lmp, caller);
     return lmp;
   }
+};
+
+/// A fix keeps the name without the suffix once it is made: LAMMPS compares the names of fixes when it hands out what a
+/// restart file has for each atom, and a file then goes on with and without KOKKOS.
+template <class Style> class EllgranKokkosFix : public EllgranKokkos<Style> {
+ public:
+  EllgranKokkosFix(const char *caller, const char *style, LAMMPS *lmp, int narg, char **arg) :
+      EllgranKokkos<Style>(caller, style, lmp, narg, arg), name(style)
+  {
+  }
+  void post_constructor() override
+  {
+    Style::post_constructor();
+    delete[] this->style;
+    this->style = utils::strdup(name);
+  }
+
+ private:
+  const char *name;
 };
 
 }    // namespace LAMMPS_NS

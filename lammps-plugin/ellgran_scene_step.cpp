@@ -71,7 +71,7 @@ void EllgranSceneStep::find_sources()
     }
   } else if (Pair *found = force->pair_match(PAIR_STYLE, 0))
     add(found);
-  for (auto *fix : modify->get_fix_by_style("^wall/gran/ellipsoid"))
+  for (auto *fix : modify->get_fix_by_style("^wall/gran/ellipsoid$"))
     if (auto *wall = dynamic_cast<FixWallGranEllipsoid *>(fix)) walls.push_back(wall);
 }
 

@@ -109,7 +109,7 @@ void FixNVEEllipsoid::init()
 std::vector<FixNVEEllipsoid *> FixNVEEllipsoid::all_of_step(Modify *modify)
 {
   std::vector<FixNVEEllipsoid *> all;
-  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid")) {
+  for (auto *fix : modify->get_fix_by_style("^nve/ellipsoid$")) {
     auto *found = dynamic_cast<FixNVEEllipsoid *>(fix);
     if (found && found->of_step) all.push_back(found);
   }

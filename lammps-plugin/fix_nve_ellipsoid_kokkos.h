@@ -17,10 +17,10 @@ FixStyle(nve/ellipsoid/kk/host,FixNVEEllipsoidKokkos);
 
 namespace LAMMPS_NS {
 
-class FixNVEEllipsoidKokkos : public EllgranKokkos<FixNVEEllipsoid> {
+class FixNVEEllipsoidKokkos : public EllgranKokkosFix<FixNVEEllipsoid> {
  public:
   FixNVEEllipsoidKokkos(LAMMPS *lmp, int narg, char **arg) :
-      EllgranKokkos("Fix nve/ellipsoid/kk", "nve/ellipsoid", lmp, narg, arg)
+      EllgranKokkosFix("Fix nve/ellipsoid/kk", "nve/ellipsoid", lmp, narg, arg)
   {
   }
 };

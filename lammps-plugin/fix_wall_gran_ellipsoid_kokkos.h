@@ -17,10 +17,10 @@ FixStyle(wall/gran/ellipsoid/kk/host,FixWallGranEllipsoidKokkos);
 
 namespace LAMMPS_NS {
 
-class FixWallGranEllipsoidKokkos : public EllgranKokkos<FixWallGranEllipsoid> {
+class FixWallGranEllipsoidKokkos : public EllgranKokkosFix<FixWallGranEllipsoid> {
  public:
   FixWallGranEllipsoidKokkos(LAMMPS *lmp, int narg, char **arg) :
-      EllgranKokkos("Fix wall/gran/ellipsoid/kk", "wall/gran/ellipsoid", lmp, narg, arg)
+      EllgranKokkosFix("Fix wall/gran/ellipsoid/kk", "wall/gran/ellipsoid", lmp, narg, arg)
   {
   }
 };
