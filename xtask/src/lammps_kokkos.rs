@@ -136,7 +136,7 @@ pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
     }
     fs::create_dir_all(&build)?;
     say(format!(
-        "Building {title} in {} (once; 7 to 9 minutes on two cores)",
+        "Building {title} in {} (once; about 10 minutes on two cores)",
         build.display()
     ));
     let mut configure = Command::new("cmake");
