@@ -24,6 +24,11 @@ set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ell
 set_property(GLOBAL APPEND PROPERTY COMPUTE "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.h"
   "${ELLGRAN_STYLES_DIR}/compute_timestep_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY COMMAND "${ELLGRAN_STYLES_DIR}/create_ellipsoids.h")
+if(PKG_KOKKOS)
+  set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid_kokkos.h")
+  set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid_kokkos.h"
+    "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid_kokkos.h")
+endif()
 
 # The target `lammps` exists only when LAMMPS' own CMakeLists.txt has been read.
 function(ellgran_add_to_lammps)

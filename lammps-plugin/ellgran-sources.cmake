@@ -12,6 +12,7 @@ set(ELLGRAN_STYLE_SOURCES
   ellgran_grain_placement.cpp
   ellgran_half_step.cpp
   ellgran_history.cpp
+  ellgran_kokkos.cpp
   ellgran_number_or_variable.cpp
   ellgran_refusals.cpp
   ellgran_region.cpp

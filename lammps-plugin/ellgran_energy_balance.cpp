@@ -73,12 +73,12 @@ void FixEllgranEnergyBalance::find_sources()
 
   pairs.clear();
   if (utils::strmatch(force->pair_style ? force->pair_style : "", "^hybrid")) {
-    for (int number = 1; Pair *found = force->pair_match(PAIR_STYLE, 1, number); number++) {
+    for (int number = 1; Pair *found = force->pair_match(PAIR_STYLE, 0, number); number++) {
       // One alone is found by every number.
       if (!pairs.empty() && found == pairs.front()) break;
       pairs.push_back(found);
     }
-  } else if (Pair *found = force->pair_match(PAIR_STYLE, 1))
+  } else if (Pair *found = force->pair_match(PAIR_STYLE, 0))
     pairs.push_back(found);
 
   walls = modify->get_fix_by_style("^wall/gran/ellipsoid$");

@@ -8,10 +8,11 @@
 #include "compute_timestep_ellipsoid.h"
 #include "create_ellipsoids.h"
 #include "ellgran_class_layout.h"
-#include "fix_nve_ellipsoid.h"
+#include "ellgran_kokkos.h"
+#include "fix_nve_ellipsoid_kokkos.h"
 #include "fix_pour_ellipsoid.h"
-#include "fix_wall_gran_ellipsoid.h"
-#include "pair_gran_ellipsoid.h"
+#include "fix_wall_gran_ellipsoid_kokkos.h"
+#include "pair_gran_ellipsoid_kokkos.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -56,6 +57,21 @@ Fix *create_fix(LAMMPS *lmp, int narg, char **arg)
 Fix *create_integrator(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixNVEEllipsoid(lmp, narg, arg);
+}
+
+Pair *create_pair_kokkos(LAMMPS *lmp)
+{
+  return new PairGranEllipsoidKokkos(lmp);
+}
+
+Fix *create_fix_kokkos(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixWallGranEllipsoidKokkos(lmp, narg, arg);
+}
+
+Fix *create_integrator_kokkos(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixNVEEllipsoidKokkos(lmp, narg, arg);
 }
 
 Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
@@ -197,6 +213,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
     const char *kind, *name;
     lammpsplugin_factory1 *creator;
     lammpsplugin_factory2 *creator_with_words;
+    bool of_kokkos = false;
   } styles[] = {
       {"pair", "gran/ellipsoid", one(&create_pair), nullptr},
       {"fix", "wall/gran/ellipsoid", nullptr, two(&create_fix)},
@@ -205,12 +222,20 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
       {"compute", "energy/ellipsoid", nullptr, two(&create_balance)},
       {"compute", "timestep/ellipsoid", nullptr, two(&create_step)},
       {"command", "create_ellipsoids", one(&create_fill), nullptr},
+      {"pair", "gran/ellipsoid/kk", one(&create_pair_kokkos), nullptr, true},
+      {"pair", "gran/ellipsoid/kk/host", one(&create_pair_kokkos), nullptr, true},
+      {"fix", "wall/gran/ellipsoid/kk", nullptr, two(&create_fix_kokkos), true},
+      {"fix", "wall/gran/ellipsoid/kk/host", nullptr, two(&create_fix_kokkos), true},
+      {"fix", "nve/ellipsoid/kk", nullptr, two(&create_integrator_kokkos), true},
+      {"fix", "nve/ellipsoid/kk/host", nullptr, two(&create_integrator_kokkos), true},
   };
 
   // LAMMPS keeps the pointers for as long as the plugin is loaded.
   static char about[sizeof styles / sizeof styles[0]][96];
   char *text = about[0];
+  const bool kokkos = has_kokkos();
   for (const auto &style : styles) {
+    if (style.of_kokkos && !kokkos) continue;
     std::snprintf(text, sizeof about[0], "%s %s, ellgran %s", style.kind, style.name, ellgran_version());
     lammpsplugin_t plugin{};
     plugin.version = LAMMPS_VERSION;

@@ -64,12 +64,12 @@ void EllgranSceneStep::find_sources()
     if (auto *ours = dynamic_cast<PairGranEllipsoid *>(found)) pairs.push_back(ours);
   };
   if (utils::strmatch(force->pair_style ? force->pair_style : "", "^hybrid")) {
-    for (int number = 1; Pair *found = force->pair_match(PAIR_STYLE, 1, number); number++) {
+    for (int number = 1; Pair *found = force->pair_match(PAIR_STYLE, 0, number); number++) {
       // One alone is found by every number.
       if (!pairs.empty() && found == pairs.front()) break;
       add(found);
     }
-  } else if (Pair *found = force->pair_match(PAIR_STYLE, 1))
+  } else if (Pair *found = force->pair_match(PAIR_STYLE, 0))
     add(found);
   for (auto *fix : modify->get_fix_by_style("^wall/gran/ellipsoid$"))
     if (auto *wall = dynamic_cast<FixWallGranEllipsoid *>(fix)) walls.push_back(wall);

@@ -2,6 +2,7 @@
 
 #include "fix_nve_ellipsoid.h"
 
+#include "ellgran_kokkos.h"
 #include "ellgran_restart_format.h"
 
 #include "atom.h"
@@ -84,6 +85,7 @@ int FixNVEEllipsoid::setmask()
 
 void FixNVEEllipsoid::init()
 {
+  require_host_kokkos(lmp, "Fix nve/ellipsoid");
   if (force->ftm2v != 1.0)
     error->all(FLERR, "Fix nve/ellipsoid: in units {} force is not mass times acceleration: use si, cgs, micro, nano or lj",
                update->unit_style);

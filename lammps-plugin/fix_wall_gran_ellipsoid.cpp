@@ -2,6 +2,7 @@
 
 #include "fix_wall_gran_ellipsoid.h"
 
+#include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
 #include "ellgran_wall_shape.h"
@@ -469,6 +470,7 @@ int FixWallGranEllipsoid::setmask()
 
 void FixWallGranEllipsoid::init()
 {
+  require_host_kokkos(lmp, CALLER);
   atoms.require_atom_style();
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);

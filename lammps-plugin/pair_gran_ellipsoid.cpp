@@ -4,6 +4,7 @@
 
 #include "ellgran_half_step.h"
 #include "ellgran_history.h"
+#include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
 #include "ellgran_scene_step.h"
@@ -113,7 +114,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
-    shapes_may_change(false), shapes_in_message(false), evaluation_wanted(false), fix_rigid(nullptr),
+    shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
@@ -187,6 +188,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
     comm->forward_comm(this);
     shapes_in_message = false;
   }
+  require_same_images();
   refresh_contact_masses();
   std::fill_n(pvector, nextra, 0.0);
   reserve_loads();
@@ -479,6 +481,7 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
 
 void PairGranEllipsoid::init_style()
 {
+  require_host_kokkos(lmp, CALLER);
   atoms.require_atom_style();
   if (comm->ghost_velocity == 0)
     error->all(FLERR,
@@ -585,6 +588,23 @@ void PairGranEllipsoid::require_allowed_sizes() const
                  "{}: a particle of type {} has a semi-axis of {} now, but the cutoffs made when "
                  "the run started allow {}: give 'pair_style gran/ellipsoid' a cutoff of at least {}",
                  CALLER, type, now[type], allowed[type], 2.0 * now[type]);
+}
+
+/* LAMMPS of 4 Jul 2026 writes the quaternions of images over velocities of others, where KOKKOS packs the messages itself
+   and images have velocities (AtomVecEllipsoidKokkos_PackCommBonus). Told once a list: the first step after it was built. */
+
+void PairGranEllipsoid::require_same_images()
+{
+  if (!lmp->kokkos || update->setupflag || neighbor->ago != 1) return;
+  momenta_in_message = true;
+  images_differ = false;
+  comm->forward_comm(this, 3);
+  momenta_in_message = false;
+  if (images_differ)
+    error->one(FLERR,
+               "{}: KOKKOS gave images of grains other velocities than the grains have, as LAMMPS of 4 Jul 2026 does with 'package "
+               "kokkos comm host' and 'comm device': use 'package kokkos comm no'",
+               CALLER);
 }
 
 void PairGranEllipsoid::warn_of_masses()
@@ -848,6 +868,10 @@ double PairGranEllipsoid::contact_mass(int i) const
 
 int PairGranEllipsoid::pack_forward_comm(int n, int *indices, double *buffer, int, int *)
 {
+  if (momenta_in_message) {
+    for (int k = 0; k < n; k++) buffer = std::copy_n(atom->angmom[indices[k]], 3, buffer);
+    return 3 * n;
+  }
   if (shapes_in_message) {
     atoms.pack_shapes(n, indices, buffer);
     return n * EllgranAtoms::SHAPE_SIZE;
@@ -858,6 +882,11 @@ int PairGranEllipsoid::pack_forward_comm(int n, int *indices, double *buffer, in
 
 void PairGranEllipsoid::unpack_forward_comm(int n, int first, double *buffer)
 {
+  if (momenta_in_message) {
+    for (int i = first; i < first + n; i++, buffer += 3)
+      if (!std::equal(buffer, buffer + 3, atom->angmom[i])) images_differ = true;
+    return;
+  }
   if (shapes_in_message) {
     atoms.unpack_shapes(n, first, buffer);
     return;

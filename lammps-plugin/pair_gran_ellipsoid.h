@@ -93,6 +93,9 @@ class PairGranEllipsoid : public Pair {
   bool shapes_may_change;
   bool shapes_in_message;    // what the next forward communication carries: shapes, else masses of bodies
 
+  // With KOKKOS: the next one carries angular momenta instead, and whether those that images have are others
+  bool momenta_in_message, images_differ;
+
   // What the forces of the last evaluation were computed from and is gone when single() shows them: velocities
   // (LAMMPS has them of the half step then, and moves them on), and the histories before
   struct Evaluation {
@@ -146,6 +149,7 @@ class PairGranEllipsoid : public Pair {
   void refresh_contact_masses();
   [[nodiscard]] double contact_mass(int i) const;
   void require_allowed_sizes() const;
+  void require_same_images();
   void gather_work();
   void follow_dissipation();
   [[nodiscard]] bool time_passes() const;

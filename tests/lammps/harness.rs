@@ -12,9 +12,10 @@ pub use crate::engines::frames::*;
 pub use crate::engines::process::last_lines;
 pub use crate::engines::scene::*;
 
-/// The three programs under test, from the environment.
+/// The three programs under test, from the environment, and words of LAMMPS' command line.
 pub struct Engine {
     pub lammps: PathBuf,
+    pub words: Vec<&'static str>,
     pub plugin: PathBuf,
     pub mpirun: PathBuf,
 }
@@ -29,6 +30,7 @@ impl Engine {
         };
         Engine {
             lammps: read("ELLGRAN_TEST_LAMMPS"),
+            words: vec!["-nocite"],
             plugin: read("ELLGRAN_TEST_LAMMPS_PLUGIN"),
             mpirun: read("ELLGRAN_TEST_MPIRUN"),
         }
@@ -235,7 +237,7 @@ pub fn fresh_directory(name: &str) -> PathBuf {
 pub fn execute(engine: &Engine, directory: &Path, deck: &str, ranks: usize) -> (bool, String) {
     process::execute(
         &engine.lammps,
-        &["-nocite"],
+        &engine.words,
         &engine.mpirun,
         directory,
         deck,

@@ -3,6 +3,7 @@
 //!
 //! `cargo xtask test` builds LAMMPS and the plugin and names them in the environment; see `harness`.
 //! Tests whose name begins with `both_versions_` use nothing that LAMMPS 4 Feb 2025 lacks and are run against it too.
+//! Those in `kokkos` need a LAMMPS with its KOKKOS package as well, and are run apart.
 
 #[path = "../support/engines/mod.rs"]
 mod engines;
@@ -24,6 +25,7 @@ mod granular_suite;
 mod grown_and_moved;
 mod insertion;
 mod insertion_errors;
+mod kokkos;
 mod linear_spring;
 mod mesh_walls;
 mod misuse;

@@ -15,6 +15,7 @@ mod gpu;
 mod header;
 mod install;
 mod lammps;
+mod lammps_kokkos;
 mod law_tables;
 mod library;
 mod liggghts;
@@ -54,6 +55,8 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand, ValueEnum};
+
+use lammps_kokkos::Backend;
 
 #[derive(Parser)]
 #[command(
@@ -124,6 +127,10 @@ enum Artefact {
     LammpsPlugin,
     /// The top directory of its source tree
     LammpsSource,
+    /// The same release with its KOKKOS package for OpenMP, and few styles: for tests
+    LammpsKokkos,
+    /// The same for Serial
+    LammpsKokkosSerial,
     /// The LIGGGHTS binary with our contact models
     Liggghts,
     /// The top directory of its untouched source tree
@@ -176,6 +183,8 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::Lammps => lammps::source()?.binary(),
         Artefact::LammpsPlugin => plugin::plugin(&lammps::source()?),
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
+        Artefact::LammpsKokkos => lammps_kokkos::binary(&lammps::source()?, Backend::OpenMp),
+        Artefact::LammpsKokkosSerial => lammps_kokkos::binary(&lammps::source()?, Backend::Serial),
         Artefact::Liggghts => liggghts::binary(),
         Artefact::LiggghtsSource => liggghts::source_tree(),
         Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),

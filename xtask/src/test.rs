@@ -7,12 +7,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
+use crate::lammps_kokkos::Backend;
 use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, gpu, header, install, lammps, liggghts, mpi, plugin, python, report,
-    rooms, setup, site, validate, vtk, wheel,
+    aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, liggghts, mpi, plugin,
+    python, report, rooms, setup, site, validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -227,10 +228,11 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     steps.run("through LAMMPS", || {
         run_open(
             with_engine(engine_tests("lammps"), &newest)?
-                .arg("--")
+                .args(["--", "--skip", KOKKOS_TESTS])
                 .args(newest_filter),
         )
     })?;
+    with_kokkos(steps, &newest, filter)?;
     let both = filter.is_empty() || filter.iter().any(|word| word.contains("both_versions"));
     if both && oldest.2 != newest.2 {
         steps.run("through the oldest supported LAMMPS", || {
@@ -290,6 +292,39 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Module of the tests that need a LAMMPS with KOKKOS.
+const KOKKOS_TESTS: &str = "kokkos::";
+
+/// Left out, and said, where no release with ellipsoids in KOKKOS is to be had, or no Kokkos.
+fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()> {
+    if !filter.is_empty() && !filter.iter().any(|word| word.contains("kokkos")) {
+        return Ok(());
+    }
+    let source = lammps::source()?;
+    let lacking = if lammps_kokkos::has_ellipsoids(&source) {
+        lammps_kokkos::kokkos_source().err()
+    } else {
+        Some(anyhow::anyhow!(
+            "LAMMPS {} has no atom_style ellipsoid for it",
+            source.spelled()?
+        ))
+    };
+    if let Some(why) = lacking {
+        say(format!("NOT TESTED: LAMMPS with KOKKOS: {why:#}"));
+        return Ok(());
+    }
+    let lammps = steps.run("LAMMPS with KOKKOS", || {
+        lammps_kokkos::binary(&source, Backend::OpenMp)
+    })?;
+    steps.run("through LAMMPS with KOKKOS", || {
+        run_open(
+            with_engine(engine_tests("lammps"), newest)?
+                .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps)
+                .args(["--", KOKKOS_TESTS]),
+        )
+    })
 }
 
 fn engine_tests(name: &str) -> Command {

@@ -104,7 +104,8 @@ pub fn page(figures: &Figures) -> String {
          <!-- Made by `cargo xtask gpu` from xtask/src/gpu/page.rs; not to be edited. -->\n\
          # On a GPU\n\n\
          **State: kernels, not yet a run.** The kernels are compiled from the library's own functions and tested on the host. No \
-         command of an engine starts them yet, and they have not run on a GPU.\n\n\
+         command of an engine starts them yet, and they have not run on a GPU. The styles for [LAMMPS with KOKKOS](kokkos.md) compute on the \
+         host, and refuse a LAMMPS with KOKKOS for GPUs.\n\n\
          ## What there is\n\n\
          | place | what it is |\n|---|---|\n\
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
