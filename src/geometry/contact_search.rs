@@ -358,66 +358,78 @@ impl Pair<'_> {
 
     /// The global minimum, by branch and bound over the circumscribed ellipsoids; `best` is a minimum that is known.
     ///
-    /// All intervals of one round have the same width, and are halved until none of them can hold a direction that is
-    /// better by more than [`RESOLUTION`], or there are too many of them. Every dip of the distance that is left is
-    /// descended into.
+    /// All intervals of one round have the same width, and are divided into three, so that the middle third has the ellipsoid of the
+    /// whole, until none of them can hold a direction that is better by more than [`RESOLUTION`], or there are too many of them. Every
+    /// dip of the distance that is left is descended into.
     fn global(&self, best: Minimum, stop_when_separated: bool) -> Descent {
-        let around = Circumscribed::new(self.i, self.j, self.d);
+        let mut around = Circumscribed::new(self.i, self.j, self.d);
         let distance = self.d.norm();
         let floor = 8.0 * f64::EPSILON * self.size;
         let mut minima = Minima::new(best, self.thinness());
         let [low, high] = around.range();
         let mut width = high - low;
-        // Lower ends, and the distances of the ellipsoids in the middle.
-        let mut intervals = [low; MOST_INTERVALS];
-        let mut distances = [0.0; MOST_INTERVALS];
+        // Their middles, and the distances of the ellipsoids there.
+        let mut intervals = [[0.5 * (low + high), f64::NAN]; MOST_INTERVALS];
         let mut count = 1;
         loop {
-            let halves = intervals;
-            let wide = width;
-            width *= 0.5;
+            let whole = intervals;
+            let divided = count;
+            let first_round = intervals[0][1].is_nan();
+            if !first_round {
+                width /= 3.0;
+            }
             let mut resolved = true;
-            let halved = count;
             count = 0;
-            for low in halves[..halved]
-                .iter()
-                .flat_map(|low| [*low, low + 0.5 * wide])
-            {
-                let middle = low + 0.5 * width;
-                let foot = around.foot(middle);
-                if self.evaluate(foot.normal).f < minima.best.at.f - floor {
-                    match self.descend(foot.normal, stop_when_separated) {
-                        Descent::Separated(n) => return Descent::Separated(n),
-                        Descent::Minimum(m) => minima.add(m, floor),
+            around.start_anew();
+            for [middle, known] in &whole[..divided] {
+                let thirds = [
+                    [middle - width, f64::NAN],
+                    [*middle, *known],
+                    [middle + width, f64::NAN],
+                ];
+                let parts = if first_round {
+                    &thirds[1..2]
+                } else {
+                    &thirds[..]
+                };
+                for &[middle, mut here] in parts {
+                    if here.is_nan() {
+                        let foot = around.foot(middle);
+                        here = foot.distance;
+                        if self.evaluate(foot.normal).f < minima.best.at.f - floor {
+                            match self.descend(foot.normal, stop_when_separated) {
+                                Descent::Separated(n) => return Descent::Separated(n),
+                                Descent::Minimum(m) => minima.add(m, floor),
+                            }
+                            if self.is_proved(&minima.best) {
+                                return Descent::Minimum(minima.best);
+                            }
+                        }
                     }
-                    if self.is_proved(&minima.best) {
-                        return Descent::Minimum(minima.best);
+                    let least = minima.best.at.f;
+                    // h_i + h_j of any direction that is better than the best is less than this.
+                    let most = least.max(0.0) + distance;
+                    let excess = most * Circumscribed::excess(middle, width);
+                    if here - excess < least {
+                        intervals[count] = [middle, here];
+                        count += 1;
+                        resolved &= excess < RESOLUTION * least;
                     }
-                }
-                let least = minima.best.at.f;
-                // h_i + h_j of any direction that is better than the best is less than this.
-                let most = least.max(0.0) + distance;
-                let excess = most * Circumscribed::excess(middle, width);
-                if foot.distance - excess < least {
-                    intervals[count] = low;
-                    distances[count] = foot.distance;
-                    count += 1;
-                    resolved &= excess < RESOLUTION * least;
                 }
             }
-            if resolved || 2 * count > MOST_INTERVALS || !(width > 1e-12) {
+            if resolved || 3 * count > MOST_INTERVALS || !(width > 1e-12) {
                 break;
             }
         }
         for k in 0..count {
             let beside = |other: usize| {
-                let near = (intervals[other] - intervals[k]).abs() < 1.5 * width;
-                near && distances[other] < distances[k]
+                let near = (intervals[other][0] - intervals[k][0]).abs() < 1.5 * width;
+                near && intervals[other][1] < intervals[k][1]
             };
             if (k > 0 && beside(k - 1)) || (k + 1 < count && beside(k + 1)) {
                 continue;
             }
-            let n = around.foot(intervals[k] + 0.5 * width).normal;
+            let n = around.foot(intervals[k][0]).normal;
             if minima.are_without(n) {
                 match self.descend(n, stop_when_separated) {
                     Descent::Separated(n) => return Descent::Separated(n),

@@ -113,25 +113,54 @@ pub struct Circumscribed<'a> {
     i: &'a Ellipsoid,
     j: &'a Ellipsoid,
     d: Vector3,
+    /// `S_i` and `S_j`.
+    shapes: [Matrix; 2],
+    /// The principal axes of the ellipsoid that was asked for last, as columns: those of the next, which is most often a near one, are
+    /// found from them in fewer rotations.
+    axes: Matrix,
 }
 
 /// Rows of a symmetric 3x3 matrix.
 type Matrix = [[f64; 3]; 3];
 
-fn add_shape(m: &mut Matrix, body: &Ellipsoid, factor: f64) {
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// `S` of a body.
+fn shape(body: &Ellipsoid) -> Matrix {
+    let mut m = [[0.0; 3]; 3];
     for (axis, a) in body.axes.iter().zip(body.semi_axes.to_array()) {
         let e = axis.to_array();
         for (row, er) in m.iter_mut().zip(e) {
             for (entry, ec) in row.iter_mut().zip(e) {
-                *entry += factor * a * a * er * ec;
+                *entry += a * a * er * ec;
             }
         }
     }
+    m
 }
 
-/// Eigenvalues of a symmetric matrix, and the eigenvectors as columns: Jacobi's rotations.
-fn eigen(mut m: Matrix) -> ([f64; 3], Matrix) {
-    let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// A symmetric matrix along other axes, the columns of `v`.
+fn along(v: &Matrix, m: &Matrix) -> Matrix {
+    let mut product = [[0.0; 3]; 3];
+    for r in 0..3 {
+        for c in 0..3 {
+            product[r][c] = m[r][0] * v[0][c] + m[r][1] * v[1][c] + m[r][2] * v[2][c];
+        }
+    }
+    let mut turned = [[0.0; 3]; 3];
+    for r in 0..3 {
+        for c in r..3 {
+            let entry = v[0][r] * product[0][c] + v[1][r] * product[1][c] + v[2][r] * product[2][c];
+            turned[r][c] = entry;
+            turned[c][r] = entry;
+        }
+    }
+    turned
+}
+
+/// Eigenvalues of a symmetric matrix by Jacobi's rotations, which are added to those of `v`: its columns become the eigenvectors where
+/// `m` is along them.
+fn eigen(mut m: Matrix, v: &mut Matrix) -> [f64; 3] {
     for _ in 0..12 {
         let off = m[0][1] * m[0][1] + m[0][2] * m[0][2] + m[1][2] * m[1][2];
         let trace = m[0][0] + m[1][1] + m[2][2];
@@ -157,20 +186,31 @@ fn eigen(mut m: Matrix) -> ([f64; 3], Matrix) {
             m[p][r] = m[r][p];
             m[r][q] = s * rp + c * rq;
             m[q][r] = m[r][q];
-            for row in &mut v {
+            for row in v.iter_mut() {
                 let (a, b) = (row[p], row[q]);
                 row[p] = c * a - s * b;
                 row[q] = s * a + c * b;
             }
         }
     }
-    ([m[0][0], m[1][1], m[2][2]], v)
+    [m[0][0], m[1][1], m[2][2]]
 }
 
 impl<'a> Circumscribed<'a> {
     /// Of bodies `i` and `j`, with `d` from the centre of `i` to that of `j`.
     pub fn new(i: &'a Ellipsoid, j: &'a Ellipsoid, d: Vector3) -> Self {
-        Circumscribed { i, j, d }
+        Circumscribed {
+            i,
+            j,
+            d,
+            shapes: [shape(i), shape(j)],
+            axes: IDENTITY,
+        }
+    }
+
+    /// Forgets the axes of the ellipsoid that was asked for last, with what rounding has made of them.
+    pub fn start_anew(&mut self) {
+        self.axes = IDENTITY;
     }
 
     /// The range of `t` in which every direction has its own.
@@ -183,12 +223,16 @@ impl<'a> Circumscribed<'a> {
     }
 
     /// The least distance of `d` from the surface of the ellipsoid `t`, and where.
-    pub fn foot(&self, t: f64) -> Foot {
+    pub fn foot(&mut self, t: f64) -> Foot {
         let growth = t.exp();
-        let mut m = [[0.0; 3]; 3];
-        add_shape(&mut m, self.i, 1.0 + 1.0 / growth);
-        add_shape(&mut m, self.j, 1.0 + growth);
-        let (values, vectors) = eigen(m);
+        let factors = [1.0 + 1.0 / growth, 1.0 + growth];
+        let m = core::array::from_fn(|r| {
+            core::array::from_fn(|c| {
+                factors[0] * self.shapes[0][r][c] + factors[1] * self.shapes[1][r][c]
+            })
+        });
+        let values = eigen(along(&self.axes, &m), &mut self.axes);
+        let vectors = self.axes;
         let d = self.d.to_array();
         let least = values[0].min(values[1]).min(values[2]);
         // Along each principal axis: d, d over the semi-axis, least square over the square.
@@ -348,7 +392,7 @@ mod tests {
         for k in 0..40 {
             let [i, j] = bodies(k);
             let d = direction(k + 9) * (0.1 * f64::from(k % 5));
-            let around = Circumscribed::new(&i, &j, d);
+            let mut around = Circumscribed::new(&i, &j, d);
             let [low, high] = around.range();
             for step in 0..9 {
                 let t = low + (high - low) * f64::from(step) / 8.0;
