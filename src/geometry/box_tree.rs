@@ -30,7 +30,15 @@ impl Extent {
 
     /// Whether two have a point in common.
     pub fn overlaps(&self, other: &Extent) -> bool {
-        (0..3).all(|k| self.low[k] <= other.high[k] && self.high[k] >= other.low[k])
+        // Without a branch, which would often be mispredicted.
+        let along = |k: usize| (self.low[k] <= other.high[k]) & (self.high[k] >= other.low[k]);
+        along(0) & along(1) & along(2)
+    }
+
+    /// Whether another lies within.
+    pub fn contains(&self, other: &Extent) -> bool {
+        let along = |k: usize| (self.low[k] <= other.low[k]) & (self.high[k] >= other.high[k]);
+        along(0) & along(1) & along(2)
     }
 
     fn include(&mut self, other: &Extent) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A surface of triangles as a wall. A body meets those whose boxes it meets, however many there are.
 
+use super::near_triangles::NearTriangles;
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::ranges::LARGEST_COORDINATE;
@@ -16,6 +17,8 @@ pub struct Mesh {
     triangles: Vec<Triangle>,
     boxes: Vec<Extent>,
     tree: BoxTree,
+    /// Of the particles that were looked at.
+    near: NearTriangles,
 }
 
 /// Contacts with the surface of one particle that are remembered.
@@ -41,6 +44,7 @@ impl Mesh {
             triangles,
             boxes,
             tree,
+            near: NearTriangles::default(),
         })
     }
 
@@ -145,12 +149,14 @@ impl Shape for Mesh {
     }
 
     /// Within the box of a mesh, which most particles are in a vessel, the triangles tell.
-    fn mark_near(&self, balls: &[Ball], marks: &mut [bool]) {
+    fn mark_near(&mut self, balls: &[Ball], marks: &mut [bool]) {
         for (ball, mark) in balls.iter().zip(marks) {
             *mark |= self.may_touch(ball) && {
                 let Ball { centre, radius, .. } = *ball;
                 let finite = (centre.x + centre.y + centre.z + radius).is_finite();
-                !finite || self.has_within(&Extent::about(centre.to_array(), radius))
+                let ball_of = (centre.to_array(), radius);
+                let mesh = (&self.tree, &self.boxes[..]);
+                !finite || self.near.has_within(ball.particle, ball_of, mesh)
             };
         }
     }
@@ -171,12 +177,17 @@ impl Shape for Mesh {
             high: core::array::from_fn(|k| c[k] + reach[k]),
         };
         search.near.clear();
-        self.tree.visit(&self.boxes, &extent, |triangle| {
-            search.near.push(triangle as u32);
-            true
-        });
-        // in the order of the triangles, whatever the tree is
-        search.near.sort_unstable();
+        if let Some(near) = self.near.around(grain.particle, &extent) {
+            let reach_in = |t: &&u32| self.boxes[**t as usize].overlaps(&extent);
+            search.near.extend(near.iter().filter(reach_in));
+        } else {
+            self.tree.visit(&self.boxes, &extent, |triangle| {
+                search.near.push(triangle as u32);
+                true
+            });
+            // in the order of the triangles, whatever the tree is
+            search.near.sort_unstable();
+        }
         if !search.near.is_empty() {
             touch_near(grain, &self.triangles, search, found);
         }

@@ -13,6 +13,7 @@ mod histories;
 mod lent_triangles;
 mod mesh;
 mod motion;
+mod near_triangles;
 mod one_plane;
 mod plane;
 mod plane_contacts;

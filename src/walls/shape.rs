@@ -124,8 +124,8 @@ pub trait Shape: Debug + Send + Sync {
         true
     }
 
-    /// Marks the balls that may touch. As a function of the shape, so that the loop has no call in it.
-    fn mark_near(&self, balls: &[Ball], marks: &mut [bool]) {
+    /// Marks the balls that may touch. As a function of the shape, so that the loop has no call in it. A shape may keep what it finds.
+    fn mark_near(&mut self, balls: &[Ball], marks: &mut [bool]) {
         for (ball, mark) in balls.iter().zip(marks) {
             *mark |= self.may_touch(ball);
         }

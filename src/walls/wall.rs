@@ -157,7 +157,13 @@ impl Wall {
             let (balls, marks) = (&balls[..count], &mut marks[..count]);
             let block = Block::of(balls);
             let mut is_far = true;
-            for shape in self.shapes() {
+            let lent = self.lent.iter_mut().map(|l| l as &mut dyn Shape);
+            for shape in self
+                .parts
+                .iter_mut()
+                .map(|p| &mut **p as &mut dyn Shape)
+                .chain(lent)
+            {
                 if block.can_be_asked() && !shape.may_touch_block(&block) {
                     continue;
                 }

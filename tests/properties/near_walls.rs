@@ -8,7 +8,7 @@ use crate::walls_in_lanes::surfaces;
 use ellgran::contact::{prepare_body, Step};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
-use ellgran::walls::{compute_wall, Motion, Wall, WallInput, WallOutput};
+use ellgran::walls::{compute_wall, Mesh, Motion, Wall, WallInput, WallOutput};
 
 /// Of blocks of 64, some and a part of one.
 const PARTICLES: usize = 400;
@@ -92,6 +92,103 @@ fn what_is_not_finite_is_looked_at() {
             assert_eq!(near, [70], "{name}, {centre:?}, {radius}");
         }
     }
+}
+
+/// A rough surface of many triangles of several sizes.
+fn hills() -> Wall {
+    let cells = 24;
+    let at = |i: usize, j: usize| {
+        let place = |k: usize| REACH * (2.0 * (k as f64 / cells as f64).powf(1.5) - 1.0);
+        let (x, y) = (place(i), place(j));
+        Vector3::new(x, y, 0.3 * (2.0 * x).sin() * (1.5 * y).cos())
+    };
+    let cell = |k: usize| {
+        let (i, j) = (k / cells, k % cells);
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles: Vec<_> = (0..cells * cells).flat_map(cell).collect();
+    let mut wall = Wall::new();
+    wall.add_mesh(Mesh::new(triangles).unwrap());
+    wall
+}
+
+/// A mesh keeps which of its triangles are near a particle. Particles that move a little in each step, some of them far at a time, that
+/// take each other's indices, and grow, touch what they touch where nothing is kept, to the last digit.
+#[test]
+fn what_a_mesh_keeps_changes_nothing() {
+    let laws = laws(&["hertz 1e5 0.3"]);
+    let step = Step {
+        time_step: 1e-3,
+        advance_history: true,
+    };
+    let mut stream = Stream::new(4711);
+    let mut particles: Vec<([f64; 3], [f64; 3])> = (0..60)
+        .map(|_| {
+            let [x, y] = [0; 2].map(|_| stream.uniform(-REACH, REACH));
+            let semi_axes = [0; 3].map(|_| stream.uniform(0.2, 1.0));
+            ([x, y, stream.uniform(-1.5, 1.5)], semi_axes)
+        })
+        .collect();
+    let turn = stream.rotation();
+    let forces = |wall: &mut Wall, particles: &[([f64; 3], [f64; 3])]| {
+        let near = near(wall, particles);
+        let chosen: Vec<_> = near
+            .iter()
+            .map(|k| {
+                let (centre, semi_axes) = particles[*k];
+                let body = body(semi_axes, Vector::from(centre), turn);
+                prepare_body(&body, Some(1)).unwrap()
+            })
+            .collect();
+        let mut forces = vec![[0.0; 3]; particles.len()];
+        let load = compute_wall(
+            wall,
+            &WallInput {
+                laws: &laws,
+                wall_type: 1,
+                near: &chosen,
+                motion: &Motion::REST,
+                step: &step,
+                instruction_set: InstructionSet::Scalar,
+            },
+            &mut WallOutput {
+                acts_on: &|_| true,
+                histories: &mut [],
+                forces: &mut forces,
+                torques: &mut vec![[0.0; 3]; particles.len()],
+            },
+            None,
+        )
+        .unwrap();
+        (near, forces, load.contacts)
+    };
+    let mut kept = hills();
+    let mut contacts = 0;
+    for round in 0..400 {
+        for (centre, semi_axes) in &mut particles {
+            for x in centre.iter_mut() {
+                *x += stream.uniform(-0.05, 0.05);
+            }
+            if stream.uniform(0.0, 1.0) < 0.01 {
+                centre[0] = stream.uniform(-REACH, REACH);
+            }
+            if stream.uniform(0.0, 1.0) < 0.01 {
+                *semi_axes = [0; 3].map(|_| stream.uniform(0.2, 1.5));
+            }
+        }
+        if round % 7 == 0 {
+            particles.reverse();
+        }
+        let with = forces(&mut kept, &particles);
+        if round % 5 == 0 {
+            let without = forces(&mut hills(), &particles);
+            assert_eq!(with, without, "round {round}");
+            contacts += without.2;
+        }
+    }
+    println!("{contacts} contacts");
+    assert!(contacts > 1000);
 }
 
 /// The whole call leaves out no contact: forces of all particles together are those of each alone.

@@ -115,7 +115,8 @@ pub fn deepest(i: &Body, j: &Body, density: usize) -> (f64, Vector) {
     };
     let mut starts: Vec<(f64, Vector)> = Vec::new();
     let mut offer = |n: Vector| {
-        if let Some(n) = n.try_normalize(1e-300) {
+        // Squares of the components of a centre's offset may be too small for double precision.
+        if let Some(n) = (n / n.amax()).try_normalize(0.5) {
             // f(-n) = f(n) + 2 n.d
             let n = if n.dot(&pair.d) < 0.0 { -n } else { n };
             starts.push((pair.f(&n), n));

@@ -209,14 +209,25 @@ fn alone(
     last: usize,
     mut change: impl FnMut(&mut Body, &mut Body),
 ) -> Given {
+    alone_with_terms(laws, drawn, last, &mut change).0
+}
+
+/// The same, and the size of the terms of which its force is the sum: stiffness times penetration.
+fn alone_with_terms(
+    laws: &Laws,
+    drawn: &Drawn,
+    last: usize,
+    change: &mut dyn FnMut(&mut Body, &mut Body),
+) -> (Given, f64) {
     let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
-    let mut loads = [[0.0; 3]; 4];
+    let (mut loads, mut terms) = ([[0.0; 3]; 4], 0.0);
     for step in 0..=last {
         let (mut i, mut j) = after(drawn, step);
         change(&mut i, &mut j);
         let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
         let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
             .expect("exact factors do not break");
+        terms = (found.as_ref()).map_or(0.0, |(contact, f)| f.stiffness * contact.penetration);
         loads = found.map_or([[0.0; 3]; 4], |(_, f)| {
             [-f.force, f.force, f.torque_i, f.torque_j].map(|v| v.to_array())
         });
@@ -224,11 +235,12 @@ fn alone(
     if !touching {
         history.clear();
     }
-    Given {
+    let given = Given {
         touching,
         loads,
         history,
-    }
+    };
+    (given, terms)
 }
 
 const STEP: Step = Step {
@@ -444,15 +456,23 @@ impl Block {
                 continue;
             }
             let differences = other.differences(scalar);
-            let sizes = scalar.sizes(size(i, j));
+            let mut sizes = scalar.sizes(size(i, j));
             let no_difference = NO_DIFFERENCE + CURVATURE * most_slender(i, j);
             let of_depth =
                 ROUNDINGS * f64::EPSILON * size(i, j) / depths[0].max(f64::EPSILON * size(i, j));
-            let none = |k: usize| {
+            let none = |k: usize, sizes: &[f64; 6]| {
                 let relative = no_difference + if k < 3 { of_depth } else { 0.0 };
                 differences[k] <= relative * sizes[k] + ZERO
             };
-            if (0..6).all(none) {
+            if (0..6).all(|k| none(k, &sizes)) {
+                continue;
+            }
+            // A force that damping takes to nearly nothing is as exact as the terms that make it up.
+            let (_, terms) = alone_with_terms(laws, &self.pairs[pair], step, &mut |_, _| ());
+            for (size_of_kind, lever) in sizes.iter_mut().zip([1.0, 1.0, size(i, j)]) {
+                *size_of_kind = size_of_kind.max(terms * lever);
+            }
+            if (0..6).all(|k| none(k, &sizes)) {
                 continue;
             }
             let mut worst = |times: usize| {
@@ -500,9 +520,10 @@ impl Block {
                 "energy",
             ][kind];
             let words = format!(
-                "{}: {of} differs by {:e}, {ratio:.1} times what rounding explains; penetration {:e}",
+                "{}: {of} differs by {:e} of {:e}, {ratio:.1} times what rounding explains; penetration {:e}",
                 set.name(),
                 differences[kind],
+                sizes[kind],
                 depths[0]
             );
             counts.found(finding(Kind::Differs, words, ratio.min(f64::MAX)));
