@@ -198,6 +198,7 @@ def main():
     write_csv(HERE / "reference.csv", reference, list(reference[0]))
     write_csv(HERE / "stability.csv", stability, list(stability[0]))
     (HERE / "origin.json").write_text(json.dumps(origin, indent=2) + "\n")
+    (HERE / "state.json").write_text(json.dumps(state, indent=1) + "\n")
     pairs = sum(row["pairs"] for row in rows)
     wrong = sum(row[key] for row in rows for key in WRONG)
     wrong_reference = sum(bool(row["wrong"]) for row in reference)
@@ -214,7 +215,7 @@ def main():
     machine = "; ".join(line for line in origin["machine"] if not line.startswith("load"))
     text += (
         f"\n## Where the numbers come from\n\n`{origin['command']}`, ellgran {origin['version']}, seed {state['seed']}, {round(state['seconds'])} s of processor time, on a machine that others shared "
-        f"({machine}). `cargo xtask stress` goes on where the last run stopped, for `--minutes`, `--hours`, `--night`, or until there are so many `--pairs`. A pair is had again by family "
+        f"({machine}). `cargo xtask stress` goes on where the last run stopped, for `--minutes`, `--hours`, `--night`, or until there are so many `--pairs`; with `--stored` it goes on with this run. A pair is had again by family "
         "(counted from 0 in the order of `Family::ALL`), block and number: `cargo bench --bench stress -- pair FAMILY BLOCK PAIR`; `block FAMILY BLOCK` tries a whole block again, with descents for each contact, `again` those of all findings. The numbers: "
         "[counts.csv](../../validation/stress/counts.csv), [reference.csv](../../validation/stress/reference.csv), [stability.csv](../../validation/stress/stability.csv), "
         "[origin.json](../../validation/stress/origin.json).\n"

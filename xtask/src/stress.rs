@@ -38,6 +38,9 @@ pub struct Options {
     /// What the pairs are drawn from; another one is another run, and needs another --state
     #[arg(long, default_value_t = 2013)]
     seed: u64,
+    /// Go on with the run that is stored in validation/stress, of the same instruction sets
+    #[arg(long, conflicts_with = "seed")]
+    stored: bool,
     /// The directory that the run is kept in, and gone on from [default: stress-output in the checkout]
     #[arg(long)]
     state: Option<PathBuf>,
@@ -55,7 +58,12 @@ pub fn stress(options: &Options) -> Result<()> {
     let file = |name: &str| directory.join(name);
     let environment = Environment::pinned(&root().join("validation/reference/requirements.txt"))
         .context("the reference needs packages for this Python")?;
-    let seed = options.seed.to_string();
+    let seed = if options.stored {
+        go_on_with_stored(&file("state.json"))?
+    } else {
+        options.seed
+    };
+    let seed = seed.to_string();
     let state = [Path::new("--state"), &file("state.json")].map(|p| p.as_os_str().to_owned());
     let threads = options.threads.unwrap_or_else(jobs).to_string();
     let minutes = match (options.minutes, options.hours, options.night) {
@@ -114,6 +122,20 @@ pub fn stress(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// Takes the stored run for the one that is gone on with, if that has none yet; its seed.
+fn go_on_with_stored(state: &Path) -> Result<u64> {
+    let stored = folder().join("state.json");
+    if !state.exists() {
+        std::fs::copy(&stored, state)
+            .with_context(|| format!("cannot copy {}", stored.display()))?;
+    }
+    let text = std::fs::read_to_string(&stored)?;
+    let read: serde_json::Value = serde_json::from_str(&text)?;
+    read["seed"]
+        .as_u64()
+        .with_context(|| format!("{} has no seed", stored.display()))
+}
+
 fn folder() -> PathBuf {
     root().join("validation").join("stress")
 }
@@ -148,8 +170,10 @@ fn said_as(options: &Options) -> String {
         "seed",
         (options.seed != 2013).then(|| options.seed.to_string()),
     );
-    if options.night {
-        command += " --night";
+    for (is_given, word) in [(options.stored, " --stored"), (options.night, " --night")] {
+        if is_given {
+            command += word;
+        }
     }
     command
 }
