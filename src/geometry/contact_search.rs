@@ -68,6 +68,8 @@ const SETTLED_STEP: f64 = 1e-11;
 /// Intervals of the search for the global minimum, at most. More are wanted only by pairs of aspect ratio 100 and beyond,
 /// deeper than the radius of their tips or rims; then what is left is searched at the resolution that was reached.
 const MOST_INTERVALS: usize = 512;
+/// So many at most are divided into three.
+const MOST_DIVIDED: usize = MOST_INTERVALS / 3;
 /// The search for the global minimum ends when no other direction can be better by more than this share of the best
 /// minimum. Between minima that close, force and energy differ by as little, so that a change from one to the other does
 /// not show.
@@ -372,7 +374,8 @@ impl Pair<'_> {
         let mut intervals = [[0.5 * (low + high), f64::NAN]; MOST_INTERVALS];
         let mut count = 1;
         loop {
-            let whole = intervals;
+            let mut whole = [[0.0; 2]; MOST_DIVIDED];
+            whole.copy_from_slice(&intervals[..MOST_DIVIDED]);
             let divided = count;
             let first_round = intervals[0][1].is_nan();
             if !first_round {
@@ -417,7 +420,7 @@ impl Pair<'_> {
                     }
                 }
             }
-            if resolved || 3 * count > MOST_INTERVALS || !(width > 1e-12) {
+            if resolved || count > MOST_DIVIDED || !(width > 1e-12) {
                 break;
             }
         }
