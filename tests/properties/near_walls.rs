@@ -5,7 +5,7 @@
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, Vector};
 use crate::walls_in_lanes::surfaces;
-use ellgran::contact::{prepare_body, Step};
+use ellgran::contact::{prepare_body, Laws, Particle, Step};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
 use ellgran::walls::{compute_wall, Mesh, Motion, Wall, WallInput, WallOutput};
@@ -37,6 +37,43 @@ fn near(wall: &mut Wall, particles: &[([f64; 3], [f64; 3])]) -> Vec<usize> {
         Some((Vector3::from_array(*centre), largest(semi_axes)))
     };
     wall.find_near(&Motion::REST, particles.len(), of).to_vec()
+}
+
+/// A step of particles, and of the bodies that they are, at a wall at rest: those that may touch, the forces on all, and how many contacts
+/// there are.
+fn step_at(
+    wall: &mut Wall,
+    laws: &Laws,
+    particles: &[([f64; 3], [f64; 3])],
+    bodies: &[Particle],
+) -> (Vec<usize>, Vec<[f64; 3]>, usize) {
+    let near = near(wall, particles);
+    let chosen: Vec<_> = near.iter().map(|k| bodies[*k]).collect();
+    let mut forces = vec![[0.0; 3]; particles.len()];
+    let length = wall.histories(laws).length();
+    let load = compute_wall(
+        wall,
+        &WallInput {
+            laws,
+            wall_type: 1,
+            near: &chosen,
+            motion: &Motion::REST,
+            step: &Step {
+                time_step: 1e-3,
+                advance_history: true,
+            },
+            instruction_set: InstructionSet::Scalar,
+        },
+        &mut WallOutput {
+            acts_on: &|_| true,
+            histories: &mut vec![0.0; particles.len() * length],
+            forces: &mut forces,
+            torques: &mut vec![[0.0; 3]; particles.len()],
+        },
+        None,
+    )
+    .unwrap();
+    (near, forces, load.contacts)
 }
 
 #[test]
@@ -118,10 +155,6 @@ fn hills() -> Wall {
 #[test]
 fn what_a_mesh_keeps_changes_nothing() {
     let laws = laws(&["hertz 1e5 0.3"]);
-    let step = Step {
-        time_step: 1e-3,
-        advance_history: true,
-    };
     let mut stream = Stream::new(4711);
     let mut particles: Vec<([f64; 3], [f64; 3])> = (0..60)
         .map(|_| {
@@ -132,36 +165,12 @@ fn what_a_mesh_keeps_changes_nothing() {
         .collect();
     let turn = stream.rotation();
     let forces = |wall: &mut Wall, particles: &[([f64; 3], [f64; 3])]| {
-        let near = near(wall, particles);
-        let chosen: Vec<_> = near
-            .iter()
-            .map(|k| {
-                let (centre, semi_axes) = particles[*k];
-                let body = body(semi_axes, Vector::from(centre), turn);
-                prepare_body(&body, Some(1)).unwrap()
-            })
-            .collect();
-        let mut forces = vec![[0.0; 3]; particles.len()];
-        let load = compute_wall(
-            wall,
-            &WallInput {
-                laws: &laws,
-                wall_type: 1,
-                near: &chosen,
-                motion: &Motion::REST,
-                step: &step,
-                instruction_set: InstructionSet::Scalar,
-            },
-            &mut WallOutput {
-                acts_on: &|_| true,
-                histories: &mut [],
-                forces: &mut forces,
-                torques: &mut vec![[0.0; 3]; particles.len()],
-            },
-            None,
-        )
-        .unwrap();
-        (near, forces, load.contacts)
+        let body_of = |(centre, semi_axes): &([f64; 3], [f64; 3])| {
+            let body = body(*semi_axes, Vector::from(*centre), turn);
+            prepare_body(&body, Some(1)).unwrap()
+        };
+        let bodies: Vec<_> = particles.iter().map(body_of).collect();
+        step_at(wall, &laws, particles, &bodies)
     };
     let mut kept = hills();
     let mut contacts = 0;
@@ -195,10 +204,6 @@ fn what_a_mesh_keeps_changes_nothing() {
 #[test]
 fn no_contact_is_left_out() {
     let laws = laws(&["nfd 1e5 0.3 10 10 tangential tfd 0.3"]);
-    let step = Step {
-        time_step: 1e-3,
-        advance_history: true,
-    };
     let mut stream = Stream::new(77);
     for (name, mut wall) in surfaces() {
         let particles = particles(&mut stream, 30);
@@ -209,32 +214,8 @@ fn no_contact_is_left_out() {
                 prepare_body(&body, Some(1)).unwrap()
             })
             .collect();
-        let length = wall.histories(&laws).length();
         let mut compute = |range: core::ops::Range<usize>| {
-            let near = near(&mut wall, &particles[range.clone()]);
-            let chosen: Vec<_> = near.iter().map(|k| bodies[range.start + k]).collect();
-            let mut forces = vec![[0.0; 3]; range.len()];
-            let mut torques = forces.clone();
-            compute_wall(
-                &mut wall,
-                &WallInput {
-                    laws: &laws,
-                    wall_type: 1,
-                    near: &chosen,
-                    motion: &Motion::REST,
-                    step: &step,
-                    instruction_set: InstructionSet::Scalar,
-                },
-                &mut WallOutput {
-                    acts_on: &|_| true,
-                    histories: &mut vec![0.0; range.len() * length],
-                    forces: &mut forces,
-                    torques: &mut torques,
-                },
-                None,
-            )
-            .unwrap();
-            forces
+            step_at(&mut wall, &laws, &particles[range.clone()], &bodies[range]).1
         };
         let together = compute(0..PARTICLES);
         let alone: Vec<_> = (0..PARTICLES).flat_map(|k| compute(k..k + 1)).collect();
