@@ -9,8 +9,8 @@ use ellgran::list::{ParticleArrays, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
 use ellgran::walls::{
-    compute_planes, compute_wall, End, Mesh, Motion, PlaneInput, ShapeParameters, Side, Wall,
-    WallInput, WallOutput,
+    compute_wall, compute_wall_in_lanes, End, Mesh, Motion, RecordsInput, ShapeParameters, Side,
+    Wall, WallInput, WallOutput,
 };
 
 use crate::clock::{since, Clock};
@@ -225,14 +225,11 @@ impl<'a> Run<'a> {
             torques: &mut self.torques,
         };
         // As the C interface does
-        let load = if self
-            .wall
-            .is_taken_in_lanes(self.laws, 1, &Motion::REST, set, None)
-        {
+        let load = if self.wall.is_taken_in_lanes(self.laws, 1, set, None) {
             self.workspace
                 .prepare_chosen_records(&arrays, types, self.wall.near())
                 .expect("the layer is made of ellipsoids");
-            let input = PlaneInput {
+            let input = RecordsInput {
                 laws: self.laws,
                 wall_type: 1,
                 near: self.workspace.chosen_records(),
@@ -241,7 +238,7 @@ impl<'a> Run<'a> {
                 step: self.step,
                 instruction_set: set,
             };
-            compute_planes(&mut self.wall, &input, &mut output, None)
+            compute_wall_in_lanes(&mut self.wall, &input, &mut output, None)
         } else {
             self.workspace
                 .prepare_chosen(&arrays, types, self.wall.near())

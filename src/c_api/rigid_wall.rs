@@ -20,8 +20,9 @@ use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
-    compute_planes, compute_wall, stl, write_triangle_loads, End, Mesh, Motion, PlaneInput,
-    ShapeParameters, Side, TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongHistory,
+    compute_wall, compute_wall_in_lanes, stl, write_triangle_loads, End, Mesh, Motion,
+    RecordsInput, ShapeParameters, Side, TriangleLoad, Wall, WallError, WallInput, WallOutput,
+    WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -550,8 +551,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             None => None,
         };
         let instruction_set = workspace.instruction_set;
-        let in_lanes =
-            wall.is_taken_in_lanes(laws, wall_type, &motion, instruction_set, sums.as_ref());
+        let in_lanes = wall.is_taken_in_lanes(laws, wall_type, instruction_set, sums.as_ref());
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on, in_lanes) }?;
         let mut output = WallOutput {
@@ -574,7 +574,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             } else {
                 None
             };
-            let input = PlaneInput {
+            let input = RecordsInput {
                 laws,
                 wall_type,
                 near: workspace.chosen_records(),
@@ -583,7 +583,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 step: &step,
                 instruction_set,
             };
-            compute_planes(wall, &input, &mut output, sums.as_mut())
+            compute_wall_in_lanes(wall, &input, &mut output, sums.as_mut())
         } else {
             let input = WallInput {
                 laws,

@@ -329,14 +329,27 @@ pub(crate) struct PlacedAtSurface<S: Registers, B: ConvexBody<Lanes<S>>> {
     pub touching: S::Mask,
 }
 
+/// How a surface is curved and turns, as in [`WallSurface`].
+pub(crate) struct CurvedWall<S: Registers> {
+    pub direction: Vector3<Lanes<S>>,
+    pub curvatures: [Lanes<S>; 2],
+    pub turning_radii: [Lanes<S>; 2],
+}
+
 /// What the law makes of it.
 pub(crate) struct ForcesAtSurface<S: Registers> {
-    pub contact: Contact<Lanes<S>>,
-    pub curvature: Symmetric2<Lanes<S>>,
-    pub factors: Factors<Lanes<S>>,
     pub forces: ContactForces<Lanes<S>>,
     /// Lanes that are to be taken one at a time.
     pub hard: S::Mask,
+}
+
+/// The same, with what the turning of the normal needs.
+struct AtSurface<S: Registers> {
+    contact: Contact<Lanes<S>>,
+    curvature: Symmetric2<Lanes<S>>,
+    factors: Factors<Lanes<S>>,
+    forces: ContactForces<Lanes<S>>,
+    hard: S::Mask,
 }
 
 impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
@@ -370,9 +383,84 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         self.tangent.vector(self.support.witness) - self.at.outwards * self.at.height
     }
 
-    /// Forces, with this Weingarten map of the surface in the tangent basis; none for a plane.
+    /// Forces at a flat surface.
     #[inline(always)]
     pub fn forces(
+        &self,
+        registers: S,
+        kinds: &LawKinds,
+        constants: &LawConstants<Lanes<S>>,
+        remembered: &Remembered<Lanes<S>>,
+        step: &Step,
+    ) -> ForcesAtSurface<S> {
+        let AtSurface { forces, hard, .. } =
+            self.through_law(registers, kinds, constants, None, remembered, step);
+        ForcesAtSurface { forces, hard }
+    }
+
+    /// Forces at any surface; `turns` says whether one of the lanes has a finite radius about which it turns.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    pub fn forces_at_curved(
+        &self,
+        registers: S,
+        kinds: &LawKinds,
+        constants: &LawConstants<Lanes<S>>,
+        wall: &CurvedWall<S>,
+        turns: bool,
+        remembered: &Remembered<Lanes<S>>,
+        step: &Step,
+    ) -> ForcesAtSurface<S> {
+        let along = self.tangent.components(wall.direction);
+        let of_wall = Some(along_and_across(along, wall.curvatures));
+        let AtSurface {
+            contact: x,
+            curvature,
+            factors,
+            mut forces,
+            mut hard,
+        } = self.through_law(registers, kinds, constants, of_wall, remembered, step);
+        if kinds.conservative && turns {
+            let zero = Lanes::splat(registers, 0.0);
+            let radii = wall.turning_radii;
+            let infinite = zero.constant(f64::INFINITY);
+            let turns = [radii[0].less(infinite), radii[1].less(infinite)];
+            let both = registers.and(turns[0], turns[1]);
+            let either = registers.or(turns[0], turns[1]);
+            let cavity = registers.or(radii[0].less(zero), radii[1].less(zero));
+            hard = registers.or(hard, registers.and(both, cavity));
+
+            let turning = TurningNormal::of(&x, curvature, &factors);
+            let direction = Vector2::new(
+                Lanes::select(turns[0], along.u, -along.v),
+                Lanes::select(turns[0], along.v, along.u),
+            );
+            let radius = Lanes::select(turns[0], radii[0], radii[1]);
+            let radius = Lanes::select(either, radius, zero);
+            let mut lambda = turning.response_along(direction, radius, x.penetration);
+            if registers.any(both) {
+                let radii = [
+                    Lanes::select(both, radii[0], zero),
+                    Lanes::select(both, radii[1], zero),
+                ];
+                let around = turning.response_around(along, radii, x.penetration);
+                lambda = Vector2::new(
+                    Lanes::select(both, around.u, lambda.u),
+                    Lanes::select(both, around.v, lambda.v),
+                );
+            }
+            let lambda = Vector2::new(
+                Lanes::select(either, lambda.u, zero),
+                Lanes::select(either, lambda.v, zero),
+            );
+            turning.add(&x, lambda, forces.elastic_energy, &mut forces);
+        }
+        ForcesAtSurface { forces, hard }
+    }
+
+    /// The law, with this Weingarten map of the surface in the tangent basis; none for a plane.
+    #[inline(always)]
+    fn through_law(
         &self,
         registers: S,
         kinds: &LawKinds,
@@ -380,7 +468,7 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         of_wall: Option<Symmetric2<Lanes<S>>>,
         remembered: &Remembered<Lanes<S>>,
         step: &Step,
-    ) -> ForcesAtSurface<S> {
+    ) -> AtSurface<S> {
         let zero = Lanes::splat(registers, 0.0);
         let one = Lanes::splat(registers, 1.0);
         let null = Vector3::new(zero, zero, zero);
@@ -438,7 +526,7 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         let forces = contact_forces::<Lanes<S>, true, true, true, true>(
             kinds, constants, &factors, curvature, &contact, remembered,
         );
-        ForcesAtSurface {
+        AtSurface {
             contact,
             curvature,
             factors,
@@ -457,7 +545,6 @@ fn contacts<S: Registers>(
     step: &Step,
 ) -> WallLanes {
     let numbers = &batch.numbers;
-    let zero = Lanes::splat(registers, 0.0);
     let kinds: &LawKinds = &laws[0].kinds;
 
     let outwards = vector(registers, &numbers.normal);
@@ -485,17 +572,6 @@ fn contacts<S: Registers>(
         });
     }
     let placed = PlacedAtSurface::new(registers, at);
-    let (penetration, touching) = (placed.penetration, placed.touching);
-    let apart = registers.not(touching);
-
-    let along = placed
-        .tangent
-        .components(vector(registers, &numbers.direction));
-    let curvatures = [
-        Lanes::load(registers, &numbers.curvatures[0]),
-        Lanes::load(registers, &numbers.curvatures[1]),
-    ];
-    let of_wall = along_and_across(along, curvatures);
     let remembered = Remembered {
         continued: registers.mask(batch.continued),
         normal: vector(registers, &numbers.last_normal),
@@ -503,62 +579,32 @@ fn contacts<S: Registers>(
         energy: Lanes::load(registers, &numbers.energy),
         time: Lanes::splat(registers, step.elapsed()),
     };
+    let wall = CurvedWall {
+        direction: vector(registers, &numbers.direction),
+        curvatures: [
+            Lanes::load(registers, &numbers.curvatures[0]),
+            Lanes::load(registers, &numbers.curvatures[1]),
+        ],
+        turning_radii: [
+            Lanes::load(registers, &numbers.turning_radii[0]),
+            Lanes::load(registers, &numbers.turning_radii[1]),
+        ],
+    };
     let constants = constants_of(registers, laws, None);
-    let ForcesAtSurface {
-        contact: x,
-        curvature,
-        factors,
-        forces: mut f,
-        mut hard,
-    } = placed.forces(
+    let curved = batch.curved;
+    let ForcesAtSurface { forces, hard } = placed.forces_at_curved(
         registers,
         kinds,
         &constants,
-        Some(of_wall),
+        &wall,
+        curved,
         &remembered,
         step,
     );
-
-    if kinds.conservative && batch.curved {
-        let radii = [
-            Lanes::load(registers, &numbers.turning_radii[0]),
-            Lanes::load(registers, &numbers.turning_radii[1]),
-        ];
-        let infinite = zero.constant(f64::INFINITY);
-        let turns = [radii[0].less(infinite), radii[1].less(infinite)];
-        let both = registers.and(turns[0], turns[1]);
-        let either = registers.or(turns[0], turns[1]);
-        let cavity = registers.or(radii[0].less(zero), radii[1].less(zero));
-        hard = registers.or(hard, registers.and(both, cavity));
-
-        let turning = TurningNormal::of(&x, curvature, &factors);
-        let direction = Vector2::new(
-            Lanes::select(turns[0], along.u, -along.v),
-            Lanes::select(turns[0], along.v, along.u),
-        );
-        let radius = Lanes::select(turns[0], radii[0], radii[1]);
-        let radius = Lanes::select(either, radius, zero);
-        let mut lambda = turning.response_along(direction, radius, x.penetration);
-        if registers.any(both) {
-            let radii = [
-                Lanes::select(both, radii[0], zero),
-                Lanes::select(both, radii[1], zero),
-            ];
-            let around = turning.response_around(along, radii, x.penetration);
-            lambda = Vector2::new(
-                Lanes::select(both, around.u, lambda.u),
-                Lanes::select(both, around.v, lambda.v),
-            );
-        }
-        let lambda = Vector2::new(
-            Lanes::select(either, lambda.u, zero),
-            Lanes::select(either, lambda.v, zero),
-        );
-        turning.add(&x, lambda, f.elastic_energy, &mut f);
-    }
-    store(registers, &f, penetration, &mut batch.lines);
+    store(registers, &forces, placed.penetration, &mut batch.lines);
+    let apart = registers.not(placed.touching);
     WallLanes {
-        touching: registers.bits(registers.and_not(touching, hard)),
+        touching: registers.bits(registers.and_not(placed.touching, hard)),
         hard: registers.bits(registers.and_not(hard, apart)),
     }
 }

@@ -6,7 +6,9 @@
 //! and `x` the centre from there; each of its maxima above 0 is a contact: a needle across the axis has two. From without, the
 //! separation `n.x - h(n) - c R` has one maximum, as for any two convex bodies.
 
+use super::convex_body::{ConvexBody, SquaredSupport};
 use super::ellipsoid::Ellipsoid;
+use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
 /// A cone, without ends.
@@ -31,6 +33,17 @@ impl Cone {
             radius,
             slope: 0.0,
         }
+    }
+
+    /// Way across the axis over the way along the surface's normal, `sqrt(1 + slope^2)`.
+    pub(crate) fn stretch(&self) -> f64 {
+        (1.0 + self.slope * self.slope).sqrt()
+    }
+
+    /// Components of the normal from within to without, across the axis and along it.
+    pub(crate) fn normal_components(&self) -> (f64, f64) {
+        let c = 1.0 / self.stretch();
+        (c, -self.slope * c)
     }
 
     /// Whether a point is within, nearer to the axis than the surface.
@@ -59,9 +72,146 @@ const MOST_DIRECTIONS: usize = 64;
 const LEAST_DIRECTIONS: usize = 16;
 
 /// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians.
-const MOST_STEPS: usize = 8;
-const LONGEST_STEP: f64 = 0.5;
-const SHORTEST_STEP: f64 = 1e-9;
+pub(crate) const MOST_STEPS: usize = 8;
+pub(crate) const LONGEST_STEP: f64 = 0.5;
+pub(crate) const SHORTEST_STEP: f64 = 1e-9;
+
+/// The depth of a body within a cone, behind the tangent plane along `u`, as a function of the angle of `u` with the direction of the
+/// centre.
+///
+/// With the axis `a`, the directions `e1` to the centre and `e2 = a x e1`, and the body's shape matrix `M` (`h^2 = n.M n`) in the frame
+/// of these, the square of the support function is a quadratic form of cosine and sine:
+/// `Q = uu cos^2 + 2 uv cos sin + vv sin^2 + 2 (bu cos + bv sin) + k`. It is formed, and loses the square of the aspect ratio in
+/// digits: as much less moves the angle where the depth is concave ([`DepthInCone::is_concave`]).
+#[derive(Clone, Copy)]
+pub(crate) struct DepthInCone<T> {
+    /// `c` times the distance of the centre from the axis.
+    across: T,
+    /// `c R - s z`, with `z` the place of the centre along the axis: how far the tangent planes are.
+    at_point: T,
+    /// Coefficients of `Q`.
+    uu: T,
+    uv: T,
+    vv: T,
+    bu: T,
+    bv: T,
+    k: T,
+    /// `a.M n = mu cos + mv sin + mk`.
+    mu: T,
+    mv: T,
+    mk: T,
+    /// Components of the normal.
+    c: f64,
+    s: f64,
+}
+
+impl<T: Real> DepthInCone<T> {
+    /// Of a body with its centre at this distance from the axis and at `z` along it, from the cone's point; `directions` are those of
+    /// the centre and of a quarter turn further.
+    #[inline(always)]
+    pub fn new<B: ConvexBody<T>>(
+        cone: &Cone,
+        body: &B,
+        (axis, directions): (Vector3<T>, Tangent<T>),
+        [distance, z]: [T; 2],
+    ) -> Self {
+        let (c, s) = cone.normal_components();
+        let SquaredSupport {
+            constant,
+            linear,
+            quadratic,
+        } = body.squared_support(&body.view(axis, &directions));
+        let [mu, mv, mk] = [linear.u * c, linear.v * c, constant * s];
+        DepthInCone {
+            across: distance * c,
+            at_point: -(z * s - c * cone.radius),
+            uu: quadratic.uu * (c * c),
+            uv: quadratic.uv * (c * c),
+            vv: quadratic.vv * (c * c),
+            bu: mu * s,
+            bv: mv * s,
+            k: mk * s,
+            mu,
+            mv,
+            mk,
+            c,
+            s,
+        }
+    }
+
+    /// What the axis must be farther from the tangent planes, for the depth to have one maximum in the directions in which the body may
+    /// touch. The second derivative with the angle is `c (c t.H t - u.p - distance cos)` with the support point `p` and the Hessian
+    /// `H` of the support function, of which `t.H t <= a_max^2/a_min` and `-u.p <= |s| a_max`.
+    #[inline(always)]
+    pub fn is_concave(&self, [largest, smallest]: [T; 2]) -> T::Mask {
+        let bend = largest * largest / smallest + largest * self.s.abs();
+        (bend * self.c).less(self.at_point - largest)
+    }
+
+    /// `Q` of an angle.
+    #[inline(always)]
+    fn square(&self, cos: T, sin: T) -> T {
+        let first = self.uu.multiply_add(cos, self.bu + self.bu);
+        let both = (self.uv + self.uv).multiply_add(cos, self.bv + self.bv);
+        let second = self.vv.multiply_add(sin, both);
+        cos.multiply_add(first, sin.multiply_add(second, self.k))
+    }
+
+    /// How far the centre is from the tangent plane.
+    #[inline(always)]
+    pub fn height(&self, cos: T) -> T {
+        self.across.negative_multiply_add(cos, self.at_point)
+    }
+
+    /// The support function towards it.
+    #[inline(always)]
+    pub fn support(&self, cos: T, sin: T) -> T {
+        self.square(cos, sin).sqrt()
+    }
+
+    /// Where the deepest point of the wall is along the axis, from the centre.
+    #[inline(always)]
+    pub fn along(&self, cos: T, sin: T, [height, support]: [T; 2]) -> T {
+        let of_body = self
+            .mu
+            .multiply_add(cos, self.mv.multiply_add(sin, self.mk));
+        of_body.multiply_add(support.reciprocal(), (height - support) * self.s)
+    }
+
+    /// First and second derivative of the depth with the angle.
+    #[inline(always)]
+    fn slopes(&self, cos: T, sin: T) -> (T, T) {
+        let inverse = self.square(cos, sin).reciprocal_sqrt();
+        let difference = self.vv - self.uu;
+        let (both, squares) = (cos * sin, cos.multiply_subtract(cos, sin * sin));
+        let (bu_sin, bv_sin) = (self.bu * sin, self.bv * sin);
+        let first =
+            difference.multiply_add(both, self.uv.multiply_add(squares, -bu_sin)) + self.bv * cos;
+        let second =
+            difference.multiply_subtract(squares, self.uv * both * 4.0) - self.bu * cos - bv_sin;
+        let rise = first * inverse;
+        (
+            self.across.negative_multiply_add(sin, rise),
+            rise.negative_multiply_add(rise, second)
+                .multiply_subtract(inverse, self.across * cos),
+        )
+    }
+
+    /// A step of Newton's method: the second derivative, by how much the angle changes, and cosine and sine of the new one.
+    #[inline(always)]
+    pub fn step(&self, cos: T, sin: T) -> (T, T, [T; 2]) {
+        let (first, second) = self.slopes(cos, sin);
+        let change = -(first / second);
+        let inverse = change
+            .multiply_add(change, change.constant(1.0))
+            .reciprocal_sqrt();
+        let turned = [
+            change.negative_multiply_add(sin, cos) * inverse,
+            change.multiply_add(cos, sin) * inverse,
+        ];
+        (second, change, turned)
+    }
+}
 
 /// The contacts of a body with centre `centre`, from within or from without; at most two with a cylinder.
 pub fn touch_cone(
@@ -77,8 +227,7 @@ pub fn touch_cone(
     let x = offset - axis * height;
     let reach = body.bounding_radius();
     let distance = x.norm();
-    let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
-    let s = -cone.slope * c;
+    let (c, s) = cone.normal_components();
     // of the centre, behind the tangent plane nearest to it
     let depth = c * (distance - cone.radius) + s * height;
     if within && depth <= -reach || !within && depth >= reach {
@@ -99,12 +248,16 @@ pub fn touch_cone(
     // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
     // of the greatest separation is within a quarter turn of it.
     let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
-    if within && search.is_concave_from(least_cosine, distance) {
-        if let Some(u) = search.only_maximum(least_cosine) {
-            if search.value(u) > 0.0 {
-                found(search.contact(u, cone));
+    if within {
+        let directions = (axis, Tangent { u, v });
+        let depth = DepthInCone::new(cone, body, directions, [distance, height]);
+        if depth.is_concave(body.extreme_semi_axes()) {
+            if let Some(u) = search.only_maximum(&depth, least_cosine) {
+                if search.value(u) > 0.0 {
+                    found(search.contact(u, cone));
+                }
+                return;
             }
-            return;
         }
     }
     let half = if within {
@@ -251,32 +404,20 @@ impl Search<'_> {
         angle
     }
 
-    /// Whether, from within, the depth is concave in the directions whose cosine with that of the centre, `distance` from the axis, is at
-    /// least so much: then it has one maximum there. Its second derivative with the angle is
-    /// `c (c t.H t - u.p - distance cos)` with the support point `p` and the Hessian `H` of the support function, of which
-    /// `t.H t <= a_max^2/a_min` and `-u.p <= |s| a_max`.
-    fn is_concave_from(&self, least_cosine: f64, distance: f64) -> bool {
-        let (largest, smallest) = (self.body.bounding_radius(), self.body.smallest_semi_axis());
-        let bend = largest * largest / smallest + self.s.abs() * largest;
-        distance * least_cosine > bend
-    }
-
-    /// The maximum of a depth that is concave in these directions, by Newton's method from that of the centre; `None` where it has not
-    /// settled, or elsewhere.
-    fn only_maximum(&self, least_cosine: f64) -> Option<Vector3> {
-        let towards_centre = self.basis[0];
-        let mut u = towards_centre;
+    /// The maximum of a depth that is concave in the directions whose cosine with that of the centre is at least so much, by Newton's
+    /// method from that of the centre; `None` where it has not settled, or elsewhere.
+    fn only_maximum(&self, depth: &DepthInCone<f64>, least_cosine: f64) -> Option<Vector3> {
+        let (mut cos, mut sin) = (1.0, 0.0);
         for _ in 0..MOST_STEPS {
-            let (first, second) = self.slopes(u);
-            let change = -first / second;
+            let (second, change, turned) = depth.step(cos, sin);
             if !(second < 0.0 && change.abs() < LONGEST_STEP) {
                 return None;
             }
-            let turned = u + self.axis.cross(u) * change;
-            u = turned * (1.0 / turned.norm());
+            [cos, sin] = turned;
             // the error that such a step of Newton's leaves is beneath rounding
             if change.abs() < SHORTEST_STEP {
-                return Some(u).filter(|u| u.dot(towards_centre) >= least_cosine);
+                let u = self.basis[0] * cos + self.basis[1] * sin;
+                return (cos >= least_cosine).then_some(u);
             }
         }
         None

@@ -24,6 +24,8 @@ pub trait ConvexBody<T: Real>: Copy {
     fn squared_product(&self) -> T;
     /// Support function and witness, from the centre, in the world frame.
     fn support_in_world(&self, n: Vector3<T>) -> (T, Vector3<T>);
+    /// The largest semi-axis and the smallest.
+    fn extreme_semi_axes(&self) -> [T; 2];
     /// Radius of a body that is a sphere, and its inverse.
     fn radius_of_sphere(&self) -> (T, T);
 }

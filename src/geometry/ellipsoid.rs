@@ -304,6 +304,12 @@ impl<T: Real> ConvexBody<T> for Ellipsoid<T> {
     }
 
     #[inline(always)]
+    fn extreme_semi_axes(&self) -> [T; 2] {
+        let a = self.semi_axes;
+        [a.x.max(a.y).max(a.z), a.x.min(a.y).min(a.z)]
+    }
+
+    #[inline(always)]
     fn radius_of_sphere(&self) -> (T, T) {
         (self.semi_axes.x, self.inverse_semi_axes.x)
     }

@@ -129,6 +129,12 @@ impl<T: Real> ConvexBody<T> for Spheroid<T> {
     }
 
     #[inline(always)]
+    fn extreme_semi_axes(&self) -> [T; 2] {
+        let (a, b) = (self.polar, self.equatorial);
+        [a.max(b), a.min(b)]
+    }
+
+    #[inline(always)]
     fn radius_of_sphere(&self) -> (T, T) {
         (self.equatorial, self.inverse_equatorial)
     }

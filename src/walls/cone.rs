@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cylinders and cones as walls, with their ends.
 
+use super::cone_in_lanes::ConeSide;
 use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
-use super::shape::{Ball, Block, End, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{
+    Ball, Block, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
+};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
@@ -12,12 +15,9 @@ use crate::message::Number;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
-    cone: Cone,
-    /// Way across the axis over the way along the surface's normal, `sqrt(1 + slope^2)`.
+    surface: ConeSide,
+    /// [`Cone::stretch`].
     stretch: f64,
-    /// Along the axis from the cone's point.
-    bounds: [f64; 2],
-    side: Side,
 }
 
 /// Relative error of two depths of one contact that were computed in two ways.
@@ -88,13 +88,15 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
     // From within, a closed end is a concave corner: what lies behind either surface counts, wherever the other one is.
     let goes_on = |k: usize| p.side == Side::Inside && p.ends[k] == End::Closed;
     let side = ConeWall {
-        cone,
-        stretch: (1.0 + cone.slope * cone.slope).sqrt(),
-        bounds: [
-            if goes_on(0) { f64::NEG_INFINITY } else { low },
-            if goes_on(1) { f64::INFINITY } else { high },
-        ],
-        side: p.side,
+        surface: ConeSide {
+            cone,
+            bounds: [
+                if goes_on(0) { f64::NEG_INFINITY } else { low },
+                if goes_on(1) { f64::INFINITY } else { high },
+            ],
+            side: p.side,
+        },
+        stretch: cone.stretch(),
     };
     let mut caps = vec![];
     let mut rims = vec![];
@@ -173,7 +175,7 @@ impl Shape for ConvexSolid {
             return;
         }
         let mut is_behind_side = false;
-        touch_cone(body, centre, &self.side.cone, false, |_| {
+        touch_cone(body, centre, &self.side.surface.cone, false, |_| {
             is_behind_side = true;
         });
         if !is_behind_side {
@@ -210,10 +212,10 @@ impl Shape for ConeWall {
 
     fn may_touch(&self, ball: &Ball) -> bool {
         let Ball { centre, radius, .. } = *ball;
-        let cone = &self.cone;
+        let ConeSide { cone, bounds, side } = &self.surface;
         let offset = centre - cone.point;
         let along = cone.axis.dot(offset);
-        if along + radius < self.bounds[0] || along - radius > self.bounds[1] {
+        if along + radius < bounds[0] || along - radius > bounds[1] {
             return false;
         }
         // Squares: a root costs more than all else here.
@@ -223,7 +225,7 @@ impl Shape for ConeWall {
         let (nearest, farthest) = (at_surface - reach, at_surface + reach);
         let is_clear_within = nearest > 0.0 && across_squared <= nearest * nearest;
         let is_clear_outside = farthest <= 0.0 || across_squared >= farthest * farthest;
-        !match self.side {
+        !match side {
             Side::Inside => is_clear_within,
             Side::Outside => is_clear_outside,
             Side::OfCentre => is_clear_within || is_clear_outside,
@@ -231,7 +233,8 @@ impl Shape for ConeWall {
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
-        let (cone, half) = (&self.cone, block.half_edges());
+        let ConeSide { cone, bounds, side } = &self.surface;
+        let half = block.half_edges();
         let offset = block.centre() - cone.point;
         let along = cone.axis.dot(offset);
         let across = (offset - cone.axis * along).norm();
@@ -242,21 +245,25 @@ impl Shape for ConeWall {
         let spread_across =
             off_axis(a.x) * half.x + off_axis(a.y) * half.y + off_axis(a.z) * half.z;
         let reach_along = spread_along + block.radius();
-        if along + reach_along < self.bounds[0] || along - reach_along > self.bounds[1] {
+        if along + reach_along < bounds[0] || along - reach_along > bounds[1] {
             return false;
         }
         let at_surface = cone.radius + cone.slope * along;
         let spread = spread_across + cone.slope.abs() * spread_along;
         // `stretch` is at least 1.
-        self.side
-            .may_touch_block(across - at_surface, spread, block.radius() * self.stretch)
+        side.may_touch_block(across - at_surface, spread, block.radius() * self.stretch)
+    }
+
+    fn in_lanes(&self) -> Option<ShapeInLanes> {
+        Some(ShapeInLanes::Cone(self.surface))
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        let within = self.side.is_within(|| self.cone.has_within(centre));
-        touch_cone(body, centre, &self.cone, within, |c| {
-            let on_surface = self.bounds[0] <= c.along && c.along <= self.bounds[1];
+        let ConeSide { cone, bounds, side } = &self.surface;
+        let within = side.is_within(|| cone.has_within(centre));
+        touch_cone(body, centre, cone, within, |c| {
+            let on_surface = bounds[0] <= c.along && c.along <= bounds[1];
             if on_surface && c.curvature_radius > 0.0 {
                 let signed = if within {
                     -c.curvature_radius
@@ -266,11 +273,7 @@ impl Shape for ConeWall {
                 let surface = WallSurface {
                     curvatures: [1.0 / signed, 0.0],
                     turning_radii: [signed, f64::INFINITY],
-                    ..flat_along(
-                        c.point,
-                        c.normal,
-                        self.cone.axis.cross(c.normal).normalised(),
-                    )
+                    ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
                 };
                 found(&surface, 0);
             }

@@ -30,6 +30,41 @@ pub struct FoundContact {
     pub is_remembered: bool,
 }
 
+/// A surface that a particle touches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Searched {
+    /// The particle's place among those that may touch.
+    pub(super) near: usize,
+    /// The part of the wall, and its triangle.
+    pub(super) part: usize,
+    pub(super) triangle: usize,
+    /// The surface, in the frame of the wall.
+    pub(super) surface: WallSurface,
+}
+
+/// Calls `found` with each surface of some shapes that a body touches; its place is not known here. A shape that is alone has already
+/// been asked whether the body may touch it.
+pub(super) fn touch_shapes<'a>(
+    is_alone: bool,
+    shapes: impl Iterator<Item = &'a dyn Shape>,
+    grain: &Grain<'_>,
+    search: &mut Search,
+    found: &mut dyn FnMut(Searched),
+) {
+    for (part, shape) in shapes.enumerate() {
+        if is_alone || shape.may_touch(&grain.ball()) {
+            shape.touch(grain, search, &mut |surface, triangle| {
+                found(Searched {
+                    near: 0,
+                    part,
+                    triangle,
+                    surface: *surface,
+                });
+            });
+        }
+    }
+}
+
 /// One contact, ready for its forces, in the frame of the world.
 #[derive(Clone, Copy, Debug)]
 pub struct StagedInWorld {
@@ -77,6 +112,18 @@ pub struct Places<'a> {
     pub frame: Frame,
 }
 
+/// Where the contacts of a particle come from.
+pub(super) enum Source<'s, I> {
+    /// A search.
+    Shapes {
+        /// Whether there is one shape alone.
+        is_alone: bool,
+        shapes: I,
+    },
+    /// They were found before.
+    Searched(&'s [Searched]),
+}
+
 impl Contacts {
     /// Begins anew.
     pub(super) fn start(&mut self, layout: WallHistoryLayout) {
@@ -86,10 +133,10 @@ impl Contacts {
         self.taken.resize(layout.records, false);
     }
 
-    /// Adds the contacts of a particle with some shapes. One that is alone has already been asked whether the particle may touch it.
+    /// Adds the contacts of a particle with some shapes, or those that were found of it.
     pub(super) fn add<'a>(
         &mut self,
-        (is_alone, shapes): (bool, impl Iterator<Item = &'a dyn Shape>),
+        from: Source<'_, impl Iterator<Item = &'a dyn Shape>>,
         places: &Places<'_>,
         i: &Particle,
         (particle, near): (usize, usize),
@@ -102,27 +149,29 @@ impl Contacts {
             moved = places.motion.seen_from_wall(i, places.step);
             &moved
         };
-        let grain = Grain {
-            particle,
-            body: &seen.body,
-            centre: seen.position,
-        };
         let first = self.all.len();
         let all = &mut self.all;
-        for (part, shape) in shapes.enumerate() {
-            if is_alone || shape.may_touch(&grain.ball()) {
-                shape.touch(&grain, &mut self.search, &mut |surface, triangle| {
-                    all.push(FoundContact {
-                        particle,
-                        near,
-                        part,
-                        triangle,
-                        surface: *surface,
-                        centre: seen.position,
-                        last_normal: None,
-                        is_remembered: false,
-                    });
-                });
+        let mut add = |found: Searched| {
+            all.push(FoundContact {
+                particle,
+                near,
+                part: found.part,
+                triangle: found.triangle,
+                surface: found.surface,
+                centre: seen.position,
+                last_normal: None,
+                is_remembered: false,
+            });
+        };
+        match from {
+            Source::Searched(found) => found.iter().copied().for_each(add),
+            Source::Shapes { is_alone, shapes } => {
+                let grain = Grain {
+                    particle,
+                    body: &seen.body,
+                    centre: seen.position,
+                };
+                touch_shapes(is_alone, shapes, &grain, &mut self.search, &mut add);
             }
         }
         if self.all.len() == first {

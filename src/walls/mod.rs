@@ -8,16 +8,17 @@
 
 mod compute;
 mod cone;
+mod cone_in_lanes;
 mod contacts;
 mod histories;
+mod lane_pass;
 mod lent_triangles;
+mod lone_contacts;
 mod mesh;
 mod motion;
 mod near_triangles;
 mod one_plane;
 mod plane;
-mod plane_contacts;
-mod plane_pass;
 mod rim;
 mod servo;
 mod shape;
@@ -29,15 +30,18 @@ mod triangle_file;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
+pub use cone_in_lanes::ConeSide;
 pub use contacts::{Contacts, FoundContact, Frame, Places, StagedInWorld};
 pub use histories::{WallHistoryLayout, WrongHistory};
+pub use lane_pass::{compute_wall_in_lanes, RecordsInput};
 pub use lent_triangles::LentTriangles;
 pub use mesh::Mesh;
 pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
-pub use plane_pass::{compute_planes, PlaneInput};
 pub use servo::{Servo, ServoLoad};
-pub use shape::{Ball, Block, End, Found, Grain, Search, Shape, ShapeParameters, Side, WholePlane};
+pub use shape::{
+    Ball, Block, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side, WholePlane,
+};
 pub use step_sums::WallMasses;
 pub use touching_loads::TouchingLoad;
 pub use triangle_file::write_triangle_loads;

@@ -120,6 +120,18 @@ impl Motion {
         }
     }
 
+    /// By how much the step is later than the velocities of a particle.
+    ///
+    /// Where no time passes velocities are those of the step, but for particles that come with a change: their velocities are those of
+    /// the half step in any evaluation.
+    pub(super) fn half_step(step: &Step, has_change: bool) -> f64 {
+        if step.advance_history || has_change {
+            0.5 * step.time_step
+        } else {
+            0.0
+        }
+    }
+
     /// A particle in the wall's frame, with its motion relative to the wall.
     pub fn seen_from_wall(&self, i: &Particle, step: &Step) -> Particle {
         let mut velocity = i.velocity - self.velocity;
@@ -127,13 +139,7 @@ impl Motion {
         let mut change = i.change;
         let spin = self.angular_velocity;
         if spin != Vector3::ZERO {
-            // Where no time passes velocities are those of the step, but for particles that come with a change: their velocities
-            // are those of the half step in any evaluation.
-            let half = if step.advance_history || i.change.is_some() {
-                0.5 * step.time_step
-            } else {
-                0.0
-            };
+            let half = Self::half_step(step, i.change.is_some());
             let from_centre = i.position - self.centre();
             let at_step = change.map(|change| {
                 let velocity = velocity + change.velocity - spin.cross(from_centre);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A plane, or a disc of it, as a wall.
 
-use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side, WholePlane};
+use super::shape::{
+    Ball, Block, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side, WholePlane,
+};
 use crate::contact::staged::WallSurface;
 use crate::geometry::facet_shares::Share;
 use crate::geometry::Plane;
@@ -99,13 +101,13 @@ impl Shape for PlaneWall {
         self.side().may_touch_block(height, spread, block.radius())
     }
 
-    fn whole_plane(&self) -> Option<WholePlane> {
+    fn in_lanes(&self) -> Option<ShapeInLanes> {
         let Plane { point, normal } = self.plane;
-        (self.radius == f64::INFINITY).then_some(WholePlane {
+        (self.radius == f64::INFINITY).then_some(ShapeInLanes::Plane(WholePlane {
             point,
             normal,
             both_sides: self.both_sides,
-        })
+        }))
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

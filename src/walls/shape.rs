@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a shape of a wall is, and what describes one.
 
+use super::cone_in_lanes::ConeSide;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::Extent;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
@@ -135,8 +136,8 @@ pub trait Shape: Debug + Send + Sync {
     /// surface is that in the frame of the wall: zero unless the shape itself moves.
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>);
 
-    /// The plane that it is, if it is a whole one: its contacts are then found in lanes.
-    fn whole_plane(&self) -> Option<WholePlane> {
+    /// What it is, if lanes can find its contacts.
+    fn in_lanes(&self) -> Option<ShapeInLanes> {
         None
     }
 
@@ -144,6 +145,15 @@ pub trait Shape: Debug + Send + Sync {
     fn triangles(&self) -> &[Triangle] {
         &[]
     }
+}
+
+/// A shape of which lanes find the contacts.
+#[derive(Clone, Copy, Debug)]
+pub enum ShapeInLanes {
+    /// A plane.
+    Plane(WholePlane),
+    /// A cylinder or a cone.
+    Cone(ConeSide),
 }
 
 /// A plane without an end.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::contacts::{Contacts, Places};
+use super::contacts::{Contacts, Places, Source};
 use super::histories::{WallHistoryLayout, WrongHistory};
 use super::lent_triangles::LentTriangles;
+use super::lone_contacts::LoneContacts;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::plane_contacts::PlaneContacts;
 use super::shape::{Ball, Block, Shape};
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
@@ -24,7 +24,7 @@ pub struct Wall {
     /// The contacts that were found last.
     pub(super) found: Contacts,
     /// Of walls whose contacts are taken in lanes.
-    pub(super) planes: PlaneContacts,
+    pub(super) lone: LoneContacts,
     /// Force on each part in the last call, world frame.
     pub(super) part_forces: Vec<Vector3>,
     /// The contacts of the last call.
@@ -108,7 +108,7 @@ impl Wall {
     }
 
     /// The parts, one after the other.
-    pub(super) fn shapes(&self) -> impl Iterator<Item = &dyn Shape> {
+    pub(super) fn shapes(&self) -> impl Iterator<Item = &dyn Shape> + Clone {
         let lent = self.lent.iter().map(|l| l as &dyn Shape);
         self.parts.iter().map(|p| &**p).chain(lent)
     }
@@ -238,8 +238,9 @@ impl Wall {
         let is_alone = self.part_count() == 1;
         for (near, (i, &particle)) in places.near.iter().zip(&self.near).enumerate() {
             let histories = &histories[particle * length..(particle + 1) * length];
-            let shapes = (is_alone, self.shapes());
-            found.add(shapes, places, i, (particle, near), histories);
+            let shapes = self.shapes();
+            let from = Source::Shapes { is_alone, shapes };
+            found.add(from, places, i, (particle, near), histories);
         }
         self.found = found;
     }

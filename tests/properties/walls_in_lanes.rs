@@ -4,7 +4,7 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, plain, Vector};
-use ellgran::contact::{prepare_body, Laws, MotionChange, Particle, Step};
+use ellgran::contact::{prepare_body, Body, Laws, MotionChange, Particle, Step};
 use ellgran::simd::InstructionSet;
 use ellgran::tallies::Tallies;
 use ellgran::vector::Vector3;
@@ -23,19 +23,32 @@ const RADIUS: f64 = 6.0;
 
 fn shape(name: &str, side: Side) -> Wall {
     let mut wall = Wall::new();
-    let parameters = ShapeParameters {
+    let bounds = if name == "cylinder" {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    } else {
+        [-2.0 * RADIUS, 2.0 * RADIUS]
+    };
+    wall.add_shape(name, &parameters(side, bounds, [End::None; 2]))
+        .unwrap();
+    wall
+}
+
+fn parameters(side: Side, bounds: [f64; 2], ends: [End; 2]) -> ShapeParameters {
+    ShapeParameters {
         point: Vector3::ZERO,
         axis: Vector3::new(0.0, 0.6, 0.8),
         radii: [RADIUS, 0.5 * RADIUS],
-        bounds: if name == "cylinder" {
-            [f64::NEG_INFINITY, f64::INFINITY]
-        } else {
-            [-2.0 * RADIUS, 2.0 * RADIUS]
-        },
-        ends: [End::None; 2],
+        bounds,
+        ends,
         side,
-    };
-    wall.add_shape(name, &parameters).unwrap();
+    }
+}
+
+/// A cylinder that is closed at both ends, grains within; or two discs and a cylinder with an edge at one end, which act on both sides.
+fn drum(side: Side, ends: [End; 2]) -> Wall {
+    let mut wall = Wall::new();
+    let parameters = parameters(side, [-0.8 * RADIUS, 0.7 * RADIUS], ends);
+    wall.add_shape("cylinder", &parameters).unwrap();
     wall
 }
 
@@ -55,6 +68,23 @@ fn stairs() -> Wall {
     wall
 }
 
+/// A place in the frame of the wall from where a grain touches two parts of a surface, or two faces of it, if it is one of those that
+/// have such places.
+pub fn corner(surface: &str, stream: &mut Stream) -> Option<Vector3> {
+    let [a, b, c] = [0; 3].map(|_| stream.uniform(0.2, 1.2));
+    match surface {
+        "within a drum" => {
+            let axis = Vector3::new(0.0, 0.6, 0.8);
+            let across = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.8, -0.6)];
+            let (sin, cos) = (5.0 * c).sin_cos();
+            let outwards = across[0] * cos + across[1] * sin;
+            Some(axis * (0.7 * RADIUS - a) + outwards * (RADIUS - b))
+        }
+        "stairs" => Some(Vector3::new(-a, 2.0 * c - 1.0, b)),
+        _ => None,
+    }
+}
+
 /// The names of all kinds of surfaces, and a wall of each.
 pub fn surfaces() -> Vec<(&'static str, Wall)> {
     vec![
@@ -66,11 +96,13 @@ pub fn surfaces() -> Vec<(&'static str, Wall)> {
         ("within a sphere", shape("sphere", Side::Inside)),
         ("outside a sphere", shape("sphere", Side::Outside)),
         ("stairs", stairs()),
+        ("within a drum", drum(Side::Inside, [End::Closed; 2])),
+        ("at a cup", drum(Side::OfCentre, [End::Closed, End::Open])),
     ]
 }
 
 /// At rest, and turned, in motion.
-fn motions() -> [Motion; 2] {
+pub fn motions() -> [Motion; 2] {
     let moving = Motion {
         origin: Vector3::new(0.3, -0.2, 0.1),
         displacement: Vector3::new(0.2, 0.1, -0.3),
@@ -81,19 +113,22 @@ fn motions() -> [Motion; 2] {
     [Motion::REST, moving]
 }
 
-fn random_particle(stream: &mut Stream, types: usize, of_step: bool) -> Particle {
+/// A body somewhere about the surfaces, of one of these types.
+pub fn random_body(stream: &mut Stream, types: usize) -> Body {
     let semi_axes = stream.semi_axes(5.0);
     let place = Vector::from_fn(|_, _| stream.uniform(-1.3 * RADIUS, 1.3 * RADIUS));
     let mut b = body(semi_axes, place, stream.rotation());
     b.particle_type = 1 + (stream.uniform(0.0, types as f64) as i32).min(types as i32 - 1);
     b.velocity = stream.direction().into();
     b.angular_velocity = stream.direction().into();
-    let mut particle = prepare_body(&b, Some(types)).unwrap();
-    particle.change = of_step.then(|| MotionChange {
+    b
+}
+
+pub fn random_change(stream: &mut Stream) -> MotionChange {
+    MotionChange {
         velocity: plain(stream.direction() * 0.1),
         omega: plain(stream.direction() * 0.1),
-    });
-    particle
+    }
 }
 
 /// What one instruction set makes of the particles, number by number, in groups of one kind.
@@ -216,18 +251,18 @@ fn advance(
     }
 }
 
-/// Grains that touch, none of them deep.
-fn touching(
-    stream: &mut Stream,
+/// Grains that touch in at least so many places, none of them deep, of those that `random` gives; the wall records its contacts.
+pub fn touching<T>(
     wall: &mut Wall,
     motion: &Motion,
-    types: usize,
-    of_step: bool,
-) -> Vec<Particle> {
+    (types, least): (usize, usize),
+    mut random: impl FnMut() -> (T, Particle),
+) -> Vec<T> {
     let elastic = laws(&vec!["hertz 1e3 0.3"; types]);
     (0..60_000)
         .filter_map(|_| {
-            let one = [random_particle(stream, types, of_step)];
+            let (grain, particle) = random();
+            let one = [particle];
             let ball = |_: usize| Some((one[0].position, one[0].radius));
             if wall.find_near(motion, 1, ball).is_empty() {
                 return None;
@@ -235,7 +270,7 @@ fn touching(
             advance(InstructionSet::Scalar, wall, &elastic, motion, &one);
             let contacts = wall.contacts();
             let shallow = contacts.iter().all(|c| c.penetration < DEEPEST);
-            (!contacts.is_empty() && shallow).then_some(one[0])
+            (contacts.len() >= least && shallow).then_some(grain)
         })
         .take(60)
         .collect()
@@ -269,7 +304,13 @@ fn every_instruction_set_gives_the_numbers_of_one_contact_at_a_time() {
         wall.records_contacts = true;
         for (scene, laws) in &scenes {
             for (motion, of_step) in motions().iter().zip([true, false]) {
-                let particles = touching(&mut stream, &mut wall, motion, laws.types(), of_step);
+                let types = laws.types();
+                let particles = touching(&mut wall, motion, (types, 1), || {
+                    let mut particle =
+                        prepare_body(&random_body(&mut stream, types), Some(types)).unwrap();
+                    particle.change = of_step.then(|| random_change(&mut stream));
+                    (particle, particle)
+                });
                 assert!(particles.len() > 30, "{surface}: {}", particles.len());
                 let one = advance(InstructionSet::Scalar, &mut wall, laws, motion, &particles);
                 for set in InstructionSet::ALL.into_iter().filter(|s| s.is_available()) {

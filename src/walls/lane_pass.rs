@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The contacts of all particles with a wall of planes that does not turn, in lanes from the search to the sums: no surface is searched
-//! for, so most of the time would go into carrying a contact from one place to the next.
+//! The contacts of all particles with a wall, in lanes from the search to the sums: where a surface is found soon, most of the time would
+//! go into carrying a contact from one place to the next.
 //!
-//! A particle that touches more than one plane, or whose contact the lanes hand back, is taken as `compute.rs` takes the particles of any
-//! other wall.
+//! A particle that touches in more than one place, or whose contact the lanes hand back, is taken as `compute.rs` takes all. Forces are
+//! computed in the frame of the world; what is remembered stays in that of the wall.
 
 use super::compute::{add_forces_of_found, works_in_lanes, WallError, WallInput, WallOutput};
-use super::contacts::{Frame, Places};
+use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
+use super::lone_contacts::{self, splat, LoneContact, LoneContacts};
 use super::motion::Motion;
-use super::plane_contacts::{splat, PlaneContact, PlaneContacts};
-use super::shape::WholePlane;
 use super::touching_loads::TouchingLoads;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
 use crate::contact::particle::response_to_torque;
-use crate::contact::wall_batch::{BodyAtSurface, ForcesAtSurface, PlacedAtSurface};
+use crate::contact::wall_batch::{BodyAtSurface, CurvedWall, ForcesAtSurface, PlacedAtSurface};
 use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
 use crate::force::{largest_springs, PairLaw};
 use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
@@ -24,6 +23,7 @@ use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::tallies::{InelasticLoad, Tallies};
 use crate::vector::Vector3;
+use core::ops::Range;
 
 /// One number of all lanes.
 type Column = [f64; MOST_LANES];
@@ -31,7 +31,7 @@ type Column = [f64; MOST_LANES];
 type Columns = [Column; 3];
 
 /// What a call is given.
-pub struct PlaneInput<'a> {
+pub struct RecordsInput<'a> {
     /// The laws; a contact follows that of the particle's type and `wall_type`.
     pub laws: &'a Laws,
     /// The wall's type, counted from 1.
@@ -49,13 +49,12 @@ pub struct PlaneInput<'a> {
 }
 
 impl Wall {
-    /// Whether [`compute_planes`] serves. Lists of contacts, and energies of each particle, are made by
+    /// Whether [`compute_wall_in_lanes`] serves. Lists of contacts, and energies of each particle, are made by
     /// [`compute_wall`](super::compute_wall) alone.
     pub fn is_taken_in_lanes(
         &self,
         laws: &Laws,
         wall_type: usize,
-        motion: &Motion,
         set: InstructionSet,
         tallies: Option<&Tallies<'_>>,
     ) -> bool {
@@ -64,14 +63,9 @@ impl Wall {
                 || t.particle_virials.is_some()
                 || t.inelastic_loads.is_some()
         };
-        self.lent.is_none()
-            && !(self.records_contacts || self.records_triangles)
-            && !self.parts.is_empty()
-            && self.parts.iter().all(|p| p.whole_plane().is_some())
-            && motion.axes.is_none()
-            && motion.angular_velocity == Vector3::ZERO
-            && !tallies.is_some_and(per_particle)
-            && (1..=laws.types()).all(|t| works_in_lanes(set, laws.get(t, wall_type)))
+        let asks_for_more =
+            self.records_contacts || self.records_triangles || tallies.is_some_and(per_particle);
+        !asks_for_more && (1..=laws.types()).all(|t| works_in_lanes(set, laws.get(t, wall_type)))
     }
 }
 
@@ -82,25 +76,26 @@ impl Wall {
 ///
 /// # Errors
 /// Before anything is written.
-pub fn compute_planes(
+pub fn compute_wall_in_lanes(
     wall: &mut Wall,
-    input: &PlaneInput<'_>,
+    input: &RecordsInput<'_>,
     output: &mut WallOutput<'_>,
     mut tallies: Option<&mut Tallies<'_>>,
 ) -> Result<WallLoad, WallError> {
     let layout = wall.histories(input.laws);
     let of_laws = input.laws.layout();
     wall.start_call();
-    let mut pass = core::mem::take(&mut wall.planes);
-    let planes = wall.parts.iter().filter_map(|p| p.whole_plane());
-    let planes = planes.map(|plane| WholePlane {
-        point: plane.point + input.motion.displacement,
-        ..plane
-    });
-    pass.find(planes, input.near, input.instruction_set);
+    let mut pass = core::mem::take(&mut wall.lone);
+    let places = lone_contacts::Places {
+        near: input.near,
+        indices: &wall.near,
+        motion: input.motion,
+        step: input.step,
+    };
+    pass.find(wall.shapes(), &places, input.instruction_set);
     let recalled = pass.recall(&wall.near, layout, &of_laws, output.histories);
     if let Err(wrong) = recalled {
-        wall.planes = pass;
+        wall.lone = pass;
         return Err(WallError::History(wrong));
     }
     if let Some(t) = tallies.as_deref_mut() {
@@ -115,11 +110,7 @@ pub fn compute_planes(
         part_forces: &mut wall.part_forces,
         touching_loads: (wall.keeps_inelastic_loads && tallies.is_some())
             .then_some(&mut wall.touching_loads),
-        planes: &pass.planes,
-        contacts: &pass.contacts,
-        last: &pass.last,
-        others: &mut pass.others,
-        written: &mut pass.written,
+        lone: &mut pass,
         histories: output.histories,
         forces: output.forces,
         torques: output.torques,
@@ -129,17 +120,18 @@ pub fn compute_planes(
     pass.take_others(wall, input, output, tallies, &mut load);
     wall.found
         .remember(output.histories, output.acts_on, &pass.written);
-    wall.planes = pass;
-    load.power = load.force.dot(input.motion.velocity);
+    wall.lone = pass;
+    let motion = input.motion;
+    load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
 }
 
-impl PlaneContacts {
+impl LoneContacts {
     /// The particles that the lanes do not take.
     fn take_others(
         &mut self,
         wall: &mut Wall,
-        input: &PlaneInput<'_>,
+        input: &RecordsInput<'_>,
         output: &mut WallOutput<'_>,
         tallies: Option<&mut Tallies<'_>>,
         load: &mut WallLoad,
@@ -166,9 +158,7 @@ impl PlaneContacts {
             frame: Frame::Wall,
         };
         let layout = wall.histories(input.laws);
-        core::mem::swap(&mut wall.near, &mut self.indices);
-        wall.find_contacts(&places, layout, output.histories);
-        core::mem::swap(&mut wall.near, &mut self.indices);
+        self.find_contacts(wall, &places, layout, output.histories);
         if self.others.is_empty() {
             return;
         }
@@ -181,6 +171,38 @@ impl PlaneContacts {
                 touching.load.respond(response);
             }
         }
+    }
+}
+
+impl LoneContacts {
+    /// The contacts of these particles, some of which have been searched.
+    fn find_contacts(
+        &self,
+        wall: &mut Wall,
+        places: &Places<'_>,
+        layout: WallHistoryLayout,
+        histories: &[f64],
+    ) {
+        let length = layout.length();
+        let mut found = core::mem::take(&mut wall.found);
+        found.start(layout);
+        let is_alone = wall.part_count() == 1;
+        let mut searched = &self.searched[..];
+        for (index, (i, &particle)) in places.near.iter().zip(&self.indices).enumerate() {
+            let near = self.others[index] as usize;
+            let own = searched.iter().take_while(|s| s.near == near).count();
+            let (of_particle, rest) = searched.split_at(own);
+            searched = rest;
+            let from = if own > 0 {
+                Source::Searched(of_particle)
+            } else {
+                let shapes = wall.shapes();
+                Source::Shapes { is_alone, shapes }
+            };
+            let histories = &histories[particle * length..(particle + 1) * length];
+            found.add(from, places, i, (particle, index), histories);
+        }
+        wall.found = found;
     }
 }
 
@@ -203,17 +225,13 @@ fn put_in_lane(columns: &mut Columns, lane: usize, v: Vector3) {
 
 /// Adds the forces of the contacts that were found, remembers them, and names those that the lanes hand back.
 struct AddForces<'p, 'i, 't> {
-    input: &'p PlaneInput<'i>,
+    input: &'p RecordsInput<'i>,
     layout: WallHistoryLayout,
     of_laws: &'p HistoryLayout,
     near: &'p [usize],
     part_forces: &'p mut [Vector3],
     touching_loads: Option<&'p mut TouchingLoads>,
-    planes: &'p [WholePlane],
-    contacts: &'p [PlaneContact],
-    last: &'p [Line],
-    others: &'p mut Vec<u32>,
-    written: &'p mut Vec<usize>,
+    lone: &'p mut LoneContacts,
     histories: &'p mut [f64],
     forces: &'p mut [[f64; 3]],
     torques: &'p mut [[f64; 3]],
@@ -241,12 +259,30 @@ struct Sums<S: Registers> {
     energies: [Lanes<S>; 2],
     powers: [Lanes<S>; 2],
     virial: [Lanes<S>; 6],
-    viscous_force: Vector3<Lanes<S>>,
-    frictional_force: Vector3<Lanes<S>>,
+    /// The viscous force on the wall and the frictional one, and their torques about its centre where it turns.
+    forces: [Vector3<Lanes<S>>; 2],
+    torques: [Vector3<Lanes<S>>; 2],
+}
+
+/// A vector of each lane in the frame of a wall that has turned, and back.
+struct Axes<S: Registers>([Vector3<Lanes<S>>; 3]);
+
+impl<S: Registers> Axes<S> {
+    #[inline(always)]
+    fn to_wall(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
+        let [x, y, z] = &self.0;
+        Vector3::new(x.dot(v), y.dot(v), z.dot(v))
+    }
+
+    #[inline(always)]
+    fn to_world(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
+        let [x, y, z] = &self.0;
+        x.scale_add(v.x, y.scale_add(v.y, *z * v.z))
+    }
 }
 
 impl<'i> AddForces<'_, 'i, '_> {
-    fn law(&self, contact: &PlaneContact) -> &'i PairLaw {
+    fn law(&self, contact: &LoneContact) -> &'i PairLaw {
         let particle_type = self.input.near.types[contact.near as usize] as usize;
         self.input.laws.get(particle_type, self.input.wall_type)
     }
@@ -274,15 +310,23 @@ impl AddForces<'_, '_, '_> {
             energies: [zero; 2],
             powers: [zero; 2],
             virial: [zero; 6],
-            viscous_force: null,
-            frictional_force: null,
+            forces: [null; 2],
+            torques: [null; 2],
         };
+        let axes = self.input.motion.axes.map(|[x, y, z]| {
+            Axes([
+                splat(registers, x),
+                splat(registers, y),
+                splat(registers, z),
+            ])
+        });
         let mut numbers = Numbers::default();
         let mut lines = [[Line::ZERO; MOST_LANES]; 4];
-        let contacts = self.contacts;
         let one_law = self.input.laws.types() == 1;
+        let count_of_all = self.lone.contacts.len();
         let mut first = 0;
-        while first < contacts.len() {
+        while first < count_of_all {
+            let contacts = &self.lone.contacts;
             let law = self.law(&contacts[first]);
             let (mut laws, mut all_the_same) = ([law; MOST_LANES], true);
             let mut count = 1;
@@ -300,14 +344,12 @@ impl AddForces<'_, '_, '_> {
                 laws[count] = other;
                 count += 1;
             }
-            let batch = &contacts[first..first + count];
             let only = all_the_same.then_some(law);
-            let last = self.last.get(first..first + count).unwrap_or(&[]);
             self.batch::<S, K>(
                 registers,
-                (batch, last),
+                first..first + count,
                 &laws,
-                only,
+                (only, &axes),
                 &mut numbers,
                 &mut lines,
                 &mut sums,
@@ -324,30 +366,42 @@ impl AddForces<'_, '_, '_> {
     fn batch<S: Registers, K: Kind>(
         &mut self,
         registers: S,
-        (batch, last): (&[PlaneContact], &[Line]),
+        range: Range<usize>,
         laws: &[&PairLaw; MOST_LANES],
-        only: Option<&PairLaw>,
+        (only, axes): (Option<&PairLaw>, &Option<Axes<S>>),
         numbers: &mut Numbers,
         lines: &mut [[Line; MOST_LANES]; 4],
         sums: &mut Sums<S>,
     ) {
         let input = self.input;
         let near = input.near;
+        let lone = &*self.lone;
+        let batch = &lone.contacts[range.clone()];
+        let last = lone.last.get(range.clone()).unwrap_or(&[]);
+        let surfaces = lone.surfaces.get(range.clone()).unwrap_or(&[]);
         let mut of_lanes = [&near.records[batch[0].near as usize]; MOST_LANES];
         let mut lasts = [&Line::ZERO; MOST_LANES];
-        let one_side = self.planes.len() == 1 && !self.planes[0].both_sides;
+        let mut at_surfaces = [[&Line::ZERO; MOST_LANES]; 2];
+        let with_surfaces = !surfaces.is_empty();
+        let one_side = lone.planes.len() == 1 && !lone.planes[0].both_sides;
         let with_loads = self.touching_loads.is_some();
         let masses = input.masses.filter(|_| with_loads);
+        let mut turns = false;
         for lane in 0..S::LANES {
             // Lanes without a contact of their own compute the last one again.
-            let contact = &batch[lane.min(batch.len() - 1)];
+            let index = lane.min(batch.len() - 1);
+            let contact = &batch[index];
             let place = contact.near as usize;
             of_lanes[lane] = &near.records[place];
-            if let Some(line) = last.get(lane.min(batch.len() - 1)) {
+            if let Some(line) = last.get(index) {
                 lasts[lane] = line;
             }
-            if !one_side {
-                let plane = &self.planes[contact.part as usize];
+            if let Some([a, b]) = surfaces.get(index) {
+                at_surfaces[0][lane] = a;
+                at_surfaces[1][lane] = b;
+                turns |= contact.turns;
+            } else if !one_side {
+                let plane = &lone.planes[contact.part as usize];
                 put_in_lane(&mut numbers.outwards, lane, plane.outwards(contact));
                 put_in_lane(&mut numbers.point, lane, plane.point);
             }
@@ -359,20 +413,23 @@ impl AddForces<'_, '_, '_> {
             }
         }
         let side = K::load(registers, &of_lanes);
-        let (centre, velocity, omega) = (side.centre, side.velocity, side.omega);
+        let centre = side.centre;
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
-        let (outwards, point) = if one_side {
-            let plane = &self.planes[0];
-            (
-                splat(registers, plane.normal),
-                splat(registers, plane.point),
-            )
+        let mut direction = null;
+        let (outwards, height) = if with_surfaces {
+            let a = Lanes::all(registers, registers.columns(&at_surfaces[0]));
+            direction = Vector3::new(a[4], a[5], a[6]);
+            (Vector3::new(a[0], a[1], a[2]), a[3])
+        } else if one_side {
+            let plane = &lone.planes[0];
+            let normal = splat(registers, plane.normal);
+            let height = normal.dot(centre - splat(registers, plane.point));
+            (normal, height)
         } else {
-            (
-                load(registers, &numbers.outwards),
-                load(registers, &numbers.point),
-            )
+            let normal = load(registers, &numbers.outwards);
+            let height = normal.dot(centre - load(registers, &numbers.point));
+            (normal, height)
         };
         let effective_mass = if near.inverse_masses.is_empty() {
             zero
@@ -381,17 +438,9 @@ impl AddForces<'_, '_, '_> {
             let mass = inverse.max(zero.constant(1e-300)).reciprocal();
             Lanes::select(zero.less(inverse), mass, zero)
         };
-        let mut at = BodyAtSurface {
-            body: side.body,
-            outwards,
-            height: outwards.dot(centre - point),
-            velocity: velocity - splat(registers, input.motion.velocity),
-            omega,
-            change: None,
-            effective_mass,
-        };
+        let mut change = None;
         if near.of_step {
-            let mut change = MotionChange {
+            let mut own = MotionChange {
                 velocity: null,
                 omega: null,
             };
@@ -402,30 +451,74 @@ impl AddForces<'_, '_, '_> {
                     changes[lane] = &near.changes[contact.near as usize];
                 }
                 let c = Lanes::all(registers, registers.columns(&changes));
-                change.velocity = Vector3::new(c[0], c[1], c[2]);
-                change.omega = Vector3::new(c[3], c[4], c[5]);
+                own.velocity = Vector3::new(c[0], c[1], c[2]);
+                own.omega = Vector3::new(c[3], c[4], c[5]);
             }
-            at.change = Some(change);
+            change = Some(own);
         }
-        let placed = PlacedAtSurface::new(registers, at);
+        let from_centre = centre - splat(registers, input.motion.centre());
+        let seen = SeenFromWall {
+            velocity: side.velocity - splat(registers, input.motion.velocity),
+            omega: side.omega,
+            change,
+        };
+        let seen = if input.motion.angular_velocity == Vector3::ZERO {
+            seen
+        } else {
+            seen.turning(registers, input.motion, input.step, from_centre)
+        };
+        let placed = PlacedAtSurface::new(
+            registers,
+            BodyAtSurface {
+                body: side.body,
+                outwards,
+                height,
+                velocity: seen.velocity,
+                omega: seen.omega,
+                change: seen.change,
+                effective_mass,
+            },
+        );
         let l = Lanes::all(registers, registers.columns(&lasts));
         let continued = zero.less(l[7]);
+        let mut normal = Vector3::new(l[0], l[1], l[2]);
+        let mut memory = Vector3::new(l[3], l[4], l[5]);
+        if let Some(axes) = axes {
+            normal = axes.to_world(normal);
+            memory = axes.to_world(memory);
+        }
         let remembered = Remembered {
             continued,
             normal: Vector3::new(
-                Lanes::select(continued, l[0], -outwards.x),
-                Lanes::select(continued, l[1], -outwards.y),
-                Lanes::select(continued, l[2], -outwards.z),
+                Lanes::select(continued, normal.x, -outwards.x),
+                Lanes::select(continued, normal.y, -outwards.y),
+                Lanes::select(continued, normal.z, -outwards.z),
             ),
-            memory: Vector3::new(l[3], l[4], l[5]),
+            memory,
             energy: l[6],
             time: Lanes::splat(registers, input.step.elapsed()),
         };
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
-        let ForcesAtSurface {
-            forces: f, hard, ..
-        } = placed.forces(registers, kinds, &constants, None, &remembered, input.step);
+        let ForcesAtSurface { forces: f, hard } = if turns {
+            let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
+            let wall = CurvedWall {
+                direction,
+                curvatures: [b[0], b[1]],
+                turning_radii: [b[2], b[3]],
+            };
+            placed.forces_at_curved(
+                registers,
+                kinds,
+                &constants,
+                &wall,
+                true,
+                &remembered,
+                input.step,
+            )
+        } else {
+            placed.forces(registers, kinds, &constants, &remembered, input.step)
+        };
 
         let present = (1u32 << batch.len()) - 1;
         let sound = registers.bits(registers.and_not(placed.touching, hard)) & present;
@@ -434,12 +527,19 @@ impl AddForces<'_, '_, '_> {
         let springs = largest_springs(kinds, &constants, f.stiffness, effective_mass);
         add_where(mask, &mut sums.springs[0], springs.0);
         add_where(mask, &mut sums.springs[1], springs.1);
-        let from_centre = centre - splat(registers, input.motion.centre());
         sums.add_load(mask, &f, from_centre);
         if self.tallies.is_some() {
             sums.add_energies(mask, &f);
+            if with_loads && input.motion.angular_velocity != Vector3::ZERO {
+                sums.add_torques(mask, &f, from_centre);
+            }
         }
-        put_action(registers, &f, placed.point(), lines);
+        let (mut point, mut memory) = (placed.point(), f.memory);
+        if let Some(axes) = axes {
+            point = axes.to_wall(point);
+            memory = axes.to_wall(memory);
+        }
+        put_action(registers, &f, (point, memory), lines);
         if with_loads {
             let loads = Loads::of(&f);
             let loads = if masses.is_some() {
@@ -452,20 +552,21 @@ impl AddForces<'_, '_, '_> {
             add_where(mask, &mut sums.powers[0], f.viscous_power);
             add_where(mask, &mut sums.powers[1], f.tangential_power);
         }
-        self.scatter(batch, [sound, hard], lines);
+        self.scatter(range, [sound, hard], lines);
     }
 
     /// From the lines of a batch to the arrays of the engine.
     fn scatter(
         &mut self,
-        batch: &[PlaneContact],
+        range: Range<usize>,
         [sound, hard]: [u32; 2],
         lines: &[[Line; MOST_LANES]; 4],
     ) {
         let length = self.layout.length();
-        for (lane, contact) in batch.iter().enumerate() {
+        for (lane, index) in range.enumerate() {
+            let contact = self.lone.contacts[index];
             if hard >> lane & 1 != 0 {
-                self.others.push(contact.near);
+                self.lone.others.push(contact.near);
             }
             if sound >> lane & 1 == 0 {
                 continue;
@@ -483,7 +584,7 @@ impl AddForces<'_, '_, '_> {
             }
             self.load.contacts += 1;
             if length > 0 {
-                let normal = (-self.planes[part].outwards(contact)).to_array();
+                let normal = (-self.lone.outwards(index)).to_array();
                 let histories = &mut self.histories[k * length..(k + 1) * length];
                 let point = [remembered[0], remembered[1], remembered[2]];
                 let history = self.layout.write_one(histories, part, point, normal);
@@ -498,7 +599,7 @@ impl AddForces<'_, '_, '_> {
                 }
                 // What resists rolling is not in the lanes.
                 history[self.of_laws.resistance()..].fill(0.0);
-                self.written.push(k);
+                self.lone.written.push(k);
             }
             if let Some(loads) = self.touching_loads.as_deref_mut() {
                 let [c, d] = [&lines[2][lane].0, &lines[3][lane].0];
@@ -538,9 +639,11 @@ impl AddForces<'_, '_, '_> {
             t.virial[k] += total(sums.virial[k]);
         }
         if self.touching_loads.is_some() {
-            let velocity = self.input.motion.velocity;
-            t.wall_powers[0] += total_vector(sums.viscous_force).dot(velocity);
-            t.wall_powers[1] += total_vector(sums.frictional_force).dot(velocity);
+            let motion = self.input.motion;
+            for (k, power) in t.wall_powers.iter_mut().enumerate() {
+                *power += total_vector(sums.forces[k]).dot(motion.velocity)
+                    + total_vector(sums.torques[k]).dot(motion.angular_velocity);
+            }
         } else {
             let time = self.input.step.elapsed();
             t.viscous_dissipation += time * total(sums.powers[0]);
@@ -587,6 +690,53 @@ fn add_vector_where<S: Registers>(
     add_where(mask, &mut sum.z, a.z);
 }
 
+/// The motion of the bodies relative to a wall, and what it has more at the step, in the frame of the world
+/// ([`Motion::seen_from_wall`]).
+struct SeenFromWall<S: Registers> {
+    velocity: Vector3<Lanes<S>>,
+    omega: Vector3<Lanes<S>>,
+    change: Option<MotionChange<Lanes<S>>>,
+}
+
+impl<S: Registers> SeenFromWall<S> {
+    /// The same where the wall turns; until here its velocity alone was taken off.
+    #[inline(always)]
+    fn turning(
+        self,
+        registers: S,
+        motion: &Motion,
+        step: &Step,
+        from_centre: Vector3<Lanes<S>>,
+    ) -> Self {
+        let half = Motion::half_step(step, self.change.is_some());
+        let half = Lanes::splat(registers, half);
+        let spin = splat(registers, motion.angular_velocity);
+        let SeenFromWall {
+            velocity,
+            omega,
+            change,
+        } = self;
+        let moved = velocity - spin.cross(from_centre - velocity * half);
+        let turned = omega - spin;
+        let moved = spin.cross(moved).scale_add(half, moved);
+        let turned_half = spin.cross(turned).scale_add(half, turned);
+        let mut seen = SeenFromWall {
+            velocity: moved,
+            omega: turned_half,
+            change: None,
+        };
+        if let Some(change) = change {
+            let velocity_at_step = velocity + change.velocity - spin.cross(from_centre);
+            let omega_at_step = turned + change.omega;
+            seen.change = Some(MotionChange {
+                velocity: velocity_at_step - moved,
+                omega: omega_at_step - turned_half,
+            });
+        }
+        seen
+    }
+}
+
 impl<S: Registers> Sums<S> {
     /// Adds what acts on the wall.
     #[inline(always)]
@@ -613,8 +763,21 @@ impl<S: Registers> Sums<S> {
         add_where(sound, &mut self.virial[3], d.x * f.force.y);
         add_where(sound, &mut self.virial[4], d.x * f.force.z);
         add_where(sound, &mut self.virial[5], d.y * f.force.z);
-        add_vector_where(sound, &mut self.viscous_force, f.viscous_force);
-        add_vector_where(sound, &mut self.frictional_force, f.frictional_force);
+        add_vector_where(sound, &mut self.forces[0], f.viscous_force);
+        add_vector_where(sound, &mut self.forces[1], f.frictional_force);
+    }
+
+    /// Adds the torques of the forces on the wall that are not elastic, about its centre.
+    #[inline(always)]
+    fn add_torques(
+        &mut self,
+        sound: S::Mask,
+        f: &ContactForces<Lanes<S>>,
+        from_centre: Vector3<Lanes<S>>,
+    ) {
+        let arm = from_centre + f.contact_point;
+        add_vector_where(sound, &mut self.torques[0], arm.cross(f.viscous_force));
+        add_vector_where(sound, &mut self.torques[1], arm.cross(f.frictional_force));
     }
 }
 
@@ -661,11 +824,11 @@ impl<S: Registers> Loads<S> {
 fn put_action<S: Registers>(
     registers: S,
     f: &ContactForces<Lanes<S>>,
-    point: Vector3<Lanes<S>>,
+    (point, m): (Vector3<Lanes<S>>, Vector3<Lanes<S>>),
     lines: &mut [[Line; MOST_LANES]; 4],
 ) {
     let zero = point.x.constant(0.0);
-    let (a, b, m) = (f.force, f.torque_i, f.memory);
+    let (a, b) = (f.force, f.torque_i);
     let first = [a.x, a.y, a.z, b.x, b.y, b.z, f.tangential_energy, zero];
     put(registers, first, &mut lines[0]);
     let second = [point.x, point.y, point.z, m.x, m.y, m.z, zero, zero];

@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which particles touch a wall in one place and no other, and what does each of these contacts go on from? Planes, and cylinders and
+//! cones from within, are searched in lanes, other shapes particle by particle.
+
+use super::cone_in_lanes::TouchedInLanes;
+use super::contacts::{touch_shapes, Searched};
+use super::histories::{WallHistoryLayout, WrongHistory};
+use super::motion::Motion;
+use super::shape::{Ball, Grain, Search, Shape, ShapeInLanes, WholePlane};
+use crate::contact::particle::Particle;
+use crate::contact::ranges::LARGEST_DISPLACEMENT;
+use crate::contact::staged::WallSurface;
+use crate::contact::{HistoryLayout, Step};
+use crate::geometry::ConvexBody;
+use crate::list::shapes::{Ellipsoids, Kind, Side as SideOfPairs, Spheroids};
+use crate::list::{ParticleRecords, Shapes};
+use crate::real::Real;
+use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::vector::{Tangent, Vector3};
+
+/// The contact of a particle that has no other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoneContact {
+    /// The particle's place among those that may touch.
+    pub(super) near: u32,
+    /// The part of the wall.
+    pub(super) part: u32,
+    /// Whether the particle is on the side opposite to a plane's normal.
+    pub(super) is_behind: bool,
+    /// Whether the surface turns with the body's motion.
+    pub(super) turns: bool,
+}
+
+/// A surface as the lanes load it: `[normal, height of the centre above it, direction]` in the frame of the world, then
+/// `[curvatures, turning radii, normal in the frame of the wall]`, normals out of the wall.
+pub(super) type SurfaceLines = [Line; 2];
+
+/// What the particles of a call do with a wall. The memory is kept from call to call.
+#[derive(Debug, Default)]
+pub(super) struct LoneContacts {
+    /// The planes of a wall that has no other parts and has not turned, where they are; else empty.
+    pub(super) planes: Vec<WholePlane>,
+    pub(super) contacts: Vec<LoneContact>,
+    /// The surface of each contact; empty where all are planes.
+    pub(super) surfaces: Vec<SurfaceLines>,
+    /// What each goes on from: normal and memory of the last step, energy, and 1, or 0 for a new contact.
+    pub(super) last: Vec<Line>,
+    /// What the lanes find of each part.
+    parts: Vec<PartInLanes>,
+    search: Search,
+    /// Places of the particles that the lanes do not take.
+    pub(super) others: Vec<u32>,
+    /// What was found of those of them that have been searched, in the order of their places.
+    pub(super) searched: Vec<Searched>,
+    /// The same particles.
+    pub(super) particles: Vec<Particle>,
+    /// Their indices.
+    pub(super) indices: Vec<usize>,
+    /// Particles whose histories have been written.
+    pub(super) written: Vec<usize>,
+}
+
+/// A part, and what the lanes find of it.
+#[derive(Clone, Copy, Debug)]
+struct PartInLanes {
+    /// Where it is; `None` where particles are searched one by one.
+    shape: Option<ShapeInLanes>,
+    /// Bits of the lanes that touch it.
+    touching: u32,
+    /// Those of them behind a plane.
+    behind: u32,
+    surfaces: [[Line; MOST_LANES]; 2],
+}
+
+/// What the search is given.
+pub(super) struct Places<'a> {
+    /// The particles that may touch, and their indices.
+    pub(super) near: ParticleRecords<'a>,
+    pub(super) indices: &'a [usize],
+    pub(super) motion: &'a Motion,
+    pub(super) step: &'a Step,
+}
+
+impl LoneContacts {
+    /// Finds which particles touch which part.
+    pub(super) fn find<'s>(
+        &mut self,
+        shapes: impl Iterator<Item = &'s dyn Shape> + Clone,
+        places: &Places<'_>,
+        instruction_set: InstructionSet,
+    ) {
+        let motion = places.motion;
+        self.contacts.clear();
+        self.surfaces.clear();
+        self.others.clear();
+        self.searched.clear();
+        self.written.clear();
+        self.planes.clear();
+        self.parts.clear();
+        for shape in shapes.clone() {
+            let in_world = shape.in_lanes().map(|shape| shape.in_world(motion));
+            if let Some(ShapeInLanes::Plane(plane)) = in_world {
+                self.planes.push(plane);
+            }
+            self.parts.push(PartInLanes {
+                shape: in_world,
+                touching: 0,
+                behind: 0,
+                surfaces: [[Line::ZERO; MOST_LANES]; 2],
+            });
+        }
+        if self.planes.len() < self.parts.len() || motion.axes.is_some() {
+            self.planes.clear();
+        }
+        if self.parts.iter().all(|part| part.shape.is_none()) {
+            for near in 0..places.indices.len() {
+                self.search_one(shapes.clone(), places, near);
+            }
+            return;
+        }
+        instruction_set.run(Find {
+            shapes,
+            places,
+            contacts: self,
+        });
+    }
+
+    /// Searches for the contacts of one particle with all parts.
+    #[inline(never)]
+    fn search_one<'s>(
+        &mut self,
+        shapes: impl Iterator<Item = &'s dyn Shape>,
+        places: &Places<'_>,
+        near: usize,
+    ) {
+        let particle = places.near.particle(near);
+        let moved;
+        let seen = if places.motion.is_none() {
+            &particle
+        } else {
+            moved = places.motion.seen_from_wall(&particle, places.step);
+            &moved
+        };
+        let grain = Grain {
+            particle: places.indices[near],
+            body: &seen.body,
+            centre: seen.position,
+        };
+        let first = self.searched.len();
+        let searched = &mut self.searched;
+        let is_alone = self.parts.len() == 1;
+        touch_shapes(is_alone, shapes, &grain, &mut self.search, &mut |found| {
+            searched.push(Searched { near, ..found });
+        });
+        match self.searched[first..] {
+            [] => {}
+            [found] if is_taken_in_lanes(&found.surface) => {
+                self.searched.truncate(first);
+                let surface = &found.surface;
+                self.surfaces
+                    .push(lines_of(surface, grain.centre, places.motion));
+                self.contacts.push(LoneContact {
+                    near: near as u32,
+                    part: found.part as u32,
+                    is_behind: false,
+                    turns: surface.turning_radii.iter().any(|r| r.is_finite()),
+                });
+            }
+            _ => self.others.push(near as u32),
+        }
+    }
+
+    /// The normal out of the wall at a contact, in the frame of the wall.
+    #[inline(always)]
+    pub(super) fn outwards(&self, index: usize) -> Vector3 {
+        match self.surfaces.get(index) {
+            Some([_, Line(b)]) => Vector3::new(b[4], b[5], b[6]),
+            None => {
+                let contact = &self.contacts[index];
+                self.planes[contact.part as usize].outwards(contact)
+            }
+        }
+    }
+
+    /// Finds what the contacts go on from, and whether it is such as calls have written. `near` are the indices of the particles that may
+    /// touch.
+    ///
+    /// # Errors
+    /// The first number that is not.
+    pub(super) fn recall(
+        &mut self,
+        near: &[usize],
+        layout: WallHistoryLayout,
+        of_laws: &HistoryLayout,
+        histories: &[f64],
+    ) -> Result<(), WrongHistory> {
+        self.last.clear();
+        let length = layout.length();
+        let Some(memory) = of_laws.memory.filter(|_| length > 0) else {
+            return Ok(());
+        };
+        let parts = self.parts.len();
+        self.last.reserve(self.contacts.len());
+        let mut kept = 0;
+        for index in 0..self.contacts.len() {
+            let contact = self.contacts[index];
+            let particle = near[contact.near as usize];
+            let row = &histories[particle * length..(particle + 1) * length];
+            let mut line = Line::ZERO;
+            if row[0] != 0.0 {
+                let part = contact.part as usize;
+                let inwards = -self.outwards(index);
+                // Almost always the particle touched the same part alone, and nothing is wrong.
+                let own = (part + 1) as f64;
+                let record = &row[1..1 + layout.record];
+                let known = row[0] == 1.0 && record[0] == own;
+                let (normal, history) = layout.parts_of(record);
+                let mut found = Some((normal, history));
+                if !(known && is_sound(normal, inwards, &history[memory..])) {
+                    layout.check(particle, histories, parts, Some(of_laws))?;
+                    if row[0] > 1.0 && !self.surfaces.is_empty() {
+                        // Of several contacts with one part the nearest is meant.
+                        self.others.push(contact.near);
+                        continue;
+                    }
+                    found = layout.record_of(row, part, inwards);
+                }
+                if let Some((mut normal, history)) = found {
+                    if !normal.is_unit() {
+                        normal = inwards;
+                    }
+                    let energy = of_laws.energy.map_or(0.0, |at| history[at]);
+                    let m = &history[memory..memory + 3];
+                    line = Line([normal.x, normal.y, normal.z, m[0], m[1], m[2], energy, 1.0]);
+                }
+            }
+            self.last.push(line);
+            if kept < index {
+                self.contacts[kept] = contact;
+                self.surfaces[kept] = self.surfaces[index];
+            }
+            kept += 1;
+        }
+        self.contacts.truncate(kept);
+        if !self.surfaces.is_empty() {
+            self.surfaces.truncate(kept);
+        }
+        for other in &self.others {
+            let particle = near[*other as usize];
+            layout.check(particle, histories, parts, Some(of_laws))?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a normal of the last step and the history after it are what a call has written; where not, they may be that all the same.
+fn is_sound(last: Vector3, normal: Vector3, history: &[f64]) -> bool {
+    let mut sound = last.is_unit() && last.dot(normal) >= 0.5;
+    for number in history {
+        sound &= number.abs() <= LARGEST_DISPLACEMENT;
+    }
+    sound
+}
+
+/// Whether lanes take a contact with a surface: a whole one, that does not move in the frame of the wall, and no cavity.
+fn is_taken_in_lanes(s: &WallSurface) -> bool {
+    let [a, b] = s.turning_radii;
+    let is_cavity = a.is_finite() && b.is_finite() && (a < 0.0 || b < 0.0);
+    s.share.value == 1.0 && s.velocity == Vector3::ZERO && !is_cavity
+}
+
+/// A surface as the lanes load it, of a body with this centre in the frame of the wall.
+fn lines_of(s: &WallSurface, centre: Vector3, motion: &Motion) -> SurfaceLines {
+    let (n, d) = (motion.to_world(s.normal), motion.to_world(s.direction));
+    let height = s.normal.dot(centre - s.point);
+    let ([a, b], [c, e], w) = (s.curvatures, s.turning_radii, s.normal);
+    [
+        Line([n.x, n.y, n.z, height, d.x, d.y, d.z, 0.0]),
+        Line([a, b, c, e, w.x, w.y, w.z, 0.0]),
+    ]
+}
+
+impl ShapeInLanes {
+    /// The same, where the wall is.
+    fn in_world(&self, motion: &Motion) -> ShapeInLanes {
+        match self {
+            ShapeInLanes::Plane(plane) => ShapeInLanes::Plane(WholePlane {
+                point: motion.point_to_world(plane.point),
+                normal: motion.to_world(plane.normal),
+                ..*plane
+            }),
+            ShapeInLanes::Cone(side) => ShapeInLanes::Cone(side.in_world(motion)),
+        }
+    }
+}
+
+impl WholePlane {
+    /// Its normal on the side of a contact.
+    pub(super) fn outwards(&self, contact: &LoneContact) -> Vector3 {
+        if contact.is_behind {
+            -self.normal
+        } else {
+            self.normal
+        }
+    }
+
+    /// Lanes that touch it, those behind it, and the heights of the centres above it.
+    #[inline(always)]
+    fn touch<S: Registers, K: Kind>(
+        &self,
+        registers: S,
+        side: &SideOfPairs<S, K>,
+    ) -> (u32, u32, Lanes<S>) {
+        let normal = splat(registers, self.normal);
+        let height = normal.dot(side.centre - splat(registers, self.point));
+        let (support, _) = side.body.support_in_world(normal);
+        let (behind, height) = if self.both_sides {
+            let behind = height.less(height.constant(0.0));
+            (registers.bits(behind), height.abs())
+        } else {
+            (0, height)
+        };
+        (registers.bits(height.less(support)), behind, height)
+    }
+}
+
+/// A vector that is the same in every lane.
+#[inline(always)]
+pub(super) fn splat<S: Registers>(registers: S, v: Vector3) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::splat(registers, v.x),
+        Lanes::splat(registers, v.y),
+        Lanes::splat(registers, v.z),
+    )
+}
+
+/// See [`LoneContacts::find`].
+struct Find<'p, 'a, I> {
+    shapes: I,
+    places: &'p Places<'a>,
+    contacts: &'p mut LoneContacts,
+}
+
+impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Stage for Find<'_, '_, I> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        match self.places.near.shapes {
+            Shapes::Ellipsoids => self.find::<S, Ellipsoids>(registers),
+            _ => self.find::<S, Spheroids>(registers),
+        }
+    }
+}
+
+impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
+    #[inline(always)]
+    fn find<S: Registers, K: Kind>(self, registers: S) {
+        let records = self.places.near.records;
+        let motion = self.places.motion;
+        let found = self.contacts;
+        let with_surfaces = found.planes.is_empty();
+        for first in (0..records.len()).step_by(S::LANES) {
+            let present = S::LANES.min(records.len() - first);
+            let mut of_lanes = [&records[first]; MOST_LANES];
+            for lane in 0..present {
+                of_lanes[lane] = &records[first + lane];
+            }
+            let side = K::load(registers, &of_lanes);
+            let all = (1u32 << present) - 1;
+            let (mut once, mut twice, mut unsure) = (0u32, 0u32, 0u32);
+            for (part, shape) in found.parts.iter_mut().zip(self.shapes.clone()) {
+                match part.shape {
+                    Some(ShapeInLanes::Plane(plane)) => {
+                        let (touching, behind, height) = plane.touch::<S, K>(registers, &side);
+                        part.touching = touching & all;
+                        part.behind = behind;
+                        if with_surfaces && part.touching != 0 {
+                            put_plane(registers, &plane, motion, (behind, height), part);
+                        }
+                    }
+                    Some(ShapeInLanes::Cone(cone)) => {
+                        let touched = cone.touch(registers, side.centre, &side.body);
+                        part.touching = registers.bits(touched.touching) & all;
+                        unsure |= registers.bits(touched.unsure) & all;
+                        if part.touching != 0 {
+                            put_cone(registers, &touched, motion, &mut part.surfaces);
+                        }
+                    }
+                    None => {
+                        for (lane, record) in of_lanes[..present].iter().enumerate() {
+                            let ball = Ball {
+                                particle: self.places.indices[first + lane],
+                                centre: motion.point_to_wall(record.position()),
+                                radius: K::radius(record),
+                            };
+                            unsure |= u32::from(shape.may_touch(&ball)) << lane;
+                        }
+                    }
+                }
+                twice |= once & part.touching;
+                once |= part.touching;
+            }
+            let mut left = once | unsure;
+            while left != 0 {
+                let lane = left.trailing_zeros();
+                left &= left - 1;
+                let near = first + lane as usize;
+                if unsure >> lane & 1 != 0 {
+                    found.search_one(self.shapes.clone(), self.places, near);
+                    continue;
+                }
+                if twice >> lane & 1 != 0 {
+                    found.others.push(near as u32);
+                    continue;
+                }
+                let of_lane = |part: &PartInLanes| part.touching >> lane & 1 != 0;
+                if let Some(index) = found.parts.iter().position(of_lane) {
+                    let part = &found.parts[index];
+                    found.contacts.push(LoneContact {
+                        near: near as u32,
+                        part: index as u32,
+                        is_behind: part.behind >> lane & 1 != 0,
+                        turns: matches!(part.shape, Some(ShapeInLanes::Cone(_))),
+                    });
+                    if with_surfaces {
+                        let [a, b] = &part.surfaces;
+                        found.surfaces.push([a[lane as usize], b[lane as usize]]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Writes the surfaces of the lanes at a plane.
+#[inline(always)]
+fn put_plane<S: Registers>(
+    registers: S,
+    plane: &WholePlane,
+    motion: &Motion,
+    (behind, height): (u32, Lanes<S>),
+    part: &mut PartInLanes,
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    let one = Lanes::splat(registers, 1.0);
+    let sign = Lanes::select(registers.mask(behind), -one, one);
+    let n = splat(registers, plane.normal) * sign;
+    let w = splat(registers, motion.to_wall(plane.normal)) * sign;
+    let d = splat(registers, Tangent::new(plane.normal).u);
+    let infinite = zero.constant(f64::INFINITY);
+    let [a, b] = &mut part.surfaces;
+    put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);
+    put(
+        registers,
+        [zero, zero, infinite, infinite, w.x, w.y, w.z, zero],
+        b,
+    );
+}
+
+/// The same of a cylinder or a cone from within.
+#[inline(always)]
+fn put_cone<S: Registers>(
+    registers: S,
+    touched: &TouchedInLanes<S>,
+    motion: &Motion,
+    [a, b]: &mut [[Line; MOST_LANES]; 2],
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    let (n, d, height) = (touched.outwards, touched.direction, touched.height);
+    let w = match motion.axes {
+        None => n,
+        Some([x, y, z]) => Vector3::new(
+            splat(registers, x).dot(n),
+            splat(registers, y).dot(n),
+            splat(registers, z).dot(n),
+        ),
+    };
+    let radius = -touched.radius;
+    let infinite = zero.constant(f64::INFINITY);
+    put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);
+    let curvature = radius.reciprocal();
+    put(
+        registers,
+        [curvature, zero, radius, infinite, w.x, w.y, w.z, zero],
+        b,
+    );
+}
