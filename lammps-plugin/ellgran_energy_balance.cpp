@@ -94,6 +94,12 @@ void FixEllgranEnergyBalance::refuse_what_cannot_work() const
     error->all(FLERR, "{}: 'pair_style hybrid/scaled' scales forces, and the energies dissipated are those of the forces before "
                "that: use 'pair_style hybrid' or 'hybrid/overlay'", caller);
 
+  for (Fix *wall : walls) {
+    int dimension = 0;
+    if (!*static_cast<const bool *>(wall->extract("sums_energies", dimension)))
+      error->all(FLERR, "{}: fix {} of style {} sums up no energies: take 'energies no' away", caller, wall->id, wall->style);
+  }
+
   for (const auto *fix : modify->get_fix_list()) {
     const bool deforms = utils::strmatch(fix->style, "^deform");
     if (!deforms && (fix->box_change & (BOX_CHANGE_X | BOX_CHANGE_Y | BOX_CHANGE_Z | BOX_CHANGE_YZ | BOX_CHANGE_XZ | BOX_CHANGE_XY)))

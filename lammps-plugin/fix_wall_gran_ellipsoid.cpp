@@ -33,7 +33,7 @@ namespace {
 const char CALLER[] = "Fix wall/gran/ellipsoid";
 const char SYNTAX[] =
     "fix ID group wall/gran/ellipsoid <normal law> [damping ...] [tangential ...] [rolling ...] [twisting ...] [keywords] [material ...] <wall> [motion ...] "
-    "[contacts] [vtk N file], "
+    "[contacts] [vtk N file] [energies yes|no], "
     "wall = xplane|yplane|zplane lo hi, or xcylinder|ycylinder|zcylinder radius, or region ID, or shape NAME ..., or mesh FILE "
     "[scale s] [turn angle ax ay az] [move x y z]";
 const char MOTIONS[] =
@@ -71,7 +71,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
-    contact_histories(nullptr), tells_contacts(false), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    contact_histories(nullptr), tells_contacts(false), sums_energies(true), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
 {
@@ -81,12 +81,12 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
                static_cast<int>(ellgran_abi_version()));
   atoms.require_atom_style();
   check(ellgran_wall_new(&wall));
-  check(ellgran_wall_keep_inelastic_loads(wall, 1));
   check(ellgran_workspace_new(&workspace));
 
   int iarg = parse_law(narg, arg);
   iarg = parse_wall(iarg, narg, arg);
   parse_keywords(iarg, narg, arg);
+  check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
   check_periodicity();
   histories_length = static_cast<int>(ellgran_wall_histories_length(wall, laws));
 
@@ -97,7 +97,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   extlist = new int[NUMBER_OF_OUTPUTS];
   for (int k = 0; k < NUMBER_OF_OUTPUTS; k++) extlist[k] = (k < NUMBER_OF_SUMS) ? 1 : 0;
   global_freq = 1;
-  energy_global_flag = 1;
+  energy_global_flag = sums_energies ? 1 : 0;
   create_attribute = 1;
   restart_global = 1;
   time_depend = wiggles ? 1 : 0;
@@ -326,6 +326,12 @@ int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
     if (word == "contacts") {
       tells_contacts = true;
       iarg++;
+      continue;
+    }
+    if (word == "energies") {
+      require_values("energies", 1, iarg, narg);
+      sums_energies = utils::logical(FLERR, arg[iarg + 1], false, lmp) != 0;
+      iarg += 2;
       continue;
     }
     if (word == "vtk") {
@@ -625,7 +631,7 @@ void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool tim
 
 void FixWallGranEllipsoid::post_integrate()
 {
-  if (!touches_here) return;
+  if (!touches_here || !sums_energies) return;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = 1;
@@ -667,7 +673,7 @@ void FixWallGranEllipsoid::post_force(int)
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
-                               contact_histories ? contact_histories[0] : nullptr, &step, &load, &tallies));
+                               contact_histories ? contact_histories[0] : nullptr, &step, &load, sums_energies ? &tallies : nullptr));
   }
   touches_here = load.contact_count > 0;
   if (tells_contacts) tell_contacts();
@@ -695,7 +701,7 @@ void FixWallGranEllipsoid::post_force(int)
   output_here[VISCOUS_DISSIPATION] = tallies.viscous_dissipation;
   output_here[FRICTIONAL_DISSIPATION] = friction;
   output_here[DISSIPATED] = output_here[VISCOUS_DISSIPATION] + output_here[FRICTIONAL_DISSIPATION];
-  output_here[TOUCHING] = tallies.touching_count;
+  output_here[TOUCHING] = static_cast<double>(load.contact_count);
   output_here[WORK_OF_WALLS] = work_of_walls;
 }
 
@@ -779,8 +785,18 @@ void FixWallGranEllipsoid::sum_output()
   summed = true;
 }
 
+/* Whoever asks for energies that are not summed up gets a message and no zero. */
+
+void FixWallGranEllipsoid::require_energies(const std::string &value) const
+{
+  if (!sums_energies)
+    error->all(FLERR, "{} {}: f_{}{} is an energy, which the fix does not sum up with 'energies no': use 'energies yes'", CALLER, id,
+               id, value);
+}
+
 double FixWallGranEllipsoid::compute_scalar()
 {
+  require_energies("");
   sum_output();
   return output_all[NORMAL_ELASTIC] + output_all[TANGENTIAL_ELASTIC];
 }
@@ -793,6 +809,8 @@ double FixWallGranEllipsoid::compute_vector(int k)
   }
   if (k >= VELOCITY) return wall_velocity[k - VELOCITY];
   if (k >= DISPLACEMENT) return displacement[k - DISPLACEMENT];
+  const bool is_dissipation = k == DISSIPATED || k == VISCOUS_DISSIPATION || k == FRICTIONAL_DISSIPATION;
+  if (is_dissipation || k == NORMAL_ELASTIC || k == TANGENTIAL_ELASTIC) require_energies(fmt::format("[{}]", k + 1));
   sum_output();
   return output_all[k];
 }
@@ -802,6 +820,7 @@ double FixWallGranEllipsoid::compute_vector(int k)
 void *FixWallGranEllipsoid::extract(const char *name, int &dimension_of)
 {
   dimension_of = 0;
+  if (std::strcmp(name, "sums_energies") == 0) return &sums_energies;
   if (std::strcmp(name, "normal_elastic_energy") == 0) return &tallies.normal_elastic_energy;
   if (std::strcmp(name, "tangential_elastic_energy") == 0) return &tallies.tangential_elastic_energy;
   if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;

@@ -108,6 +108,7 @@ class FixWallGranEllipsoid : public Fix {
 
   // The contacts, one row each, if asked for
   bool tells_contacts;
+  bool sums_energies;
   std::vector<double> contact_values;
   std::vector<double *> contact_rows;
 
@@ -182,6 +183,7 @@ class FixWallGranEllipsoid : public Fix {
   void place_step_velocity_fix();
   void find_contact_masses();
   void sum_output();
+  void require_energies(const std::string &value) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -597,8 +597,11 @@ impl AddForces<'_, '_, '_> {
                 if let Some(at) = self.of_laws.energy {
                     history[at] = acting[6];
                 }
-                // What resists rolling is not in the lanes.
-                history[self.of_laws.resistance()..].fill(0.0);
+                // What resists rolling is not in the lanes. Most laws have nothing there, and a call would be made for it.
+                let resistance = self.of_laws.resistance();
+                if resistance < history.len() {
+                    history[resistance..].fill(0.0);
+                }
                 self.lone.written.push(k);
             }
             if let Some(loads) = self.touching_loads.as_deref_mut() {

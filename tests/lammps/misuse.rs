@@ -502,10 +502,30 @@ fn both_versions_walls() {
             "hertz 1e7 0.3 zplane -5 NULL vtk 10 file.*",
             &["vtk", "mesh"],
         ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL energies",
+            &["energies", "1 value"],
+        ),
+        ("hertz 1e7 0.3 zplane -5 NULL energies some", &["some"]),
     ];
     for (words, expected) in cases {
         refused(&format!("wall {words}"), &scene, &wall(words), expected);
     }
+    let without = wall("hertz 1e7 0.3 zplane -5 NULL energies no");
+    for value in ["f_floor", "f_floor[7]", "f_floor[9]", "f_floor[12]"] {
+        let mut deck = without.clone();
+        deck.thermo_columns = format!("step {value}");
+        refused(
+            &format!("energies no {value}"),
+            &scene,
+            &deck,
+            &["floor", value, "energies yes"],
+        );
+    }
+    let mut deck = without;
+    deck.fixes.push("compute all all energy/ellipsoid".into());
+    let words = ["energy/ellipsoid", "floor", "energies no"];
+    refused("energies no and the compute", &scene, &deck, &words);
     let mesh = |name: &str, variables: &[&str], words: &str, expected: &[&str]| {
         let directory = fresh_directory(&format!("misuse_mesh_{}", name.replace(' ', "_")));
         let triangle = crate::mesh_walls::square(2, -5.0, 1);

@@ -79,6 +79,34 @@ fn aside(frame: &Frame) -> f64 {
     sum / frame.states.len() as f64
 }
 
+/// Grains move as they do where energies are summed up, and all other outputs are the same, to the last digit.
+#[test]
+fn both_versions_energies_are_left_out_on_request() {
+    let engine = Engine::from_environment();
+    let scene = load();
+    let (_, walls) = &drums()[1];
+    let compute = |energies: &str| {
+        let mut deck = deck(walls, 1500);
+        deck.fixes[1] += &format!(" energies {energies}");
+        deck.thermo_columns =
+            "step f_shell[10] f_shell[13] f_shell[14] f_shell[17] f_shell[20]".into();
+        let outcome = run(
+            &engine,
+            &format!("drum_energies_{energies}"),
+            &scene,
+            &deck,
+            1,
+        );
+        let thermo = outcome.thermo().last().cloned().unwrap();
+        (outcome.last().clone(), thermo)
+    };
+    let [(with, sums), (without, same)] = ["yes", "no"].map(compute);
+    let (position, velocity) = largest_difference(&with, &without);
+    assert_eq!((position, velocity), (0.0, 0.0));
+    assert!(sums["f_shell[10]"] > 0.0 && sums["f_shell[13]"] != 0.0);
+    assert_eq!(sums, same);
+}
+
 #[test]
 fn both_versions_a_turning_drum_is_the_same_in_all_words_and_on_all_ranks() {
     let engine = Engine::from_environment();
