@@ -658,6 +658,12 @@ typedef struct EllgranParticles {
    those of the half step, and serve for all.
    */
   const double *velocity_changes;
+  /*
+   1 where since the last call of `ellgran_compute_wall` with the same wall the owned particles and their order have not changed, nor
+   their shapes and `masks`, and nobody else has written the histories of the wall: particles far from the wall then cost little
+   more than a look at their positions. 0 serves always. Other functions do not read it.
+   */
+  int64_t unchanged;
 } EllgranParticles;
 
 /*

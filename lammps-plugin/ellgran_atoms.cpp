@@ -8,6 +8,7 @@
 #include "error.h"
 #include "force.h"
 #include "math_extra.h"
+#include "modify.h"
 #include "update.h"
 
 #include <mpi.h>
@@ -102,6 +103,15 @@ bool EllgranAtoms::has_enclosing_radius() const
 {
   const auto *vec = ellipsoid_style(atom->avec);
   return vec && uses_super(atom, vec) && atom->radius_flag;
+}
+
+/* What may write shapes in a run: `fix set`, and whatever runs a user's own code. */
+
+bool EllgranAtoms::shapes_may_change() const
+{
+  for (const char *style : {"^set$", "^python", "^external"})
+    if (!modify->get_fix_by_style(style).empty()) return true;
+  return false;
 }
 
 EllgranAtoms::Shapes EllgranAtoms::shapes() const

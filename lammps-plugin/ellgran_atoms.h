@@ -39,6 +39,9 @@ class EllgranAtoms : protected Pointers {
   /// True for `atom_style ellipsoid superellipsoid`: the only one whose `radius` encloses the shape.
   [[nodiscard]] bool has_enclosing_radius() const;
 
+  /// Whether a fix may write shapes in a run.
+  [[nodiscard]] bool shapes_may_change() const;
+
   /// Largest semi-axis of the owned atoms of each type; index 0 is not used.
   [[nodiscard]] std::vector<double> largest_semi_axes() const;
 

@@ -13,6 +13,7 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "group.h"
 #include "input.h"
 #include "memory.h"
 #include "modify.h"
@@ -71,7 +72,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
-    contact_histories(nullptr), tells_contacts(false), sums_energies(true), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    contact_histories(nullptr), tells_contacts(false), sums_energies(true), scene_may_change(true), step_of_forces(-2), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
 {
@@ -491,6 +492,7 @@ void FixWallGranEllipsoid::init()
   if ((wiggles || moves || rotates || servo) && input->command && std::strcmp(input->command, "rerun") == 0)
     error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
   place_step_velocity_fix();
+  scene_may_change = atoms.shapes_may_change() || group->dynamic[igroup];
 
   fix_rigid = nullptr;
   for (auto *fix : modify->get_fix_list())
@@ -672,10 +674,15 @@ void FixWallGranEllipsoid::post_force(int)
     if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
+    // LAMMPS brings atoms, moves and sorts them when it builds neighbour lists; commands may change them before a run, which begins with
+    // an evaluation in which no time passes.
+    const bool follows_last_step = step_of_forces + 1 == update->ntimestep && neighbor->ago > 0;
+    particles.unchanged = (time_passes && follows_last_step && !scene_may_change) ? 1 : 0;
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
                                contact_histories ? contact_histories[0] : nullptr, &step, &load, sums_energies ? &tallies : nullptr));
   }
   touches_here = load.contact_count > 0;
+  step_of_forces = update->ntimestep;
   if (tells_contacts) tell_contacts();
   if (writes_triangles) write_triangle_file(motion);
   if (servo) servo->follow(load, update->dt, time_passes);

@@ -109,6 +109,9 @@ class FixWallGranEllipsoid : public Fix {
   // The contacts, one row each, if asked for
   bool tells_contacts;
   bool sums_energies;
+  // Whether atoms may change in a run without a new neighbour list; the last step whose forces were computed
+  bool scene_may_change;
+  bigint step_of_forces;
   std::vector<double> contact_values;
   std::vector<double *> contact_rows;
 

@@ -503,10 +503,7 @@ void PairGranEllipsoid::init_style()
   atoms.require_shapes(~0);
   warn_of_masses();
 
-  // What may write shapes in a run: `fix set`, and whatever runs a user's own code.
-  shapes_may_change = false;
-  for (const char *style : {"^set$", "^python", "^external"})
-    if (!modify->get_fix_by_style(style).empty()) shapes_may_change = true;
+  shapes_may_change = atoms.shapes_may_change();
 
   gather_work();
   work_wanted = !modify->get_compute_by_style("^pair$").empty() || !modify->get_compute_by_style("^energy/ellipsoid$").empty();

@@ -88,6 +88,7 @@ impl Arrays {
             } else {
                 self.changes.as_ptr().cast()
             },
+            unchanged: 0,
         }
     }
 }

@@ -157,6 +157,7 @@ class EllgranParticles(ctypes.Structure):
         ("forces", ctypes.c_void_p),
         ("torques", ctypes.c_void_p),
         ("velocity_changes", ctypes.c_void_p),
+        ("unchanged", ctypes.c_int64),
     ]
 
 

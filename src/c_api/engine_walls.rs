@@ -296,7 +296,6 @@ pub unsafe extern "C" fn ellgran_remember_wall_contacts(
         found.remember(
             unsafe { slice_mut(histories, length, "histories") }?,
             &acts_on,
-            &[],
         );
         Ok(())
     })

@@ -75,6 +75,10 @@ pub struct EllgranParticles {
     /// Without friction and without `inelastic_loads` of the tallies the values are not read. NULL: the velocities above are
     /// those of the half step, and serve for all.
     pub velocity_changes: *const f64,
+    /// 1 where since the last call of `ellgran_compute_wall` with the same wall the owned particles and their order have not changed, nor
+    /// their shapes and `masks`, and nobody else has written the histories of the wall: particles far from the wall then cost little
+    /// more than a look at their positions. 0 serves always. Other functions do not read it.
+    pub unchanged: i64,
 }
 
 growing!(EllgranParticles, torques: *mut f64);

@@ -461,7 +461,10 @@ pub(super) unsafe fn prepare_near(
         // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
         unsafe { required(p.quaternions, "quaternions") }?;
     }
-    wall.find_near(motion, owned, |k| {
+    let centre_and_reach = |k: usize| {
+        if !acts_on(k) {
+            return None;
+        }
         // SAFETY: `k` is one of the particles. One without a shape is looked at, and refused, with those near the wall.
         let shape = unsafe { shape_of(p, k) };
         let reach = shape.map_or(f64::NAN, |([a, b, c], _)| {
@@ -473,8 +476,13 @@ pub(super) unsafe fn prepare_near(
                 c
             }
         });
-        acts_on(k).then(|| (Vector3::from_array(positions[k]), reach))
-    });
+        Some((Vector3::from_array(positions[k]), reach))
+    };
+    if p.unchanged == 0 {
+        wall.find_near(motion, owned, centre_and_reach);
+    } else {
+        wall.find_near_again(motion, positions, centre_and_reach);
+    }
     let purpose = if as_records {
         Purpose::ChosenRecords(wall.near())
     } else {

@@ -7,6 +7,7 @@ use super::shape::{Grain, Search, Shape};
 use crate::contact::staged::{StagedContact, WallSurface};
 use crate::contact::{Particle, Step};
 use crate::vector::Vector3;
+use core::ops::Range;
 
 /// One contact of a particle.
 #[derive(Clone, Copy, Debug)]
@@ -273,46 +274,111 @@ impl Contacts {
     }
 
     /// Writes to the histories of the particles what is remembered of the contacts that were found. Of particles on which the wall acts and
-    /// that do not touch nothing is remembered any more. Those of the particles `written`, in ascending order, stay as they are.
+    /// that do not touch nothing is remembered any more.
     ///
     /// # Panics
     /// If the histories are shorter than those of all particles.
-    pub fn remember(
+    pub fn remember(&self, histories: &mut [f64], acts_on: &dyn Fn(usize) -> bool) {
+        self.remember_others(histories, acts_on, &[], &mut WithHistories::default());
+    }
+
+    /// The same; those of the particles `written`, in ascending order, stay as they are. `with_histories` are the particles with something
+    /// that is remembered, before and after.
+    pub(super) fn remember_others(
         &self,
         histories: &mut [f64],
         acts_on: &dyn Fn(usize) -> bool,
         mut written: &[usize],
+        with_histories: &mut WithHistories,
     ) {
-        let layout = &self.layout;
-        let length = layout.length();
+        let length = self.layout.length();
         if length == 0 {
             return;
         }
+        let WithHistories {
+            all: with,
+            before,
+            are_known,
+        } = with_histories;
+        core::mem::swap(with, before);
+        with.clear();
+        with.extend_from_slice(written);
+        let row = |particle: usize| particle * length..(particle + 1) * length;
         let mut next = 0;
-        for (particle, histories) in histories.chunks_exact_mut(length).enumerate() {
-            if written.first() == Some(&particle) {
+        while let Some(particle) = self.all.get(next).map(|c| c.particle) {
+            let of_particle = self.all[next..].iter();
+            let count = of_particle.take_while(|c| c.particle == particle).count();
+            self.remember_one(&mut histories[row(particle)], next..next + count);
+            with.push(particle);
+            next += count;
+        }
+        let mut found = &self.all[..];
+        let mut forget = |particle: usize, histories: &mut [f64]| {
+            while written.first().is_some_and(|k| *k < particle) {
                 written = &written[1..];
-                continue;
             }
-            let touches = self.all.get(next).is_some_and(|c| c.particle == particle);
-            if !touches && (histories[0] == 0.0 || !acts_on(particle)) {
-                continue;
+            while found.first().is_some_and(|c| c.particle < particle) {
+                found = &found[1..];
             }
-            let used_before = layout.used(histories);
-            let mut used = 1;
-            while let Some(c) = self.all.get(next).filter(|c| c.particle == particle) {
-                if c.is_remembered {
-                    let history = &self.histories[next * layout.history..][..layout.history];
-                    let record = &mut histories[used..used + layout.record];
-                    layout.remember(record, c.part, &c.surface, c.centre, history);
-                    used += layout.record;
-                }
-                next += 1;
+            let is_new = written.first() == Some(&particle)
+                || found.first().is_some_and(|c| c.particle == particle);
+            if is_new || histories[0] == 0.0 {
+                return;
             }
-            histories[0] = ((used - 1) / layout.record) as f64;
-            if used < used_before {
-                histories[used..used_before].fill(0.0);
+            if acts_on(particle) {
+                let used = self.layout.used(histories);
+                histories[..used.max(1)].fill(0.0);
+            } else {
+                with.push(particle);
+            }
+        };
+        if *are_known {
+            for &particle in &*before {
+                forget(particle, &mut histories[row(particle)]);
+            }
+        } else {
+            for (particle, histories) in histories.chunks_exact_mut(length).enumerate() {
+                forget(particle, histories);
             }
         }
+        // Runs that are in order already.
+        with.sort();
+        *are_known = true;
+    }
+
+    /// Writes what is remembered of these contacts, all of one particle.
+    fn remember_one(&self, histories: &mut [f64], contacts: Range<usize>) {
+        let layout = &self.layout;
+        let used_before = layout.used(histories);
+        let mut used = 1;
+        for index in contacts {
+            let c = &self.all[index];
+            if c.is_remembered {
+                let history = &self.histories[index * layout.history..][..layout.history];
+                let record = &mut histories[used..used + layout.record];
+                layout.remember(record, c.part, &c.surface, c.centre, history);
+                used += layout.record;
+            }
+        }
+        histories[0] = ((used - 1) / layout.record) as f64;
+        if used < used_before {
+            histories[used..used_before].fill(0.0);
+        }
+    }
+}
+
+/// The particles of which something is remembered.
+#[derive(Debug, Default)]
+pub(super) struct WithHistories {
+    all: Vec<usize>,
+    before: Vec<usize>,
+    /// Whether these are they; where not, all particles are looked at.
+    are_known: bool,
+}
+
+impl WithHistories {
+    /// Somebody else may have written histories, or moved them.
+    pub(super) fn forget(&mut self) {
+        self.are_known = false;
     }
 }

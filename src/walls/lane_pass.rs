@@ -118,8 +118,7 @@ pub fn compute_wall_in_lanes(
         load: &mut load,
     });
     pass.take_others(wall, input, output, tallies, &mut load);
-    wall.found
-        .remember(output.histories, output.acts_on, &pass.written);
+    wall.remember(output, &pass.written);
     wall.lone = pass;
     let motion = input.motion;
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);

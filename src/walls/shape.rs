@@ -2,6 +2,7 @@
 //! What a shape of a wall is, and what describes one.
 
 use super::cone_in_lanes::ConeSide;
+use super::motion::Motion;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::Extent;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
@@ -53,6 +54,74 @@ impl Block {
             high: Vector3::from_array(high),
             radius,
             finite: f64::is_finite(sum),
+        }
+    }
+
+    /// Of particles with these centres in the world, none with a radius greater than this one.
+    pub(super) fn of_centres(centres: &[[f64; 3]], radius: f64) -> Self {
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        // Four centres at a time, number by number: the loop then needs no lanes of its own.
+        let (mut low, mut high) = ([f64::INFINITY; 12], [f64::NEG_INFINITY; 12]);
+        let mut sums = [0.0; 12];
+        let (fours, rest) = centres.as_chunks::<4>();
+        for four in fours {
+            let numbers = four.as_flattened();
+            for k in 0..12 {
+                low[k] = less(numbers[k], low[k]);
+                high[k] = more(numbers[k], high[k]);
+                sums[k] += numbers[k];
+            }
+        }
+        for centre in rest {
+            for k in 0..3 {
+                low[k] = less(centre[k], low[k]);
+                high[k] = more(centre[k], high[k]);
+                sums[k] += centre[k];
+            }
+        }
+        for four in 1..4 {
+            for k in 0..3 {
+                low[k] = less(low[3 * four + k], low[k]);
+                high[k] = more(high[3 * four + k], high[k]);
+            }
+        }
+        let sum = sums.iter().sum::<f64>() + radius;
+        Block {
+            low: Vector3::new(low[0], low[1], low[2]),
+            high: Vector3::new(high[0], high[1], high[2]),
+            radius,
+            finite: f64::is_finite(sum),
+        }
+    }
+
+    /// A block in the world in the frame of a wall: a box about it.
+    pub(super) fn seen_from_wall(&self, motion: &Motion) -> Self {
+        let Some([x, y, z]) = motion.axes else {
+            return Block {
+                low: self.low - motion.displacement,
+                high: self.high - motion.displacement,
+                ..*self
+            };
+        };
+        let (centre, half) = (motion.point_to_wall(self.centre()), self.half_edges());
+        let spread = |a: Vector3| a.x.abs() * half.x + a.y.abs() * half.y + a.z.abs() * half.z;
+        let half = Vector3::new(spread(x), spread(y), spread(z));
+        Block {
+            low: centre - half,
+            high: centre + half,
+            ..*self
+        }
+    }
+
+    /// The largest radius; less than 0 for a block without particles, NaN for one in which a number is not finite.
+    pub(super) fn radius_or_none(&self) -> f64 {
+        if self.can_be_asked() {
+            self.radius
+        } else if self.finite {
+            -1.0
+        } else {
+            f64::NAN
         }
     }
 

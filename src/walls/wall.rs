@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::contacts::{Contacts, Places, Source};
+use super::compute::WallOutput;
+use super::contacts::{Contacts, Places, Source, WithHistories};
 use super::histories::{WallHistoryLayout, WrongHistory};
 use super::lent_triangles::LentTriangles;
 use super::lone_contacts::LoneContacts;
@@ -21,6 +22,12 @@ pub struct Wall {
     pub(super) lent: Option<LentTriangles>,
     /// Particles that may touch.
     pub(super) near: Vec<usize>,
+    /// How many particles the last search was given, and the largest radius of each block of them: less than 0 where none took part, NaN
+    /// where the block has to be looked at, as one in which a particle was near.
+    searched: usize,
+    radii: Vec<f64>,
+    /// The particles of which something is remembered, as far as that is known.
+    pub(super) with_histories: WithHistories,
     /// The contacts that were found last.
     pub(super) found: Contacts,
     /// Of walls whose contacts are taken in lanes.
@@ -137,13 +144,62 @@ impl Wall {
         particles: usize,
         of: impl Fn(usize) -> Option<(Vector3, f64)>,
     ) -> &[usize] {
+        self.with_histories.forget();
+        self.radii.clear();
+        self.radii.resize(particles.div_ceil(BLOCK), 0.0);
+        self.find_in_blocks(motion, particles, None, of)
+    }
+
+    /// The same where the particles and their order are those of the last search, with the same semi-axes, the same ones take part, and
+    /// nobody else has written their histories: particles far from the wall are passed over by their centres alone. Where their number is
+    /// another one it is a search like the first.
+    pub fn find_near_again(
+        &mut self,
+        motion: &Motion,
+        positions: &[[f64; 3]],
+        of: impl Fn(usize) -> Option<(Vector3, f64)>,
+    ) -> &[usize] {
+        let particles = positions.len();
+        if self.searched != particles {
+            return self.find_near(motion, particles, of);
+        }
+        self.find_in_blocks(motion, particles, Some(positions), of)
+    }
+
+    /// Whether particles with these centres, none with a radius greater than this one, are far from all parts; false for NaN.
+    fn is_far(&self, motion: &Motion, centres: &[[f64; 3]], radius: f64) -> bool {
+        if radius.is_nan() {
+            return false;
+        }
+        let block = Block::of_centres(centres, radius).seen_from_wall(motion);
+        block.can_be_asked() && !self.shapes().any(|shape| shape.may_touch_block(&block))
+    }
+
+    fn find_in_blocks(
+        &mut self,
+        motion: &Motion,
+        particles: usize,
+        known: Option<&[[f64; 3]]>,
+        of: impl Fn(usize) -> Option<(Vector3, f64)>,
+    ) -> &[usize] {
+        self.searched = particles;
         let mut near = core::mem::take(&mut self.near);
-        near.resize(particles, 0);
+        // What stands there is overwritten.
+        if near.len() < particles {
+            near.resize(particles, 0);
+        }
         let mut found = 0;
         let (mut balls, mut marks) = ([Ball::default(); BLOCK], [false; BLOCK]);
         for first in (0..particles).step_by(BLOCK) {
+            let end = particles.min(first + BLOCK);
+            if let Some(positions) = known {
+                let radius = self.radii[first / BLOCK];
+                if radius < 0.0 || self.is_far(motion, &positions[first..end], radius) {
+                    continue;
+                }
+            }
             let mut count = 0;
-            for particle in first..particles.min(first + BLOCK) {
+            for particle in first..end {
                 if let Some((centre, radius)) = of(particle) {
                     let centre = motion.point_to_wall(centre);
                     balls[count] = Ball {
@@ -156,6 +212,8 @@ impl Wall {
             }
             let (balls, marks) = (&balls[..count], &mut marks[..count]);
             let block = Block::of(balls);
+            self.radii[first / BLOCK] = block.radius_or_none();
+            let before = found;
             let mut is_far = true;
             let lent = self.lent.iter_mut().map(|l| l as &mut dyn Shape);
             for shape in self
@@ -180,6 +238,10 @@ impl Wall {
                 // Without a branch, which would often be mispredicted
                 near[found] = ball.particle;
                 found += usize::from(*mark);
+            }
+            if found > before {
+                // So it will be in the next steps, too.
+                self.radii[first / BLOCK] = f64::NAN;
             }
         }
         near.truncate(found);
@@ -243,6 +305,13 @@ impl Wall {
             found.add(from, places, i, (particle, near), histories);
         }
         self.found = found;
+    }
+
+    /// Writes what is remembered of the contacts that were found, but for those of the particles `written`, in ascending order.
+    pub(super) fn remember(&mut self, output: &mut WallOutput<'_>, written: &[usize]) {
+        let with_histories = &mut self.with_histories;
+        self.found
+            .remember_others(output.histories, output.acts_on, written, with_histories);
     }
 
     /// The contacts that were found last.

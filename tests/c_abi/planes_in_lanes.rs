@@ -39,6 +39,9 @@ struct Way {
     workspace: WorkspaceHandle,
     histories: Vec<f64>,
     tallies: EllgranTallies,
+    /// Whether the call is told that the particles are those of the call before.
+    tells_unchanged: bool,
+    steps: usize,
 }
 
 impl Way {
@@ -50,6 +53,8 @@ impl Way {
             wall,
             workspace: WorkspaceHandle::new(),
             tallies: no_tallies(),
+            tells_unchanged: !one_by_one,
+            steps: 0,
         }
     }
 
@@ -60,7 +65,10 @@ impl Way {
         scene: &mut Scene,
         motion: &EllgranWallMotion,
     ) -> Vec<(&'static str, Vec<f64>)> {
-        let particles = scene.particles();
+        let mut particles = scene.particles();
+        // Shapes change after the first step.
+        particles.unchanged = (self.tells_unchanged && self.steps > 1).into();
+        self.steps += 1;
         let mut load = NO_LOAD;
         let t = &mut self.tallies;
         unsafe {

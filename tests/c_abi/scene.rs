@@ -425,6 +425,7 @@ impl Arrays {
                 assert_eq!(self.velocity_changes.len(), self.positions.len());
                 self.velocity_changes.as_ptr().cast()
             },
+            unchanged: 0,
         }
     }
 }

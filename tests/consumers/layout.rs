@@ -108,7 +108,7 @@ fn claims() -> Claims {
         EllgranParticles {
             size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
-            identifier_bytes, forces, torques, velocity_changes,
+            identifier_bytes, forces, torques, velocity_changes, unchanged,
         }
         EllgranWallSurface {
             size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,

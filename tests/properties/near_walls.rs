@@ -4,7 +4,7 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, Vector};
-use crate::walls_in_lanes::surfaces;
+use crate::walls_in_lanes::{motions, surfaces};
 use ellgran::contact::{prepare_body, Laws, Particle, Step};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
@@ -94,6 +94,46 @@ fn blocks_find_what_single_particles_find() {
         println!("{name}: {found} of {all} particles may touch");
         assert!(0 < found && found < all, "{name}: {found} of {all}");
     }
+}
+
+/// Where particles are the same ones that have moved on, blocks of them are passed over by their centres: the same are found, also those
+/// whose centres are not finite.
+#[test]
+fn particles_that_have_moved_are_found_again() {
+    let mut stream = Stream::new(20132);
+    let mut passed_over = 0;
+    for ((name, mut wall), (_, mut other)) in surfaces().into_iter().zip(surfaces()) {
+        for mut motion in motions() {
+            let mut particles = particles(&mut stream, 64);
+            let largest = |a: &[f64; 3]| a.iter().copied().fold(0.0, f64::max);
+            for round in 0..6 {
+                let of = |k: usize| {
+                    let (centre, semi_axes) = &particles[k];
+                    // One block of which none takes part.
+                    let place = Vector3::from_array(*centre);
+                    (k / 64 != 2).then(|| (place, largest(semi_axes)))
+                };
+                let positions: Vec<[f64; 3]> = particles.iter().map(|p| p.0).collect();
+                let asked = core::cell::Cell::new(0);
+                let again = wall.find_near_again(&motion, &positions, |k| {
+                    asked.set(asked.get() + 1);
+                    of(k)
+                });
+                let expected = other.find_near(&motion, PARTICLES, of);
+                assert_eq!(again, expected, "{name}, round {round}");
+                passed_over += PARTICLES - asked.get();
+                for (k, (centre, _)) in particles.iter_mut().enumerate() {
+                    *centre = centre.map(|x| x + stream.uniform(-0.3, 0.3));
+                    if round == 4 && k == 100 {
+                        *centre = [0.0, f64::NAN, 0.0];
+                    }
+                }
+                motion.displacement = motion.displacement + motion.velocity * 0.5;
+            }
+        }
+    }
+    println!("{passed_over} particles passed over");
+    assert!(passed_over > 5 * PARTICLES);
 }
 
 /// A particle whose numbers are not finite is near every wall, so that it is refused and not forgotten, wherever the others of its
