@@ -21,9 +21,12 @@ pub struct ConeSide {
     pub side: Side,
 }
 
+/// By how much of the largest semi-axis a body may be apart that is taken for touching; more than rounding at any aspect ratio.
+const MARGIN: f64 = 1e-9;
+
 /// What the lanes find.
 pub(super) struct TouchedInLanes<S: Registers> {
-    /// Lanes that touch, in one place.
+    /// Lanes that touch, in one place, or are apart by rounding.
     pub touching: S::Mask,
     /// Lanes that may touch, and are to be searched one by one.
     pub unsure: S::Mask,
@@ -51,6 +54,7 @@ impl ConeSide {
         }
     }
 
+    /// Where bodies with these centres touch it, all in the frame of the world.
     #[inline(always)]
     pub(super) fn touch<S: Registers, B: ConvexBody<Lanes<S>>>(
         &self,
@@ -117,7 +121,9 @@ impl ConeSide {
         let u = directions.u * cos + directions.v * sin;
         let (c, s) = cone.normal_components();
         let (c, s) = (one.constant(c), one.constant(s));
-        let touching = registers.and(height.less(support), on_surface);
+        // The law finds out which do: the square from which this support comes has lost digits.
+        let touching = height.less(largest.multiply_add(one.constant(MARGIN), support));
+        let touching = registers.and(touching, on_surface);
         TouchedInLanes {
             touching: registers.and_not(touching, unsound),
             unsure: registers.and(near, unsound),

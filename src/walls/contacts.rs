@@ -300,6 +300,9 @@ impl Contacts {
             before,
             are_known,
         } = with_histories;
+        if *are_known && self.all.is_empty() && with == written {
+            return;
+        }
         core::mem::swap(with, before);
         with.clear();
         with.extend_from_slice(written);

@@ -290,16 +290,19 @@ impl<'i> AddForces<'_, 'i, '_> {
 impl Stage for AddForces<'_, '_, '_> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
-        match self.input.near.shapes {
-            Shapes::Ellipsoids => self.add::<S, Ellipsoids>(registers),
-            _ => self.add::<S, Spheroids>(registers),
+        // Planes that do not turn are the simplest and the most frequent surface: they have a kernel of their own.
+        match (self.input.near.shapes, self.lone.planes.is_empty()) {
+            (Shapes::Ellipsoids, true) => self.add::<S, Ellipsoids, true>(registers),
+            (Shapes::Ellipsoids, false) => self.add::<S, Ellipsoids, false>(registers),
+            (_, true) => self.add::<S, Spheroids, true>(registers),
+            (_, false) => self.add::<S, Spheroids, false>(registers),
         }
     }
 }
 
 impl AddForces<'_, '_, '_> {
     #[inline(always)]
-    fn add<S: Registers, K: Kind>(mut self, registers: S) {
+    fn add<S: Registers, K: Kind, const SURFACES: bool>(mut self, registers: S) {
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
         let mut sums = Sums {
@@ -312,13 +315,14 @@ impl AddForces<'_, '_, '_> {
             forces: [null; 2],
             torques: [null; 2],
         };
-        let axes = self.input.motion.axes.map(|[x, y, z]| {
-            Axes([
+        let axes = match self.input.motion.axes {
+            Some([x, y, z]) if SURFACES => Some(Axes([
                 splat(registers, x),
                 splat(registers, y),
                 splat(registers, z),
-            ])
-        });
+            ])),
+            _ => None,
+        };
         let mut numbers = Numbers::default();
         let mut lines = [[Line::ZERO; MOST_LANES]; 4];
         let one_law = self.input.laws.types() == 1;
@@ -344,7 +348,7 @@ impl AddForces<'_, '_, '_> {
                 count += 1;
             }
             let only = all_the_same.then_some(law);
-            self.batch::<S, K>(
+            self.batch::<S, K, SURFACES>(
                 registers,
                 first..first + count,
                 &laws,
@@ -362,7 +366,7 @@ impl AddForces<'_, '_, '_> {
 impl AddForces<'_, '_, '_> {
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    fn batch<S: Registers, K: Kind>(
+    fn batch<S: Registers, K: Kind, const SURFACES: bool>(
         &mut self,
         registers: S,
         range: Range<usize>,
@@ -377,12 +381,15 @@ impl AddForces<'_, '_, '_> {
         let lone = &*self.lone;
         let batch = &lone.contacts[range.clone()];
         let last = lone.last.get(range.clone()).unwrap_or(&[]);
-        let surfaces = lone.surfaces.get(range.clone()).unwrap_or(&[]);
+        let surfaces = if SURFACES {
+            &lone.surfaces[range.clone()]
+        } else {
+            &[]
+        };
         let mut of_lanes = [&near.records[batch[0].near as usize]; MOST_LANES];
         let mut lasts = [&Line::ZERO; MOST_LANES];
         let mut at_surfaces = [[&Line::ZERO; MOST_LANES]; 2];
-        let with_surfaces = !surfaces.is_empty();
-        let one_side = lone.planes.len() == 1 && !lone.planes[0].both_sides;
+        let one_side = !SURFACES && lone.planes.len() == 1 && !lone.planes[0].both_sides;
         let with_loads = self.touching_loads.is_some();
         let masses = input.masses.filter(|_| with_loads);
         let mut turns = false;
@@ -395,7 +402,8 @@ impl AddForces<'_, '_, '_> {
             if let Some(line) = last.get(index) {
                 lasts[lane] = line;
             }
-            if let Some([a, b]) = surfaces.get(index) {
+            if SURFACES {
+                let [a, b] = &surfaces[index];
                 at_surfaces[0][lane] = a;
                 at_surfaces[1][lane] = b;
                 turns |= contact.turns;
@@ -416,7 +424,7 @@ impl AddForces<'_, '_, '_> {
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
         let mut direction = null;
-        let (outwards, height) = if with_surfaces {
+        let (outwards, height) = if SURFACES {
             let a = Lanes::all(registers, registers.columns(&at_surfaces[0]));
             direction = Vector3::new(a[4], a[5], a[6]);
             (Vector3::new(a[0], a[1], a[2]), a[3])
@@ -461,10 +469,11 @@ impl AddForces<'_, '_, '_> {
             omega: side.omega,
             change,
         };
-        let seen = if input.motion.angular_velocity == Vector3::ZERO {
-            seen
-        } else {
+        let spins = SURFACES && input.motion.angular_velocity != Vector3::ZERO;
+        let seen = if spins {
             seen.turning(registers, input.motion, input.step, from_centre)
+        } else {
+            seen
         };
         let placed = PlacedAtSurface::new(
             registers,
@@ -482,7 +491,7 @@ impl AddForces<'_, '_, '_> {
         let continued = zero.less(l[7]);
         let mut normal = Vector3::new(l[0], l[1], l[2]);
         let mut memory = Vector3::new(l[3], l[4], l[5]);
-        if let Some(axes) = axes {
+        if let (true, Some(axes)) = (SURFACES, axes) {
             normal = axes.to_world(normal);
             memory = axes.to_world(memory);
         }
@@ -499,7 +508,7 @@ impl AddForces<'_, '_, '_> {
         };
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
-        let ForcesAtSurface { forces: f, hard } = if turns {
+        let ForcesAtSurface { forces: f, hard } = if SURFACES && turns {
             let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
             let wall = CurvedWall {
                 direction,
@@ -529,12 +538,12 @@ impl AddForces<'_, '_, '_> {
         sums.add_load(mask, &f, from_centre);
         if self.tallies.is_some() {
             sums.add_energies(mask, &f);
-            if with_loads && input.motion.angular_velocity != Vector3::ZERO {
+            if with_loads && spins {
                 sums.add_torques(mask, &f, from_centre);
             }
         }
         let (mut point, mut memory) = (placed.point(), f.memory);
-        if let Some(axes) = axes {
+        if let (true, Some(axes)) = (SURFACES, axes) {
             point = axes.to_wall(point);
             memory = axes.to_wall(memory);
         }

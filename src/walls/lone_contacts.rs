@@ -38,7 +38,7 @@ pub(super) type SurfaceLines = [Line; 2];
 /// What the particles of a call do with a wall. The memory is kept from call to call.
 #[derive(Debug, Default)]
 pub(super) struct LoneContacts {
-    /// The planes of a wall that has no other parts and has not turned, where they are; else empty.
+    /// The planes of a wall that has no other parts and neither turns nor has turned, where they are; else empty.
     pub(super) planes: Vec<WholePlane>,
     pub(super) contacts: Vec<LoneContact>,
     /// The surface of each contact; empty where all are planes.
@@ -109,7 +109,8 @@ impl LoneContacts {
                 surfaces: [[Line::ZERO; MOST_LANES]; 2],
             });
         }
-        if self.planes.len() < self.parts.len() || motion.axes.is_some() {
+        let turns = motion.axes.is_some() || motion.angular_velocity != Vector3::ZERO;
+        if self.planes.len() < self.parts.len() || turns {
             self.planes.clear();
         }
         if self.parts.iter().all(|part| part.shape.is_none()) {
@@ -201,9 +202,8 @@ impl LoneContacts {
         };
         let parts = self.parts.len();
         self.last.reserve(self.contacts.len());
-        let mut kept = 0;
-        for index in 0..self.contacts.len() {
-            let contact = self.contacts[index];
+        let mut handed_over = 0;
+        for (index, contact) in self.contacts.iter().enumerate() {
             let particle = near[contact.near as usize];
             let row = &histories[particle * length..(particle + 1) * length];
             let mut line = Line::ZERO;
@@ -214,36 +214,35 @@ impl LoneContacts {
                 let own = (part + 1) as f64;
                 let record = &row[1..1 + layout.record];
                 let known = row[0] == 1.0 && record[0] == own;
-                let (normal, history) = layout.parts_of(record);
-                let mut found = Some((normal, history));
+                let (mut normal, mut history) = layout.parts_of(record);
                 if !(known && is_sound(normal, inwards, &history[memory..])) {
                     layout.check(particle, histories, parts, Some(of_laws))?;
                     if row[0] > 1.0 && !self.surfaces.is_empty() {
                         // Of several contacts with one part the nearest is meant.
-                        self.others.push(contact.near);
+                        line.0[7] = HANDED_OVER;
+                        handed_over += 1;
+                        self.last.push(line);
                         continue;
                     }
-                    found = layout.record_of(row, part, inwards);
-                }
-                if let Some((mut normal, history)) = found {
+                    match layout.record_of(row, part, inwards) {
+                        Some(found) => (normal, history) = found,
+                        None => {
+                            self.last.push(line);
+                            continue;
+                        }
+                    }
                     if !normal.is_unit() {
                         normal = inwards;
                     }
-                    let energy = of_laws.energy.map_or(0.0, |at| history[at]);
-                    let m = &history[memory..memory + 3];
-                    line = Line([normal.x, normal.y, normal.z, m[0], m[1], m[2], energy, 1.0]);
                 }
+                let energy = of_laws.energy.map_or(0.0, |at| history[at]);
+                let m = &history[memory..memory + 3];
+                line = Line([normal.x, normal.y, normal.z, m[0], m[1], m[2], energy, 1.0]);
             }
             self.last.push(line);
-            if kept < index {
-                self.contacts[kept] = contact;
-                self.surfaces[kept] = self.surfaces[index];
-            }
-            kept += 1;
         }
-        self.contacts.truncate(kept);
-        if !self.surfaces.is_empty() {
-            self.surfaces.truncate(kept);
+        if handed_over > 0 {
+            self.hand_over();
         }
         for other in &self.others {
             let particle = near[*other as usize];
@@ -252,6 +251,29 @@ impl LoneContacts {
         Ok(())
     }
 }
+
+impl LoneContacts {
+    /// Takes the marked contacts out.
+    fn hand_over(&mut self) {
+        let mut kept = 0;
+        for index in 0..self.contacts.len() {
+            if self.last[index].0[7] == HANDED_OVER {
+                self.others.push(self.contacts[index].near);
+                continue;
+            }
+            self.contacts[kept] = self.contacts[index];
+            self.surfaces[kept] = self.surfaces[index];
+            self.last[kept] = self.last[index];
+            kept += 1;
+        }
+        self.contacts.truncate(kept);
+        self.surfaces.truncate(kept);
+        self.last.truncate(kept);
+    }
+}
+
+/// Marks, in the place of the number that says whether a contact goes on, one that lanes do not take.
+const HANDED_OVER: f64 = 2.0;
 
 /// Whether a normal of the last step and the history after it are what a call has written; where not, they may be that all the same.
 fn is_sound(last: Vector3, normal: Vector3, history: &[f64]) -> bool {

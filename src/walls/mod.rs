@@ -3,8 +3,8 @@
 //!
 //! A shape finds the places where an ellipsoid touches it ([`Shape`], one file each, named in the table `SHAPES`); all
 //! else is common: the wall's frame and its motion (`motion.rs`), what is remembered of a contact from step to step
-//! (`histories.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies (`compute.rs`), unless an
-//! engine's own contact model computes these.
+//! (`histories.rs`), the contacts of all particles (`contacts.rs`), and their force, torque and energies, unless an engine's own contact
+//! model computes these: in lanes (`lane_pass.rs`) or contact by contact (`compute.rs`).
 
 mod compute;
 mod cone;
