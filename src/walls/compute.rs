@@ -143,7 +143,7 @@ pub fn compute_wall(
     }
     let mut load = WallLoad::default();
     add_forces_of_found(wall, input, output, tallies, &mut load);
-    wall.remember(output, &[]);
+    wall.remember(output.histories, output.acts_on, &[]);
     let motion = input.motion;
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)

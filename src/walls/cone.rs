@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cylinders and cones as walls, with their ends.
 
-use super::cone_in_lanes::ConeSide;
 use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
 use super::shape::{
-    Ball, Block, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
+    Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
 };
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;

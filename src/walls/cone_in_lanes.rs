@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Grains within a cylinder or a cone, in lanes: where the depth of each has one maximum (`geometry/cone.rs`), and it touches.
 
-use super::lone_contacts::splat;
 use super::motion::Motion;
-use super::shape::Side;
+use super::shape::{ConeSide, Side};
+use super::vectors_in_lanes::splat;
 use crate::geometry::cone::{Cone, DepthInCone, LONGEST_STEP, MOST_STEPS, SHORTEST_STEP};
 use crate::geometry::ConvexBody;
 use crate::real::Real;
 use crate::simd::{Lanes, Registers};
 use crate::vector::{Tangent, Vector3};
-
-/// A cylinder or a cone between two planes across its axis, without its ends.
-#[derive(Clone, Copy, Debug)]
-pub struct ConeSide {
-    /// The surface.
-    pub cone: Cone,
-    /// Where it begins and ends along the axis, from the cone's point.
-    pub bounds: [f64; 2],
-    /// Where the particles are.
-    pub side: Side,
-}
 
 /// By how much of the largest semi-axis a body may be apart that is taken for touching; more than rounding at any aspect ratio.
 const MARGIN: f64 = 1e-9;

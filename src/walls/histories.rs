@@ -67,7 +67,8 @@ impl WallHistoryLayout {
     /// Doubles of a particle's histories that are in use; the rest need not be kept or carried. 0 where nothing is remembered.
     pub fn used(&self, histories: &[f64]) -> usize {
         match histories.first() {
-            Some(count) if *count > 0.0 => (1 + *count as usize * self.record).min(self.length()),
+            // A count that no call has written may be any number.
+            Some(count) if *count > 0.0 => 1 + (*count as usize).min(self.records) * self.record,
             _ => 0,
         }
     }

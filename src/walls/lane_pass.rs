@@ -8,9 +8,10 @@
 use super::compute::{add_forces_of_found, works_in_lanes, WallError, WallInput, WallOutput};
 use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
-use super::lone_contacts::{self, splat, LoneContact, LoneContacts};
+use super::lone_contacts::{self, LoneContact, LoneContacts};
 use super::motion::Motion;
 use super::touching_loads::TouchingLoads;
+use super::vectors_in_lanes::splat;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
 use crate::contact::particle::response_to_torque;
@@ -118,7 +119,7 @@ pub fn compute_wall_in_lanes(
         load: &mut load,
     });
     pass.take_others(wall, input, output, tallies, &mut load);
-    wall.remember(output, &pass.written);
+    wall.remember(output.histories, output.acts_on, &pass.written);
     wall.lone = pass;
     let motion = input.motion;
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);

@@ -7,6 +7,7 @@ use super::contacts::{touch_shapes, Searched};
 use super::histories::{WallHistoryLayout, WrongHistory};
 use super::motion::Motion;
 use super::shape::{Ball, Grain, Search, Shape, ShapeInLanes, WholePlane};
+use super::vectors_in_lanes::splat;
 use crate::contact::particle::Particle;
 use crate::contact::ranges::LARGEST_DISPLACEMENT;
 use crate::contact::staged::WallSurface;
@@ -344,16 +345,6 @@ impl WholePlane {
         };
         (registers.bits(height.less(support)), behind, height)
     }
-}
-
-/// A vector that is the same in every lane.
-#[inline(always)]
-pub(super) fn splat<S: Registers>(registers: S, v: Vector3) -> Vector3<Lanes<S>> {
-    Vector3::new(
-        Lanes::splat(registers, v.x),
-        Lanes::splat(registers, v.y),
-        Lanes::splat(registers, v.z),
-    )
 }
 
 /// See [`LoneContacts::find`].

@@ -27,10 +27,10 @@ mod step_sums;
 pub mod stl;
 mod touching_loads;
 mod triangle_file;
+mod vectors_in_lanes;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};
-pub use cone_in_lanes::ConeSide;
 pub use contacts::{Contacts, FoundContact, Frame, Places, StagedInWorld};
 pub use histories::{WallHistoryLayout, WrongHistory};
 pub use lane_pass::{compute_wall_in_lanes, RecordsInput};
@@ -40,7 +40,8 @@ pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
 pub use servo::{Servo, ServoLoad};
 pub use shape::{
-    Ball, Block, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side, WholePlane,
+    Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
+    WholePlane,
 };
 pub use step_sums::WallMasses;
 pub use touching_loads::TouchingLoad;

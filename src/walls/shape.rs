@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a shape of a wall is, and what describes one.
 
-use super::cone_in_lanes::ConeSide;
 use super::motion::Motion;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::Extent;
+use crate::geometry::cone::Cone;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
@@ -245,6 +245,17 @@ pub struct Search {
     pub near: Vec<u32>,
     /// Their corners.
     pub corners: Vec<Triangle>,
+}
+
+/// A cylinder or a cone between two planes across its axis, without its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct ConeSide {
+    /// The surface.
+    pub cone: Cone,
+    /// Where it begins and ends along the axis, from the cone's point.
+    pub bounds: [f64; 2],
+    /// Where the particles are.
+    pub side: Side,
 }
 
 /// On which side of a surface the particles are.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rigid wall: its parts, and the memory that its calls keep.
 
-use super::compute::WallOutput;
 use super::contacts::{Contacts, Places, Source, WithHistories};
 use super::histories::{WallHistoryLayout, WrongHistory};
 use super::lent_triangles::LentTriangles;
@@ -308,10 +307,15 @@ impl Wall {
     }
 
     /// Writes what is remembered of the contacts that were found, but for those of the particles `written`, in ascending order.
-    pub(super) fn remember(&mut self, output: &mut WallOutput<'_>, written: &[usize]) {
+    pub(super) fn remember(
+        &mut self,
+        histories: &mut [f64],
+        acts_on: &dyn Fn(usize) -> bool,
+        written: &[usize],
+    ) {
         let with_histories = &mut self.with_histories;
         self.found
-            .remember_others(output.histories, output.acts_on, written, with_histories);
+            .remember_others(histories, acts_on, written, with_histories);
     }
 
     /// The contacts that were found last.
