@@ -8,7 +8,7 @@
 use super::compute::{add_forces_of_found, works_in_lanes, WallError, WallInput, WallOutput};
 use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
-use super::lone_contacts::{self, LoneContact, LoneContacts};
+use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
 use super::motion::Motion;
 use super::touching_loads::TouchingLoads;
 use super::vectors_in_lanes::splat;
@@ -87,7 +87,7 @@ pub fn compute_wall_in_lanes(
     let of_laws = input.laws.layout();
     wall.start_call();
     let mut pass = core::mem::take(&mut wall.lone);
-    let places = lone_contacts::Places {
+    let places = SearchInput {
         near: input.near,
         indices: &wall.near,
         motion: input.motion,

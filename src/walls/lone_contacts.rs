@@ -74,7 +74,7 @@ struct PartInLanes {
 }
 
 /// What the search is given.
-pub(super) struct Places<'a> {
+pub(super) struct SearchInput<'a> {
     /// The particles that may touch, and their indices.
     pub(super) near: ParticleRecords<'a>,
     pub(super) indices: &'a [usize],
@@ -87,7 +87,7 @@ impl LoneContacts {
     pub(super) fn find<'s>(
         &mut self,
         shapes: impl Iterator<Item = &'s dyn Shape> + Clone,
-        places: &Places<'_>,
+        places: &SearchInput<'_>,
         instruction_set: InstructionSet,
     ) {
         let motion = places.motion;
@@ -132,7 +132,7 @@ impl LoneContacts {
     fn search_one<'s>(
         &mut self,
         shapes: impl Iterator<Item = &'s dyn Shape>,
-        places: &Places<'_>,
+        places: &SearchInput<'_>,
         near: usize,
     ) {
         let particle = places.near.particle(near);
@@ -350,7 +350,7 @@ impl WholePlane {
 /// See [`LoneContacts::find`].
 struct Find<'p, 'a, I> {
     shapes: I,
-    places: &'p Places<'a>,
+    places: &'p SearchInput<'a>,
     contacts: &'p mut LoneContacts,
 }
 

@@ -4,7 +4,9 @@
 
 use crate::support::random::Stream;
 use crate::support::scene::{laws, quaternion};
-use crate::walls_in_lanes::{corner, motions, random_body, random_change, surfaces, touching};
+use crate::walls_in_lanes::{
+    assert_same, corner, motions, random_body, random_change, surfaces, touching, Groups,
+};
 use ellgran::contact::{prepare_body, Body, Laws, Step};
 use ellgran::list::{ParticleArrays, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
@@ -19,8 +21,6 @@ const STEP: Step = Step {
     time_step: 1e-3,
     advance_history: true,
 };
-/// By which share of the largest number of its kind a result may be off.
-const TOLERANCE: f64 = 1e-11;
 
 /// What engines hold of grains.
 #[derive(Default)]
@@ -38,7 +38,7 @@ struct Scene {
 
 /// What a scene came to: numbers in groups of one kind, and how many contacts there were.
 struct Outcome {
-    groups: Vec<(&'static str, Vec<f64>)>,
+    groups: Groups,
     contacts: usize,
     /// Particles with more than one contact.
     several: usize,
@@ -221,17 +221,7 @@ impl Scene {
             let all = self.compute(wall, laws, motion, set, true);
             let what = format!("{what}, {}", set.name());
             assert_eq!(all.contacts, one.contacts, "{what}");
-            for ((name, a), (_, b)) in all.groups.iter().zip(&one.groups) {
-                let largest = b.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-                assert_eq!(a.len(), b.len(), "{what}: {name}");
-                for (a, b) in a.iter().zip(b) {
-                    let apart = (a - b).abs();
-                    assert!(
-                        apart <= TOLERANCE * largest,
-                        "{what}: {name} {a:e} and {b:e}"
-                    );
-                }
-            }
+            assert_same(&what, &all.groups, &one.groups);
         }
         [one.contacts, one.several]
     }

@@ -131,9 +131,27 @@ pub fn random_change(stream: &mut Stream) -> MotionChange {
     }
 }
 
+/// Numbers in groups of one kind, each group by its name.
+pub type Groups = Vec<(&'static str, Vec<f64>)>;
+
+/// Holds groups of numbers to the expected ones: to [`TOLERANCE`] of the largest of each group.
+pub fn assert_same(what: &str, found: &Groups, expected: &Groups) {
+    for ((name, a), (_, b)) in found.iter().zip(expected) {
+        let largest = b.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        assert_eq!(a.len(), b.len(), "{what}: {name}");
+        for (a, b) in a.iter().zip(b) {
+            let apart = (a - b).abs();
+            assert!(
+                apart <= TOLERANCE * largest,
+                "{what}: {name} {a:e} and {b:e}"
+            );
+        }
+    }
+}
+
 /// What one instruction set makes of the particles, number by number, in groups of one kind.
 struct Result {
-    groups: Vec<(&'static str, Vec<f64>)>,
+    groups: Groups,
     contacts: usize,
 }
 
@@ -317,17 +335,7 @@ fn every_instruction_set_gives_the_numbers_of_one_contact_at_a_time() {
                     let all = advance(set, &mut wall, laws, motion, &particles);
                     let what = format!("{surface}, {scene}, {}", set.name());
                     assert_eq!(all.contacts, one.contacts, "{what}");
-                    for ((name, a), (_, b)) in all.groups.iter().zip(&one.groups) {
-                        let largest = b.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-                        assert_eq!(a.len(), b.len(), "{what}: {name}");
-                        for (a, b) in a.iter().zip(b) {
-                            let apart = (a - b).abs();
-                            assert!(
-                                apart <= TOLERANCE * largest,
-                                "{what}: {name} {a:e} and {b:e}"
-                            );
-                        }
-                    }
+                    assert_same(&what, &all.groups, &one.groups);
                 }
             }
         }
