@@ -11,6 +11,8 @@ pub mod curvature;
 pub mod ellipsoid;
 #[cfg(feature = "std")]
 pub mod facet_shares;
+#[cfg(feature = "std")]
+pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
 #[cfg(feature = "std")]
 pub(crate) mod interior_point;

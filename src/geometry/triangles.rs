@@ -80,7 +80,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Triangles meet where they are closer than this share of the smallest semi-axis: smaller gaps, steps and slivers are
 /// taken as flaws of the mesh. Above the rounding of single precision (6e-8 of a coordinate) for meshes up to a hundred
 /// times as large as the semi-axis.
-const MEETING: f64 = 1e-5;
+pub(super) const MEETING: f64 = 1e-5;
 
 /// Sine of the angle between two faces below which they are taken as one plane. Corners in single precision, as in binary
 /// STL files, turn the normal of a triangle by more: such faces are folds, at which the shares of both faces make the force
@@ -94,7 +94,7 @@ const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
 /// at which triangles meet: clear of what meets it at its border, and still near.
-const INSIDE: f64 = 100.0;
+pub(super) const INSIDE: f64 = 100.0;
 
 /// Triangles of one plane that are looked at each beside each other, at most.
 const MOST_JOINED: usize = 32;
@@ -104,13 +104,13 @@ const NOTHING: usize = usize::MAX;
 
 /// A triangle that may touch, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
-struct Near {
+pub(crate) struct Near {
     index: usize,
-    corners: Triangle,
+    pub(super) corners: Triangle,
     /// Towards the body's centre.
-    normal: Vector3,
+    pub(super) normal: Vector3,
     /// Distance of the centre from its plane.
-    distance: f64,
+    pub(super) distance: f64,
     /// Another triangle of the same plane, on the way to the one that stands for all that continue one another in it.
     plane: usize,
 }
@@ -219,39 +219,18 @@ impl TriangleSearch {
             if !extent.overlaps(&own) {
                 continue;
             }
-            let sides: [Vector3; 3] = core::array::from_fn(|k| corners[(k + 1) % 3] - corners[k]);
-            // The two shorter sides: of a long triangle the third has lost digits.
-            let lengths = sides.map(|e| e.norm_squared());
-            let longest = (0..3).fold(0, |m, k| if lengths[k] > lengths[m] { k } else { m });
-            let cross = sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]);
-            let square = cross.norm_squared();
-            let height = cross.dot(corners[0]);
-            if height * height > ball * ball * square {
+            let (across, longest) = across(&corners);
+            let height = across.dot(corners[0]);
+            if height * height > ball * ball * across.norm_squared() {
                 continue;
             }
-            let twice_area = square.sqrt();
-            if !(twice_area > meeting * lengths[longest].sqrt() && twice_area.is_finite()) {
+            let Some(unplaced) = Near::with_normal(index, corners, (across, longest), meeting)
+            else {
                 continue;
-            }
-            let mut normal = cross * (1.0 / twice_area);
-            let nearest = (0..3).fold(0, |m, k| {
-                let closer = corners[k].norm_squared() < corners[m].norm_squared();
-                if closer {
-                    k
-                } else {
-                    m
-                }
-            });
-            let mut distance = -normal.dot(corners[nearest]);
-            if distance < 0.0 {
-                (normal, distance) = (-normal, -distance);
-            }
+            };
             let triangle = Near {
-                index,
-                corners,
-                normal,
-                distance,
                 plane: self.near.len(),
+                ..unplaced
             };
             if triangle.has(Vector3::ZERO, ball) {
                 self.near.push(triangle);
@@ -265,7 +244,10 @@ impl TriangleSearch {
     fn lone_face(&self, body: &Ellipsoid, meeting: f64) -> Option<TriangleContact> {
         let (first, others) = self.near.split_first()?;
         let largest = body.bounding_radius();
-        if !others.iter().all(|q| q.is_in_plane_of(first, largest)) {
+        if !others
+            .iter()
+            .all(|q| q.is_in_plane_of(first, largest, SAME_PLANE))
+        {
             return None;
         }
         let contact = |t: &Near, is_lone: &dyn Fn(&Support, Vector3) -> bool| {
@@ -326,7 +308,7 @@ impl TriangleSearch {
         } = self;
         for k in 0..near.len() {
             tree.visit(boxes, &boxes[k].wider(meeting), |other| {
-                if other < k && near[k].is_in_plane_of(&near[other], largest) {
+                if other < k && near[k].is_in_plane_of(&near[other], largest, SAME_PLANE) {
                     let (a, b) = (first_of(near, k), first_of(near, other));
                     near[a.max(b)].plane = a.min(b);
                 }
@@ -673,9 +655,73 @@ impl Candidate {
     }
 }
 
+/// A vector across a triangle, as long as twice its area, and the square of its longest side.
+#[inline(always)]
+fn across(corners: &Triangle) -> (Vector3, f64) {
+    let sides: [Vector3; 3] = core::array::from_fn(|k| corners[(k + 1) % 3] - corners[k]);
+    // The two shorter sides: of a long triangle the third has lost digits.
+    let lengths = sides.map(|e| e.norm_squared());
+    let longest = (0..3).fold(0, |m, k| if lengths[k] > lengths[m] { k } else { m });
+    let across = sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]);
+    (across, lengths[longest])
+}
+
+/// Whether the plane of a triangle comes into a ball; true of one that has no plane.
+pub(crate) fn plane_comes_into(triangle: &Triangle, centre: Vector3, radius: f64) -> bool {
+    let corners = triangle.map(|p| p - centre);
+    let (across, _) = across(&corners);
+    let height = across.dot(corners[0]);
+    !(height * height > radius * radius * across.norm_squared())
+}
+
 impl Near {
+    /// A triangle, seen from `centre`; `None` for one that is narrower than `meeting`, or not finite.
+    pub(super) fn new(
+        index: usize,
+        triangle: &Triangle,
+        centre: Vector3,
+        meeting: f64,
+    ) -> Option<Near> {
+        let corners = triangle.map(|p| p - centre);
+        Near::with_normal(index, corners, across(&corners), meeting)
+    }
+
+    /// The same of corners from the centre, and what [`across`] says of them.
+    #[inline(always)]
+    fn with_normal(
+        index: usize,
+        corners: Triangle,
+        (across, longest): (Vector3, f64),
+        meeting: f64,
+    ) -> Option<Near> {
+        let twice_area = across.norm_squared().sqrt();
+        if !(twice_area > meeting * longest.sqrt() && twice_area.is_finite()) {
+            return None;
+        }
+        let mut normal = across * (1.0 / twice_area);
+        let nearest = (0..3).fold(0, |m, k| {
+            let closer = corners[k].norm_squared() < corners[m].norm_squared();
+            if closer {
+                k
+            } else {
+                m
+            }
+        });
+        let mut distance = -normal.dot(corners[nearest]);
+        if distance < 0.0 {
+            (normal, distance) = (-normal, -distance);
+        }
+        Some(Near {
+            index,
+            corners,
+            normal,
+            distance,
+            plane: 0,
+        })
+    }
+
     /// Whether another triangle has the edge between these two corners of this one too, and lies beyond it.
-    fn is_continued_by(&self, other: &Near, a: Vector3, b: Vector3) -> bool {
+    pub(super) fn is_continued_by(&self, other: &Near, a: Vector3, b: Vector3) -> bool {
         let third = |t: &Near| t.corners.into_iter().find(|p| *p != a && *p != b);
         let across = (b - a).cross(self.normal);
         let side = |p: Vector3| across.dot(p - a);
@@ -688,7 +734,7 @@ impl Near {
     }
 
     /// Whether the triangle passes within `margin` of a point.
-    fn has(&self, p: Vector3, margin: f64) -> bool {
+    pub(super) fn has(&self, p: Vector3, margin: f64) -> bool {
         let tangent = Tangent::new(self.normal);
         let place = self.corners.map(|c| tangent.components(c - p));
         let nearest = combine(&self.corners, nearest_to_origin(place));
@@ -705,9 +751,9 @@ impl Near {
             && self.has(seen * (self.distance / (self.distance + depth)), meeting)
     }
 
-    /// Whether two triangles that meet are of one plane.
-    fn is_in_plane_of(&self, other: &Near, largest: f64) -> bool {
-        (self.normal - other.normal).norm_squared() <= SAME_PLANE * SAME_PLANE
+    /// Whether two triangles that meet are of one plane, up to an angle of this sine.
+    pub(super) fn is_in_plane_of(&self, other: &Near, largest: f64, sine: f64) -> bool {
+        (self.normal - other.normal).norm_squared() <= sine * sine
             && self.corners.iter().any(|p| {
                 let height = other.normal.dot(*p) + other.distance;
                 height.abs() <= 1e-12 * largest

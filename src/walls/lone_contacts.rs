@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which particles touch a wall in one place and no other, and what does each of these contacts go on from? Planes, and cylinders and
-//! cones from within, are searched in lanes, other shapes particle by particle.
+//! Which particles touch a wall in one place and no other, and what does each of these contacts go on from? Planes, places where a mesh is
+//! one, and cylinders and cones from within, are searched in lanes, other shapes particle by particle.
 
 use super::cone_in_lanes::TouchedInLanes;
 use super::contacts::{touch_shapes, Searched};
@@ -12,7 +12,7 @@ use crate::contact::particle::Particle;
 use crate::contact::ranges::LARGEST_DISPLACEMENT;
 use crate::contact::staged::WallSurface;
 use crate::contact::{HistoryLayout, Step};
-use crate::geometry::ConvexBody;
+use crate::geometry::{ConvexBody, Plane};
 use crate::list::shapes::{Ellipsoids, Kind, Side as SideOfPairs, Spheroids};
 use crate::list::{ParticleRecords, Shapes};
 use crate::real::Real;
@@ -80,6 +80,19 @@ pub(super) struct SearchInput<'a> {
     pub(super) indices: &'a [usize],
     pub(super) motion: &'a Motion,
     pub(super) step: &'a Step,
+}
+
+impl SearchInput<'_> {
+    /// The ball that contains a particle, in the frame of the wall.
+    #[inline(always)]
+    fn ball<K: Kind>(&self, near: usize) -> Ball {
+        let record = &self.near.records[near];
+        Ball {
+            particle: self.indices[near],
+            centre: self.motion.point_to_wall(record.position()),
+            radius: K::radius(record),
+        }
+    }
 }
 
 impl LoneContacts {
@@ -313,6 +326,7 @@ impl ShapeInLanes {
                 ..*plane
             }),
             ShapeInLanes::Cone(side) => ShapeInLanes::Cone(side.in_world(motion)),
+            ShapeInLanes::PlaneInPlaces => ShapeInLanes::PlaneInPlaces,
         }
     }
 }
@@ -398,13 +412,26 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
                             put_cone(registers, &touched, motion, &mut part.surfaces);
                         }
                     }
+                    Some(ShapeInLanes::PlaneInPlaces) => {
+                        let mut planes = PlanesOfLanes::none();
+                        for lane in 0..present {
+                            let ball = self.places.ball::<K>(first + lane);
+                            match shape.plane_at(&ball) {
+                                Some(plane) => planes.put(lane, plane, &ball, motion),
+                                None => unsure |= u32::from(shape.may_touch(&ball)) << lane,
+                            }
+                        }
+                        part.touching = 0;
+                        if planes.lanes != 0 {
+                            part.touching = planes.touch::<S, K>(registers, &side);
+                        }
+                        if part.touching != 0 {
+                            planes.put_surfaces(registers, motion, &mut part.surfaces);
+                        }
+                    }
                     None => {
-                        for (lane, record) in of_lanes[..present].iter().enumerate() {
-                            let ball = Ball {
-                                particle: self.places.indices[first + lane],
-                                centre: motion.point_to_wall(record.position()),
-                                radius: K::radius(record),
-                            };
+                        for lane in 0..present {
+                            let ball = self.places.ball::<K>(first + lane);
                             unsure |= u32::from(shape.may_touch(&ball)) << lane;
                         }
                     }
@@ -453,20 +480,109 @@ fn put_plane<S: Registers>(
     (behind, height): (u32, Lanes<S>),
     part: &mut PartInLanes,
 ) {
-    let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let sign = Lanes::select(registers.mask(behind), -one, one);
     let n = splat(registers, plane.normal) * sign;
     let w = splat(registers, motion.to_wall(plane.normal)) * sign;
     let d = splat(registers, Tangent::new(plane.normal).u);
+    put_flat(registers, (n, height, d), w, &mut part.surfaces);
+}
+
+/// Writes flat surfaces: normal, height of the centre above them, and a direction in the frame of the world, and the normal in that of the
+/// wall.
+#[inline(always)]
+fn put_flat<S: Registers>(
+    registers: S,
+    (n, height, d): (Vector3<Lanes<S>>, Lanes<S>, Vector3<Lanes<S>>),
+    w: Vector3<Lanes<S>>,
+    [a, b]: &mut [[Line; MOST_LANES]; 2],
+) {
+    let zero = Lanes::splat(registers, 0.0);
     let infinite = zero.constant(f64::INFINITY);
-    let [a, b] = &mut part.surfaces;
     put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);
     put(
         registers,
         [zero, zero, infinite, infinite, w.x, w.y, w.z, zero],
         b,
     );
+}
+
+/// A vector in the frame of a wall.
+#[inline(always)]
+fn to_wall<S: Registers>(registers: S, motion: &Motion, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
+    match motion.axes {
+        None => v,
+        Some([x, y, z]) => Vector3::new(
+            splat(registers, x).dot(v),
+            splat(registers, y).dot(v),
+            splat(registers, z).dot(v),
+        ),
+    }
+}
+
+/// Planes of which each lane has its own.
+#[repr(C, align(64))]
+struct PlanesOfLanes {
+    /// Normals towards the particles, in the frame of the world, and the heights of the centres.
+    numbers: [[f64; MOST_LANES]; 4],
+    /// Bits of the lanes that have one.
+    lanes: u32,
+}
+
+impl PlanesOfLanes {
+    /// None yet, and numbers that can be computed with.
+    #[inline(always)]
+    fn none() -> Self {
+        let [zero, one] = [0.0, 1.0].map(|x| [x; MOST_LANES]);
+        PlanesOfLanes {
+            numbers: [zero, zero, one, zero],
+            lanes: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, plane: &Plane, ball: &Ball, motion: &Motion) {
+        let height = plane.normal.dot(ball.centre - plane.point);
+        let normal = motion.to_world(plane.normal);
+        let sign = if height < 0.0 { -1.0 } else { 1.0 };
+        let of_lane = [normal.x, normal.y, normal.z, height];
+        for (numbers, number) in self.numbers.iter_mut().zip(of_lane) {
+            numbers[lane] = sign * number;
+        }
+        self.lanes |= 1 << lane;
+    }
+
+    #[inline(always)]
+    fn normal_and_height<S: Registers>(&self, registers: S) -> (Vector3<Lanes<S>>, Lanes<S>) {
+        let [x, y, z, height] = &self.numbers;
+        let normal = Vector3::new(
+            Lanes::load(registers, x),
+            Lanes::load(registers, y),
+            Lanes::load(registers, z),
+        );
+        (normal, Lanes::load(registers, height))
+    }
+
+    /// Lanes that touch theirs.
+    #[inline(always)]
+    fn touch<S: Registers, K: Kind>(&self, registers: S, side: &SideOfPairs<S, K>) -> u32 {
+        let (normal, height) = self.normal_and_height(registers);
+        let (support, _) = side.body.support_in_world(normal);
+        registers.bits(height.less(support)) & self.lanes
+    }
+
+    /// Writes them as the surfaces of the lanes; those of lanes without one are not to be read.
+    #[inline(always)]
+    fn put_surfaces<S: Registers>(
+        &self,
+        registers: S,
+        motion: &Motion,
+        surfaces: &mut [[Line; MOST_LANES]; 2],
+    ) {
+        let (n, height) = self.normal_and_height(registers);
+        let flat = (n, height, Tangent::new(n).u);
+        put_flat(registers, flat, to_wall(registers, motion, n), surfaces);
+    }
 }
 
 /// The same of a cylinder or a cone from within.
@@ -479,14 +595,7 @@ fn put_cone<S: Registers>(
 ) {
     let zero = Lanes::splat(registers, 0.0);
     let (n, d, height) = (touched.outwards, touched.direction, touched.height);
-    let w = match motion.axes {
-        None => n,
-        Some([x, y, z]) => Vector3::new(
-            splat(registers, x).dot(n),
-            splat(registers, y).dot(n),
-            splat(registers, z).dot(n),
-        ),
-    };
+    let w = to_wall(registers, motion, n);
     let radius = -touched.radius;
     let infinite = zero.constant(f64::INFINITY);
     put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A surface of triangles as a wall. A body meets those whose boxes it meets, however many there are.
 
-use super::near_triangles::NearTriangles;
+use super::near_triangles::{NearTriangles, Triangles};
 use super::plane::flat;
-use super::shape::{Ball, Block, Found, Grain, Search, Shape};
+use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
+use crate::geometry::Plane;
 use crate::message::Numbers;
 use crate::vector::Vector3;
 
@@ -154,11 +155,23 @@ impl Shape for Mesh {
             *mark |= self.may_touch(ball) && {
                 let Ball { centre, radius, .. } = *ball;
                 let finite = (centre.x + centre.y + centre.z + radius).is_finite();
-                let ball_of = (centre.to_array(), radius);
-                let mesh = (&self.tree, &self.boxes[..]);
-                !finite || self.near.has_within(ball.particle, ball_of, mesh)
+                let triangles = Triangles {
+                    all: &self.triangles,
+                    boxes: &self.boxes,
+                    tree: &self.tree,
+                };
+                let ball_of = (centre, radius);
+                !finite || self.near.may_reach(ball.particle, ball_of, triangles)
             };
         }
+    }
+
+    fn in_lanes(&self) -> Option<ShapeInLanes> {
+        Some(ShapeInLanes::PlaneInPlaces)
+    }
+
+    fn plane_at(&self, ball: &Ball) -> Option<&Plane> {
+        self.near.plane_at(ball.particle, ball.centre, ball.radius)
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which triangles of a mesh are near each particle? Found once for a place a little larger than the particle needs, and found again when
-//! it has left that place.
+//! it has left that place. Where the surface is nothing but a plane there, that is kept, too.
 //!
 //! What is kept is right for whatever is in the place, so it does not matter whether a particle has the index that it had.
 
 use crate::geometry::box_tree::{BoxTree, Extent};
+use crate::geometry::flat_place::FlatPlace;
+use crate::geometry::triangles::{plane_comes_into, Near, Triangle};
+use crate::geometry::Plane;
+use crate::vector::Vector3;
 
 /// By this share of a particle's radius its place is larger. A larger one is left more seldom, and has more triangles to look at in each
 /// step.
@@ -23,6 +27,16 @@ pub(super) struct NearTriangles {
     triangles: Vec<u32>,
     /// How many of them belong to a place.
     used: usize,
+    /// Memory of the search for planes.
+    memory: Vec<Near>,
+}
+
+/// The triangles of a mesh, in a tree by their boxes.
+#[derive(Clone, Copy)]
+pub(super) struct Triangles<'a> {
+    pub(super) all: &'a [Triangle],
+    pub(super) boxes: &'a [Extent],
+    pub(super) tree: &'a BoxTree,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +44,8 @@ struct Place {
     extent: Extent,
     from: usize,
     count: usize,
+    /// The ball in it in which the mesh is a plane.
+    flat: Option<FlatPlace>,
 }
 
 impl Place {
@@ -41,6 +57,7 @@ impl Place {
         },
         from: 0,
         count: 0,
+        flat: None,
     };
 }
 
@@ -52,27 +69,43 @@ impl NearTriangles {
         inside.then(|| &self.triangles[place.from..place.from + place.count])
     }
 
-    /// Whether the box of a triangle reaches into that of a ball of a finite centre and radius. What is found is kept.
-    pub fn has_within(
+    /// The plane that the mesh is to all that a ball holds, if it is one there and that is known.
+    #[inline(always)]
+    pub fn plane_at(&self, particle: usize, centre: Vector3, radius: f64) -> Option<&Plane> {
+        let flat = self.places.get(particle)?.flat.as_ref()?;
+        flat.has(centre, radius).then_some(&flat.plane)
+    }
+
+    /// Whether triangles may reach into a ball of a finite centre and radius. What is found is kept.
+    pub fn may_reach(
         &mut self,
         particle: usize,
-        (centre, radius): ([f64; 3], f64),
-        (tree, boxes): (&BoxTree, &[Extent]),
+        (centre, radius): (Vector3, f64),
+        triangles: Triangles<'_>,
     ) -> bool {
-        let needed = Extent::about(centre, radius * (1.0 + MARGIN));
-        if self.around(particle, &needed).is_none() {
-            self.find(particle, (centre, radius), (tree, boxes));
+        let reach = radius * (1.0 + MARGIN);
+        if let Some(plane) = self.plane_at(particle, centre, radius) {
+            return plane.normal.dot(centre - plane.point).abs() < reach;
         }
-        let ball = Extent::about(centre, radius);
+        let needed = Extent::about(centre.to_array(), reach);
+        let place = self.places.get(particle);
+        // A plane is worth looking for it again.
+        if place.is_none_or(|p| p.flat.is_some() || !p.extent.contains(&needed)) {
+            self.find(particle, (centre, radius), triangles);
+        }
+        let ball = Extent::about(centre.to_array(), radius);
         let near = self.around(particle, &needed).unwrap_or(&[]);
-        near.iter().any(|t| boxes[*t as usize].overlaps(&ball))
+        near.iter().any(|t| {
+            let t = *t as usize;
+            triangles.boxes[t].overlaps(&ball) && plane_comes_into(&triangles.all[t], centre, reach)
+        })
     }
 
     fn find(
         &mut self,
         particle: usize,
-        (centre, radius): ([f64; 3], f64),
-        (tree, boxes): (&BoxTree, &[Extent]),
+        (centre, radius): (Vector3, f64),
+        triangles: Triangles<'_>,
     ) {
         if self.places.len() <= particle {
             self.places.resize(particle + 1, Place::NONE);
@@ -85,10 +118,10 @@ impl NearTriangles {
         }
         let from = self.triangles.len();
         for spare in [SPARE_WITHOUT, SPARE] {
-            let extent = Extent::about(centre, radius * (1.0 + spare));
+            let extent = Extent::about(centre.to_array(), radius * (1.0 + spare));
             let near = &mut self.triangles;
             near.truncate(from);
-            tree.visit(boxes, &extent, |triangle| {
+            triangles.tree.visit(triangles.boxes, &extent, |triangle| {
                 near.push(triangle as u32);
                 true
             });
@@ -97,13 +130,20 @@ impl NearTriangles {
                 extent,
                 from,
                 count,
+                flat: None,
             };
             if count == 0 {
                 break;
             }
         }
         // In the order of the triangles, whatever the tree is.
-        self.triangles[from..].sort_unstable();
-        self.used += self.places[particle].count;
+        let near = &mut self.triangles[from..];
+        near.sort_unstable();
+        self.used += near.len();
+        if !near.is_empty() {
+            let corners = near.iter().map(|t| triangles.all[*t as usize]);
+            let reach = radius * (1.0 + SPARE);
+            self.places[particle].flat = FlatPlace::find(centre, reach, corners, &mut self.memory);
+        }
     }
 }

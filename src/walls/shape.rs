@@ -6,7 +6,7 @@ use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::Extent;
 use crate::geometry::cone::Cone;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
-use crate::geometry::Ellipsoid;
+use crate::geometry::{Ellipsoid, Plane};
 use crate::vector::Vector3;
 use core::fmt::Debug;
 
@@ -210,6 +210,12 @@ pub trait Shape: Debug + Send + Sync {
         None
     }
 
+    /// The plane that it is to all that touches within a ball, on the side of each body's centre; of a
+    /// [`ShapeInLanes::PlaneInPlaces`] alone.
+    fn plane_at(&self, _: &Ball) -> Option<&Plane> {
+        None
+    }
+
     /// Its triangles; none for a surface that is not made of them, or that an engine lends.
     fn triangles(&self) -> &[Triangle] {
         &[]
@@ -223,6 +229,8 @@ pub enum ShapeInLanes {
     Plane(WholePlane),
     /// A cylinder or a cone.
     Cone(ConeSide),
+    /// To some particles it is a plane ([`Shape::plane_at`]), to others anything.
+    PlaneInPlaces,
 }
 
 /// A plane without an end.

@@ -96,6 +96,8 @@ pub struct RecordedWallContact {
 /// Particles that are looked at together: engines keep neighbours next to each other, so that most of these are far from a wall as a
 /// whole.
 const BLOCK: usize = 64;
+/// Particles of a block that are looked at together where a surface that curves away comes into the box about the whole block.
+const PART_OF_BLOCK: usize = 16;
 
 impl Wall {
     /// A wall without parts.
@@ -191,61 +193,82 @@ impl Wall {
         let (mut balls, mut marks) = ([Ball::default(); BLOCK], [false; BLOCK]);
         for first in (0..particles).step_by(BLOCK) {
             let end = particles.min(first + BLOCK);
+            let (mut parts, mut count) = ([(first, end); BLOCK / PART_OF_BLOCK], 1);
+            let mut is_whole = true;
             if let Some(positions) = known {
                 let radius = self.radii[first / BLOCK];
-                if radius < 0.0 || self.is_far(motion, &positions[first..end], radius) {
+                let is_far =
+                    |from: usize, to: usize| self.is_far(motion, &positions[from..to], radius);
+                if radius < 0.0 || is_far(first, end) {
                     continue;
                 }
-            }
-            let mut count = 0;
-            for particle in first..end {
-                if let Some((centre, radius)) = of(particle) {
-                    let centre = motion.point_to_wall(centre);
-                    balls[count] = Ball {
-                        particle,
-                        centre,
-                        radius,
-                    };
-                    count += 1;
+                if !radius.is_nan() {
+                    is_whole = false;
+                    count = 0;
+                    for from in (first..end).step_by(PART_OF_BLOCK) {
+                        let to = end.min(from + PART_OF_BLOCK);
+                        if !is_far(from, to) {
+                            parts[count] = (from, to);
+                            count += 1;
+                        }
+                    }
                 }
             }
-            let (balls, marks) = (&balls[..count], &mut marks[..count]);
-            let block = Block::of(balls);
-            self.radii[first / BLOCK] = block.radius_or_none();
-            let before = found;
-            let mut is_far = true;
-            let lent = self.lent.iter_mut().map(|l| l as &mut dyn Shape);
-            for shape in self
-                .parts
-                .iter_mut()
-                .map(|p| &mut **p as &mut dyn Shape)
-                .chain(lent)
-            {
-                if block.can_be_asked() && !shape.may_touch_block(&block) {
+            for &(from, to) in &parts[..count] {
+                let mut count = 0;
+                for particle in from..to {
+                    if let Some((centre, radius)) = of(particle) {
+                        let centre = motion.point_to_wall(centre);
+                        balls[count] = Ball {
+                            particle,
+                            centre,
+                            radius,
+                        };
+                        count += 1;
+                    }
+                }
+                let (balls, marks) = (&balls[..count], &mut marks[..count]);
+                let block = Block::of(balls);
+                if is_whole {
+                    self.radii[first / BLOCK] = block.radius_or_none();
+                }
+                if !self.mark_near(&block, balls, marks) {
                     continue;
                 }
-                if is_far {
-                    marks.fill(false);
-                    is_far = false;
+                let before = found;
+                for (ball, mark) in balls.iter().zip(marks) {
+                    // Without a branch, which would often be mispredicted
+                    near[found] = ball.particle;
+                    found += usize::from(*mark);
                 }
-                shape.mark_near(balls, marks);
-            }
-            if is_far {
-                continue;
-            }
-            for (ball, mark) in balls.iter().zip(marks) {
-                // Without a branch, which would often be mispredicted
-                near[found] = ball.particle;
-                found += usize::from(*mark);
-            }
-            if found > before {
-                // So it will be in the next steps, too.
-                self.radii[first / BLOCK] = f64::NAN;
+                if found > before {
+                    // So it will be in the next steps, too.
+                    self.radii[first / BLOCK] = f64::NAN;
+                }
             }
         }
         near.truncate(found);
         self.near = near;
         &self.near
+    }
+
+    /// Marks the particles of a block that may touch; false where none can.
+    #[inline(always)]
+    fn mark_near(&mut self, block: &Block, balls: &[Ball], marks: &mut [bool]) -> bool {
+        let lent = self.lent.iter_mut().map(|l| l as &mut dyn Shape);
+        let parts = self.parts.iter_mut().map(|p| &mut **p as &mut dyn Shape);
+        let mut is_far = true;
+        for shape in parts.chain(lent) {
+            if block.can_be_asked() && !shape.may_touch_block(block) {
+                continue;
+            }
+            if is_far {
+                marks.fill(false);
+                is_far = false;
+            }
+            shape.mark_near(balls, marks);
+        }
+        !is_far
     }
 
     /// The particles that [`Wall::find_near`] found.

@@ -68,6 +68,24 @@ fn stairs() -> Wall {
     wall
 }
 
+/// An inclined floor of triangles about as large as grains, the corners without rounding.
+fn sheet() -> Wall {
+    let at = |i: i32, j: i32| {
+        let [x, y] = [i, j].map(f64::from);
+        Vector3::new(x, y, 0.5 * x - 0.25 * y)
+    };
+    let mut triangles = vec![];
+    for i in -8..8 {
+        for j in -8..8 {
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let mut wall = Wall::new();
+    wall.add_mesh(Mesh::new(triangles).unwrap());
+    wall
+}
+
 /// A place in the frame of the wall from where a grain touches two parts of a surface, or two faces of it, if it is one of those that
 /// have such places.
 pub fn corner(surface: &str, stream: &mut Stream) -> Option<Vector3> {
@@ -96,6 +114,7 @@ pub fn surfaces() -> Vec<(&'static str, Wall)> {
         ("within a sphere", shape("sphere", Side::Inside)),
         ("outside a sphere", shape("sphere", Side::Outside)),
         ("stairs", stairs()),
+        ("sheet", sheet()),
         ("within a drum", drum(Side::Inside, [End::Closed; 2])),
         ("at a cup", drum(Side::OfCentre, [End::Closed, End::Open])),
     ]

@@ -11,6 +11,7 @@ pub mod machine;
 pub mod packing;
 mod scaling;
 pub mod scenes;
+mod sizes;
 pub mod statistics;
 mod walls;
 
@@ -34,7 +35,7 @@ pub struct Options {
     /// Small scenes, short runs: under two minutes once engines and packings are there
     #[arg(long)]
     quick: bool,
-    /// Only this: kernels, walls, scaling, or a scene by its name (repeat for more)
+    /// Only this: kernels, walls, sizes, scaling, or a scene by its name (repeat for more)
     #[arg(long)]
     scene: Vec<String>,
     /// Only this engine's pair styles in the scenes [default: both; packings are always made by LAMMPS]
@@ -70,6 +71,7 @@ pub struct Effort {
 
 const KERNELS: &str = "kernels";
 const WALLS: &str = "walls";
+const SIZES: &str = "sizes";
 const SCALING: &str = "scaling";
 const SCENES_FILE: &str = "scenes";
 const SCENES_PICTURE: &str = "scenes.svg";
@@ -106,13 +108,13 @@ pub fn quick_kernels(output: &Path) -> Result<()> {
     )
 }
 
-/// A small dense scene through both engines, and walls, shortly: for the tests.
+/// A small dense scene through both engines, walls, and sizes, shortly: for the tests.
 pub fn quick_scene(output: &Path) -> Result<()> {
     run(
         output,
         &Choice {
             quick: true,
-            only: &[QUICK_SCENES[0].name.to_string(), WALLS.to_string()],
+            only: &[QUICK_SCENES[0].name, WALLS, SIZES].map(str::to_string),
             ..Choice::default()
         },
     )?;
@@ -126,6 +128,7 @@ pub fn quick_scene(output: &Path) -> Result<()> {
             "far from a plane",
             "on a cylinder",
             "far from a closed mesh",
+            "the small ones alone",
         ],
     )?;
     let csv = fs::read_to_string(output.join("scenes.csv"))?;
@@ -227,7 +230,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         seconds: if quick { 0.2 } else { 1.0 },
     };
     let all: &[Scene] = if quick { &QUICK_SCENES } else { &SCENES };
-    let names: Vec<&str> = [KERNELS, WALLS, SCALING]
+    let names: Vec<&str> = [KERNELS, WALLS, SIZES, SCALING]
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
@@ -260,7 +263,8 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
     let scenes: Vec<&Scene> = all.iter().filter(|scene| wanted(scene.name)).collect();
     let scaling = wanted(SCALING) && choice.engine != Some(Engine::Liggghts);
     let walls = wanted(WALLS) && choice.engine != Some(Engine::Liggghts);
-    if !scenes.is_empty() || walls || scaling {
+    let sizes = wanted(SIZES) && choice.engine != Some(Engine::Liggghts);
+    if !scenes.is_empty() || walls || sizes || scaling {
         let engines = engines(choice, !scenes.is_empty())?;
         scenes::announce(&engines);
         report.head += &about_engines(&engines);
@@ -276,6 +280,10 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         if walls {
             let found = walls::run(&engines.lammps, &effort)?;
             report.add(WALLS, [walls::table(&found)], &walls::csv(&found))?;
+        }
+        if sizes {
+            let found = sizes::run(&engines.lammps, &effort)?;
+            report.add(SIZES, [sizes::table(&found)], &sizes::csv(&found))?;
         }
         if scaling {
             let found = scaling::run(&engines.lammps, &effort)?;
@@ -294,7 +302,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
 
 /// Nothing of an earlier run may stand beside this one's.
 fn remove_earlier(output: &Path) -> Result<()> {
-    let csv = [KERNELS, SCENES_FILE, WALLS, SCALING].map(|name| format!("{name}.csv"));
+    let csv = [KERNELS, SCENES_FILE, WALLS, SIZES, SCALING].map(|name| format!("{name}.csv"));
     let names = csv.iter().map(String::as_str);
     for name in names.chain([Report::TEXT, SCENES_PICTURE, GRAINS_PICTURE]) {
         let path = output.join(name);

@@ -35,7 +35,7 @@ struct Case {
 /// Faces of the closed mesh.
 const FACES: usize = 6;
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 13] = [
     on("none", true),
     on("plane", true),
     on("plane", false),
@@ -45,6 +45,8 @@ const CASES: [Case; 11] = [
     far_from("cylinder"),
     on("mesh", true),
     on("mesh", false),
+    on("bent mesh", true),
+    on("bent mesh", false),
     far_from("mesh"),
     far_from("closed mesh"),
 ];
@@ -84,11 +86,13 @@ struct Cost {
 
 pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     let directory = tempfile::tempdir()?;
-    let [floor, closed] = ["floor.stl", "box.stl"].map(|name| directory.path().join(name));
-    write_squares(&floor, &[([0, 1, 2], 0.0)])?;
+    let [floor, bent, closed] =
+        ["floor.stl", "bent.stl", "box.stl"].map(|name| directory.path().join(name));
+    write_squares(&floor, &[([0, 1, 2], 0.0)], |_| 0.0)?;
+    write_squares(&bent, &[([0, 1, 2], 0.0)], |x| 1.0 - (1.0 - x * x).sqrt())?;
     let half = 0.5 * SQUARE * SQUARES as f64;
     let faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|axes| [(axes, half), (axes, -half)]);
-    write_squares(&closed, faces.as_flattened())?;
+    write_squares(&closed, faces.as_flattened(), |_| 0.0)?;
     let (side, steps) = if effort.quick { (16, 100) } else { (64, 500) };
     let lattice = if effort.quick { 8 } else { 16 };
     let packing = Packing {
@@ -108,12 +112,14 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
         for (k, case) in CASES.iter().enumerate() {
             let (surface, mesh) = match case.surface {
                 "closed mesh" => ("mesh", &closed),
+                "bent mesh" => ("mesh", &bent),
                 surface => (surface, &floor),
             };
             let words = [
                 ("surface", surface.to_string()),
                 ("height", if case.far { FAR } else { "0" }.to_string()),
                 ("mesh", path_word(mesh)?),
+                ("bent", if mesh == &bent { "yes" } else { "no" }.to_string()),
                 ("side", side.to_string()),
                 ("steps", steps.to_string()),
                 (
@@ -157,8 +163,13 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     })
 }
 
-/// Faces of squares about the origin: the first two axes span each, the third is its normal, along which it lies so far.
-fn write_squares(path: &Path, faces: &[([usize; 3], f64)]) -> Result<()> {
+/// Faces of squares about the origin: the first two axes span each, the third is its normal, along which it lies so far; `rise` more, which
+/// depends on the place along the first.
+fn write_squares(
+    path: &Path,
+    faces: &[([usize; 3], f64)],
+    rise: impl Fn(f64) -> f64,
+) -> Result<()> {
     let at = |k: usize| SQUARE * (k as f64 - 0.5 * SQUARES as f64);
     let mut text = String::from("solid squares\n");
     for (axes, height) in faces {
@@ -171,11 +182,11 @@ fn write_squares(path: &Path, faces: &[([usize; 3], f64)]) -> Result<()> {
                 text += "facet normal 0 0 0\nouter loop\n";
                 for (u, v) in corners {
                     let mut place = [0.0; 3];
-                    for (axis, value) in axes.iter().zip([u, v, *height]) {
+                    for (axis, value) in axes.iter().zip([u, v, height + rise(u)]) {
                         place[*axis] = value;
                     }
                     let [x, y, z] = place;
-                    writeln!(text, "vertex {x:.6} {y:.6} {z:.6}")?;
+                    writeln!(text, "vertex {x:.9} {y:.9} {z:.9}")?;
                 }
                 text += "endloop\nendfacet\n";
             }
@@ -191,6 +202,10 @@ impl Case {
             "plane" => "a plane".to_string(),
             "cylinder" => "a cylinder, within it".to_string(),
             "mesh" => format!("a flat mesh of {} triangles", 2 * SQUARES * SQUARES),
+            "bent mesh" => format!(
+                "a mesh of {} triangles along a cylinder, within it",
+                2 * SQUARES * SQUARES
+            ),
             _ => format!(
                 "a closed mesh of {} triangles, within it",
                 2 * FACES * SQUARES * SQUARES
