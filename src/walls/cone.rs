@@ -236,7 +236,6 @@ impl Shape for ConeWall {
         let half = block.half_edges();
         let offset = block.centre() - cone.point;
         let along = cone.axis.dot(offset);
-        let across = (offset - cone.axis * along).norm();
         // How far centres may lie from the middle, along the axis and across it.
         let a = cone.axis;
         let spread_along = a.x.abs() * half.x + a.y.abs() * half.y + a.z.abs() * half.z;
@@ -248,9 +247,13 @@ impl Shape for ConeWall {
             return false;
         }
         let at_surface = cone.radius + cone.slope * along;
-        let spread = spread_across + cone.slope.abs() * spread_along;
+        let [least, most] = block.distances(offset - cone.axis * along, spread_across);
+        let outwards = [
+            least - at_surface - cone.slope.abs() * spread_along,
+            most - at_surface + cone.slope.abs() * spread_along,
+        ];
         // `stretch` is at least 1.
-        side.may_touch_block(across - at_surface, spread, block.radius() * self.stretch)
+        side.may_touch_block(outwards, block.radius() * self.stretch)
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {

@@ -98,7 +98,8 @@ impl Shape for PlaneWall {
         let height = normal.dot(block.centre() - self.plane.point);
         let half = block.half_edges();
         let spread = normal.x.abs() * half.x + normal.y.abs() * half.y + normal.z.abs() * half.z;
-        self.side().may_touch_block(height, spread, block.radius())
+        self.side()
+            .may_touch_block([height - spread, height + spread], block.radius())
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {

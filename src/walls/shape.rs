@@ -32,6 +32,38 @@ pub struct Block {
 }
 
 impl Block {
+    /// Without particles.
+    pub(super) const EMPTY: Block = Block {
+        low: Vector3 {
+            x: f64::INFINITY,
+            y: f64::INFINITY,
+            z: f64::INFINITY,
+        },
+        high: Vector3 {
+            x: f64::NEG_INFINITY,
+            y: f64::NEG_INFINITY,
+            z: f64::NEG_INFINITY,
+        },
+        radius: 0.0,
+        finite: true,
+    };
+
+    /// Together with another.
+    pub(super) fn with(&self, other: &Block) -> Self {
+        let (a, b) = (self, other);
+        let (low, high) = (a.low, a.high);
+        Block {
+            low: Vector3::new(low.x.min(b.low.x), low.y.min(b.low.y), low.z.min(b.low.z)),
+            high: Vector3::new(
+                high.x.max(b.high.x),
+                high.y.max(b.high.y),
+                high.z.max(b.high.z),
+            ),
+            radius: a.radius.max(b.radius),
+            finite: a.finite && b.finite,
+        }
+    }
+
     /// Of some particles.
     pub(super) fn of(balls: &[Ball]) -> Self {
         // The smaller of two as the processor has it, which does not ask for numbers that are none.
@@ -138,6 +170,18 @@ impl Block {
     /// Half of its edges.
     pub fn half_edges(&self) -> Vector3 {
         (self.high - self.low) * 0.5
+    }
+
+    /// Bounds of the distances of the centres from a place, or, where the vector from there to the middle is given across an axis, from the
+    /// axis. `spread` is how far a centre may be from the middle, likewise.
+    pub(super) fn distances(&self, to_middle: Vector3, spread: f64) -> [f64; 2] {
+        // |o + d|^2 = |o|^2 + 2 o.d + |d|^2, the parts of d each at their ends
+        let (square, half) = (to_middle.norm_squared(), self.half_edges());
+        let o = to_middle;
+        let along = o.x.abs() * half.x + o.y.abs() * half.y + o.z.abs() * half.z;
+        let least = (square - 2.0 * along).max(0.0).sqrt();
+        let most = (square + 2.0 * along + spread * spread).sqrt();
+        [least.max(square.sqrt() - spread), most]
     }
 
     /// The largest radius.
@@ -287,17 +331,18 @@ impl Side {
         }
     }
 
-    /// The same of balls whose centres lie by `spread` at most from one by `outwards` outside the surface.
-    pub(super) fn may_touch_block(self, outwards: f64, spread: f64, radius: f64) -> bool {
-        self.may_touch(outwards, radius + spread)
-    }
-
     /// Whether a ball of this radius may touch whose centre lies by `outwards` outside the surface; true for NaN.
     pub(super) fn may_touch(self, outwards: f64, radius: f64) -> bool {
+        self.may_touch_block([outwards; 2], radius)
+    }
+
+    /// Whether one of several balls may touch whose centres lie by at least the first number, and by at most the second, outside it.
+    pub(super) fn may_touch_block(self, [least, most]: [f64; 2], radius: f64) -> bool {
+        let (is_within, is_outside) = (most <= -radius, least >= radius);
         !match self {
-            Side::Inside => outwards <= -radius,
-            Side::Outside => outwards >= radius,
-            Side::OfCentre => outwards.abs() >= radius,
+            Side::Inside => is_within,
+            Side::Outside => is_outside,
+            Side::OfCentre => is_within || is_outside,
         }
     }
 }

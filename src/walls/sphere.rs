@@ -60,9 +60,10 @@ impl Shape for SphereWall {
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
-        let outwards = (block.centre() - self.centre).norm() - self.radius;
         let spread = block.half_edges().norm();
-        self.side.may_touch_block(outwards, spread, block.radius())
+        let distances = block.distances(block.centre() - self.centre, spread);
+        let outwards = distances.map(|distance| distance - self.radius);
+        self.side.may_touch_block(outwards, block.radius())
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {

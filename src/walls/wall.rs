@@ -94,10 +94,21 @@ pub struct RecordedWallContact {
 }
 
 /// Particles that are looked at together: engines keep neighbours next to each other, so that most of these are far from a wall as a
-/// whole.
-const BLOCK: usize = 64;
-/// Particles of a block that are looked at together where a surface that curves away comes into the box about the whole block.
-const PART_OF_BLOCK: usize = 16;
+/// whole. As many as lie side by side in a row that does not reach from one side of a vessel to the other.
+const BLOCK: usize = 16;
+/// Blocks that are looked at together first.
+const TOGETHER: usize = 4;
+
+/// The largest of some numbers; NaN where one of them is.
+fn largest_or_nan(numbers: &[f64]) -> f64 {
+    (numbers.iter()).fold(-1.0, |largest, x| {
+        if *x <= largest || largest.is_nan() {
+            largest
+        } else {
+            *x
+        }
+    })
+}
 
 impl Wall {
     /// A wall without parts.
@@ -190,60 +201,59 @@ impl Wall {
             near.resize(particles, 0);
         }
         let mut found = 0;
-        let (mut balls, mut marks) = ([Ball::default(); BLOCK], [false; BLOCK]);
-        for first in (0..particles).step_by(BLOCK) {
-            let end = particles.min(first + BLOCK);
-            let (mut parts, mut count) = ([(first, end); BLOCK / PART_OF_BLOCK], 1);
-            let mut is_whole = true;
+        const ALL: usize = BLOCK * TOGETHER;
+        let (mut balls, mut marks) = ([Ball::default(); ALL], [false; ALL]);
+        for start in (0..particles).step_by(ALL) {
+            let stop = particles.min(start + ALL);
             if let Some(positions) = known {
-                let radius = self.radii[first / BLOCK];
-                let is_far =
-                    |from: usize, to: usize| self.is_far(motion, &positions[from..to], radius);
-                if radius < 0.0 || is_far(first, end) {
+                let radii = &self.radii[start / BLOCK..stop.div_ceil(BLOCK)];
+                let radius = largest_or_nan(radii);
+                if radius < 0.0 || self.is_far(motion, &positions[start..stop], radius) {
                     continue;
                 }
-                if !radius.is_nan() {
-                    is_whole = false;
-                    count = 0;
-                    for from in (first..end).step_by(PART_OF_BLOCK) {
-                        let to = end.min(from + PART_OF_BLOCK);
-                        if !is_far(from, to) {
-                            parts[count] = (from, to);
-                            count += 1;
-                        }
+            }
+            let mut blocks = [const { (0, 0..0) }; TOGETHER];
+            let (mut count, mut filled, mut all) = (0, 0, Block::EMPTY);
+            for first in (start..stop).step_by(BLOCK) {
+                let end = particles.min(first + BLOCK);
+                if let Some(positions) = known {
+                    let radius = self.radii[first / BLOCK];
+                    if radius < 0.0 || self.is_far(motion, &positions[first..end], radius) {
+                        continue;
                     }
                 }
-            }
-            for &(from, to) in &parts[..count] {
-                let mut count = 0;
-                for particle in from..to {
+                let from = filled;
+                for particle in first..end {
                     if let Some((centre, radius)) = of(particle) {
                         let centre = motion.point_to_wall(centre);
-                        balls[count] = Ball {
+                        balls[filled] = Ball {
                             particle,
                             centre,
                             radius,
                         };
-                        count += 1;
+                        filled += 1;
                     }
                 }
-                let (balls, marks) = (&balls[..count], &mut marks[..count]);
-                let block = Block::of(balls);
-                if is_whole {
-                    self.radii[first / BLOCK] = block.radius_or_none();
-                }
-                if !self.mark_near(&block, balls, marks) {
-                    continue;
-                }
+                let block = Block::of(&balls[from..filled]);
+                self.radii[first / BLOCK] = block.radius_or_none();
+                all = all.with(&block);
+                blocks[count] = (first / BLOCK, from..filled);
+                count += 1;
+            }
+            let (balls, marks) = (&balls[..filled], &mut marks[..filled]);
+            if !self.mark_near(&all, balls, marks) {
+                continue;
+            }
+            for (index, range) in &blocks[..count] {
                 let before = found;
-                for (ball, mark) in balls.iter().zip(marks) {
+                for k in range.clone() {
                     // Without a branch, which would often be mispredicted
-                    near[found] = ball.particle;
-                    found += usize::from(*mark);
+                    near[found] = balls[k].particle;
+                    found += usize::from(marks[k]);
                 }
                 if found > before {
                     // So it will be in the next steps, too.
-                    self.radii[first / BLOCK] = f64::NAN;
+                    self.radii[*index] = f64::NAN;
                 }
             }
         }
