@@ -21,6 +21,7 @@ mod library;
 mod liggghts;
 mod liggghts_make_auto;
 mod mpi;
+mod mutants;
 mod packed_grains;
 #[path = "../../tests/support/pages.rs"]
 mod pages;
@@ -105,6 +106,8 @@ enum Task {
     Stress(stress::Options),
     /// Look for errors of memory and undefined behaviour: Miri, sanitizers, valgrind, fuzzing
     Sanitize(sanitize::Options),
+    /// Change formulas of the law and of the geometry one at a time, and see whether a test notices; goes on where it stopped
+    Mutants(mutants::Options),
     /// Make the kernels for GPUs as PTX, and the page about them (some minutes; needs rustup)
     Gpu(gpu::Options),
     /// Make the documentation site, which opens from its files
@@ -167,6 +170,7 @@ fn run(task: Task) -> Result<()> {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,
         Task::Sanitize(options) => sanitize::sanitize(&options)?,
+        Task::Mutants(options) => mutants::mutants(&options)?,
         Task::Gpu(options) => gpu::gpu(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
