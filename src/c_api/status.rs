@@ -23,6 +23,7 @@ pub const ELLGRAN_ERROR_PARTICLE: i32 = 200;
 pub const ELLGRAN_ERROR_HISTORY: i32 = 201;
 /// The result is out of the range of double precision, although each input is within its own range.
 pub const ELLGRAN_ERROR_RESULT: i32 = 202;
+// Block 300 to 399, GPUs: gpu/driver/src/status.rs.
 /// Block 900 to 999, the library itself: an internal error (a caught panic). Please report it.
 pub const ELLGRAN_ERROR_PANIC: i32 = 900;
 

@@ -156,6 +156,14 @@ pub fn driver() -> Result<&'static Driver, Failure> {
     Ok(driver)
 }
 
+/// An error with what has caused it, which for the loader's is all that it says.
+fn in_full(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}: {}", in_full(cause)),
+        None => error.to_string(),
+    }
+}
+
 fn load() -> Result<Driver, Failure> {
     let given = std::env::var_os(ENVIRONMENT_VARIABLE).filter(|path| !path.is_empty());
     let open = |name: &std::ffi::OsStr| {
@@ -181,8 +189,9 @@ fn load() -> Result<Driver, Failure> {
         fail(
             ELLGRAN_GPU_ERROR_NO_DRIVER,
             format!(
-                "NVIDIA's driver cannot be loaded: {what}: {why}. Install the driver (no CUDA toolkit is needed), or set \
-                 {ENVIRONMENT_VARIABLE} to the path of its library"
+                "NVIDIA's driver cannot be loaded: {what}: {}. Install the driver (no CUDA toolkit is needed), or set \
+                 {ENVIRONMENT_VARIABLE} to the path of its library",
+                in_full(&why)
             ),
         )
     })?;

@@ -53,7 +53,12 @@ fn cannot_open(ordinal: i32, status: i32, words: &[&str]) {
 fn no_driver() {
     let settings = [(DRIVER, "/nowhere/libcuda.so.1")];
     with_driver("no_driver", &settings, || {
-        let words = ["/nowhere/libcuda.so.1", "Install the driver", DRIVER];
+        let words = [
+            "/nowhere/libcuda.so.1",
+            "No such file",
+            "Install the driver",
+            DRIVER,
+        ];
         cannot_open(0, ELLGRAN_GPU_ERROR_NO_DRIVER, &words);
     });
 }
