@@ -298,7 +298,7 @@ mod tests {
     fn an_older_struct_lacks_what_was_added() {
         // SAFETY: as long as its size says.
         let read = unsafe { given(core::ptr::from_ref(&OLDER).cast::<Now>(), "x") };
-        let read = read.ok().expect("an older struct");
+        let read = read.expect("an older struct");
         assert_eq!((read.length, read.added), (3.0, 0.0));
     }
 
@@ -307,7 +307,7 @@ mod tests {
         let mut two = [OLDER; 2];
         // SAFETY: as long as its size says.
         let output = unsafe { Output::new(two.as_mut_ptr().cast::<Now>(), "x") };
-        output.ok().expect("an older struct").write(&Now {
+        output.expect("an older struct").write(&Now {
             size: 0,
             length: 5.0,
             added: 7.0,
@@ -327,8 +327,8 @@ mod tests {
         ];
         // SAFETY: two of them, as long as the first says.
         let array = unsafe { GivenArray::new(two.as_ptr().cast::<Now>(), 2, "x") };
-        let array = array.ok().expect("an array");
-        let second = array.get(1).ok().expect("the second");
+        let array = array.expect("an array");
+        let second = array.get(1).expect("the second");
         assert_eq!((second.length, second.added), (4.0, 0.0));
     }
 

@@ -9,7 +9,7 @@
 //! - kernels run when they are started, thread by thread, in rising and in falling order by turns;
 //! - a kernel that panics, or leaves the memory, ends as one on a device, and all that follows fails.
 //!
-//! What it refuses, environment variables say: [`settings`].
+//! What it refuses, environment variables say: `src/settings.rs`.
 
 // The kernels' own text, with the memory of this host.
 #[path = "../../ptx/src/entries.rs"]
