@@ -182,7 +182,8 @@ typedef struct EllgranGpuList {
    */
   size_t size;
   /*
-   Where the row of each owned grain begins in `neighbours`, [owned_count + 1]; the last is the number of all entries.
+   Where the row of each owned grain begins in `neighbours`, [owned_count + 1]; the last is the number of all entries. NULL where no
+   grain is owned.
    */
   const uint32_t *starts;
   /*
@@ -308,8 +309,8 @@ extern "C" {
  Opens the GPU number `ordinal`, counted from 0 as CUDA does, in the context that all libraries share (the primary one): memory that
  the CUDA runtime has allocated on it can be given to the functions below.
 
- NVIDIA's driver is loaded by this call, and is asked to assemble the kernels, which takes it long the first time; then it keeps them
- on disk. The environment variable `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
+ NVIDIA's driver is loaded by this call, and is asked to assemble the kernels, for which it may need some time; it keeps on disk what
+ it has assembled. The environment variable `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 
  # Safety
  `gpu` is NULL or valid for writes.
@@ -336,7 +337,8 @@ void ellgran_gpu_free(struct EllgranGpu *gpu);
 
 /*
  Makes a scene with laws, which are copied. `shapes` is one of ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS and
- ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, simpler shapes having faster ones.
+ ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, those of simpler shapes having
+ fewer instructions.
 
  Laws with `factors hale`, `rolling` or `twisting` are refused: they have no kernel.
 
@@ -393,7 +395,7 @@ int32_t ellgran_gpu_add_plane(struct EllgranGpuScene *scene,
  of the steps since then.
 
  A grain that cannot be prepared keeps the state in which it last could, one that cannot be moved its attitude: forces are wrong from
- then on. A call of this every hundred steps or so costs nothing to speak of.
+ then on. It need not be called in each step.
 
  # Safety
  `scene` is NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states.

@@ -47,7 +47,8 @@ pub struct EllgranGpuGrains {
 pub struct EllgranGpuList {
     /// `sizeof(EllgranGpuList)`; `ELLGRAN_INIT` sets it.
     pub size: usize,
-    /// Where the row of each owned grain begins in `neighbours`, [owned_count + 1]; the last is the number of all entries.
+    /// Where the row of each owned grain begins in `neighbours`, [owned_count + 1]; the last is the number of all entries. NULL where no
+    /// grain is owned.
     pub starts: *const u32,
     /// Indices of the neighbours.
     pub neighbours: *const u32,

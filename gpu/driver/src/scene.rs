@@ -360,7 +360,8 @@ impl Scene {
             driver.synchronise(stream)?;
         }
         let pairs = total[0] as usize;
-        let starts = array(list.starts, owned + 1, "starts")?;
+        let rows = if owned > 0 { owned + 1 } else { 0 };
+        let starts = array(list.starts, rows, "starts")?;
         let listed = Listed {
             owned,
             count,

@@ -539,6 +539,41 @@ fn arguments() {
     });
 }
 
+/// As a rank that has none, or ghosts alone.
+#[test]
+fn no_grains() {
+    with_driver("no_grains", &[], || {
+        let row = Row::new();
+        let stream = row.engine.stream;
+        let loads = row.loads.pointer();
+        let step = new::<ellgran::c_api::particles::EllgranStep>();
+        for count in [0, COUNT] {
+            let grains = EllgranGpuGrains {
+                owned_count: 0,
+                count,
+                ..row.grains()
+            };
+            let list = new::<EllgranGpuList>();
+            let motion = EllgranGpuMotion {
+                count: 0,
+                ..row.motion()
+            };
+            unsafe {
+                succeed(ellgran_gpu_new_list(row.scene, &grains, &list, stream));
+                succeed(ellgran_gpu_start_step(row.scene, &motion, 1e-5, stream));
+                succeed(ellgran_gpu_prepare(row.scene, &grains, stream));
+                let status = ellgran_gpu_compute_pairs(row.scene, &grains, &step, loads, stream);
+                succeed(status);
+                succeed(ellgran_gpu_check(row.scene, &grains, stream));
+            }
+        }
+        // And then some.
+        succeed(row.new_list());
+        succeed(row.compute());
+        assert!(row.engine.read(&row.loads)[0][0] < 0.0);
+    });
+}
+
 /// A neighbour that has become another one after the list was looked at.
 #[test]
 fn a_kernel_that_ends() {

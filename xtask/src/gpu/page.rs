@@ -109,6 +109,8 @@ cc -std=c99 examples/c/gpu_two_grains.c -Iinclude target/release/libellgran_gpu.
 itself calls. `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 - **The device and context** are those of the thread (`ellgran_gpu_open_current`), as KOKKOS has chosen them, or the primary context of a \
 GPU by its number (`ellgran_gpu_open`).
+- **Opening a GPU** has the driver assemble the kernels. NVIDIA's `ptxas` needs some twenty seconds of a core for one generation; \
+what the driver needs is not known yet.
 - **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 20 bytes and \
 16 for each double of a history (132 with friction); there is a quarter more room than that. The kernel for deep contacts needs 18 kB a \
 thread, which the driver sets aside for as many threads as the GPU can hold.

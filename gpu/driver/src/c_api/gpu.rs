@@ -13,8 +13,8 @@ pub struct EllgranGpu {
 /// Opens the GPU number `ordinal`, counted from 0 as CUDA does, in the context that all libraries share (the primary one): memory that
 /// the CUDA runtime has allocated on it can be given to the functions below.
 ///
-/// NVIDIA's driver is loaded by this call, and is asked to assemble the kernels, which takes it long the first time; then it keeps them
-/// on disk. The environment variable `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
+/// NVIDIA's driver is loaded by this call, and is asked to assemble the kernels, for which it may need some time; it keeps on disk what
+/// it has assembled. The environment variable `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 ///
 /// # Safety
 /// `gpu` is NULL or valid for writes.

@@ -23,7 +23,8 @@ pub struct EllgranGpuScene {
 }
 
 /// Makes a scene with laws, which are copied. `shapes` is one of ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS and
-/// ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, simpler shapes having faster ones.
+/// ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, those of simpler shapes having
+/// fewer instructions.
 ///
 /// Laws with `factors hale`, `rolling` or `twisting` are refused: they have no kernel.
 ///
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn ellgran_gpu_add_plane(
 /// of the steps since then.
 ///
 /// A grain that cannot be prepared keeps the state in which it last could, one that cannot be moved its attitude: forces are wrong from
-/// then on. A call of this every hundred steps or so costs nothing to speak of.
+/// then on. It need not be called in each step.
 ///
 /// # Safety
 /// `scene` is NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states.

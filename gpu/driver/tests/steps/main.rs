@@ -47,10 +47,18 @@ const WHOLE: &str = "nfd 1e7 0.3 300 200 tangential tfd 0.5 conservative yes";
 const TOTAL: &str = "nfd 1e7 0.3 300 200 tangential tfd 0.5 displacement total";
 const LINEAR: &str = "lsd 1e5 10 tangential linear 5e4 3 0.4";
 
+/// A law for each type, parted by ` | `.
 fn laws_on_host(words: &str) -> Laws {
-    let words: Vec<&str> = words.split(' ').collect();
-    let (parameters, _) = ellgran::force::syntax::parse(&words).unwrap();
-    Laws::new(1, &[Some(parameters)], true).unwrap()
+    let own: Vec<_> = words.split(" | ").collect();
+    let n = own.len();
+    let parsed = |words: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        ellgran::force::syntax::parse(&words).unwrap().0
+    };
+    let table: Vec<_> = (0..n * n)
+        .map(|k| (k % (n + 1) == 0).then(|| parsed(own[k / n])))
+        .collect();
+    Laws::new(n, &table, true).unwrap()
 }
 
 fn near(a: f64, b: f64, scale: f64, tolerance: f64, what: &str, k: usize) {
@@ -155,6 +163,8 @@ impl OnDevice {
         self.engine.write(&self.semi_axes, 0, &axes);
         let masses = sorted(&self.order, &scene.masses);
         self.engine.write(&self.masses, 0, &masses);
+        let types = sorted(&self.order, &scene.types);
+        self.engine.write(&self.types, 0, &types);
         let loads: Vec<[f64; 6]> = (self.order[..self.owned].iter())
             .map(|&k| loads[k])
             .collect();
@@ -485,6 +495,26 @@ fn three_semi_axes() {
     with_driver("three_semi_axes", &[], || {
         for words in [ELASTIC, MINDLIN, VISCOELASTIC, WHOLE, LINEAR] {
             compare(words, ANY, ELLGRAN_GPU_ELLIPSOIDS, Scene::ellipsoids());
+        }
+    });
+}
+
+/// Hard grains among soft ones, with another friction; each order of the two in a pair.
+#[test]
+fn two_types() {
+    with_driver("two_types", &[], || {
+        for words in [
+            "nfd 1e7 0.3 300 200 tangential tfd 0.5 | nfd 4e7 0.2 100 900 tangential tfd 0.9",
+            "hertz 1e7 0.3 damping restitution 0.7 tangential mindlin 0.5 | hertz 3e7 0.2 damping restitution 0.4 tangential mindlin 0.1",
+        ] {
+            let mut scene = Scene::ellipsoids();
+            for (k, particle_type) in scene.types.iter_mut().enumerate() {
+                *particle_type = 1 + (k % 3 == 0) as i32;
+            }
+            for (k, mass) in scene.masses.iter_mut().enumerate() {
+                *mass = 3.0 + (k % 4) as f64;
+            }
+            compare(words, ANY, ELLGRAN_GPU_ELLIPSOIDS, scene);
         }
     });
 }

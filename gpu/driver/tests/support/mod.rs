@@ -88,11 +88,29 @@ pub fn new<T: ellgran::c_api::growing::Growing>() -> T {
     }
 }
 
+/// A law for each type, parted by ` | `; what two types have with each other is mixed.
 pub fn laws(words: &str) -> *mut EllgranLaws {
+    let own: Vec<EllgranLawParameters> = words.split(" | ").map(parameters).collect();
+    let n = own.len();
+    let table: Vec<_> = (0..n * n).map(|k| own[k / n]).collect();
+    let is_set: Vec<u8> = (0..n * n).map(|k| u8::from(k % (n + 1) == 0)).collect();
+    let mut laws = core::ptr::null_mut();
+    unsafe {
+        succeed(ellgran_laws_new(
+            n as i32,
+            table.as_ptr(),
+            is_set.as_ptr(),
+            0,
+            &mut laws,
+        ));
+    }
+    laws
+}
+
+fn parameters(words: &str) -> EllgranLawParameters {
     let words: Vec<CString> = words.split(' ').map(|w| CString::new(w).unwrap()).collect();
     let pointers: Vec<*const c_char> = words.iter().map(|w| w.as_ptr()).collect();
     let mut parameters = new::<EllgranLawParameters>();
-    let mut laws = core::ptr::null_mut();
     unsafe {
         succeed(ellgran_law_parameters_parse(
             pointers.len(),
@@ -100,9 +118,8 @@ pub fn laws(words: &str) -> *mut EllgranLaws {
             core::ptr::null_mut(),
             &mut parameters,
         ));
-        succeed(ellgran_laws_new(1, &parameters, &1, 0, &mut laws));
     }
-    laws
+    parameters
 }
 
 pub fn open() -> *mut EllgranGpu {
