@@ -55,7 +55,8 @@ macro_rules! growing {
 pub(super) use growing;
 
 /// A struct that the caller gave.
-pub(super) enum Given<'a, T> {
+#[doc(hidden)]
+pub enum Given<'a, T> {
     /// His own.
     Whole(&'a T),
     /// Of an older header: the missing fields are zero.
@@ -141,8 +142,9 @@ unsafe fn read<'a, T: Growing>(
 /// # Safety
 /// `pointer` is NULL or valid for reads of as many bytes as the struct's size says, for the lifetime that the caller gives
 /// it.
+#[doc(hidden)]
 #[inline]
-pub(super) unsafe fn given<'a, T: Growing>(
+pub unsafe fn given<'a, T: Growing>(
     pointer: *const T,
     name: &str,
 ) -> Result<Given<'a, T>, Failure> {
@@ -204,7 +206,8 @@ impl<'a, T: Growing> GivenArray<'a, T> {
 }
 
 /// A struct that the library writes, as far as the caller's header has it.
-pub(super) struct Output<'a, T> {
+#[doc(hidden)]
+pub struct Output<'a, T> {
     target: *mut T,
     size: usize,
     lifetime: PhantomData<&'a mut T>,
@@ -215,7 +218,7 @@ impl<T: Growing> Output<'_, T> {
     /// `target` is NULL or valid for reads and writes of as many bytes as the struct's size says, and not aliased, for the
     /// lifetime that the caller gives it.
     #[inline]
-    pub(super) unsafe fn new(target: *mut T, name: &str) -> Result<Self, Failure> {
+    pub unsafe fn new(target: *mut T, name: &str) -> Result<Self, Failure> {
         // SAFETY: promised by the caller; the size is the first field.
         let size = *unsafe { required_mut(target.cast::<usize>(), name) }?;
         if size != size_of::<T>() {
@@ -243,7 +246,7 @@ impl<T: Growing> Output<'_, T> {
 
     /// Writes all but the size, which stays the caller's.
     #[inline]
-    pub(super) fn write(&mut self, value: &T) {
+    pub fn write(&mut self, value: &T) {
         let first = size_of::<usize>();
         let end = self.size.min(size_of::<T>());
         // SAFETY: promised when this was made: the target has `size` bytes; they are copied as bytes, whatever they hold.
@@ -295,7 +298,7 @@ mod tests {
     fn an_older_struct_lacks_what_was_added() {
         // SAFETY: as long as its size says.
         let read = unsafe { given(core::ptr::from_ref(&OLDER).cast::<Now>(), "x") };
-        let read = read.ok().expect("an older struct");
+        let read = read.expect("an older struct");
         assert_eq!((read.length, read.added), (3.0, 0.0));
     }
 
@@ -304,7 +307,7 @@ mod tests {
         let mut two = [OLDER; 2];
         // SAFETY: as long as its size says.
         let output = unsafe { Output::new(two.as_mut_ptr().cast::<Now>(), "x") };
-        output.ok().expect("an older struct").write(&Now {
+        output.expect("an older struct").write(&Now {
             size: 0,
             length: 5.0,
             added: 7.0,
@@ -324,8 +327,8 @@ mod tests {
         ];
         // SAFETY: two of them, as long as the first says.
         let array = unsafe { GivenArray::new(two.as_ptr().cast::<Now>(), 2, "x") };
-        let array = array.ok().expect("an array");
-        let second = array.get(1).ok().expect("the second");
+        let array = array.expect("an array");
+        let second = array.get(1).expect("the second");
         assert_eq!((second.length, second.added), (4.0, 0.0));
     }
 

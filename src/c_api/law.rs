@@ -87,6 +87,12 @@ pub struct EllgranLaws {
 }
 
 impl EllgranLaws {
+    /// The table. Public for the border of `gpu/driver`; no interface for others.
+    #[doc(hidden)]
+    pub fn table(&self) -> &Laws {
+        &self.laws
+    }
+
     fn new(laws: Laws) -> Box<EllgranLaws> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);

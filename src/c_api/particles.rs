@@ -218,7 +218,9 @@ pub(super) fn checked_time_step(time_step: f64) -> Result<f64, Failure> {
 }
 
 impl EllgranStep {
-    pub(super) fn to_core(self) -> Result<Step, Failure> {
+    /// As the library takes it. Public for the border of `gpu/driver`; no interface for others.
+    #[doc(hidden)]
+    pub fn to_core(self) -> Result<Step, Failure> {
         Ok(Step {
             time_step: checked_time_step(self.time_step)?,
             advance_history: self.advance_history != 0,

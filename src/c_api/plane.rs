@@ -26,7 +26,9 @@ pub struct EllgranPlane {
 growing!(EllgranPlane);
 
 impl EllgranPlane {
-    pub(super) fn to_core(self) -> Result<MovingPlane, Failure> {
+    /// As the library takes it. Public for the border of `gpu/driver`; no interface for others.
+    #[doc(hidden)]
+    pub fn to_core(self) -> Result<MovingPlane, Failure> {
         let fail = |what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what);
         let normal = Vector3::from_array(self.normal)
             .direction()

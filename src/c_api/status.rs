@@ -23,17 +23,23 @@ pub const ELLGRAN_ERROR_PARTICLE: i32 = 200;
 pub const ELLGRAN_ERROR_HISTORY: i32 = 201;
 /// The result is out of the range of double precision, although each input is within its own range.
 pub const ELLGRAN_ERROR_RESULT: i32 = 202;
+// Block 300 to 399, GPUs: gpu/driver/src/status.rs.
 /// Block 900 to 999, the library itself: an internal error (a caught panic). Please report it.
 pub const ELLGRAN_ERROR_PANIC: i32 = 900;
 
-/// A failure on its way to the border.
-pub(super) struct Failure {
+/// A failure on its way to the border. Public for that of `gpu/driver`, as the functions below; no interface for others.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Failure {
+    /// One of the codes above, or of a GPU's.
     pub status: i32,
+    /// What `ellgran_last_error` gives.
     pub message: String,
 }
 
 impl Failure {
-    pub(super) fn new(status: i32, message: impl Into<String>) -> Self {
+    /// With its message.
+    pub fn new(status: i32, message: impl Into<String>) -> Self {
         Failure {
             status,
             message: message.into(),
@@ -71,7 +77,8 @@ pub extern "C" fn ellgran_last_error() -> *const c_char {
 }
 
 /// Runs the body of a call: failures and panics become a status and a message.
-pub(super) fn at_border(name: &str, body: impl FnOnce() -> Result<(), Failure>) -> i32 {
+#[doc(hidden)]
+pub fn at_border(name: &str, body: impl FnOnce() -> Result<(), Failure>) -> i32 {
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => ELLGRAN_SUCCESS,
         Ok(Err(failure)) => {
@@ -94,7 +101,8 @@ pub(super) fn at_border(name: &str, body: impl FnOnce() -> Result<(), Failure>) 
 ///
 /// # Safety
 /// `pointer` is NULL or valid for reads for the lifetime that the caller gives it.
-pub(super) unsafe fn required<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
+#[doc(hidden)]
+pub unsafe fn required<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
     // SAFETY: promised by the caller.
     unsafe { pointer.as_ref() }.ok_or_else(|| null(name))
 }
@@ -103,10 +111,8 @@ pub(super) unsafe fn required<'a, T>(pointer: *const T, name: &str) -> Result<&'
 ///
 /// # Safety
 /// `pointer` is NULL or valid for reads and writes, and not aliased, for the lifetime that the caller gives it.
-pub(super) unsafe fn required_mut<'a, T>(
-    pointer: *mut T,
-    name: &str,
-) -> Result<&'a mut T, Failure> {
+#[doc(hidden)]
+pub unsafe fn required_mut<'a, T>(pointer: *mut T, name: &str) -> Result<&'a mut T, Failure> {
     // SAFETY: promised by the caller.
     unsafe { pointer.as_mut() }.ok_or_else(|| null(name))
 }

@@ -17,6 +17,9 @@ pub(crate) mod global_minimum;
 #[cfg(feature = "std")]
 pub(crate) mod interior_point;
 pub mod plane;
+// Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+pub mod small_motion;
 pub(crate) mod spheroid;
 pub(crate) mod tangent_model;
 #[cfg(feature = "std")]

@@ -8,6 +8,9 @@
 use super::arrays::ParticleArrays;
 use super::batches::Batches;
 use super::memory::{reserve, Allocated};
+use crate::geometry::small_motion::{
+    allowed_turn, allowed_turn_per_margin, allowed_way, way_and_turn,
+};
 use crate::simd::Line;
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
@@ -160,7 +163,7 @@ impl Candidates {
     /// Square of the way that a particle may move.
     #[inline(always)]
     fn farthest(&self) -> f64 {
-        self.margin * self.margin * (1.0 / 16.0)
+        allowed_way(self.margin)
     }
 
     /// Begins anew for these particles: the margin, and the poses.
@@ -182,10 +185,6 @@ impl Candidates {
             self.shapes.push(a);
             let least = a[0].min(a[1]).min(a[2]);
             sum += least;
-            // The support function of a body that turns by an angle changes by at most the angle times this.
-            let spread = a[0].max(a[1]).max(a[2]) - least;
-            // A rotation by an angle t changes a quaternion of length L by 2 L sin(t/4): t <= 2.1 |change|/L up to t = 1.
-            let length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
             self.poses.push(Line([
                 x[0],
                 x[1],
@@ -194,14 +193,7 @@ impl Candidates {
                 q[1],
                 q[2],
                 q[3],
-                if spread == 0.0 {
-                    f64::INFINITY
-                } else if (1e-200..1e200).contains(&length) {
-                    length / (4.0 * 2.1 * spread).powi(2)
-                } else {
-                    // Changes of so short or so long a quaternion have no square: the candidates hold for none.
-                    -1.0
-                },
+                allowed_turn_per_margin(a, q),
             ]));
         }
         if self.relative_margin == 0.0 {
@@ -211,14 +203,7 @@ impl Candidates {
         self.margin = self.relative_margin * sum / arrays.positions.len().max(1) as f64;
         let square = self.margin * self.margin;
         for pose in &mut self.poses {
-            // At most a rotation by one radian; a sphere may turn as it likes.
-            let limit = pose.0[7];
-            pose.0[7] = if limit.is_finite() {
-                let length: f64 = pose.0[3..7].iter().map(|q| q * q).sum();
-                (limit * square).min(length * 0.2)
-            } else {
-                f64::INFINITY
-            };
+            pose.0[7] = allowed_turn(pose.0[7], square, &pose.0[3..7]);
         }
     }
 
@@ -252,10 +237,5 @@ impl Candidates {
 /// Squares of the way from a pose and of the change of its quaternion.
 #[inline(always)]
 fn motion(p: &[f64; 8], x: &[f64; 3], q: &[f64; 4]) -> (f64, f64) {
-    let (dx, dy, dz) = (x[0] - p[0], x[1] - p[1], x[2] - p[2]);
-    let (d0, d1, d2, d3) = (q[0] - p[3], q[1] - p[4], q[2] - p[5], q[3] - p[6]);
-    (
-        dx * dx + dy * dy + dz * dz,
-        d0 * d0 + d1 * d1 + d2 * d2 + d3 * d3,
-    )
+    way_and_turn(&p[..3], x, &p[3..7], q)
 }

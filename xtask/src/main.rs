@@ -81,7 +81,7 @@ enum Task {
     Path { what: Artefact },
     /// Install the missing tools and headers, or say how
     Setup,
-    /// Write include/ellgran.h from the Rust sources, and Python's declarations from it
+    /// Write include/ellgran.h and include/ellgran_gpu.h from the Rust sources, and Python's declarations from the first
     Header {
         /// Fail if a committed file differs, and write nothing
         #[arg(long)]

@@ -86,6 +86,11 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
         "lammps-plugin/README.md",
     ),
     ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
+    (
+        "cc -std=c99 examples/c/gpu_two_grains.c -Iinclude target/release/libellgran_gpu.a -lcuda -lm -lpthread -ldl -o gpu_two_grains",
+        "gpu/driver/tests/c_program.rs",
+        "gpu_two_grains.c",
+    ),
 ];
 
 /// Language of a block that a test runs or holds against what is there, page, file of the test.
@@ -126,8 +131,10 @@ const BLOCKS: &[(&str, &str, &str)] = &[
     ("text", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
 ];
 
-/// Printed, and run by nothing: whole programs would have to be built for them; tables of reference are made once.
+/// Printed, and run by nothing: whole programs would have to be built for them, or the library once more, which a test links as it is
+/// built for tests; tables of reference are made once.
 const NOT_RUN: &[&str] = &[
+    "cargo build --release --package ellgran-gpu",
     "cmake --build build-lammps",
     "python3 -m venv VENV && VENV/bin/pip install -r requirements.txt",
     "VENV/bin/python generate_hertz_factors.py",
@@ -240,7 +247,7 @@ fn every_printed_block_is_run_by_something() {
 fn every_file_that_a_page_shows_is_run_by_something() {
     let runners = output_of(
         std::process::Command::new("git")
-            .args(["ls-files", "tests/*.rs", "xtask/*.rs"])
+            .args(["ls-files", "tests/*.rs", "xtask/*.rs", "gpu/*.rs"])
             .current_dir(root()),
     )
     .expect("git");

@@ -9,6 +9,9 @@
 //! - [`contacts`]: force and torque of one grain's contacts, and their histories.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
+//! - [`poses`]: has a grain moved too far for the candidates of now.
+//! - [`pair_memory`]: histories go from one neighbour list to the next.
+//! - [`arguments`]: what each entry is called with.
 //!
 //! Each grain sums the forces of all its contacts, so each pair is computed twice, and no sum needs an atomic operation: the
 //! order of a sum is that of the neighbours, the same in every run. Both threads of a pair put its two grains in the same order,
@@ -19,10 +22,13 @@
 #[cfg(target_arch = "nvptx64")]
 extern crate ellgran_core as ellgran;
 
+pub mod arguments;
 pub mod candidates;
 pub mod contacts;
 pub mod integration;
 pub mod one_lane;
+pub mod pair_memory;
 pub mod planes;
+pub mod poses;
 pub mod preparation;
 pub mod shapes;

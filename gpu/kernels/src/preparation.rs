@@ -122,3 +122,9 @@ pub fn prepare_grain<K: Kind>(
     let unit = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
     Ok((K::prepare(centre, semi_axes, unit, velocity, omega), change))
 }
+
+/// Inverse of the mass of grain `k`, for effective masses.
+#[inline(always)]
+pub fn inverse_mass(k: usize, arrays: &EngineArrays<'_>) -> f64 {
+    1.0 / arrays.masses[k]
+}

@@ -1,150 +1,128 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The entries: what a thread does with which arrays. One thread for each grain, in a grid of one dimension. Every kernel takes the
-//! number of grains first; arrays are a pointer and a length in elements.
+//! number of grains first, and then one struct of `ellgran_kernels::arguments`.
+//!
+//! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Parts, Shared, Thread};
+use crate::memory::{entries, Here, Thread};
+use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran::contact::history::Remembers;
-use ellgran::contact::{HistoryLayout, MotionChange, Step};
-use ellgran::force::PairLaw;
+use ellgran::contact::{HistoryLayout, Step};
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
-use ellgran::vector::Vector3;
+use ellgran_kernels::arguments::{
+    CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
+    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments, RowArguments,
+    SceneArguments, ShapeArguments, FAULT, MOVED, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+};
 use ellgran_kernels::candidates::{candidates_of_grain, NewRow};
-use ellgran_kernels::contacts::{contacts_of_grain, marked_contacts_of_grain, Load, Row, Scene};
+use ellgran_kernels::contacts::{contacts_of_grain, marked_contacts_of_grain, Row, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
+use ellgran_kernels::pair_memory::{
+    carry_pairs, carry_wall, file, find, names_others, CarriedRow, PairsBefore, WRONG_NEIGHBOUR,
+    WRONG_ROW,
+};
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
-use ellgran_kernels::preparation::{prepare_grain, EngineArrays};
-use ellgran_kernels::shapes::{Ellipsoids, Grain, Spheres, Spheroids};
+use ellgran_kernels::poses::{has_moved, remembered_pose};
+use ellgran_kernels::preparation::{inverse_mass, prepare_grain, EngineArrays};
+use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 
-/// What all threads of a contact kernel read.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct SceneArrays {
-    grains: Shared<Grain>,
-    changes: Shared<MotionChange>,
-    types: Shared<u32>,
-    inverse_masses: Shared<f64>,
-    identifiers: Shared<i32>,
-    laws: Shared<PairLaw>,
-    time_step: f64,
-    type_count: u32,
-    /// 1 where histories advance, 0 in the set-up of a run.
-    advance_history: u32,
-    /// 1 where a history begins with a normal.
-    cached_normal: u32,
-    /// 1 where some law has `displacement rescaled`.
-    rescaled: u32,
+/// Leaves a note. Many threads may leave the same one.
+#[inline(always)]
+fn note(notes: &[AtomicU32], which: usize) {
+    notes[which].store(1, Ordering::Relaxed);
 }
 
-impl SceneArrays {
-    #[inline(always)]
-    fn scene(&self, friction: bool) -> Scene<'_> {
-        Scene {
-            grains: self.grains.all(),
-            changes: self.changes.all(),
-            types: self.types.all(),
-            inverse_masses: self.inverse_masses.all(),
-            identifiers: self.identifiers.all(),
-            laws: self.laws.all(),
-            type_count: self.type_count,
-            layout: HistoryLayout::new(Remembers {
-                normal: self.cached_normal != 0,
-                tangential: friction,
-                energy: self.rescaled != 0,
-                ..Remembers::default()
-            }),
-            step: Step {
-                time_step: self.time_step,
-                advance_history: self.advance_history != 0,
-            },
-        }
+#[inline(always)]
+fn is_noted(notes: &[AtomicU32], which: usize) -> bool {
+    notes[which].load(Ordering::Relaxed) != 0
+}
+
+/// What all threads of a contact kernel read; `friction` says whether histories have a tangential part.
+#[inline(always)]
+fn scene_of(arrays: &SceneArguments<Here>, friction: bool) -> Scene<'_> {
+    Scene {
+        grains: arrays.grains.all(),
+        changes: arrays.changes.all(),
+        types: arrays.types.all(),
+        inverse_masses: arrays.inverse_masses.all(),
+        identifiers: arrays.identifiers.all(),
+        laws: arrays.laws.all(),
+        type_count: arrays.type_count,
+        layout: HistoryLayout::new(Remembers {
+            normal: arrays.cached_normal != 0,
+            tangential: friction,
+            energy: arrays.rescaled != 0,
+            ..Remembers::default()
+        }),
+        step: Step {
+            time_step: arrays.time_step,
+            advance_history: arrays.advance_history != 0,
+        },
     }
 }
 
-/// Rows of a full neighbour list: row `k` is from `starts[k]` up to `starts[k + 1]`.
-#[repr(C)]
-pub struct RowArrays {
-    starts: Shared<u32>,
-    neighbours: Shared<u32>,
-    /// Candidates of row `k` from `starts[k]` on, as many as `candidate_counts[k]`.
-    candidates: Parts<u32>,
-    candidate_counts: Parts<u32>,
-    states: Parts<u32>,
-    histories: Parts<f64>,
-}
-
-impl RowArrays {
-    /// The thread's row with the candidates that were selected; `length` doubles a history.
-    #[inline(always)]
-    fn selected<'t>(&'t mut self, thread: &'t Thread, length: usize) -> Row<'t> {
-        let (starts, k) = (self.starts.all(), thread.index());
-        let count = *self.candidate_counts.one(thread) as usize;
-        Row {
-            neighbours: &self.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
-            candidates: &self.candidates.row(thread, starts, 1)[..count],
-            states: self.states.row(thread, starts, 1),
-            histories: self.histories.row(thread, starts, length),
-        }
+/// The thread's row with the candidates that were selected; `length` doubles a history.
+#[inline(always)]
+fn selected<'t>(rows: &'t mut RowArguments<Here>, thread: &'t Thread, length: usize) -> Row<'t> {
+    let (starts, k) = (rows.starts.all(), thread.index());
+    let count = *rows.candidate_counts.one(thread) as usize;
+    Row {
+        neighbours: &rows.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
+        candidates: &rows.candidates.row(thread, starts, 1)[..count],
+        states: rows.states.row(thread, starts, 1),
+        histories: rows.histories.row(thread, starts, length),
     }
 }
 
 macro_rules! prepare {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
-            /// Prepares grains. `faults` gets 0, or the number of what is wrong.
-            fn $name(
-                thread,
-                arrays: EngineNumbers,
-                grains: Parts<Grain>,
-                changes: Parts<MotionChange>,
-                faults: Parts<u32>,
-            ) {
-                let (mut grains, mut changes, mut faults) = (grains, changes, faults);
-                *faults.one(&thread) = match prepare_grain::<$kind>(thread.index(), &arrays.lent()) {
+            /// Prepares grains.
+            fn $name(thread, arguments: PrepareArguments<Here>) {
+                let a = &arguments;
+                let arrays = EngineArrays {
+                    positions: a.positions.all(),
+                    velocities: a.velocities.all(),
+                    angular_momenta: a.angular_momenta.all(),
+                    changes: a.changes.all(),
+                    masses: a.masses.all(),
+                    semi_axes: a.semi_axes.all(),
+                    quaternions: a.quaternions.all(),
+                    types: a.types.all(),
+                    type_count: a.type_count,
+                };
+                let outcome = prepare_grain::<$kind>(thread.index(), &arrays);
+                let inverse_mass = inverse_mass(thread.index(), &arrays);
+                let PrepareArguments {
+                    mut grains,
+                    mut motion_changes,
+                    mut inverse_masses,
+                    mut faults,
+                    notes,
+                    ..
+                } = arguments;
+                match outcome {
                     Ok((grain, change)) => {
                         *grains.one(&thread) = grain;
-                        if !changes.is_empty() {
-                            *changes.one(&thread) = change;
+                        if !motion_changes.is_empty() {
+                            *motion_changes.one(&thread) = change;
                         }
-                        0
+                        if !inverse_masses.is_empty() {
+                            *inverse_masses.one(&thread) = inverse_mass;
+                        }
                     }
-                    Err(fault) => fault as u32,
-                };
+                    Err(fault) => {
+                        let first = faults.one(&thread);
+                        if *first == 0 {
+                            *first = fault as u32;
+                        }
+                        note(notes.all(), FAULT);
+                    }
+                }
             }
         )*}
     };
-}
-
-/// An engine's arrays.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct EngineNumbers {
-    positions: Shared<[f64; 3]>,
-    velocities: Shared<[f64; 3]>,
-    angular_momenta: Shared<[f64; 3]>,
-    changes: Shared<[f64; 6]>,
-    masses: Shared<f64>,
-    semi_axes: Shared<[f64; 3]>,
-    quaternions: Shared<[f64; 4]>,
-    types: Shared<u32>,
-    type_count: u32,
-}
-
-impl EngineNumbers {
-    #[inline(always)]
-    fn lent(&self) -> EngineArrays<'_> {
-        EngineArrays {
-            positions: self.positions.all(),
-            velocities: self.velocities.all(),
-            angular_momenta: self.angular_momenta.all(),
-            changes: self.changes.all(),
-            masses: self.masses.all(),
-            semi_axes: self.semi_axes.all(),
-            quaternions: self.quaternions.all(),
-            types: self.types.all(),
-            type_count: self.type_count,
-        }
-    }
 }
 
 prepare! {
@@ -156,10 +134,13 @@ prepare! {
 macro_rules! candidates {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
-            /// Selects the candidates. `friction` is 1 where histories have a tangential part.
-            fn $name(thread, scene: SceneArrays, rows: RowArrays, margin: f64, friction: u32) {
-                let mut rows = rows;
-                let scene = scene.scene(friction != 0);
+            /// Selects the candidates.
+            fn $name(thread, arguments: CandidateArguments<Here>) {
+                let CandidateArguments { scene, mut rows, notes, margin, always } = arguments;
+                if always == 0 && !is_noted(notes.all(), MOVED) {
+                    return;
+                }
+                let scene = scene_of(&scene, scene.tangential != 0);
                 let length = scene.layout.length;
                 let starts = rows.starts.all();
                 let k = thread.index();
@@ -187,10 +168,10 @@ macro_rules! contacts {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
             /// Writes the loads of all contacts but those that are marked.
-            fn $name(thread, scene: SceneArrays, rows: RowArrays, loads: Parts<Load>) {
-                let (mut rows, mut loads) = (rows, loads);
-                let scene = scene.scene($friction);
-                let mut row = rows.selected(&thread, scene.layout.length);
+            fn $name(thread, arguments: ContactArguments<Here>) {
+                let ContactArguments { scene, mut rows, mut loads } = arguments;
+                let scene = scene_of(&scene, $friction);
+                let mut row = selected(&mut rows, &thread, scene.layout.length);
                 *loads.one(&thread) =
                     contacts_of_grain::<$kind, $friction, true, $conservative>(thread.index(), &scene, &mut row);
             }
@@ -214,10 +195,10 @@ macro_rules! marked_contacts {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
             /// Adds the loads of the contacts that are marked.
-            fn $name(thread, scene: SceneArrays, rows: RowArrays, loads: Parts<Load>, friction: u32) {
-                let (mut rows, mut loads) = (rows, loads);
-                let scene = scene.scene(friction != 0);
-                let mut row = rows.selected(&thread, scene.layout.length);
+            fn $name(thread, arguments: ContactArguments<Here>) {
+                let ContactArguments { scene, mut rows, mut loads } = arguments;
+                let scene = scene_of(&scene, scene.tangential != 0);
+                let mut row = selected(&mut rows, &thread, scene.layout.length);
                 let added = marked_contacts_of_grain::<$kind>(thread.index(), &scene, &mut row);
                 *loads.one(&thread) += added;
             }
@@ -231,34 +212,26 @@ marked_contacts! {
     ellgran_marked_contacts_ellipsoids: Ellipsoids;
 }
 
-/// A plane wall.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct PlaneNumbers {
-    point: Vector3,
-    normal: Vector3,
-    velocity: Vector3,
-    wall_type: u32,
-}
-
 macro_rules! planes {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
-            /// Adds the loads of a plane wall. States and histories are the grains' own with this wall.
-            fn $name(
-                thread,
-                scene: SceneArrays,
-                wall: PlaneNumbers,
-                states: Parts<u32>,
-                histories: Parts<f64>,
-                loads: Parts<Load>,
-            ) {
-                let (mut states, mut histories, mut loads) = (states, histories, loads);
-                let scene = scene.scene($friction);
+            /// Adds the loads of a plane wall.
+            fn $name(thread, arguments: PlaneArguments<Here>) {
+                let PlaneArguments {
+                    scene,
+                    point,
+                    normal,
+                    velocity,
+                    mut states,
+                    mut histories,
+                    mut loads,
+                    wall_type,
+                } = arguments;
+                let scene = scene_of(&scene, $friction);
                 let wall = MovingPlane {
-                    plane: Plane { point: wall.point, normal: wall.normal },
-                    velocity: wall.velocity,
-                    wall_type: wall.wall_type,
+                    plane: Plane { point, normal },
+                    velocity,
+                    wall_type,
                 };
                 let length = scene.layout.length;
                 let added = contact_with_plane::<$kind, $friction, true, $conservative>(
@@ -280,23 +253,6 @@ planes! {
     ellgran_plane_spheroids_friction_conservative: Spheroids, true, true;
     ellgran_plane_ellipsoids_conservative: Ellipsoids, false, true;
     ellgran_plane_ellipsoids_friction_conservative: Ellipsoids, true, true;
-}
-
-/// What motion reads and writes.
-#[repr(C)]
-pub struct MotionArrays {
-    positions: Parts<[f64; 3]>,
-    velocities: Parts<[f64; 3]>,
-    angular_momenta: Parts<[f64; 3]>,
-    quaternions: Parts<[f64; 4]>,
-    semi_axes: Shared<[f64; 3]>,
-    masses: Shared<f64>,
-    loads: Shared<Load>,
-    /// Empty where velocities are not extrapolated.
-    changes: Parts<[f64; 6]>,
-    loads_before: Parts<[f64; 6]>,
-    step_ratio: f64,
-    time_step: f64,
 }
 
 macro_rules! moving {
@@ -324,14 +280,14 @@ macro_rules! moving {
 }
 
 entries! {
-    /// The first half of a step. `faults` gets 0, or what is wrong: 1 shape, 2 quaternion, 3 mass, 4 a turn of more than half a
+    /// The first half of a step. `faults` gets what is wrong: 1 shape, 2 quaternion, 3 mass, 4 a turn of more than half a
     /// circle, 5 a rotation that grows within the step, 6 a semi-axis.
-    fn ellgran_start_step(thread, arrays: MotionArrays, faults: Parts<u32>) {
-        let (mut arrays, mut faults) = (arrays, faults);
+    fn ellgran_start_step(thread, arguments: MotionArguments<Here>) {
+        let mut arrays = arguments;
         let time_step = arrays.time_step;
         let outcome = start_step_of_grain(moving!(arrays, thread), time_step);
-        *faults.one(&thread) = match outcome {
-            Ok(()) => 0,
+        let fault = match outcome {
+            Ok(()) => return,
             Err(Refusal::Shape) => 1,
             Err(Refusal::Quaternion(_)) => 2,
             Err(Refusal::Mass(_)) => 3,
@@ -339,12 +295,126 @@ entries! {
             Err(Refusal::Rotation) => 5,
             Err(Refusal::SemiAxis(_)) => 6,
         };
+        let first = arrays.faults.one(&thread);
+        if *first == 0 {
+            *first = fault;
+        }
+        note(arrays.notes.all(), FAULT);
     }
 
     /// The second half of a step.
-    fn ellgran_finish_step(thread, arrays: MotionArrays) {
-        let mut arrays = arrays;
+    fn ellgran_finish_step(thread, arguments: MotionArguments<Here>) {
+        let mut arrays = arguments;
         let time_step = arrays.time_step;
         finish_step_of_grain(moving!(arrays, thread), time_step);
+    }
+
+    /// Notes whether a grain has moved too far for the candidates.
+    fn ellgran_has_moved(thread, arguments: MovedArguments<Here>) {
+        let MovedArguments { positions, quaternions, poses, notes, margin } = arguments;
+        let k = thread.index();
+        if has_moved(&poses.all()[k], positions.all()[k], quaternions.all()[k], margin) {
+            note(notes.all(), MOVED);
+        }
+    }
+
+    /// Remembers the poses in which candidates were selected.
+    fn ellgran_remember_poses(thread, arguments: PoseArguments<Here>) {
+        let PoseArguments { positions, quaternions, semi_axes, mut poses, notes, margin, always } = arguments;
+        let notes = notes.all();
+        if always == 0 && !is_noted(notes, MOVED) {
+            return;
+        }
+        let k = thread.index();
+        *poses.one(&thread) =
+            remembered_pose(positions.all()[k], quaternions.all()[k], semi_axes.all()[k], margin);
+        if k == 0 {
+            notes[SELECTIONS].fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Notes what the grains are not.
+    fn ellgran_find_shapes(thread, arguments: ShapeArguments<Here>) {
+        let ShapeArguments { semi_axes, notes } = arguments;
+        let shape = semi_axes.all()[thread.index()];
+        if !Spheres::takes(shape) {
+            note(notes.all(), NO_SPHERE);
+        }
+        if !Spheroids::takes(shape) {
+            note(notes.all(), NO_SPHEROID);
+        }
+    }
+
+    /// Files where the grains of the list before were.
+    fn ellgran_file_identifiers(thread, arguments: FileArguments<Here>) {
+        let FileArguments { identifiers, slots } = arguments;
+        let k = thread.index();
+        file(slots.all(), identifiers.all()[k], k as u32);
+    }
+
+    /// Carries over what is remembered of pairs, and checks the rows. `faults` gets what is wrong with one.
+    fn ellgran_carry_pairs(thread, arguments: CarryPairsArguments<Here>) {
+        let CarryPairsArguments {
+            identifiers,
+            starts,
+            neighbours,
+            slots,
+            starts_before,
+            partners_before,
+            states_before,
+            histories_before,
+            mut partners,
+            mut states,
+            mut histories,
+            mut faults,
+            notes,
+            length,
+        } = arguments;
+        let (k, length) = (thread.index(), length as usize);
+        let (identifiers, starts, neighbours) = (identifiers.all(), starts.all(), neighbours.all());
+        let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
+        let fault = match neighbours.get(from..to) {
+            None => WRONG_ROW,
+            Some(row) if !names_others(k, row, identifiers.len()) => WRONG_NEIGHBOUR,
+            Some(row) => {
+                let pairs = PairsBefore {
+                    starts: starts_before.all(),
+                    partners: partners_before.all(),
+                    states: states_before.all(),
+                    histories: histories_before.all(),
+                };
+                let mut row = CarriedRow {
+                    neighbours: row,
+                    partners: partners.row(&thread, starts, 1),
+                    states: states.row(&thread, starts, 1),
+                    histories: histories.row(&thread, starts, length),
+                };
+                carry_pairs(k, slots.all(), &pairs, identifiers, length, &mut row);
+                return;
+            }
+        };
+        *faults.one(&thread) = fault;
+        note(notes.all(), FAULT);
+    }
+
+    /// Carries over what is remembered of a wall.
+    fn ellgran_carry_wall(thread, arguments: CarryWallArguments<Here>) {
+        let CarryWallArguments {
+            identifiers,
+            slots,
+            states_before,
+            histories_before,
+            mut states,
+            mut histories,
+            length,
+        } = arguments;
+        let before = find(slots.all(), identifiers.all()[thread.index()]);
+        carry_wall(
+            before,
+            states_before.all(),
+            histories_before.all(),
+            states.one(&thread),
+            histories.of(&thread, length as usize),
+        );
     }
 }

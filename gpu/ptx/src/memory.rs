@@ -4,8 +4,8 @@
 //! What holds for every kernel, and is for its caller to see to:
 //! - an array is as long as its length says, of a type that every bit pattern in it is a value of, aligned, and there until the
 //!   kernel ends;
-//! - nothing writes to an array of the first kind while the kernel runs, and no array of the second kind overlaps with another
-//!   array of the call;
+//! - nothing writes to an array of the first kind while the kernel runs, unless it is of atomic numbers, and no array of the second
+//!   kind overlaps with another array of the call;
 //! - the grid has one dimension, so that no two threads have the same index.
 
 #![allow(unsafe_code)]
@@ -13,6 +13,15 @@
 use core::alloc::{GlobalAlloc, Layout};
 use core::arch::nvptx;
 use core::marker::PhantomData;
+use ellgran_kernels::arguments::Memory;
+
+/// The memory of a device, on the device.
+pub struct Here;
+
+impl Memory for Here {
+    type Shared<T> = Shared<T>;
+    type Parts<T> = Parts<T>;
+}
 
 /// An array that all threads read.
 #[derive(Clone, Copy)]

@@ -93,6 +93,64 @@ fn rate(card: &Card, kernel: &Kernel, history: u32) -> f64 {
     of_arithmetic.min(of_memory) / CONTACTS_PER_GRAIN
 }
 
+/// How the interface is used, and what it was tried with.
+const FROM_C: &str = "\
+## From C
+
+An engine that has its grains in the memory of a GPU gives their addresses there, and a stream. What is on the device stays there.
+
+```sh
+cargo build --release --package ellgran-gpu
+cc -std=c99 examples/c/gpu_two_grains.c -Iinclude target/release/libellgran_gpu.a -lcuda -lm -lpthread -ldl -o gpu_two_grains
+```
+
+- **One library.** `libellgran_gpu.a` has all of `libellgran.a`. `libellgran.a` itself has nothing of this, and no new dependency.
+- **No toolkit.** It builds and links on any machine. NVIDIA's driver is loaded when a GPU is opened; `-lcuda` is for what the program \
+itself calls. `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
+- **The device and context** are those of the thread (`ellgran_gpu_open_current`), as KOKKOS has chosen them, or the primary context of a \
+GPU by its number (`ellgran_gpu_open`).
+- **Opening a GPU** has the driver assemble the kernels. NVIDIA's `ptxas` needs some twenty seconds of a core for one generation; \
+what the driver needs is not known yet.
+- **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 20 bytes and \
+16 for each double of a history (132 with friction); there is a quarter more room than that. The kernel for deep contacts needs 18 kB a \
+thread, which the driver sets aside for as many threads as the GPU can hold.
+- **A step** starts kernels and returns: nothing is allocated, copied or waited for. Whether the candidates still hold is found on the \
+device, which selects them anew by itself.
+- **Histories** stay on the device. With a new list they are carried over by the identifiers of the grains, in whatever order the engine \
+has them now. Grains that come from another rank bring none with them.
+- **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
+identifier and the value.
+- **Shapes** choose the kernels: stated, or found with each list.
+
+| status | what is to be done |
+|---|---|
+| `ELLGRAN_GPU_ERROR_NO_DRIVER` | install NVIDIA's driver |
+| `ELLGRAN_GPU_ERROR_OLD_DRIVER` | install one of CUDA 11.0 or later |
+| `ELLGRAN_GPU_ERROR_NO_DEVICE` | look at `CUDA_VISIBLE_DEVICES`, or at the number of the GPU |
+| `ELLGRAN_GPU_ERROR_OLD_DEVICE` | use a GPU of sm_70 (Volta) or later |
+| `ELLGRAN_GPU_ERROR_ASSEMBLER` | report it, with the words of the driver's assembler in the message |
+| `ELLGRAN_GPU_ERROR_MEMORY` | fewer grains, or a larger GPU |
+| `ELLGRAN_GPU_ERROR_KERNEL` | a list or an array has changed, or is shorter than was said; the process must begin anew |
+| `ELLGRAN_GPU_ERROR_LAWS` | `factors hale`, `rolling`, `twisting`: use the host |
+| `ELLGRAN_GPU_ERROR_POINTER` | an array of the host was given: copy it to the GPU |
+
+A complete program, [gpu_two_grains.c](../examples/c/gpu_two_grains.c):
+
+```{literalinclude} ../examples/c/gpu_two_grains.c
+:language: c
+:lines: 2-
+```
+
+`cargo test -p ellgran-gpu` runs this program, each status, and the scenes of the kernels' tests over 60 steps with five neighbour lists, \
+in each of which the engine has its grains in another order: loads and histories agree with the lists in lanes to 1e-12, and no step \
+allocates, copies or waits. **All of it is on the stand-in for a driver.** That runs one thread after the other and starts nothing late, \
+so it cannot show what goes wrong between threads or streams of a GPU, nor how long anything takes.
+
+What is not there: curved walls and triangles, loads that are added to arrays of the engine with forces and torques apart, motion of \
+a part of the grains, contact masses of rigid bodies, tallies of energies, histories of grains from other ranks.
+
+";
+
 fn significant(x: f64) -> String {
     let exponent = x.log10().floor();
     format!("{:.1}e{exponent}", x / 10f64.powf(exponent))
@@ -103,15 +161,18 @@ pub fn page(figures: &Figures) -> String {
         "<!-- SPDX-License-Identifier: MIT OR Apache-2.0 -->\n\
          <!-- Made by `cargo xtask gpu` from xtask/src/gpu/page.rs; not to be edited. -->\n\
          # On a GPU\n\n\
-         **State: kernels, not yet a run.** The kernels are compiled from the library's own functions and tested on the host. No \
-         command of an engine starts them yet, and they have not run on a GPU. The styles for [LAMMPS with KOKKOS](kokkos.md) compute on the \
-         host, and refuse a LAMMPS with KOKKOS for GPUs.\n\n\
+         **State: kernels and a C interface, not yet a run.** The kernels are compiled from the library's own functions and tested on the \
+         host. The C interface that starts them is tested with a library that stands in for NVIDIA's driver: neither has run on a GPU. No \
+         command of an engine starts them yet. The styles for [LAMMPS with KOKKOS](kokkos.md) compute on the host, and refuse a LAMMPS with \
+         KOKKOS for GPUs.\n\n\
          ## What there is\n\n\
          | place | what it is |\n|---|---|\n\
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
          | `gpu/kernels` | what a thread does with one grain: preparation, candidates, contacts, planes, motion; no formula, no `unsafe` |\n\
          | `gpu/ptx` | the entries, and the memory of the device; the nightly compiler is pinned by date |\n\
-         | `gpu/ptx/ellgran.ptx` | what the compiler makes of it, with the hash of its sources |\n\n\
+         | `gpu/ptx/ellgran.ptx` | what the compiler makes of it, with the hash of its sources |\n\
+         | `gpu/driver` | the C interface, [ellgran_gpu.h](../include/ellgran_gpu.h): device pointers and a stream in |\n\
+         | `gpu/stand_in_driver` | NVIDIA's driver without a GPU, for tests: it runs the entries on the host, thread by thread |\n\n\
          - One thread computes one grain. It goes through the grain's whole row of a full neighbour list and sums its loads itself, so no \
          atomic operation is needed, and two runs give the same bits.\n\
          - Each pair is computed twice. Both threads put the grain with the lower identifier first, so they find the same force to the last bit.\n\
@@ -122,6 +183,7 @@ pub fn page(figures: &Figures) -> String {
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \
          compares them. `cargo xtask test` compares the hash of the sources alone, which needs no nightly.\n\n",
     );
+    text += FROM_C;
     let _ = write!(
         text,
         "## What the kernels need\n\n\

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The structs of the C interface: pointers to memory of the device, which are not followed here.
+
+/// Pointers to an engine's own arrays of grains in the memory of the GPU: owned grains first, then ghosts. World frame; any consistent
+/// units. Every array has `count` entries.
+///
+/// The arrays are read while what a call has started runs on its stream, and may move between calls. Values out of their range, which
+/// are those of `EllgranParticles`, are found on the GPU: `ellgran_gpu_check` tells of them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuGrains {
+    /// `sizeof(EllgranGpuGrains)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Grains that the caller owns: forces are computed for these, and these move.
+    pub owned_count: usize,
+    /// All grains, ghosts included; below 2^31.
+    pub count: usize,
+    /// Centres, [count][3].
+    pub positions: *const f64,
+    /// Velocities of the centres, [count][3]: those of the half step, or those of the step with `velocity_changes`.
+    pub velocities: *const f64,
+    /// Angular momenta of solid ellipsoids about their centres, [count][3]; of the same time.
+    pub angular_momenta: *const f64,
+    /// NULL, or what velocities and angular momenta have more than those of the half step, [count][6], as
+    /// `ellgran_gpu_start_step` writes it. NULL or not is decided with `ellgran_gpu_new_list`.
+    pub velocity_changes: *const f64,
+    /// Masses, [count].
+    pub masses: *const f64,
+    /// Semi-axes, [count][3]. They change with `ellgran_gpu_new_list` alone.
+    pub semi_axes: *const f64,
+    /// Quaternions (w, x, y, z), body to world, [count][4].
+    pub quaternions: *const f64,
+    /// Types, counted from 1, [count].
+    pub types: *const i32,
+    /// Identifiers, [count]: they order the two grains of a pair, and carry its history from list to list. A ghost has that of its
+    /// grain.
+    pub identifiers: *const i32,
+}
+
+/// An engine's full neighbour list in the memory of the GPU: each pair of owned grains twice, once in the row of either.
+///
+/// The list must hold each pair whose centres are closer than the sum of their two largest semi-axes plus a margin of the engine's. It
+/// can be used until a grain has moved by half of that margin. The arrays must stay as they are, and where they are, until the next
+/// call of `ellgran_gpu_new_list`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuList {
+    /// `sizeof(EllgranGpuList)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Where the row of each owned grain begins in `neighbours`, [owned_count + 1]; the last is the number of all entries. NULL where no
+    /// grain is owned.
+    pub starts: *const u32,
+    /// Indices of the neighbours.
+    pub neighbours: *const u32,
+    /// A length: pairs with a wider gap are left out until a grain has moved by half of it, which is found on the GPU. It changes no
+    /// result. On the host the margin settles between a thousandth and a fifth of the mean smallest semi-axis, the faster the motion the
+    /// wider.
+    pub margin: f64,
+}
+
+/// Pointers to what moves, in the memory of the GPU, [count] each; all owned grains move.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuMotion {
+    /// `sizeof(EllgranGpuMotion)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Number of grains: the owned ones of the list.
+    pub count: usize,
+    /// Centres, [count][3]; written by `ellgran_gpu_start_step`.
+    pub positions: *mut f64,
+    /// Velocities, [count][3]; written.
+    pub velocities: *mut f64,
+    /// Angular momenta, [count][3]; written.
+    pub angular_momenta: *mut f64,
+    /// Quaternions, [count][4]; `ellgran_gpu_start_step` writes them with length 1.
+    pub quaternions: *mut f64,
+    /// Semi-axes, [count][3].
+    pub semi_axes: *const f64,
+    /// Masses, [count].
+    pub masses: *const f64,
+    /// Force, then torque about the centre, [count][6].
+    pub loads: *const f64,
+    /// As of `EllgranMotion`: NULL, or what velocities and angular momenta have more than those of the half step, [count][6]; written.
+    pub velocity_changes: *mut f64,
+    /// As of `EllgranMotion`: forces and torques of the step before, [count][6]; read and written with `velocity_changes`.
+    pub loads_before: *mut f64,
+    /// As of `EllgranMotion`: time step of the step before; 0: that of now.
+    pub time_step_before: f64,
+}
+
+/// What a scene remembers, in the memory of the GPU. It may be read, and written for a restart, until the next call of
+/// `ellgran_gpu_new_list`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuHistories {
+    /// `sizeof(EllgranGpuHistories)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Entries of the neighbour list, or owned grains of a wall.
+    pub count: usize,
+    /// `ellgran_laws_history_length` of the laws.
+    pub length: usize,
+    /// 1 where a pair touches, else 0, [count].
+    pub touching: *mut u32,
+    /// [count][length]. Of a pair: as of the pair whose first grain has the lower identifier.
+    pub histories: *mut f64,
+}
+
+/// What a scene has done, and what it holds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuCounts {
+    /// `sizeof(EllgranGpuCounts)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// How often candidates were selected.
+    pub selections: u64,
+    /// Bytes of the GPU's memory that the scene holds.
+    pub bytes: u64,
+    /// ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS or ELLGRAN_GPU_ELLIPSOIDS, by which kernels are chosen; 0 before the first list.
+    pub shapes: i64,
+}
+
+/// Of `ellgran_gpu_scene_new`: each new list is looked through.
+pub const ELLGRAN_GPU_ANY_SHAPES: i32 = 0;
+/// All grains are spheres.
+pub const ELLGRAN_GPU_SPHERES: i32 = 1;
+/// All grains are spheroids or spheres.
+pub const ELLGRAN_GPU_SPHEROIDS: i32 = 2;
+/// Grains of any semi-axes.
+pub const ELLGRAN_GPU_ELLIPSOIDS: i32 = 3;

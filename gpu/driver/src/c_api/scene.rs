@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A scene: its laws, its neighbour list, its planes, and what it remembers.
+
+use super::gpu::EllgranGpu;
+use crate::arrays::{
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+};
+use crate::driver_library::Stream;
+use crate::entries::Shapes;
+use crate::scene::Scene;
+use core::ffi::c_void;
+use ellgran::c_api::growing::{given, Output};
+use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
+
+/// What is kept of a scene in the memory of a GPU. Opaque; it belongs to one thread at a time.
+///
+/// All calls with a scene take the stream of the caller (a `CUstream` or `cudaStream_t`; NULL is the default stream) and start their
+/// kernels on it, in the order of the calls. Calls with another stream must wait for the one before.
+pub struct EllgranGpuScene {
+    pub(super) scene: Scene,
+}
+
+/// Makes a scene with laws, which are copied. `shapes` is one of ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS and
+/// ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, those of simpler shapes having
+/// fewer instructions.
+///
+/// Laws with `factors hale`, `rolling` or `twisting` are refused: they have no kernel.
+///
+/// # Safety
+/// `gpu` and `laws` are NULL or valid; `scene` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_scene_new(
+    gpu: *const EllgranGpu,
+    laws: *const EllgranLaws,
+    shapes: i32,
+    scene: *mut *mut EllgranGpuScene,
+) -> i32 {
+    at_border("ellgran_gpu_scene_new", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (gpu, laws) = unsafe { (required(gpu, "gpu")?, required(laws, "laws")?) };
+        // SAFETY: `scene` is NULL or valid for writes, by this function's safety section.
+        let out = unsafe { required_mut(scene, "scene") }?;
+        let shapes = match shapes {
+            ELLGRAN_GPU_ANY_SHAPES => None,
+            ELLGRAN_GPU_SPHERES => Some(Shapes::Spheres),
+            ELLGRAN_GPU_SPHEROIDS => Some(Shapes::Spheroids),
+            ELLGRAN_GPU_ELLIPSOIDS => Some(Shapes::Ellipsoids),
+            _ => {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!("shapes = {shapes} is none of its constants"),
+                ))
+            }
+        };
+        let scene = Scene::new(&gpu.device, laws.table(), shapes)?;
+        *out = Box::into_raw(Box::new(EllgranGpuScene { scene }));
+        Ok(())
+    })
+}
+
+/// Frees a scene and its memory on the GPU, once all that was started is done; NULL is allowed.
+///
+/// # Safety
+/// `scene` is NULL or came from `ellgran_gpu_scene_new` and is not used again.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_scene_free(scene: *mut EllgranGpuScene) {
+    if !scene.is_null() {
+        // SAFETY: made by `Box::into_raw`, and not freed before, by this function's safety section.
+        drop(unsafe { Box::from_raw(scene) });
+    }
+}
+
+/// Begins with a new neighbour list, which replaces the one before; before the first step too. The order of the grains and their number
+/// may have changed.
+///
+/// - What is remembered of pairs that both lists have, and of grains with planes, is carried over on the GPU, by the identifiers of the
+///   grains. Of other pairs nothing is remembered, nor of an owned grain that was not in the list before, except with those that had it
+///   as a ghost: ranks that exchange grains write what they remember through `ellgran_gpu_histories`.
+/// - Memory is allocated as needed. No other call allocates any.
+/// - Grains are prepared and candidates selected: `ellgran_gpu_compute_pairs` may follow at once.
+/// - The call waits for what was started before, and for its own checks: a grain or a row with which something is wrong is an
+///   ELLGRAN_ERROR_PARTICLE that names it. What was remembered is then still there, and the call can be made again.
+///
+/// # Safety
+/// `scene` is NULL or valid; `grains` and `list` are NULL or valid, and their pointers are to memory of the GPU as they state.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_new_list(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    list: *const EllgranGpuList,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_new_list", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains, list) = unsafe {
+            (
+                required_mut(scene, "scene")?,
+                given(grains, "grains")?,
+                given(list, "list")?,
+            )
+        };
+        scene.scene.new_list(&grains, &list, Stream(stream))
+    })
+}
+
+/// Adds a plane wall to a scene and writes its number, counted from 0, to `plane`. The scene keeps the histories of its contacts; where
+/// it is and how it moves is told in each step.
+///
+/// # Safety
+/// `scene` is NULL or valid; `plane` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_add_plane(
+    scene: *mut EllgranGpuScene,
+    stream: *mut c_void,
+    plane: *mut i32,
+) -> i32 {
+    at_border("ellgran_gpu_add_plane", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, out) =
+            unsafe { (required_mut(scene, "scene")?, required_mut(plane, "plane")?) };
+        *out = scene.scene.add_plane(Stream(stream))? as i32;
+        Ok(())
+    })
+}
+
+/// Waits for all that was started on the stream, and tells of the first grain with which something was wrong since the last call of
+/// this or of `ellgran_gpu_new_list`: ELLGRAN_ERROR_PARTICLE, and a message that names it and the value it has now. `grains` are those
+/// of the steps since then.
+///
+/// A grain that cannot be prepared keeps the state in which it last could, one that cannot be moved its attitude: forces are wrong from
+/// then on. It need not be called in each step.
+///
+/// # Safety
+/// `scene` is NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_check(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_check", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains) = unsafe { (required_mut(scene, "scene")?, given(grains, "grains")?) };
+        scene.scene.check(&grains, Stream(stream))
+    })
+}
+
+/// Writes where the histories of pairs are in the memory of the GPU, those of row `k` from `starts[k]` on, or with `plane` 0 or greater
+/// those of that plane. `plane` = -1: of pairs.
+///
+/// # Safety
+/// `scene` is NULL or valid; `histories` is NULL or valid for writes of its `size` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_histories(
+    scene: *const EllgranGpuScene,
+    plane: i32,
+    histories: *mut EllgranGpuHistories,
+) -> i32 {
+    at_border("ellgran_gpu_histories", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, mut out) = unsafe {
+            (
+                required(scene, "scene")?,
+                Output::new(histories, "histories")?,
+            )
+        };
+        let plane = (plane != -1).then_some(plane);
+        out.write(&scene.scene.histories(plane)?);
+        Ok(())
+    })
+}
+
+/// Writes what a scene has done and holds. Waits for what was started on the stream.
+///
+/// # Safety
+/// `scene` is NULL or valid; `counts` is NULL or valid for writes of its `size` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_counts(
+    scene: *const EllgranGpuScene,
+    stream: *mut c_void,
+    counts: *mut EllgranGpuCounts,
+) -> i32 {
+    at_border("ellgran_gpu_counts", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, mut out) =
+            unsafe { (required(scene, "scene")?, Output::new(counts, "counts")?) };
+        out.write(&scene.scene.counts(Stream(stream))?);
+        Ok(())
+    })
+}

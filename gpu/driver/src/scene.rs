@@ -1,0 +1,955 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A scene on the device: what it holds from step to step, and which kernels a call starts, in which order.
+//!
+//! Memory is allocated with a new list alone. In a step nothing is allocated, nothing is copied, and nothing is waited for.
+
+use crate::arrays::{
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
+};
+use crate::device::{Array, Buffer, Device, OnDevice};
+use crate::driver_library::Stream;
+use crate::entries::{Chosen, Common, Shapes, Terms};
+use core::sync::atomic::{AtomicU32, AtomicU64};
+use ellgran::c_api::status::{
+    Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
+};
+use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
+use ellgran::contact::{Laws, MotionChange, Step};
+use ellgran::force::PairLaw;
+use ellgran::vector::Vector3;
+use ellgran::walls::MovingPlane;
+use ellgran_kernels::arguments::{
+    CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
+    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments, RowArguments,
+    SceneArguments, ShapeArguments, FAULT, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+};
+use ellgran_kernels::contacts::Load;
+use ellgran_kernels::pair_memory::{slots_for, WRONG_NEIGHBOUR, WRONG_ROW};
+use ellgran_kernels::preparation::Fault;
+use ellgran_kernels::shapes::Grain;
+use std::sync::Arc;
+
+fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
+    Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
+}
+
+/// The address of an array that must be given.
+fn address<T>(pointer: *const T, name: &str) -> Result<u64, Failure> {
+    if pointer.is_null() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_NULL_POINTER,
+            format!("{name} must not be NULL"),
+        ));
+    }
+    Ok(pointer.addr() as u64)
+}
+
+/// An array that must be given where it has elements.
+fn array<T, P>(pointer: *const P, length: usize, name: &str) -> Result<Array<T>, Failure> {
+    if length == 0 {
+        return Ok(Array::EMPTY);
+    }
+    Ok(Array::at(address(pointer, name)?, length))
+}
+
+/// An array that need not be given.
+fn optional<T, P>(pointer: *const P, length: usize) -> Array<T> {
+    Array::at(pointer.addr() as u64, length)
+}
+
+/// States and histories of one wall.
+struct WallMemory {
+    states: Buffer<u32>,
+    histories: Buffer<f64>,
+}
+
+/// What is remembered of the pairs of one list, and of walls.
+struct PairMemory {
+    owned: usize,
+    starts: Buffer<u32>,
+    /// Of all grains.
+    identifiers: Buffer<i32>,
+    partners: Buffer<i32>,
+    states: Buffer<u32>,
+    histories: Buffer<f64>,
+    walls: Vec<WallMemory>,
+}
+
+impl PairMemory {
+    fn new(device: &Arc<Device>) -> Self {
+        PairMemory {
+            owned: 0,
+            starts: Buffer::new(device),
+            identifiers: Buffer::new(device),
+            partners: Buffer::new(device),
+            states: Buffer::new(device),
+            histories: Buffer::new(device),
+            walls: Vec::new(),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let walls = self.walls.iter();
+        self.starts.bytes()
+            + self.identifiers.bytes()
+            + self.partners.bytes()
+            + self.states.bytes()
+            + self.histories.bytes()
+            + walls
+                .map(|w| w.states.bytes() + w.histories.bytes())
+                .sum::<usize>()
+    }
+}
+
+/// What a list was made with.
+#[derive(Clone, Copy)]
+struct Listed {
+    owned: usize,
+    count: usize,
+    neighbours: Array<u32>,
+    margin: f64,
+    has_changes: bool,
+}
+
+/// A scene.
+pub struct Scene {
+    device: Arc<Device>,
+    laws: Laws,
+    terms: Terms,
+    /// `None`: each new list is looked through.
+    stated: Option<Shapes>,
+    common: Common,
+    chosen: Option<Chosen>,
+    listed: Option<Listed>,
+    table: Buffer<PairLaw>,
+    grains: Buffer<Grain>,
+    changes: Buffer<MotionChange>,
+    inverse_masses: Buffer<f64>,
+    poses: Buffer<[f64; 8]>,
+    candidates: Buffer<u32>,
+    candidate_counts: Buffer<u32>,
+    /// Of grains that cannot be prepared, and of rows.
+    faults: Buffer<u32>,
+    /// Of grains that cannot be moved.
+    motion_faults: Buffer<u32>,
+    notes: Buffer<u32>,
+    slots: Buffer<u64>,
+    now: PairMemory,
+    /// The memory of the list before, or of a list that is being made.
+    other: PairMemory,
+}
+
+impl Scene {
+    /// A scene with these laws, which are copied to the device.
+    ///
+    /// # Errors
+    /// Laws without a kernel; a status of a GPU.
+    pub fn new(device: &Arc<Device>, laws: &Laws, stated: Option<Shapes>) -> Result<Self, Failure> {
+        let terms = Terms::of(laws)?;
+        let _entered = device.enter()?;
+        let stream = Stream(core::ptr::null_mut());
+        let types = 1..=laws.types();
+        let table: Vec<PairLaw> = types
+            .clone()
+            .flat_map(|i| types.clone().map(move |j| *laws.get(i, j)))
+            .collect();
+        let mut scene = Scene {
+            device: Arc::clone(device),
+            laws: laws.clone(),
+            terms,
+            stated,
+            common: Common::new(device)?,
+            chosen: None,
+            listed: None,
+            table: Buffer::new(device),
+            grains: Buffer::new(device),
+            changes: Buffer::new(device),
+            inverse_masses: Buffer::new(device),
+            poses: Buffer::new(device),
+            candidates: Buffer::new(device),
+            candidate_counts: Buffer::new(device),
+            faults: Buffer::new(device),
+            motion_faults: Buffer::new(device),
+            notes: Buffer::new(device),
+            slots: Buffer::new(device),
+            now: PairMemory::new(device),
+            other: PairMemory::new(device),
+        };
+        scene.table.resize(table.len())?;
+        scene.notes.resize(NOTES)?;
+        scene.notes.clear(stream)?;
+        let driver = device.driver();
+        driver.copy_in(scene.table.address(), &table, stream)?;
+        driver.synchronise(stream)?;
+        Ok(scene)
+    }
+
+    fn notes(&self) -> Array<AtomicU32> {
+        self.notes.all_as()
+    }
+
+    fn read_notes(&self, stream: Stream) -> Result<[u32; NOTES], Failure> {
+        let mut notes = [0; NOTES];
+        let driver = self.device.driver();
+        driver.copy_out(&mut notes, self.notes.address(), stream)?;
+        Ok(notes)
+    }
+
+    fn clear_note(&self, which: usize, stream: Stream) -> Result<(), Failure> {
+        let at = self.notes.address() + (which * size_of::<u32>()) as u64;
+        self.device.driver().clear(at, 1, stream)
+    }
+
+    /// The list of now, if these grains are those that it was made with.
+    fn listed_for(&self, g: &EllgranGpuGrains) -> Result<Listed, Failure> {
+        let Some(listed) = self.listed else {
+            return argument("there is no list yet: call ellgran_gpu_new_list first");
+        };
+        if (g.owned_count, g.count) != (listed.owned, listed.count) {
+            return argument(format!(
+                "owned_count = {} and count = {} of the grains were {} and {} with the list: call ellgran_gpu_new_list",
+                g.owned_count, g.count, listed.owned, listed.count
+            ));
+        }
+        if g.velocity_changes.is_null() == listed.has_changes {
+            return argument(
+                "velocity_changes are given now and were not with the list, or the other way round: call ellgran_gpu_new_list",
+            );
+        }
+        Ok(listed)
+    }
+
+    fn chosen(&self) -> Result<&Chosen, Failure> {
+        match &self.chosen {
+            Some(chosen) => Ok(chosen),
+            None => argument("there is no list yet: call ellgran_gpu_new_list first"),
+        }
+    }
+
+    /// What all threads of a contact kernel read.
+    fn scene_arguments(
+        &self,
+        g: &EllgranGpuGrains,
+        step: &Step,
+    ) -> Result<SceneArguments<OnDevice>, Failure> {
+        Ok(SceneArguments {
+            grains: self.grains.all(),
+            changes: if g.velocity_changes.is_null() {
+                Array::EMPTY
+            } else {
+                self.changes.all()
+            },
+            types: array(g.types, g.count, "types")?,
+            inverse_masses: self.inverse_masses.all(),
+            identifiers: array(g.identifiers, g.count, "identifiers")?,
+            laws: self.table.all(),
+            time_step: step.time_step,
+            type_count: self.laws.types() as u32,
+            advance_history: u32::from(step.advance_history),
+            cached_normal: u32::from(self.terms.cached_normal),
+            tangential: u32::from(self.terms.tangential),
+            rescaled: u32::from(self.terms.rescaled),
+        })
+    }
+
+    fn row_arguments(&self, memory: &PairMemory, neighbours: Array<u32>) -> RowArguments<OnDevice> {
+        RowArguments {
+            starts: memory.starts.all(),
+            neighbours,
+            candidates: self.candidates.all(),
+            candidate_counts: self.candidate_counts.all(),
+            states: memory.states.all(),
+            histories: memory.histories.all(),
+        }
+    }
+
+    fn launch_prepare(&self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+        let n = g.count;
+        let arguments = PrepareArguments {
+            positions: array(g.positions, n, "positions")?,
+            velocities: array(g.velocities, n, "velocities")?,
+            angular_momenta: array(g.angular_momenta, n, "angular_momenta")?,
+            changes: optional(g.velocity_changes, n),
+            masses: array(g.masses, n, "masses")?,
+            semi_axes: array(g.semi_axes, n, "semi_axes")?,
+            quaternions: array(g.quaternions, n, "quaternions")?,
+            types: array(g.types, n, "types")?,
+            grains: self.grains.all(),
+            motion_changes: self.changes.all(),
+            inverse_masses: self.inverse_masses.all(),
+            faults: self.faults.all(),
+            notes: self.notes(),
+            type_count: self.laws.types() as u32,
+        };
+        let prepare = &self.chosen()?.prepare;
+        prepare.launch(&self.device, stream, n, &arguments)
+    }
+
+    /// Selects candidates, all of them or where a grain has moved.
+    fn launch_candidates(
+        &self,
+        g: &EllgranGpuGrains,
+        memory: &PairMemory,
+        listed: &Listed,
+        always: bool,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        // Candidates do not depend on the step.
+        let step = Step {
+            time_step: 0.0,
+            advance_history: false,
+        };
+        let (margin, always) = (listed.margin, u32::from(always));
+        let arguments = CandidateArguments {
+            scene: self.scene_arguments(g, &step)?,
+            rows: self.row_arguments(memory, listed.neighbours),
+            notes: self.notes(),
+            margin,
+            always,
+        };
+        let candidates = &self.chosen()?.candidates;
+        candidates.launch(&self.device, stream, listed.owned, &arguments)?;
+        let arguments = PoseArguments {
+            positions: array(g.positions, g.count, "positions")?,
+            quaternions: array(g.quaternions, g.count, "quaternions")?,
+            semi_axes: array(g.semi_axes, g.count, "semi_axes")?,
+            poses: self.poses.all(),
+            notes: self.notes(),
+            margin,
+            always,
+        };
+        let remember = &self.common.remember_poses;
+        remember.launch(&self.device, stream, g.count, &arguments)?;
+        self.clear_note(MOVED, stream)
+    }
+
+    /// Begins with a new list: memory is allocated, histories are carried over, grains prepared, candidates selected.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments, a grain or a row, of this list or of the steps before; a status of a GPU. What was remembered
+    /// with the list before is then still there for another call.
+    pub fn new_list(
+        &mut self,
+        g: &EllgranGpuGrains,
+        list: &EllgranGpuList,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let (owned, count) = (g.owned_count, g.count);
+        if owned > count || count > i32::MAX as usize {
+            return argument(format!(
+                "owned_count = {owned} and count = {count}: there must be no more owned grains than grains, and fewer than 2^31"
+            ));
+        }
+        if !(list.margin >= 0.0 && list.margin <= LARGEST_COORDINATE) {
+            return argument(format!(
+                "margin = {:?} must be 0 or greater, at most {LARGEST_COORDINATE:e}",
+                list.margin
+            ));
+        }
+        let _entered = self.device.enter()?;
+        let driver = self.device.driver();
+        self.check_pointers(g, list)?;
+        self.report_faults(None, stream)?;
+        // From here on there is no list, until all is there.
+        self.listed = None;
+        let mut total = [0u32];
+        if owned > 0 {
+            let last = address(list.starts, "starts")? + (owned * size_of::<u32>()) as u64;
+            driver.copy_out(&mut total, last, stream)?;
+        } else {
+            driver.synchronise(stream)?;
+        }
+        let pairs = total[0] as usize;
+        let rows = if owned > 0 { owned + 1 } else { 0 };
+        let starts = array(list.starts, rows, "starts")?;
+        let listed = Listed {
+            owned,
+            count,
+            neighbours: array(list.neighbours, pairs, "neighbours")?,
+            margin: list.margin,
+            has_changes: !g.velocity_changes.is_null(),
+        };
+        self.choose(g, stream)?;
+        self.allocate(&listed, pairs)?;
+        self.faults.clear(stream)?;
+        self.motion_faults.clear(stream)?;
+        self.carry_over(g, starts, &listed, stream)?;
+        if owned > 0 {
+            let from = address(list.starts, "starts")?;
+            let bytes = (owned + 1) * size_of::<u32>();
+            driver.copy_within(self.other.starts.address(), from, bytes, stream)?;
+        }
+        if count > 0 {
+            let from = address(g.identifiers, "identifiers")?;
+            let bytes = count * size_of::<i32>();
+            driver.copy_within(self.other.identifiers.address(), from, bytes, stream)?;
+        }
+        self.launch_prepare(g, stream)?;
+        // A row that is wrong, or a type, would end the kernels that follow.
+        self.report_faults(Some(g), stream)?;
+        self.launch_candidates(g, &self.other, &listed, true, stream)?;
+        core::mem::swap(&mut self.now, &mut self.other);
+        self.listed = Some(listed);
+        Ok(())
+    }
+
+    /// Where the driver can tell, all arrays must be on the device.
+    fn check_pointers(&self, g: &EllgranGpuGrains, list: &EllgranGpuList) -> Result<(), Failure> {
+        if !self.device.checks_pointers {
+            return Ok(());
+        }
+        let pointers: [(u64, &str); 11] = [
+            (g.positions.addr() as u64, "positions"),
+            (g.velocities.addr() as u64, "velocities"),
+            (g.angular_momenta.addr() as u64, "angular_momenta"),
+            (g.velocity_changes.addr() as u64, "velocity_changes"),
+            (g.masses.addr() as u64, "masses"),
+            (g.semi_axes.addr() as u64, "semi_axes"),
+            (g.quaternions.addr() as u64, "quaternions"),
+            (g.types.addr() as u64, "types"),
+            (g.identifiers.addr() as u64, "identifiers"),
+            (list.starts.addr() as u64, "starts"),
+            (list.neighbours.addr() as u64, "neighbours"),
+        ];
+        for (pointer, name) in pointers {
+            if pointer != 0 {
+                self.device.driver().require_known(pointer, name)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The kernels for the shapes.
+    fn choose(&mut self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+        let shapes = match self.stated {
+            Some(shapes) => shapes,
+            None => {
+                self.clear_note(NO_SPHERE, stream)?;
+                self.clear_note(NO_SPHEROID, stream)?;
+                let arguments = ShapeArguments {
+                    semi_axes: array(g.semi_axes, g.count, "semi_axes")?,
+                    notes: self.notes(),
+                };
+                let find = &self.common.find_shapes;
+                find.launch(&self.device, stream, g.count, &arguments)?;
+                let notes = self.read_notes(stream)?;
+                match (notes[NO_SPHERE], notes[NO_SPHEROID]) {
+                    (0, _) => Shapes::Spheres,
+                    (_, 0) => Shapes::Spheroids,
+                    _ => Shapes::Ellipsoids,
+                }
+            }
+        };
+        if self.chosen.as_ref().is_none_or(|c| c.shapes != shapes) {
+            self.chosen = Some(Chosen::new(&self.device, shapes, self.terms)?);
+        }
+        Ok(())
+    }
+
+    /// Room for a list of so many pairs. Nothing is under way.
+    fn allocate(&mut self, listed: &Listed, pairs: usize) -> Result<(), Failure> {
+        let (owned, count) = (listed.owned, listed.count);
+        let length = self.laws.layout().length;
+        self.grains.resize(count)?;
+        self.changes
+            .resize(if listed.has_changes { count } else { 0 })?;
+        self.inverse_masses
+            .resize(if self.terms.mass { count } else { 0 })?;
+        self.poses.resize(count)?;
+        self.faults.resize(count)?;
+        self.motion_faults.resize(owned)?;
+        self.candidates.resize(pairs)?;
+        self.candidate_counts.resize(owned)?;
+        // Those of the list before; as many as this one has, so that the next list of the same size takes no more.
+        self.slots.resize(slots_for(self.now.owned.max(owned)))?;
+        let memory = &mut self.other;
+        memory.owned = owned;
+        memory.starts.resize(owned + 1)?;
+        memory.identifiers.resize(count)?;
+        memory.partners.resize(pairs)?;
+        memory.states.resize(pairs)?;
+        memory.histories.resize(pairs * length)?;
+        for wall in &mut memory.walls {
+            wall.states.resize(owned)?;
+            wall.histories.resize(owned * length)?;
+        }
+        Ok(())
+    }
+
+    /// What is remembered goes to the memory of the list that is being made; its rows are checked.
+    fn carry_over(
+        &self,
+        g: &EllgranGpuGrains,
+        starts: Array<u32>,
+        listed: &Listed,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let (now, new) = (&self.now, &self.other);
+        let length = self.laws.layout().length as u32;
+        let identifiers = array(g.identifiers, listed.count, "identifiers")?;
+        let slots: Array<AtomicU64> = self.slots.all_as();
+        self.slots.clear(stream)?;
+        let arguments = FileArguments {
+            identifiers: now.identifiers.all(),
+            slots,
+        };
+        let file = &self.common.file_identifiers;
+        file.launch(&self.device, stream, now.owned, &arguments)?;
+        let arguments = CarryPairsArguments {
+            identifiers,
+            starts,
+            neighbours: listed.neighbours,
+            slots,
+            starts_before: now.starts.all(),
+            partners_before: now.partners.all(),
+            states_before: now.states.all(),
+            histories_before: now.histories.all(),
+            partners: new.partners.all(),
+            states: new.states.all(),
+            histories: new.histories.all(),
+            faults: self.faults.all(),
+            notes: self.notes(),
+            length,
+        };
+        let carry = &self.common.carry_pairs;
+        carry.launch(&self.device, stream, listed.owned, &arguments)?;
+        for (before, wall) in now.walls.iter().zip(&new.walls) {
+            let arguments = CarryWallArguments {
+                identifiers,
+                slots,
+                states_before: before.states.all(),
+                histories_before: before.histories.all(),
+                states: wall.states.all(),
+                histories: wall.histories.all(),
+                length,
+            };
+            let carry = &self.common.carry_wall;
+            carry.launch(&self.device, stream, listed.owned, &arguments)?;
+        }
+        Ok(())
+    }
+
+    /// Prepares the grains of now, and selects candidates anew where one has moved by half of the margin.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    pub fn prepare(&mut self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+        let listed = self.listed_for(g)?;
+        let _entered = self.device.enter()?;
+        self.launch_prepare(g, stream)?;
+        let arguments = MovedArguments {
+            positions: array(g.positions, g.count, "positions")?,
+            quaternions: array(g.quaternions, g.count, "quaternions")?,
+            poses: self.poses.all(),
+            notes: self.notes(),
+            margin: listed.margin,
+        };
+        let moved = &self.common.has_moved;
+        moved.launch(&self.device, stream, g.count, &arguments)?;
+        self.launch_candidates(g, &self.now, &listed, false, stream)
+    }
+
+    /// Writes the loads of all contacts of the owned grains.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    pub fn compute_pairs(
+        &mut self,
+        g: &EllgranGpuGrains,
+        step: &Step,
+        loads: *mut f64,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let listed = self.listed_for(g)?;
+        let loads: Array<Load> = array(loads, listed.owned, "loads")?;
+        let _entered = self.device.enter()?;
+        let arguments = ContactArguments {
+            scene: self.scene_arguments(g, step)?,
+            rows: self.row_arguments(&self.now, listed.neighbours),
+            loads,
+        };
+        let chosen = self.chosen()?;
+        for entry in [&chosen.contacts, &chosen.marked_contacts] {
+            entry.launch(&self.device, stream, listed.owned, &arguments)?;
+        }
+        Ok(())
+    }
+
+    /// One more plane: its number.
+    ///
+    /// # Errors
+    /// Too little memory.
+    pub fn add_plane(&mut self, stream: Stream) -> Result<usize, Failure> {
+        let _entered = self.device.enter()?;
+        let length = self.laws.layout().length;
+        let owned = self.now.owned;
+        let mut wall = WallMemory {
+            states: Buffer::new(&self.device),
+            histories: Buffer::new(&self.device),
+        };
+        wall.states.resize(owned)?;
+        wall.histories.resize(owned * length)?;
+        wall.states.clear(stream)?;
+        wall.histories.clear(stream)?;
+        self.now.walls.push(wall);
+        self.other.walls.push(WallMemory {
+            states: Buffer::new(&self.device),
+            histories: Buffer::new(&self.device),
+        });
+        Ok(self.now.walls.len() - 1)
+    }
+
+    fn wall(&self, number: i32) -> Result<&WallMemory, Failure> {
+        let walls = &self.now.walls;
+        match usize::try_from(number).ok().and_then(|k| walls.get(k)) {
+            Some(wall) => Ok(wall),
+            None => argument(format!(
+                "there is no plane {number}: ellgran_gpu_add_plane has made {}",
+                walls.len()
+            )),
+        }
+    }
+
+    /// Adds the loads of a plane.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    #[allow(clippy::too_many_arguments)]
+    pub fn compute_plane(
+        &mut self,
+        g: &EllgranGpuGrains,
+        number: i32,
+        plane: &MovingPlane,
+        wall_type: i32,
+        step: &Step,
+        loads: *mut f64,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let listed = self.listed_for(g)?;
+        let wall = self.wall(number)?;
+        let types = self.laws.types();
+        let wall_type = match u32::try_from(wall_type) {
+            Ok(t) if t >= 1 && t as usize <= types => t,
+            _ => {
+                return argument(format!(
+                    "wall_type = {wall_type} must be between 1 and {types}"
+                ))
+            }
+        };
+        let _entered = self.device.enter()?;
+        let arguments = PlaneArguments {
+            scene: self.scene_arguments(g, step)?,
+            point: plane.plane.point,
+            normal: plane.plane.normal,
+            velocity: plane.velocity,
+            states: wall.states.all(),
+            histories: wall.histories.all(),
+            loads: array(loads, listed.owned, "loads")?,
+            wall_type,
+        };
+        let plane = &self.chosen()?.plane;
+        plane.launch(&self.device, stream, listed.owned, &arguments)
+    }
+
+    fn motion_arguments(
+        &self,
+        m: &EllgranGpuMotion,
+        time_step: f64,
+    ) -> Result<MotionArguments<OnDevice>, Failure> {
+        let n = m.count;
+        match self.listed {
+            Some(listed) if listed.owned == n => {}
+            _ => {
+                return argument(format!(
+                    "count = {n} of the motion is not the number of owned grains of a list: call ellgran_gpu_new_list first"
+                ))
+            }
+        }
+        let in_range = |t: f64| (0.0..=LONGEST_TIME_STEP).contains(&t);
+        for (t, name) in [
+            (time_step, "time_step"),
+            (m.time_step_before, "time_step_before"),
+        ] {
+            if !in_range(t) {
+                return argument(format!(
+                    "{name} = {t:?} must be a finite number, 0 or greater, at most {LONGEST_TIME_STEP:e}"
+                ));
+            }
+        }
+        let before = if m.time_step_before == 0.0 {
+            time_step
+        } else {
+            m.time_step_before
+        };
+        let loads_before = if m.velocity_changes.is_null() {
+            Array::EMPTY
+        } else {
+            array(m.loads_before, n, "loads_before")?
+        };
+        Ok(MotionArguments {
+            positions: array(m.positions, n, "positions")?,
+            velocities: array(m.velocities, n, "velocities")?,
+            angular_momenta: array(m.angular_momenta, n, "angular_momenta")?,
+            quaternions: array(m.quaternions, n, "quaternions")?,
+            semi_axes: array(m.semi_axes, n, "semi_axes")?,
+            masses: array(m.masses, n, "masses")?,
+            loads: array(m.loads, n, "loads")?,
+            changes: optional(m.velocity_changes, n),
+            loads_before,
+            faults: self.motion_faults.all(),
+            notes: self.notes(),
+            step_ratio: if time_step > 0.0 {
+                time_step / before
+            } else {
+                1.0
+            },
+            time_step,
+        })
+    }
+
+    /// The first half of a step.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    pub fn start_step(
+        &mut self,
+        m: &EllgranGpuMotion,
+        time_step: f64,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let arguments = self.motion_arguments(m, time_step)?;
+        let _entered = self.device.enter()?;
+        let start = &self.common.start_step;
+        start.launch(&self.device, stream, m.count, &arguments)
+    }
+
+    /// The second half of a step.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    pub fn finish_step(
+        &mut self,
+        m: &EllgranGpuMotion,
+        time_step: f64,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let arguments = self.motion_arguments(m, time_step)?;
+        let _entered = self.device.enter()?;
+        let finish = &self.common.finish_step;
+        finish.launch(&self.device, stream, m.count, &arguments)
+    }
+
+    /// Waits for what was started, and tells of the first grain with which something is wrong since the last call of this or of
+    /// [`Scene::new_list`].
+    ///
+    /// # Errors
+    /// That grain; a status of a GPU.
+    pub fn check(&mut self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+        self.listed_for(g)?;
+        let _entered = self.device.enter()?;
+        self.report_faults(Some(g), stream)
+    }
+
+    /// `g` are the grains for which faults were found; without them their values have been lost.
+    fn report_faults(&self, g: Option<&EllgranGpuGrains>, stream: Stream) -> Result<(), Failure> {
+        if self.read_notes(stream)?[FAULT] == 0 {
+            return Ok(());
+        }
+        let driver = self.device.driver();
+        let first = |faults: &Buffer<u32>| -> Result<Option<(usize, u32)>, Failure> {
+            let mut read = vec![0u32; faults.len()];
+            driver.copy_out(&mut read, faults.address(), stream)?;
+            Ok(read.into_iter().enumerate().find(|(_, fault)| *fault != 0))
+        };
+        let (moving, prepared) = (first(&self.motion_faults)?, first(&self.faults)?);
+        self.motion_faults.clear(stream)?;
+        self.faults.clear(stream)?;
+        self.clear_note(FAULT, stream)?;
+        // A grain that could not be moved is what was wrong first.
+        let found = match (moving, prepared) {
+            (Some((k, fault)), _) => Some((k, motion_words(fault).to_owned())),
+            (None, Some((k, fault))) => Some((k, self.prepared_words(k, fault, g, stream)?)),
+            (None, None) => None,
+        };
+        let Some((k, what)) = found else {
+            return Ok(());
+        };
+        let identifier = match g {
+            Some(g) => self.read::<i32, 1>(g.identifiers.addr(), k, stream)?,
+            None => self.read(self.now.identifiers.address() as usize, k, stream)?,
+        };
+        Err(Failure::new(
+            ELLGRAN_ERROR_PARTICLE,
+            format!("particle {}: {what}", identifier[0]),
+        ))
+    }
+
+    /// Entry `k` of an array of the device.
+    fn read<T: crate::driver_library::Number + Default, const N: usize>(
+        &self,
+        address: usize,
+        k: usize,
+        stream: Stream,
+    ) -> Result<[T; N], Failure> {
+        let mut values = [T::default(); N];
+        let at = address as u64 + (k * N * size_of::<T>()) as u64;
+        self.device.driver().copy_out(&mut values, at, stream)?;
+        Ok(values)
+    }
+
+    /// What is wrong with a grain that cannot be prepared, or with its row, with the values that it has now.
+    fn prepared_words(
+        &self,
+        k: usize,
+        fault: u32,
+        g: Option<&EllgranGpuGrains>,
+        stream: Stream,
+    ) -> Result<String, Failure> {
+        let is = |of: Fault| fault == of as u32;
+        let value = |name: &str, pointer: fn(&EllgranGpuGrains) -> (usize, usize)| {
+            let Some(g) = g else {
+                return Ok(name.to_owned());
+            };
+            let (address, length) = pointer(g);
+            let read = |n: usize| -> Result<Vec<f64>, Failure> {
+                Ok(match n {
+                    1 => self.read::<f64, 1>(address, k, stream)?.to_vec(),
+                    3 => self.read::<f64, 3>(address, k, stream)?.to_vec(),
+                    _ => self.read::<f64, 4>(address, k, stream)?.to_vec(),
+                })
+            };
+            Ok::<_, Failure>(format!("{name} = {:?}", read(length)?))
+        };
+        Ok(if is(Fault::Position) {
+            format!(
+                "{}: components must be finite and at most {LARGEST_COORDINATE:e}",
+                value("position", |g| (g.positions.addr(), 3))?
+            )
+        } else if is(Fault::Velocity) {
+            format!(
+                "{}: components at the half step must be finite and at most {LARGEST_VELOCITY:e}",
+                value("velocity", |g| (g.velocities.addr(), 3))?
+            )
+        } else if is(Fault::AngularVelocity) {
+            format!(
+                "{}: the angular velocity that goes with it must be finite, its components at most {LARGEST_VELOCITY:e}",
+                value("angular momentum", |g| (g.angular_momenta.addr(), 3))?
+            )
+        } else if is(Fault::Mass) {
+            format!(
+                "{} must be finite and within the range of masses",
+                value("mass", |g| (g.masses.addr(), 1))?
+            )
+        } else if is(Fault::Type) {
+            let given = match g {
+                Some(g) => format!(" = {}", self.read::<i32, 1>(g.types.addr(), k, stream)?[0]),
+                None => String::new(),
+            };
+            format!(
+                "type{given} must be between 1 and {}, the number of types of the laws",
+                self.laws.types()
+            )
+        } else if is(Fault::SemiAxis) {
+            format!(
+                "{} must be finite, greater than 0 and within the range of semi-axes",
+                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+            )
+        } else if is(Fault::AspectRatio) {
+            format!(
+                "{}: the largest must be at most 1e6 times the smallest",
+                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+            )
+        } else if is(Fault::Quaternion) {
+            format!(
+                "{} must be finite and not zero",
+                value("quaternion (w, x, y, z)", |g| (g.quaternions.addr(), 4))?
+            )
+        } else if is(Fault::Kind) {
+            format!(
+                "{} are not of the shapes that the scene was made for: make it with ELLGRAN_GPU_ANY_SHAPES",
+                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+            )
+        } else if fault == WRONG_ROW {
+            format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
+        } else if fault == WRONG_NEIGHBOUR {
+            "its row names a neighbour that is not one of the grains, or itself".to_owned()
+        } else {
+            format!("fault {fault}")
+        })
+    }
+
+    /// What is remembered of pairs, or of a plane.
+    ///
+    /// # Errors
+    /// There is no such plane, or no list.
+    pub fn histories(&self, plane: Option<i32>) -> Result<EllgranGpuHistories, Failure> {
+        if self.listed.is_none() {
+            return argument("there is no list yet: call ellgran_gpu_new_list first");
+        }
+        let (states, histories) = match plane {
+            None => (&self.now.states, &self.now.histories),
+            Some(number) => {
+                let wall = self.wall(number)?;
+                (&wall.states, &wall.histories)
+            }
+        };
+        let pointer = |address: u64| core::ptr::without_provenance_mut::<f64>(address as usize);
+        Ok(EllgranGpuHistories {
+            size: size_of::<EllgranGpuHistories>(),
+            count: states.len(),
+            length: self.laws.layout().length,
+            touching: pointer(states.address()).cast(),
+            histories: pointer(histories.address()),
+        })
+    }
+
+    /// What was done, and what is held. Waits for what was started.
+    ///
+    /// # Errors
+    /// A status of a GPU.
+    pub fn counts(&self, stream: Stream) -> Result<EllgranGpuCounts, Failure> {
+        let _entered = self.device.enter()?;
+        let bytes = self.table.bytes()
+            + self.grains.bytes()
+            + self.changes.bytes()
+            + self.inverse_masses.bytes()
+            + self.poses.bytes()
+            + self.candidates.bytes()
+            + self.candidate_counts.bytes()
+            + self.faults.bytes()
+            + self.motion_faults.bytes()
+            + self.notes.bytes()
+            + self.slots.bytes()
+            + self.now.bytes()
+            + self.other.bytes();
+        Ok(EllgranGpuCounts {
+            size: size_of::<EllgranGpuCounts>(),
+            selections: u64::from(self.read_notes(stream)?[SELECTIONS]),
+            bytes: bytes as u64,
+            shapes: match self.chosen.as_ref().map(|c| c.shapes) {
+                None => 0,
+                Some(Shapes::Spheres) => i64::from(crate::arrays::ELLGRAN_GPU_SPHERES),
+                Some(Shapes::Spheroids) => i64::from(crate::arrays::ELLGRAN_GPU_SPHEROIDS),
+                Some(Shapes::Ellipsoids) => i64::from(crate::arrays::ELLGRAN_GPU_ELLIPSOIDS),
+            },
+        })
+    }
+}
+
+/// What is wrong with a grain that cannot be moved: the numbers are those of the kernel.
+fn motion_words(fault: u32) -> &'static str {
+    match fault {
+        1 => "it has no shape",
+        2 => "its quaternion must be finite and not zero",
+        3 => "its mass must be a finite number greater than 0",
+        4 => "it would turn by more than half a circle in a step: take a smaller time step",
+        5 => "its rotation would grow within the step: take a smaller time step",
+        6 => "a semi-axis must be finite, greater than 0 and within the range of semi-axes",
+        _ => "it cannot be moved",
+    }
+}
+
+// The kernels write a load as six numbers.
+const _: () = assert!(size_of::<Load>() == 6 * size_of::<f64>());
+// And read a vector as three.
+const _: () = assert!(size_of::<Vector3>() == 3 * size_of::<f64>());

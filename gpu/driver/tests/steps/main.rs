@@ -1,0 +1,554 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Steps through the C interface on the stand-in for a driver, against the library's lists in lanes: loads, histories and motion, with
+//! ghosts, and with new neighbour lists for which the engine has brought its grains into another order.
+
+#![allow(unsafe_code)]
+// Each block calls functions of the interface with pointers to locals that outlive the call.
+#![allow(clippy::undocumented_unsafe_blocks)]
+
+mod planes;
+#[allow(dead_code)]
+#[path = "../../../kernels/tests/lanes/scene.rs"]
+mod scene;
+#[path = "../support/mod.rs"]
+mod support;
+
+use ellgran::c_api::particles::EllgranStep;
+use ellgran::contact::{HistoryLayout, Laws};
+use ellgran_gpu::arrays::{
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+};
+use ellgran_gpu::c_api::gpu::{ellgran_gpu_free, EllgranGpu};
+use ellgran_gpu::c_api::scene::{
+    ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_histories, ellgran_gpu_new_list,
+    ellgran_gpu_scene_free, ellgran_gpu_scene_new, EllgranGpuScene,
+};
+use ellgran_gpu::c_api::step::{
+    ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
+};
+use scene::{Lists, Scene, TIME_STEP};
+use support::{new, succeed, with_driver, Array, Engine};
+
+/// Of force, torque and history, relative to the largest of the scene.
+const TOLERANCE: f64 = 1e-12;
+const STEPS: usize = 60;
+/// Steps with one neighbour list.
+const BETWEEN_LISTS: usize = 15;
+const MARGIN: f64 = 0.2;
+/// Of the grains of a scene, the last ones are ghosts.
+const GHOSTS: usize = 25;
+
+const ELASTIC: &str = "hertz 1e7 0.3";
+const ELASTIC_PLAIN: &str = "hertz 1e7 0.3 conservative no";
+const MINDLIN: &str = "hertz 1e7 0.3 damping restitution 0.7 tangential mindlin 0.5";
+const VISCOELASTIC: &str = "nfd 1e7 0.3 300 200 tangential tfd 0.5 conservative no";
+const WHOLE: &str = "nfd 1e7 0.3 300 200 tangential tfd 0.5 conservative yes";
+const TOTAL: &str = "nfd 1e7 0.3 300 200 tangential tfd 0.5 displacement total";
+const LINEAR: &str = "lsd 1e5 10 tangential linear 5e4 3 0.4";
+
+/// A law for each type, parted by ` | `.
+fn laws_on_host(words: &str) -> Laws {
+    let own: Vec<_> = words.split(" | ").collect();
+    let n = own.len();
+    let parsed = |words: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        ellgran::force::syntax::parse(&words).unwrap().0
+    };
+    let table: Vec<_> = (0..n * n)
+        .map(|k| (k % (n + 1) == 0).then(|| parsed(own[k / n])))
+        .collect();
+    Laws::new(n, &table, true).unwrap()
+}
+
+fn near(a: f64, b: f64, scale: f64, tolerance: f64, what: &str, k: usize) {
+    assert!(
+        (a - b).abs() <= tolerance * scale,
+        "{what} of {k}: {a:e} {b:e}, apart by {:e} of {scale:e}",
+        (a - b).abs() / scale
+    );
+}
+
+/// The order in which the engine has the grains: owned ones first. Another one for each `round`.
+fn order(count: usize, owned: usize, round: usize) -> Vec<usize> {
+    let mixed = |first: usize, n: usize| -> Vec<usize> {
+        // Without a common divisor with 2, 5 and 10, of which the numbers of grains are products.
+        let stride = [1, 3, 7, 11, 13][round % 5];
+        (0..n).map(|k| first + (k * stride + round) % n).collect()
+    };
+    let mut all = mixed(0, owned);
+    all.extend(mixed(owned, count - owned));
+    all
+}
+
+/// The engine's arrays on the device.
+struct OnDevice {
+    engine: Engine,
+    /// Which grain of the scene is where.
+    order: Vec<usize>,
+    owned: usize,
+    positions: Array<[f64; 3]>,
+    velocities: Array<[f64; 3]>,
+    momenta: Array<[f64; 3]>,
+    quaternions: Array<[f64; 4]>,
+    changes: Array<[f64; 6]>,
+    loads_before: Array<[f64; 6]>,
+    semi_axes: Array<[f64; 3]>,
+    masses: Array<f64>,
+    types: Array<i32>,
+    identifiers: Array<i32>,
+    loads: Array<[f64; 6]>,
+    starts: Vec<u32>,
+    neighbours: Vec<u32>,
+    lists: (Array<u32>, Array<u32>),
+    of_step: bool,
+}
+
+fn sorted<T: Copy>(order: &[usize], values: &[T]) -> Vec<T> {
+    order.iter().map(|&k| values[k]).collect()
+}
+
+impl OnDevice {
+    fn new(engine: Engine, scene: &Scene, owned: usize, with_neighbours: bool) -> OnDevice {
+        let order = order(scene.count(), owned, 0);
+        let m = &scene.motion;
+        let identifiers: Vec<i32> = (1..=scene.count() as i32).collect();
+        let mut made = OnDevice {
+            positions: engine.put(&sorted(&order, &m.positions)),
+            velocities: engine.put(&sorted(&order, &m.velocities)),
+            momenta: engine.put(&sorted(&order, &m.angular_momenta)),
+            quaternions: engine.put(&sorted(&order, &m.quaternions)),
+            changes: engine.put(&sorted(&order, &m.changes)),
+            loads_before: engine.put(&sorted(&order, &m.loads_before)),
+            semi_axes: engine.put(&sorted(&order, &scene.semi_axes)),
+            masses: engine.put(&sorted(&order, &scene.masses)),
+            types: engine.put(&sorted(&order, &scene.types)),
+            identifiers: engine.put(&sorted(&order, &identifiers)),
+            loads: engine.put(&vec![[0.0; 6]; owned]),
+            starts: Vec::new(),
+            neighbours: Vec::new(),
+            lists: (engine.put(&[]), engine.put(&[])),
+            of_step: scene.of_step,
+            engine,
+            owned,
+            order,
+        };
+        made.list(scene, with_neighbours);
+        made
+    }
+
+    fn list(&mut self, scene: &Scene, with_neighbours: bool) {
+        self.starts = vec![0];
+        self.neighbours.clear();
+        for &i in &self.order[..self.owned] {
+            let row = (0..self.order.len() as u32)
+                .filter(|&j| with_neighbours && scene.are_neighbours(i, self.order[j as usize]));
+            self.neighbours.extend(row);
+            self.starts.push(self.neighbours.len() as u32);
+        }
+        self.lists = (
+            self.engine.put(&self.starts),
+            self.engine.put(&self.neighbours),
+        );
+    }
+
+    /// Another order of the grains, and a list of where they are now.
+    fn begin_anew(&mut self, scene: &Scene, round: usize, with_neighbours: bool) {
+        let loads = self.loads();
+        self.order = order(scene.count(), self.owned, round);
+        self.write_all(scene);
+        let identifiers: Vec<i32> = self.order.iter().map(|&k| k as i32 + 1).collect();
+        self.engine.write(&self.identifiers, 0, &identifiers);
+        let axes = sorted(&self.order, &scene.semi_axes);
+        self.engine.write(&self.semi_axes, 0, &axes);
+        let masses = sorted(&self.order, &scene.masses);
+        self.engine.write(&self.masses, 0, &masses);
+        let types = sorted(&self.order, &scene.types);
+        self.engine.write(&self.types, 0, &types);
+        let loads: Vec<[f64; 6]> = (self.order[..self.owned].iter())
+            .map(|&k| loads[k])
+            .collect();
+        self.engine.write(&self.loads, 0, &loads);
+        self.list(scene, with_neighbours);
+    }
+
+    /// All that moves, as the scene has it.
+    fn write_all(&self, scene: &Scene) {
+        self.write_from(scene, 0);
+    }
+
+    /// Of the grains from `first` on.
+    fn write_from(&self, scene: &Scene, first: usize) {
+        let (e, m) = (&self.engine, &scene.motion);
+        let order = &self.order[first..];
+        e.write(&self.positions, first, &sorted(order, &m.positions));
+        e.write(&self.velocities, first, &sorted(order, &m.velocities));
+        e.write(&self.momenta, first, &sorted(order, &m.angular_momenta));
+        e.write(&self.quaternions, first, &sorted(order, &m.quaternions));
+        e.write(&self.changes, first, &sorted(order, &m.changes));
+        e.write(&self.loads_before, first, &sorted(order, &m.loads_before));
+    }
+
+    fn grains(&self) -> EllgranGpuGrains {
+        EllgranGpuGrains {
+            owned_count: self.owned,
+            count: self.order.len(),
+            positions: self.positions.pointer(),
+            velocities: self.velocities.pointer(),
+            angular_momenta: self.momenta.pointer(),
+            velocity_changes: if self.of_step {
+                self.changes.pointer()
+            } else {
+                core::ptr::null()
+            },
+            masses: self.masses.pointer(),
+            semi_axes: self.semi_axes.pointer(),
+            quaternions: self.quaternions.pointer(),
+            types: self.types.pointer(),
+            identifiers: self.identifiers.pointer(),
+            ..new()
+        }
+    }
+
+    fn motion(&self) -> EllgranGpuMotion {
+        EllgranGpuMotion {
+            count: self.owned,
+            positions: self.positions.pointer(),
+            velocities: self.velocities.pointer(),
+            angular_momenta: self.momenta.pointer(),
+            quaternions: self.quaternions.pointer(),
+            semi_axes: self.semi_axes.pointer(),
+            masses: self.masses.pointer(),
+            loads: self.loads.pointer(),
+            velocity_changes: if self.of_step {
+                self.changes.pointer()
+            } else {
+                core::ptr::null_mut()
+            },
+            loads_before: self.loads_before.pointer(),
+            ..new()
+        }
+    }
+
+    fn neighbour_list(&self) -> EllgranGpuList {
+        EllgranGpuList {
+            starts: self.lists.0.pointer(),
+            neighbours: if self.neighbours.is_empty() {
+                core::ptr::null()
+            } else {
+                self.lists.1.pointer()
+            },
+            margin: MARGIN,
+            ..new()
+        }
+    }
+
+    /// Of the owned grains, in the order of the scene; zeros for ghosts.
+    fn loads(&self) -> Vec<[f64; 6]> {
+        self.in_order_of_the_scene(&self.engine.read(&self.loads))
+    }
+
+    fn in_order_of_the_scene<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
+        let mut all = vec![T::default(); self.order.len()];
+        for (&k, &value) in self.order[..self.owned].iter().zip(values) {
+            all[k] = value;
+        }
+        all
+    }
+
+    /// What moves, against the scene: the same operations but for the rotation, whose lanes fuse some. The scene goes on from what the
+    /// device has.
+    fn compare_motion(&self, scene: &mut Scene) {
+        let e = &self.engine;
+        let positions = self.in_order_of_the_scene(&e.read(&self.positions));
+        let velocities = self.in_order_of_the_scene(&e.read(&self.velocities));
+        let momenta = self.in_order_of_the_scene(&e.read(&self.momenta));
+        let quaternions = self.in_order_of_the_scene(&e.read(&self.quaternions));
+        let changes = self.in_order_of_the_scene(&e.read(&self.changes));
+        let m = &mut scene.motion;
+        for k in 0..self.owned {
+            assert_eq!(positions[k], m.positions[k], "{k}");
+            assert_eq!(velocities[k], m.velocities[k], "{k}");
+            assert_eq!(momenta[k], m.angular_momenta[k], "{k}");
+            if self.of_step {
+                assert_eq!(changes[k], m.changes[k], "{k}");
+            }
+            for (own, other) in quaternions[k].iter().zip(m.quaternions[k]) {
+                near(*own, other, 1.0, 1e-15, "quaternion", k);
+            }
+            m.quaternions[k] = quaternions[k];
+        }
+    }
+
+    /// Loads and histories against those of the lists: how many pairs touch. The scene goes on with the loads of the device.
+    fn compare(
+        &self,
+        scene: &mut Scene,
+        lists: &Lists,
+        layout: &HistoryLayout,
+        histories: &EllgranGpuHistories,
+    ) -> usize {
+        let largest = |of: &[[f64; 3]]| of.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let force = largest(&scene.forces);
+        // Torques are no smaller than what rounding of a force makes of them, in units of length of about 1.
+        let torque = largest(&scene.torques).max(force);
+        for (k, load) in self.loads().iter().enumerate().take(self.owned) {
+            for c in 0..3 {
+                near(load[c], scene.forces[k][c], force, TOLERANCE, "force", k);
+                let t = scene.torques[k][c];
+                near(load[3 + c], t, torque, TOLERANCE, "torque", k);
+                scene.forces[k][c] = load[c];
+                scene.torques[k][c] = load[3 + c];
+            }
+        }
+        assert_eq!(histories.count, self.neighbours.len());
+        assert_eq!(histories.length, layout.length);
+        let e = &self.engine;
+        let states: Vec<u32> = e.read_at(histories.touching.addr() as u64, histories.count);
+        let values: Vec<f64> = e.read_at(
+            histories.histories.addr() as u64,
+            histories.count * layout.length,
+        );
+        let mut largest = vec![0.0f64; layout.length];
+        for history in lists.histories.chunks(layout.length.max(1)) {
+            for (m, x) in largest.iter_mut().zip(history) {
+                *m = m.max(x.abs());
+            }
+        }
+        let memory = layout.memory.map_or(1.0, |at| {
+            largest[at..at + 3].iter().fold(0.0, |m, x| x.max(m))
+        });
+        let mut touching = 0;
+        for row in 0..self.owned {
+            let i = self.order[row];
+            for at in self.starts[row] as usize..self.starts[row + 1] as usize {
+                let j = self.order[self.neighbours[at] as usize];
+                let half = place(lists, i.min(j), i.max(j)).unwrap();
+                assert_eq!(states[at] as i32, lists.touching[half], "{i} {j}");
+                if states[at] == 0 {
+                    continue;
+                }
+                touching += 1;
+                let own = &values[at * layout.length..(at + 1) * layout.length];
+                let other = &lists.histories[half * layout.length..(half + 1) * layout.length];
+                for k in 0..layout.length {
+                    let scale = if layout.normal.is_some_and(|n| (n..n + 3).contains(&k)) {
+                        1.0
+                    } else if Some(k) == layout.energy {
+                        largest[k]
+                    } else {
+                        memory
+                    };
+                    near(own[k], other[k], scale, TOLERANCE, "history", k);
+                }
+            }
+        }
+        touching
+    }
+}
+
+/// Where a pair is in the lists of the host.
+fn place(lists: &Lists, low: usize, high: usize) -> Option<usize> {
+    (lists.starts[low]..lists.starts[low + 1]).find(|&k| lists.neighbours[k] == high as i32)
+}
+
+/// New lists of the host, with what the old ones remember.
+fn carried(scene: &Scene, laws: &Laws, old: &Lists) -> Lists {
+    let mut new = scene.lists(laws);
+    let length = new.length;
+    for low in 0..scene.count() {
+        for at in new.starts[low]..new.starts[low + 1] {
+            let Some(was) = place(old, low, new.neighbours[at] as usize) else {
+                continue;
+            };
+            new.touching[at] = old.touching[was];
+            let from = was * length..(was + 1) * length;
+            new.histories[at * length..(at + 1) * length].copy_from_slice(&old.histories[from]);
+        }
+    }
+    new
+}
+
+fn step_of(time_step: f64) -> EllgranStep {
+    EllgranStep {
+        advance_history: 1,
+        time_step,
+        ..new()
+    }
+}
+
+fn gpu_scene(words: &str, shapes: i32) -> (*mut EllgranGpu, *mut EllgranGpuScene) {
+    let gpu = support::open();
+    let mut made = core::ptr::null_mut();
+    let laws = support::laws(words);
+    unsafe {
+        succeed(ellgran_gpu_scene_new(gpu, laws, shapes, &mut made));
+        ellgran::c_api::law::ellgran_laws_free(laws);
+    }
+    (gpu, made)
+}
+
+fn compare(words: &str, stated: i32, shapes: i32, mut scene: Scene) -> EllgranGpuCounts {
+    let laws = laws_on_host(words);
+    let layout = laws.layout();
+    let owned = scene.count() - GHOSTS;
+    let (gpu, made) = gpu_scene(words, stated);
+    let mut device = OnDevice::new(Engine::new(), &scene, owned, true);
+    let stream = device.engine.stream;
+    let mut lists = scene.lists(&laws);
+    let mut unchanged = false;
+    let step = step_of(TIME_STEP);
+    let mut touching = 0;
+    unsafe {
+        let (grains, list) = (device.grains(), device.neighbour_list());
+        succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+        // A scene keeps its GPU open.
+        ellgran_gpu_free(gpu);
+        for now in 0..STEPS {
+            let motion = device.motion();
+            device.engine.in_a_step(|| {
+                succeed(ellgran_gpu_start_step(made, &motion, TIME_STEP, stream));
+            });
+            scene.start_step();
+            device.compare_motion(&mut scene);
+            if now % BETWEEN_LISTS == BETWEEN_LISTS - 1 {
+                device.begin_anew(&scene, now / BETWEEN_LISTS + 1, true);
+                let (grains, list) = (device.grains(), device.neighbour_list());
+                succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+                lists = carried(&scene, &laws, &lists);
+                unchanged = false;
+            } else {
+                // As ranks tell each other.
+                device.write_from(&scene, owned);
+                let grains = device.grains();
+                device.engine.in_a_step(|| {
+                    succeed(ellgran_gpu_prepare(made, &grains, stream));
+                });
+            }
+            let grains = device.grains();
+            device.engine.in_a_step(|| {
+                let loads = device.loads.pointer();
+                succeed(ellgran_gpu_compute_pairs(
+                    made, &grains, &step, loads, stream,
+                ));
+            });
+            scene.forces_in_lanes(&laws, &mut lists, unchanged);
+            unchanged = true;
+            let mut histories = new::<EllgranGpuHistories>();
+            succeed(ellgran_gpu_histories(made, -1, &mut histories));
+            touching += device.compare(&mut scene, &lists, &layout, &histories);
+            let motion = device.motion();
+            device.engine.in_a_step(|| {
+                succeed(ellgran_gpu_finish_step(made, &motion, TIME_STEP, stream));
+            });
+            scene.finish_step();
+            device.compare_motion(&mut scene);
+            succeed(ellgran_gpu_check(made, &grains, stream));
+        }
+        let mut counts = new::<EllgranGpuCounts>();
+        succeed(ellgran_gpu_counts(made, stream, &mut counts));
+        ellgran_gpu_scene_free(made);
+        assert_eq!(counts.shapes, i64::from(shapes));
+        assert!(touching > 50 * STEPS, "{touching}");
+        // Most steps are on candidates of an earlier one; each list has some of its own.
+        let lists = 1 + (STEPS / BETWEEN_LISTS) as u64;
+        assert!(
+            counts.selections >= lists && counts.selections < STEPS as u64 / 2,
+            "{counts:?}"
+        );
+        counts
+    }
+}
+
+const ANY: i32 = ELLGRAN_GPU_ANY_SHAPES;
+
+#[test]
+fn spheres() {
+    with_driver("spheres", &[], || {
+        for words in [ELASTIC, MINDLIN, VISCOELASTIC, LINEAR] {
+            compare(words, ANY, ELLGRAN_GPU_SPHERES, Scene::spheres());
+        }
+    });
+}
+
+#[test]
+fn spheroids() {
+    with_driver("spheroids", &[], || {
+        for words in [ELASTIC, ELASTIC_PLAIN, MINDLIN, VISCOELASTIC, WHOLE, TOTAL] {
+            let counts = compare(words, ANY, ELLGRAN_GPU_SPHEROIDS, Scene::spheroids());
+            // Grains move, and the device finds it.
+            assert!(counts.selections > 10, "{counts:?}");
+        }
+    });
+}
+
+#[test]
+fn spheres_among_spheroids() {
+    with_driver("spheres_among_spheroids", &[], || {
+        let scene = Scene::spheres_and_spheroids();
+        compare(WHOLE, ANY, ELLGRAN_GPU_SPHEROIDS, scene);
+    });
+}
+
+#[test]
+fn three_semi_axes() {
+    with_driver("three_semi_axes", &[], || {
+        for words in [ELASTIC, MINDLIN, VISCOELASTIC, WHOLE, LINEAR] {
+            compare(words, ANY, ELLGRAN_GPU_ELLIPSOIDS, Scene::ellipsoids());
+        }
+    });
+}
+
+/// Hard grains among soft ones, with another friction; each order of the two in a pair.
+#[test]
+fn two_types() {
+    with_driver("two_types", &[], || {
+        for words in [
+            "nfd 1e7 0.3 300 200 tangential tfd 0.5 | nfd 4e7 0.2 100 900 tangential tfd 0.9",
+            "hertz 1e7 0.3 damping restitution 0.7 tangential mindlin 0.5 | hertz 3e7 0.2 damping restitution 0.4 tangential mindlin 0.1",
+        ] {
+            let mut scene = Scene::ellipsoids();
+            for (k, particle_type) in scene.types.iter_mut().enumerate() {
+                *particle_type = 1 + (k % 3 == 0) as i32;
+            }
+            for (k, mass) in scene.masses.iter_mut().enumerate() {
+                *mass = 3.0 + (k % 4) as f64;
+            }
+            compare(words, ANY, ELLGRAN_GPU_ELLIPSOIDS, scene);
+        }
+    });
+}
+
+/// General kernels serve simpler shapes.
+#[test]
+fn stated_shapes() {
+    with_driver("stated_shapes", &[], || {
+        for stated in [ELLGRAN_GPU_SPHEROIDS, ELLGRAN_GPU_ELLIPSOIDS] {
+            compare(WHOLE, stated, stated, Scene::spheroids());
+        }
+    });
+}
+
+#[test]
+fn velocities_of_the_step() {
+    with_driver("velocities_of_the_step", &[], || {
+        let of_step = |scene: Scene| Scene {
+            of_step: true,
+            ..scene
+        };
+        let scene = of_step(Scene::spheroids());
+        compare(MINDLIN, ANY, ELLGRAN_GPU_SPHEROIDS, scene);
+        let scene = of_step(Scene::ellipsoids());
+        compare(WHOLE, ANY, ELLGRAN_GPU_ELLIPSOIDS, scene);
+    });
+}
+
+#[test]
+fn deep_contacts() {
+    with_driver("deep_contacts", &[], || {
+        let discs = Scene::flat_discs();
+        compare(WHOLE, ANY, ELLGRAN_GPU_SPHEROIDS, discs);
+        let blocks = Scene::flat_blocks();
+        compare(WHOLE, ANY, ELLGRAN_GPU_ELLIPSOIDS, blocks);
+    });
+}

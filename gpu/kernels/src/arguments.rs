@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What each entry is called with, written once: the entries on a device read it as arrays ([`Memory`] says how), and the host that
+//! starts them writes it as addresses and lengths.
+//!
+//! Every kernel takes the number of its threads that have something to do first, a `u32`, and then one of these.
+
+use crate::contacts::Load;
+use crate::shapes::Grain;
+use core::sync::atomic::{AtomicU32, AtomicU64};
+use ellgran::contact::MotionChange;
+use ellgran::force::PairLaw;
+use ellgran::vector::Vector3;
+
+/// How arrays are held: as a pointer and a length on a device, as an address and a length on its host. 16 bytes, aligned to 8.
+pub trait Memory {
+    /// An array that all threads read.
+    type Shared<T>;
+    /// An array of which each thread has a part.
+    type Parts<T>;
+}
+
+/// Of the notes that the threads of all kernels leave: a grain has moved too far for the candidates.
+pub const MOVED: usize = 0;
+/// How often candidates have been selected.
+pub const SELECTIONS: usize = 1;
+/// Something is wrong with a grain.
+pub const FAULT: usize = 2;
+/// A grain is no sphere.
+pub const NO_SPHERE: usize = 3;
+/// A grain is no spheroid.
+pub const NO_SPHEROID: usize = 4;
+/// Number of notes.
+pub const NOTES: usize = 5;
+
+/// What all threads of a contact kernel read.
+#[repr(C)]
+pub struct SceneArguments<M: Memory> {
+    /// Prepared grains, ghosts included.
+    pub grains: M::Shared<Grain>,
+    /// What their motion has more at the step; empty where velocities are those of the half step.
+    pub changes: M::Shared<MotionChange>,
+    /// Their types.
+    pub types: M::Shared<u32>,
+    /// Inverses of their masses; empty where no law reads masses.
+    pub inverse_masses: M::Shared<f64>,
+    /// Their identifiers.
+    pub identifiers: M::Shared<i32>,
+    /// The laws of all pairs of types, row by row.
+    pub laws: M::Shared<PairLaw>,
+    /// Time step.
+    pub time_step: f64,
+    /// Number of types.
+    pub type_count: u32,
+    /// 1 where histories advance, 0 in the set-up of a run.
+    pub advance_history: u32,
+    /// 1 where a history begins with a normal.
+    pub cached_normal: u32,
+    /// 1 where a history has a tangential part.
+    pub tangential: u32,
+    /// 1 where some law has `displacement rescaled`.
+    pub rescaled: u32,
+}
+
+/// Rows of a full neighbour list: row `k` is from `starts[k]` up to `starts[k + 1]`.
+#[repr(C)]
+pub struct RowArguments<M: Memory> {
+    /// One more than there are rows.
+    pub starts: M::Shared<u32>,
+    /// Indices of the neighbours.
+    pub neighbours: M::Shared<u32>,
+    /// Candidates of row `k` from `starts[k]` on, as many as `candidate_counts[k]`.
+    pub candidates: M::Parts<u32>,
+    /// How many of row `k` are candidates.
+    pub candidate_counts: M::Parts<u32>,
+    /// One state per neighbour.
+    pub states: M::Parts<u32>,
+    /// One history per neighbour.
+    pub histories: M::Parts<f64>,
+}
+
+/// Of `ellgran_prepare_*`: an engine's arrays, and what becomes of them.
+#[repr(C)]
+pub struct PrepareArguments<M: Memory> {
+    /// Centres.
+    pub positions: M::Shared<[f64; 3]>,
+    /// Velocities.
+    pub velocities: M::Shared<[f64; 3]>,
+    /// Angular momenta.
+    pub angular_momenta: M::Shared<[f64; 3]>,
+    /// What velocities and angular momenta have more than those of the half step; empty where they are these.
+    pub changes: M::Shared<[f64; 6]>,
+    /// Masses.
+    pub masses: M::Shared<f64>,
+    /// Semi-axes.
+    pub semi_axes: M::Shared<[f64; 3]>,
+    /// Quaternions.
+    pub quaternions: M::Shared<[f64; 4]>,
+    /// Types.
+    pub types: M::Shared<u32>,
+    /// Written: prepared grains.
+    pub grains: M::Parts<Grain>,
+    /// Written: what their motion has more at the step; may be empty.
+    pub motion_changes: M::Parts<MotionChange>,
+    /// Written: inverses of masses; may be empty.
+    pub inverse_masses: M::Parts<f64>,
+    /// The first fault of each grain stays here until the host has read it.
+    pub faults: M::Parts<u32>,
+    /// [`FAULT`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// Number of types.
+    pub type_count: u32,
+}
+
+/// Of `ellgran_has_moved`.
+#[repr(C)]
+pub struct MovedArguments<M: Memory> {
+    /// Centres.
+    pub positions: M::Shared<[f64; 3]>,
+    /// Quaternions.
+    pub quaternions: M::Shared<[f64; 4]>,
+    /// Poses in which candidates were selected.
+    pub poses: M::Shared<[f64; 8]>,
+    /// [`MOVED`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// That of the candidates.
+    pub margin: f64,
+}
+
+/// Of `ellgran_candidates_*`.
+#[repr(C)]
+pub struct CandidateArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// Its rows.
+    pub rows: RowArguments<M>,
+    /// [`MOVED`] is read.
+    pub notes: M::Shared<AtomicU32>,
+    /// The sum of the ways of two grains for which candidates remain valid.
+    pub margin: f64,
+    /// 0: they are selected where [`MOVED`] is left.
+    pub always: u32,
+}
+
+/// Of `ellgran_remember_poses`.
+#[repr(C)]
+pub struct PoseArguments<M: Memory> {
+    /// Centres.
+    pub positions: M::Shared<[f64; 3]>,
+    /// Quaternions.
+    pub quaternions: M::Shared<[f64; 4]>,
+    /// Semi-axes.
+    pub semi_axes: M::Shared<[f64; 3]>,
+    /// Written.
+    pub poses: M::Parts<[f64; 8]>,
+    /// [`MOVED`] is read, [`SELECTIONS`] counted.
+    pub notes: M::Shared<AtomicU32>,
+    /// That of the candidates.
+    pub margin: f64,
+    /// 0: they are written where [`MOVED`] is left.
+    pub always: u32,
+}
+
+/// Of `ellgran_contacts_*` and `ellgran_marked_contacts_*`.
+#[repr(C)]
+pub struct ContactArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// Its rows, with candidates.
+    pub rows: RowArguments<M>,
+    /// Written by the first, added to by the second.
+    pub loads: M::Parts<Load>,
+}
+
+/// Of `ellgran_plane_*`. States and histories are the grains' own with this wall.
+#[repr(C)]
+pub struct PlaneArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// A point of the plane.
+    pub point: Vector3,
+    /// Its normal, of length 1.
+    pub normal: Vector3,
+    /// How fast it moves.
+    pub velocity: Vector3,
+    /// One state per grain.
+    pub states: M::Parts<u32>,
+    /// One history per grain.
+    pub histories: M::Parts<f64>,
+    /// Added to.
+    pub loads: M::Parts<Load>,
+    /// Type of the wall.
+    pub wall_type: u32,
+}
+
+/// Of `ellgran_start_step` and `ellgran_finish_step`.
+#[repr(C)]
+pub struct MotionArguments<M: Memory> {
+    /// Centres.
+    pub positions: M::Parts<[f64; 3]>,
+    /// Velocities.
+    pub velocities: M::Parts<[f64; 3]>,
+    /// Angular momenta.
+    pub angular_momenta: M::Parts<[f64; 3]>,
+    /// Quaternions.
+    pub quaternions: M::Parts<[f64; 4]>,
+    /// Semi-axes.
+    pub semi_axes: M::Shared<[f64; 3]>,
+    /// Masses.
+    pub masses: M::Shared<f64>,
+    /// Forces and torques.
+    pub loads: M::Shared<Load>,
+    /// Empty where velocities are not extrapolated.
+    pub changes: M::Parts<[f64; 6]>,
+    /// Forces and torques of the step before; read with `changes`.
+    pub loads_before: M::Parts<[f64; 6]>,
+    /// The first fault of each grain stays here until the host has read it.
+    pub faults: M::Parts<u32>,
+    /// [`FAULT`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// This step over the one before.
+    pub step_ratio: f64,
+    /// Time step.
+    pub time_step: f64,
+}
+
+/// Of `ellgran_find_shapes`.
+#[repr(C)]
+pub struct ShapeArguments<M: Memory> {
+    /// Semi-axes.
+    pub semi_axes: M::Shared<[f64; 3]>,
+    /// [`NO_SPHERE`] and [`NO_SPHEROID`] are left.
+    pub notes: M::Shared<AtomicU32>,
+}
+
+/// Of `ellgran_file_identifiers`.
+#[repr(C)]
+pub struct FileArguments<M: Memory> {
+    /// Identifiers of the grains of the list before.
+    pub identifiers: M::Shared<i32>,
+    /// Zeros before; see [`crate::pair_memory::file`].
+    pub slots: M::Shared<AtomicU64>,
+}
+
+/// Of `ellgran_carry_pairs`: from the list before to a new one.
+#[repr(C)]
+pub struct CarryPairsArguments<M: Memory> {
+    /// Identifiers of all grains of now.
+    pub identifiers: M::Shared<i32>,
+    /// Rows of now.
+    pub starts: M::Shared<u32>,
+    /// Their neighbours.
+    pub neighbours: M::Shared<u32>,
+    /// Where grains were in the list before.
+    pub slots: M::Shared<AtomicU64>,
+    /// Rows of the list before.
+    pub starts_before: M::Shared<u32>,
+    /// Identifiers of their neighbours.
+    pub partners_before: M::Shared<i32>,
+    /// Their states.
+    pub states_before: M::Shared<u32>,
+    /// Their histories.
+    pub histories_before: M::Shared<f64>,
+    /// Written: identifiers of the neighbours of now.
+    pub partners: M::Parts<i32>,
+    /// Written.
+    pub states: M::Parts<u32>,
+    /// Written.
+    pub histories: M::Parts<f64>,
+    /// What is wrong with a row.
+    pub faults: M::Parts<u32>,
+    /// [`FAULT`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// Doubles of a history.
+    pub length: u32,
+}
+
+/// Of `ellgran_carry_wall`: the histories of one wall.
+#[repr(C)]
+pub struct CarryWallArguments<M: Memory> {
+    /// Identifiers of the grains of now.
+    pub identifiers: M::Shared<i32>,
+    /// Where grains were in the list before.
+    pub slots: M::Shared<AtomicU64>,
+    /// Their states.
+    pub states_before: M::Shared<u32>,
+    /// Their histories.
+    pub histories_before: M::Shared<f64>,
+    /// Written.
+    pub states: M::Parts<u32>,
+    /// Written.
+    pub histories: M::Parts<f64>,
+    /// Doubles of a history.
+    pub length: u32,
+}
