@@ -58,6 +58,11 @@ int FixEllgranEnergyBalance::setmask()
   return INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | END_OF_STEP;
 }
 
+bool LAMMPS_NS::computes_ask_for_energies(const Modify *modify)
+{
+  return !modify->get_compute_by_style("^pair$").empty() || !modify->get_compute_by_style("^energy/ellipsoid$").empty();
+}
+
 void FixEllgranEnergyBalance::init()
 {
   find_sources();
@@ -96,7 +101,7 @@ void FixEllgranEnergyBalance::refuse_what_cannot_work() const
 
   for (Fix *wall : walls) {
     int dimension = 0;
-    if (!*static_cast<const bool *>(wall->extract("sums_energies", dimension)))
+    if (*static_cast<const bool *>(wall->extract("leaves_energies_out", dimension)))
       error->all(FLERR, "{}: fix {} of style {} sums up no energies: take 'energies no' away", caller, wall->id, wall->style);
   }
 

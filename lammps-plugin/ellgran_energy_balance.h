@@ -15,6 +15,9 @@
 
 namespace LAMMPS_NS {
 
+/// Whether a compute exists that asks what contacts dissipate, so that pair style and walls sum it up from the next run on.
+[[nodiscard]] bool computes_ask_for_energies(const class Modify *modify);
+
 /// Gathers the energies that the pair style and the walls tally. What happens between two runs (`delete_atoms`, `velocity`,
 /// `unfix` of a wall, another law) is no part of the balance: it compares the beginning of each run with its end.
 ///

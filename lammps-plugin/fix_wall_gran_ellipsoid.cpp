@@ -2,6 +2,7 @@
 
 #include "fix_wall_gran_ellipsoid.h"
 
+#include "ellgran_energy_balance.h"
 #include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
@@ -72,7 +73,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
-    contact_histories(nullptr), tells_contacts(false), sums_energies(true), scene_may_change(true), step_of_forces(-2), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    contact_histories(nullptr), tells_contacts(false), keeps_energies(false), leaves_energies_out(false), sums_energies(false), scene_may_change(true), step_of_forces(-2), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
 {
@@ -87,7 +88,6 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   int iarg = parse_law(narg, arg);
   iarg = parse_wall(iarg, narg, arg);
   parse_keywords(iarg, narg, arg);
-  check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
   check_periodicity();
   histories_length = static_cast<int>(ellgran_wall_histories_length(wall, laws));
 
@@ -98,7 +98,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   extlist = new int[NUMBER_OF_OUTPUTS];
   for (int k = 0; k < NUMBER_OF_OUTPUTS; k++) extlist[k] = (k < NUMBER_OF_SUMS) ? 1 : 0;
   global_freq = 1;
-  energy_global_flag = sums_energies ? 1 : 0;
+  energy_global_flag = leaves_energies_out ? 0 : 1;
   create_attribute = 1;
   restart_global = 1;
   time_depend = wiggles ? 1 : 0;
@@ -331,7 +331,8 @@ int FixWallGranEllipsoid::parse_keywords(int iarg, int narg, char **arg)
     }
     if (word == "energies") {
       require_values("energies", 1, iarg, narg);
-      sums_energies = utils::logical(FLERR, arg[iarg + 1], false, lmp) != 0;
+      keeps_energies = utils::logical(FLERR, arg[iarg + 1], false, lmp) != 0;
+      leaves_energies_out = !keeps_energies;
       iarg += 2;
       continue;
     }
@@ -492,6 +493,8 @@ void FixWallGranEllipsoid::init()
   if ((wiggles || moves || rotates || servo) && input->command && std::strcmp(input->command, "rerun") == 0)
     error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
   place_step_velocity_fix();
+  sums_energies = energies_wanted();
+  check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
   scene_may_change = atoms.shapes_may_change() || group->dynamic[igroup];
 
   fix_rigid = nullptr;
@@ -792,13 +795,19 @@ void FixWallGranEllipsoid::sum_output()
   summed = true;
 }
 
+bool FixWallGranEllipsoid::energies_wanted() const
+{
+  if (leaves_energies_out) return false;
+  return keeps_energies || thermo_energy || computes_ask_for_energies(modify);
+}
+
 /* Whoever asks for energies that are not summed up gets a message and no zero. */
 
 void FixWallGranEllipsoid::require_energies(const std::string &value) const
 {
-  if (!sums_energies)
-    error->all(FLERR, "{} {}: f_{}{} is an energy, which the fix does not sum up with 'energies no': use 'energies yes'", CALLER, id,
-               id, value);
+  if (sums_energies || !has_forces) return;
+  const char *const reason = leaves_energies_out ? "with 'energies no'" : "where no compute pair or energy/ellipsoid exists as a run starts";
+  error->all(FLERR, "{} {}: f_{}{} is an energy, which the fix does not sum up {}: use 'energies yes'", CALLER, id, id, value, reason);
 }
 
 double FixWallGranEllipsoid::compute_scalar()
@@ -827,7 +836,7 @@ double FixWallGranEllipsoid::compute_vector(int k)
 void *FixWallGranEllipsoid::extract(const char *name, int &dimension_of)
 {
   dimension_of = 0;
-  if (std::strcmp(name, "sums_energies") == 0) return &sums_energies;
+  if (std::strcmp(name, "leaves_energies_out") == 0) return &leaves_energies_out;
   if (std::strcmp(name, "normal_elastic_energy") == 0) return &tallies.normal_elastic_energy;
   if (std::strcmp(name, "tangential_elastic_energy") == 0) return &tallies.tangential_elastic_energy;
   if (std::strcmp(name, "viscous_dissipation") == 0) return &tallies.viscous_dissipation;

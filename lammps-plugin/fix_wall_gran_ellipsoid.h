@@ -108,6 +108,8 @@ class FixWallGranEllipsoid : public Fix {
 
   // The contacts, one row each, if asked for
   bool tells_contacts;
+  // Whether energies are summed up: in all runs, in none, or (neither) where somebody asks for them; and in this one
+  bool keeps_energies, leaves_energies_out;
   bool sums_energies;
   // Whether atoms may change in a run without a new neighbour list; the last step whose forces were computed
   bool scene_may_change;
@@ -187,6 +189,7 @@ class FixWallGranEllipsoid : public Fix {
   void find_contact_masses();
   void sum_output();
   void require_energies(const std::string &value) const;
+  [[nodiscard]] bool energies_wanted() const;
 };
 
 }    // namespace LAMMPS_NS

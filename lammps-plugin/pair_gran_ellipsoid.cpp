@@ -2,6 +2,7 @@
 
 #include "pair_gran_ellipsoid.h"
 
+#include "ellgran_energy_balance.h"
 #include "ellgran_half_step.h"
 #include "ellgran_history.h"
 #include "ellgran_kokkos.h"
@@ -506,7 +507,7 @@ void PairGranEllipsoid::init_style()
   shapes_may_change = atoms.shapes_may_change();
 
   gather_work();
-  work_wanted = !modify->get_compute_by_style("^pair$").empty() || !modify->get_compute_by_style("^energy/ellipsoid$").empty();
+  work_wanted = computes_ask_for_energies(modify);
   evaluation_wanted = !modify->get_compute_by_style("^pair/local$").empty();
   evaluation.count = -1;
 

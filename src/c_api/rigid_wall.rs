@@ -478,10 +478,9 @@ pub(super) unsafe fn prepare_near(
         });
         Some((Vector3::from_array(positions[k]), reach))
     };
-    if p.unchanged == 0 {
+    let found_again = p.unchanged != 0 && wall.find_near_again(motion, positions).is_some();
+    if !found_again {
         wall.find_near(motion, owned, centre_and_reach);
-    } else {
-        wall.find_near_again(motion, positions, centre_and_reach);
     }
     let purpose = if as_records {
         Purpose::ChosenRecords(wall.near())

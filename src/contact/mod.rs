@@ -23,6 +23,8 @@ pub mod staged;
 #[cfg(feature = "std")]
 mod turning_normal;
 #[cfg(feature = "std")]
+pub(crate) mod vectors_in_lanes;
+#[cfg(feature = "std")]
 pub(crate) mod wall_batch;
 #[cfg(feature = "std")]
 pub mod without_history;

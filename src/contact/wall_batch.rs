@@ -15,16 +15,12 @@ use super::lane_law::{constants_of, factors_for};
 use super::particle::Particle;
 use super::staged::{WallSurface, LEAST_CURVATURE};
 use super::turning_normal::{along_and_across, TurningNormal};
+use super::vectors_in_lanes::{load, put_in_lane, Column, Columns};
 use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, Ellipsoid, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
-
-/// One number of all lanes.
-type Column = [f64; MOST_LANES];
-/// A vector of all lanes.
-type Columns = [Column; 3];
 
 /// What the lanes load.
 #[derive(Clone, Debug, Default)]
@@ -90,12 +86,6 @@ pub(crate) struct WallLanes {
     pub hard: u32,
 }
 
-fn set(columns: &mut Columns, lane: usize, v: Vector3) {
-    columns[0][lane] = v.x;
-    columns[1][lane] = v.y;
-    columns[2][lane] = v.z;
-}
-
 impl<'a> WallBatch<'a> {
     /// Empty.
     pub fn new(set: InstructionSet) -> Self {
@@ -148,30 +138,30 @@ impl<'a> WallBatch<'a> {
         self.laws[lane] = Some(law);
         let n = &mut self.numbers;
         for (columns, axis) in n.axes.iter_mut().zip(i.body.axes) {
-            set(columns, lane, axis);
+            put_in_lane(columns, lane, axis);
         }
-        set(&mut n.semi_axes, lane, i.body.semi_axes);
-        set(&mut n.inverse_semi_axes, lane, i.body.inverse_semi_axes);
-        set(&mut n.offset, lane, i.position - surface.point);
-        set(&mut n.normal, lane, surface.normal);
-        set(&mut n.direction, lane, surface.direction);
+        put_in_lane(&mut n.semi_axes, lane, i.body.semi_axes);
+        put_in_lane(&mut n.inverse_semi_axes, lane, i.body.inverse_semi_axes);
+        put_in_lane(&mut n.offset, lane, i.position - surface.point);
+        put_in_lane(&mut n.normal, lane, surface.normal);
+        put_in_lane(&mut n.direction, lane, surface.direction);
         for k in 0..2 {
             n.curvatures[k][lane] = surface.curvatures[k];
             n.turning_radii[k][lane] = surface.turning_radii[k];
             self.curved |= surface.turning_radii[k].is_finite();
         }
-        set(&mut n.velocity, lane, i.velocity - surface.velocity);
-        set(&mut n.omega, lane, i.omega);
+        put_in_lane(&mut n.velocity, lane, i.velocity - surface.velocity);
+        put_in_lane(&mut n.omega, lane, i.omega);
         if let Some(change) = &i.change {
-            set(&mut n.velocity_change, lane, change.velocity);
-            set(&mut n.omega_change, lane, change.omega);
+            put_in_lane(&mut n.velocity_change, lane, change.velocity);
+            put_in_lane(&mut n.omega_change, lane, change.omega);
         }
         n.effective_mass[lane] = effective_mass;
         let [normal, memory] = last.map_or([-surface.normal, Vector3::ZERO], |last| {
             [last.normal, last.memory]
         });
-        set(&mut n.last_normal, lane, normal);
-        set(&mut n.memory, lane, memory);
+        put_in_lane(&mut n.last_normal, lane, normal);
+        put_in_lane(&mut n.memory, lane, memory);
         n.energy[lane] = last.map_or(0.0, |last| last.energy);
         self.continued |= u32::from(last.is_some()) << lane;
     }
@@ -290,15 +280,6 @@ impl Stage for Contacts<'_, '_> {
     fn run<S: Registers>(self, registers: S) {
         *self.found = contacts(registers, self.batch, self.laws, self.step);
     }
-}
-
-#[inline(always)]
-fn vector<S: Registers>(registers: S, columns: &Columns) -> Vector3<Lanes<S>> {
-    Vector3::new(
-        Lanes::load(registers, &columns[0]),
-        Lanes::load(registers, &columns[1]),
-        Lanes::load(registers, &columns[2]),
-    )
 }
 
 /// A body in each lane beside a surface, in one frame, in which the surface is at rest.
@@ -547,40 +528,40 @@ fn contacts<S: Registers>(
     let numbers = &batch.numbers;
     let kinds: &LawKinds = &laws[0].kinds;
 
-    let outwards = vector(registers, &numbers.normal);
+    let outwards = load(registers, &numbers.normal);
     let mut at = BodyAtSurface {
         body: Ellipsoid {
             axes: [
-                vector(registers, &numbers.axes[0]),
-                vector(registers, &numbers.axes[1]),
-                vector(registers, &numbers.axes[2]),
+                load(registers, &numbers.axes[0]),
+                load(registers, &numbers.axes[1]),
+                load(registers, &numbers.axes[2]),
             ],
-            semi_axes: vector(registers, &numbers.semi_axes),
-            inverse_semi_axes: vector(registers, &numbers.inverse_semi_axes),
+            semi_axes: load(registers, &numbers.semi_axes),
+            inverse_semi_axes: load(registers, &numbers.inverse_semi_axes),
         },
         outwards,
-        height: outwards.dot(vector(registers, &numbers.offset)),
-        velocity: vector(registers, &numbers.velocity),
-        omega: vector(registers, &numbers.omega),
+        height: outwards.dot(load(registers, &numbers.offset)),
+        velocity: load(registers, &numbers.velocity),
+        omega: load(registers, &numbers.omega),
         change: None,
         effective_mass: Lanes::load(registers, &numbers.effective_mass),
     };
     if batch.changes {
         at.change = Some(MotionChange {
-            velocity: vector(registers, &numbers.velocity_change),
-            omega: vector(registers, &numbers.omega_change),
+            velocity: load(registers, &numbers.velocity_change),
+            omega: load(registers, &numbers.omega_change),
         });
     }
     let placed = PlacedAtSurface::new(registers, at);
     let remembered = Remembered {
         continued: registers.mask(batch.continued),
-        normal: vector(registers, &numbers.last_normal),
-        memory: vector(registers, &numbers.memory),
+        normal: load(registers, &numbers.last_normal),
+        memory: load(registers, &numbers.memory),
         energy: Lanes::load(registers, &numbers.energy),
         time: Lanes::splat(registers, step.elapsed()),
     };
     let wall = CurvedWall {
-        direction: vector(registers, &numbers.direction),
+        direction: load(registers, &numbers.direction),
         curvatures: [
             Lanes::load(registers, &numbers.curvatures[0]),
             Lanes::load(registers, &numbers.curvatures[1]),

@@ -3,7 +3,7 @@
 
 use super::motion::Motion;
 use super::shape::{ConeSide, Side};
-use super::vectors_in_lanes::splat;
+use crate::contact::vectors_in_lanes::splat;
 use crate::geometry::cone::{Cone, DepthInCone, LONGEST_STEP, MOST_STEPS, SHORTEST_STEP};
 use crate::geometry::ConvexBody;
 use crate::real::Real;

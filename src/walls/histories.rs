@@ -207,26 +207,38 @@ impl WallHistoryLayout {
         None
     }
 
-    /// Writes the record of the only contact of a particle, but for its history, which it gives.
+    /// Writes the record of the only contact of a particle: `place` is 1, any number, point and normal; the history begins with the numbers of
+    /// `history`, and goes on with zeros.
     #[inline(always)]
-    pub(super) fn write_one<'h>(
+    pub(super) fn write_one(
         &self,
-        histories: &'h mut [f64],
+        histories: &mut [f64],
         part: usize,
-        point: [f64; 3],
-        normal: [f64; 3],
-    ) -> &'h mut [f64] {
+        place: &[f64; 1 + HEAD],
+        history: &[f64; 8],
+    ) {
         let end = 1 + self.record;
         if histories[0] > 1.0 {
             let used = self.used(histories);
             histories[end..used].fill(0.0);
         }
-        histories[0] = 1.0;
-        let record = &mut histories[1..end];
-        record[0] = (part + 1) as f64;
-        record[1..4].copy_from_slice(&point);
-        record[4..7].copy_from_slice(&normal);
-        &mut record[HEAD..]
+        let (head, rest) = histories[..end].split_at_mut(1 + HEAD);
+        head.copy_from_slice(place);
+        head[1] = (part + 1) as f64;
+        // Copies of a length known here, which most are, are no calls.
+        macro_rules! copy {
+            ($($length:literal)*) => {
+                match rest.len() {
+                    $($length => rest.copy_from_slice(&history[..$length]),)*
+                    _ => {
+                        let count = rest.len().min(history.len());
+                        rest[..count].copy_from_slice(&history[..count]);
+                        rest[count..].fill(0.0);
+                    }
+                }
+            };
+        }
+        copy!(3 4 6 7);
     }
 
     /// Writes the record of a contact.

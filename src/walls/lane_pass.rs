@@ -11,10 +11,10 @@ use super::histories::WallHistoryLayout;
 use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
 use super::motion::Motion;
 use super::touching_loads::TouchingLoads;
-use super::vectors_in_lanes::splat;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
 use crate::contact::particle::response_to_torque;
+use crate::contact::vectors_in_lanes::{load, put_in_lane, splat, Column, Columns};
 use crate::contact::wall_batch::{BodyAtSurface, CurvedWall, ForcesAtSurface, PlacedAtSurface};
 use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
 use crate::force::{largest_springs, PairLaw};
@@ -25,11 +25,6 @@ use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES
 use crate::tallies::{InelasticLoad, Tallies};
 use crate::vector::Vector3;
 use core::ops::Range;
-
-/// One number of all lanes.
-type Column = [f64; MOST_LANES];
-/// A vector of all lanes.
-type Columns = [Column; 3];
 
 /// What a call is given.
 pub struct RecordsInput<'a> {
@@ -94,7 +89,13 @@ pub fn compute_wall_in_lanes(
         step: input.step,
     };
     pass.find(wall.shapes(), &places, input.instruction_set);
-    let recalled = pass.recall(&wall.near, layout, &of_laws, output.histories);
+    let recalled = pass.recall(
+        &wall.near,
+        layout,
+        &of_laws,
+        output.histories,
+        input.instruction_set,
+    );
     if let Err(wrong) = recalled {
         wall.lone = pass;
         return Err(WallError::History(wrong));
@@ -206,23 +207,6 @@ impl LoneContacts {
     }
 }
 
-/// A vector of each lane.
-#[inline(always)]
-fn load<S: Registers>(registers: S, columns: &Columns) -> Vector3<Lanes<S>> {
-    Vector3::new(
-        Lanes::load(registers, &columns[0]),
-        Lanes::load(registers, &columns[1]),
-        Lanes::load(registers, &columns[2]),
-    )
-}
-
-#[inline(always)]
-fn put_in_lane(columns: &mut Columns, lane: usize, v: Vector3) {
-    columns[0][lane] = v.x;
-    columns[1][lane] = v.y;
-    columns[2][lane] = v.z;
-}
-
 /// Adds the forces of the contacts that were found, remembers them, and names those that the lanes hand back.
 struct AddForces<'p, 'i, 't> {
     input: &'p RecordsInput<'i>,
@@ -248,6 +232,18 @@ struct Numbers {
     point: Columns,
     inverse_mass: Column,
     mass: Column,
+}
+
+/// What the lanes write of a contact, a line each.
+#[repr(C, align(64))]
+struct Results {
+    /// Force and torque.
+    action: [Line; MOST_LANES],
+    /// What is remembered of it, as [`WallHistoryLayout::write_one`] wants it.
+    place: [Line; MOST_LANES],
+    history: [Line; MOST_LANES],
+    /// [`Loads`].
+    loads: [[Line; MOST_LANES]; 2],
 }
 
 /// What each lane sums up.
@@ -325,7 +321,13 @@ impl AddForces<'_, '_, '_> {
             _ => None,
         };
         let mut numbers = Numbers::default();
-        let mut lines = [[Line::ZERO; MOST_LANES]; 4];
+        let none = [Line::ZERO; MOST_LANES];
+        let mut results = Results {
+            action: none,
+            place: none,
+            history: none,
+            loads: [none; 2],
+        };
         let one_law = self.input.laws.types() == 1;
         let count_of_all = self.lone.contacts.len();
         let mut first = 0;
@@ -355,7 +357,7 @@ impl AddForces<'_, '_, '_> {
                 &laws,
                 (only, &axes),
                 &mut numbers,
-                &mut lines,
+                &mut results,
                 &mut sums,
             );
             first += count;
@@ -374,7 +376,7 @@ impl AddForces<'_, '_, '_> {
         laws: &[&PairLaw; MOST_LANES],
         (only, axes): (Option<&PairLaw>, &Option<Axes<S>>),
         numbers: &mut Numbers,
-        lines: &mut [[Line; MOST_LANES]; 4],
+        results: &mut Results,
         sums: &mut Sums<S>,
     ) {
         let input = self.input;
@@ -425,8 +427,10 @@ impl AddForces<'_, '_, '_> {
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
         let mut direction = null;
+        let mut at_surface = [zero; 8];
         let (outwards, height) = if SURFACES {
             let a = Lanes::all(registers, registers.columns(&at_surfaces[0]));
+            at_surface = Lanes::all(registers, registers.columns(&at_surfaces[1]));
             direction = Vector3::new(a[4], a[5], a[6]);
             (Vector3::new(a[0], a[1], a[2]), a[3])
         } else if one_side {
@@ -510,11 +514,11 @@ impl AddForces<'_, '_, '_> {
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
         let ForcesAtSurface { forces: f, hard } = if SURFACES && turns {
-            let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
+            let [a, b, c, d, ..] = at_surface;
             let wall = CurvedWall {
                 direction,
-                curvatures: [b[0], b[1]],
-                turning_radii: [b[2], b[3]],
+                curvatures: [a, b],
+                turning_radii: [c, d],
             };
             placed.forces_at_curved(
                 registers,
@@ -543,12 +547,29 @@ impl AddForces<'_, '_, '_> {
                 sums.add_torques(mask, &f, from_centre);
             }
         }
-        let (mut point, mut memory) = (placed.point(), f.memory);
-        if let (true, Some(axes)) = (SURFACES, axes) {
-            point = axes.to_wall(point);
-            memory = axes.to_wall(memory);
+        put_action(registers, &f, &mut results.action);
+        if self.layout.length() > 0 {
+            let (mut point, mut memory) = (placed.point(), f.memory);
+            if let (true, Some(axes)) = (SURFACES, axes) {
+                point = axes.to_wall(point);
+                memory = axes.to_wall(memory);
+            }
+            // In the frame of the wall
+            let [.., x, y, z, _] = at_surface;
+            let out = if SURFACES {
+                Vector3::new(x, y, z)
+            } else {
+                outwards
+            };
+            let normal = Vector3::new(-out.x, -out.y, -out.z);
+            put_remembered(
+                registers,
+                self.of_laws,
+                &f,
+                [point, normal, memory],
+                results,
+            );
         }
-        put_action(registers, &f, (point, memory), lines);
         if with_loads {
             let loads = Loads::of(&f);
             let loads = if masses.is_some() {
@@ -556,21 +577,16 @@ impl AddForces<'_, '_, '_> {
             } else {
                 loads
             };
-            loads.put(registers, lines);
-        } else {
+            loads.put(registers, &mut results.loads);
+        } else if self.tallies.is_some() {
             add_where(mask, &mut sums.powers[0], f.viscous_power);
             add_where(mask, &mut sums.powers[1], f.tangential_power);
         }
-        self.scatter(range, [sound, hard], lines);
+        self.scatter(range, [sound, hard], results);
     }
 
     /// From the lines of a batch to the arrays of the engine.
-    fn scatter(
-        &mut self,
-        range: Range<usize>,
-        [sound, hard]: [u32; 2],
-        lines: &[[Line; MOST_LANES]; 4],
-    ) {
+    fn scatter(&mut self, range: Range<usize>, [sound, hard]: [u32; 2], results: &Results) {
         let length = self.layout.length();
         for (lane, index) in range.enumerate() {
             let contact = self.lone.contacts[index];
@@ -581,7 +597,8 @@ impl AddForces<'_, '_, '_> {
                 continue;
             }
             let k = self.near[contact.near as usize];
-            let [acting, remembered] = [&lines[0][lane].0, &lines[1][lane].0];
+            self.load.contacts += 1;
+            let acting = &results.action[lane].0;
             for axis in 0..3 {
                 self.forces[k][axis] -= acting[axis];
                 self.torques[k][axis] += acting[3 + axis];
@@ -591,30 +608,14 @@ impl AddForces<'_, '_, '_> {
                 let force = Vector3::new(acting[0], acting[1], acting[2]);
                 self.part_forces[part] = self.part_forces[part] + force;
             }
-            self.load.contacts += 1;
             if length > 0 {
-                let normal = (-self.lone.outwards(index)).to_array();
                 let histories = &mut self.histories[k * length..(k + 1) * length];
-                let point = [remembered[0], remembered[1], remembered[2]];
-                let history = self.layout.write_one(histories, part, point, normal);
-                if let Some(at) = self.of_laws.memory {
-                    history[at..at + 3].copy_from_slice(&remembered[3..6]);
-                }
-                if let Some(at) = self.of_laws.normal {
-                    history[at..at + 3].copy_from_slice(&normal);
-                }
-                if let Some(at) = self.of_laws.energy {
-                    history[at] = acting[6];
-                }
-                // What resists rolling is not in the lanes. Most laws have nothing there, and a call would be made for it.
-                let resistance = self.of_laws.resistance();
-                if resistance < history.len() {
-                    history[resistance..].fill(0.0);
-                }
+                let (place, history) = (&results.place[lane].0, &results.history[lane].0);
+                self.layout.write_one(histories, part, place, history);
                 self.lone.written.push(k);
             }
             if let Some(loads) = self.touching_loads.as_deref_mut() {
-                let [c, d] = [&lines[2][lane].0, &lines[3][lane].0];
+                let [c, d] = [0, 1].map(|k| &results.loads[k][lane].0);
                 loads.push(
                     k,
                     contact.near as usize,
@@ -821,28 +822,49 @@ impl<S: Registers> Loads<S> {
     }
 
     #[inline(always)]
-    fn put(&self, registers: S, lines: &mut [[Line; MOST_LANES]; 4]) {
+    fn put(&self, registers: S, [a, b]: &mut [[Line; MOST_LANES]; 2]) {
         let ([v, t], [of_v, of_t]) = (&self.forces, &self.torques);
         let zero = v.x.constant(0.0);
         let first = [v.x, v.y, v.z, of_v.x, of_v.y, of_v.z, t.x, t.y];
-        put(registers, first, &mut lines[2]);
+        put(registers, first, a);
         let second = [t.z, of_t.x, of_t.y, of_t.z, zero, zero, zero, zero];
-        put(registers, second, &mut lines[3]);
+        put(registers, second, b);
     }
 }
 
-/// Writes force, torque and energy; point and memory.
+/// Writes force and torque.
 #[inline(always)]
 fn put_action<S: Registers>(
     registers: S,
     f: &ContactForces<Lanes<S>>,
-    (point, m): (Vector3<Lanes<S>>, Vector3<Lanes<S>>),
-    lines: &mut [[Line; MOST_LANES]; 4],
+    lines: &mut [Line; MOST_LANES],
 ) {
-    let zero = point.x.constant(0.0);
     let (a, b) = (f.force, f.torque_i);
-    let first = [a.x, a.y, a.z, b.x, b.y, b.z, f.tangential_energy, zero];
-    put(registers, first, &mut lines[0]);
-    let second = [point.x, point.y, point.z, m.x, m.y, m.z, zero, zero];
-    put(registers, second, &mut lines[1]);
+    let zero = a.x.constant(0.0);
+    put(registers, [a.x, a.y, a.z, b.x, b.y, b.z, zero, zero], lines);
+}
+
+/// Writes what is remembered.
+#[inline(always)]
+fn put_remembered<S: Registers>(
+    registers: S,
+    layout: &HistoryLayout,
+    f: &ContactForces<Lanes<S>>,
+    [p, n, m]: [Vector3<Lanes<S>>; 3],
+    results: &mut Results,
+) {
+    let zero = p.x.constant(0.0);
+    let place = [zero.constant(1.0), zero, p.x, p.y, p.z, n.x, n.y, n.z];
+    put(registers, place, &mut results.place);
+    let mut history = [zero; 8];
+    if let Some(at) = layout.normal {
+        history[at..at + 3].copy_from_slice(&[n.x, n.y, n.z]);
+    }
+    if let Some(at) = layout.memory {
+        history[at..at + 3].copy_from_slice(&[m.x, m.y, m.z]);
+    }
+    if let Some(at) = layout.energy {
+        history[at] = f.tangential_energy;
+    }
+    put(registers, history, &mut results.history);
 }

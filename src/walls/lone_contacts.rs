@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which particles touch a wall in one place and no other, and what does each of these contacts go on from? Planes, places where a mesh is
+//! Which particles touch a wall in one place and no other? Planes, places where a mesh is
 //! one, and cylinders and cones from within, are searched in lanes, other shapes particle by particle.
 
 use super::cone_in_lanes::TouchedInLanes;
 use super::contacts::{touch_shapes, Searched};
-use super::histories::{WallHistoryLayout, WrongHistory};
 use super::motion::Motion;
 use super::shape::{Ball, Grain, Search, Shape, ShapeInLanes, WholePlane};
-use super::vectors_in_lanes::splat;
 use crate::contact::particle::Particle;
-use crate::contact::ranges::LARGEST_DISPLACEMENT;
 use crate::contact::staged::WallSurface;
-use crate::contact::{HistoryLayout, Step};
+use crate::contact::vectors_in_lanes::splat;
+use crate::contact::Step;
 use crate::geometry::{ConvexBody, Plane};
 use crate::list::shapes::{Ellipsoids, Kind, Side as SideOfPairs, Spheroids};
 use crate::list::{ParticleRecords, Shapes};
@@ -46,8 +44,10 @@ pub(super) struct LoneContacts {
     pub(super) surfaces: Vec<SurfaceLines>,
     /// What each goes on from: normal and memory of the last step, energy, and 1, or 0 for a new contact.
     pub(super) last: Vec<Line>,
+    /// Indices of those of which that had to be looked for.
+    pub(super) doubtful: Vec<u32>,
     /// What the lanes find of each part.
-    parts: Vec<PartInLanes>,
+    pub(super) parts: Vec<PartInLanes>,
     search: Search,
     /// Places of the particles that the lanes do not take.
     pub(super) others: Vec<u32>,
@@ -63,7 +63,7 @@ pub(super) struct LoneContacts {
 
 /// A part, and what the lanes find of it.
 #[derive(Clone, Copy, Debug)]
-struct PartInLanes {
+pub(super) struct PartInLanes {
     /// Where it is; `None` where particles are searched one by one.
     shape: Option<ShapeInLanes>,
     /// Bits of the lanes that touch it.
@@ -196,106 +196,6 @@ impl LoneContacts {
             }
         }
     }
-
-    /// Finds what the contacts go on from, and whether it is such as calls have written. `near` are the indices of the particles that may
-    /// touch.
-    ///
-    /// # Errors
-    /// The first number that is not.
-    pub(super) fn recall(
-        &mut self,
-        near: &[usize],
-        layout: WallHistoryLayout,
-        of_laws: &HistoryLayout,
-        histories: &[f64],
-    ) -> Result<(), WrongHistory> {
-        self.last.clear();
-        let length = layout.length();
-        let Some(memory) = of_laws.memory.filter(|_| length > 0) else {
-            return Ok(());
-        };
-        let parts = self.parts.len();
-        self.last.reserve(self.contacts.len());
-        let mut handed_over = 0;
-        for (index, contact) in self.contacts.iter().enumerate() {
-            let particle = near[contact.near as usize];
-            let row = &histories[particle * length..(particle + 1) * length];
-            let mut line = Line::ZERO;
-            if row[0] != 0.0 {
-                let part = contact.part as usize;
-                let inwards = -self.outwards(index);
-                // Almost always the particle touched the same part alone, and nothing is wrong.
-                let own = (part + 1) as f64;
-                let record = &row[1..1 + layout.record];
-                let known = row[0] == 1.0 && record[0] == own;
-                let (mut normal, mut history) = layout.parts_of(record);
-                if !(known && is_sound(normal, inwards, &history[memory..])) {
-                    layout.check(particle, histories, parts, Some(of_laws))?;
-                    if row[0] > 1.0 && !self.surfaces.is_empty() {
-                        // Of several contacts with one part the nearest is meant.
-                        line.0[7] = HANDED_OVER;
-                        handed_over += 1;
-                        self.last.push(line);
-                        continue;
-                    }
-                    match layout.record_of(row, part, inwards) {
-                        Some(found) => (normal, history) = found,
-                        None => {
-                            self.last.push(line);
-                            continue;
-                        }
-                    }
-                    if !normal.is_unit() {
-                        normal = inwards;
-                    }
-                }
-                let energy = of_laws.energy.map_or(0.0, |at| history[at]);
-                let m = &history[memory..memory + 3];
-                line = Line([normal.x, normal.y, normal.z, m[0], m[1], m[2], energy, 1.0]);
-            }
-            self.last.push(line);
-        }
-        if handed_over > 0 {
-            self.hand_over();
-        }
-        for other in &self.others {
-            let particle = near[*other as usize];
-            layout.check(particle, histories, parts, Some(of_laws))?;
-        }
-        Ok(())
-    }
-}
-
-impl LoneContacts {
-    /// Takes the marked contacts out.
-    fn hand_over(&mut self) {
-        let mut kept = 0;
-        for index in 0..self.contacts.len() {
-            if self.last[index].0[7] == HANDED_OVER {
-                self.others.push(self.contacts[index].near);
-                continue;
-            }
-            self.contacts[kept] = self.contacts[index];
-            self.surfaces[kept] = self.surfaces[index];
-            self.last[kept] = self.last[index];
-            kept += 1;
-        }
-        self.contacts.truncate(kept);
-        self.surfaces.truncate(kept);
-        self.last.truncate(kept);
-    }
-}
-
-/// Marks, in the place of the number that says whether a contact goes on, one that lanes do not take.
-const HANDED_OVER: f64 = 2.0;
-
-/// Whether a normal of the last step and the history after it are what a call has written; where not, they may be that all the same.
-fn is_sound(last: Vector3, normal: Vector3, history: &[f64]) -> bool {
-    let mut sound = last.is_unit() && last.dot(normal) >= 0.5;
-    for number in history {
-        sound &= number.abs() <= LARGEST_DISPLACEMENT;
-    }
-    sound
 }
 
 /// Whether lanes take a contact with a surface: a whole one, that does not move in the frame of the wall, and no cavity.

@@ -19,6 +19,7 @@ mod motion;
 mod near_triangles;
 mod one_plane;
 mod plane;
+mod recalled;
 mod rim;
 mod servo;
 mod shape;
@@ -27,7 +28,6 @@ mod step_sums;
 pub mod stl;
 mod touching_loads;
 mod triangle_file;
-mod vectors_in_lanes;
 mod wall;
 
 pub use compute::{compute_wall, WallError, WallInput, WallOutput};

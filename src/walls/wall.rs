@@ -21,9 +21,10 @@ pub struct Wall {
     pub(super) lent: Option<LentTriangles>,
     /// Particles that may touch.
     pub(super) near: Vec<usize>,
-    /// How many particles the last search was given, and the largest radius of each block of them: less than 0 where none took part, NaN
-    /// where the block has to be looked at, as one in which a particle was near.
-    searched: usize,
+    /// The radius of each particle that the last search was given, or [`TAKES_NO_PART`].
+    reaches: Vec<f64>,
+    /// The largest radius of each block of them: less than 0 where none took part, NaN where the block has to be looked at, as one in which
+    /// a particle was near.
     radii: Vec<f64>,
     /// The particles of which something is remembered, as far as that is known.
     pub(super) with_histories: WithHistories,
@@ -99,6 +100,9 @@ const BLOCK: usize = 16;
 /// Blocks that are looked at together first.
 const TOGETHER: usize = 4;
 
+/// Instead of the radius of a particle that the wall does not act on.
+const TAKES_NO_PART: f64 = f64::NEG_INFINITY;
+
 /// The largest of some numbers; NaN where one of them is.
 fn largest_or_nan(numbers: &[f64]) -> f64 {
     (numbers.iter()).fold(-1.0, |largest, x| {
@@ -159,23 +163,28 @@ impl Wall {
         self.with_histories.forget();
         self.radii.clear();
         self.radii.resize(particles.div_ceil(BLOCK), 0.0);
-        self.find_in_blocks(motion, particles, None, of)
+        self.reaches.clear();
+        self.reaches.resize(particles, TAKES_NO_PART);
+        let ball = |particle: usize, reach: &mut f64| {
+            let (centre, radius) = of(particle)?;
+            *reach = radius;
+            Some((centre, radius))
+        };
+        self.find_in_blocks(motion, particles, None, ball)
     }
 
     /// The same where the particles and their order are those of the last search, with the same semi-axes, the same ones take part, and
-    /// nobody else has written their histories: particles far from the wall are passed over by their centres alone. Where their number is
-    /// another one it is a search like the first.
-    pub fn find_near_again(
-        &mut self,
-        motion: &Motion,
-        positions: &[[f64; 3]],
-        of: impl Fn(usize) -> Option<(Vector3, f64)>,
-    ) -> &[usize] {
+    /// nobody else has written their histories: their centres alone are looked at. `None`, and no search, where their number is another one.
+    pub fn find_near_again(&mut self, motion: &Motion, positions: &[[f64; 3]]) -> Option<&[usize]> {
         let particles = positions.len();
-        if self.searched != particles {
-            return self.find_near(motion, particles, of);
+        if self.reaches.len() != particles {
+            return None;
         }
-        self.find_in_blocks(motion, particles, Some(positions), of)
+        let ball = |particle: usize, reach: &mut f64| {
+            let centre = Vector3::from_array(positions[particle]);
+            (*reach != TAKES_NO_PART).then_some((centre, *reach))
+        };
+        Some(self.find_in_blocks(motion, particles, Some(positions), ball))
     }
 
     /// Whether particles with these centres, none with a radius greater than this one, are far from all parts; false for NaN.
@@ -187,14 +196,14 @@ impl Wall {
         block.can_be_asked() && !self.shapes().any(|shape| shape.may_touch_block(&block))
     }
 
+    /// `ball` gives centre and radius of a particle that takes part, and is handed the place of its radius.
     fn find_in_blocks(
         &mut self,
         motion: &Motion,
         particles: usize,
         known: Option<&[[f64; 3]]>,
-        of: impl Fn(usize) -> Option<(Vector3, f64)>,
+        ball: impl Fn(usize, &mut f64) -> Option<(Vector3, f64)>,
     ) -> &[usize] {
-        self.searched = particles;
         let mut near = core::mem::take(&mut self.near);
         // What stands there is overwritten.
         if near.len() < particles {
@@ -223,8 +232,8 @@ impl Wall {
                     }
                 }
                 let from = filled;
-                for particle in first..end {
-                    if let Some((centre, radius)) = of(particle) {
+                for (particle, reach) in (first..end).zip(&mut self.reaches[first..end]) {
+                    if let Some((centre, radius)) = ball(particle, reach) {
                         let centre = motion.point_to_wall(centre);
                         balls[filled] = Ball {
                             particle,

@@ -511,18 +511,19 @@ fn both_versions_walls() {
     for (words, expected) in cases {
         refused(&format!("wall {words}"), &scene, &wall(words), expected);
     }
-    let without = wall("hertz 1e7 0.3 zplane -5 NULL energies no");
-    for value in ["f_floor", "f_floor[7]", "f_floor[9]", "f_floor[12]"] {
-        let mut deck = without.clone();
-        deck.thermo_columns = format!("step {value}");
-        refused(
-            &format!("energies no {value}"),
-            &scene,
-            &deck,
-            &["floor", value, "energies yes"],
-        );
+    for (word, reason) in [(" energies no", "'energies no'"), ("", "compute pair")] {
+        for value in ["f_floor", "f_floor[7]", "f_floor[9]", "f_floor[12]"] {
+            let mut deck = wall(&format!("hertz 1e7 0.3 zplane -5 NULL{word}"));
+            deck.thermo_columns = format!("step {value}");
+            refused(
+                &format!("energies{word} {value}"),
+                &scene,
+                &deck,
+                &["floor", value, reason, "energies yes"],
+            );
+        }
     }
-    let mut deck = without;
+    let mut deck = wall("hertz 1e7 0.3 zplane -5 NULL energies no");
     deck.fixes.push("compute all all energy/ellipsoid".into());
     let words = ["energy/ellipsoid", "floor", "energies no"];
     refused("energies no and the compute", &scene, &deck, &words);

@@ -79,32 +79,47 @@ fn aside(frame: &Frame) -> f64 {
     sum / frame.states.len() as f64
 }
 
-/// Grains move as they do where energies are summed up, and all other outputs are the same, to the last digit.
+/// Energies are summed up on request, where a compute asks for them or where LAMMPS adds them to its own. Elsewhere grains move just so, and all
+/// other outputs are the same, to the last digit.
 #[test]
-fn both_versions_energies_are_left_out_on_request() {
+fn both_versions_energies_are_summed_up_where_somebody_asks() {
     let engine = Engine::from_environment();
     let scene = load();
     let (_, walls) = &drums()[1];
-    let compute = |energies: &str| {
+    let compute = |name: &str, word: &str, asks: &str, columns: &str| {
         let mut deck = deck(walls, 1500);
-        deck.fixes[1] += &format!(" energies {energies}");
+        deck.fixes[1] += word;
+        if !asks.is_empty() {
+            deck.fixes.push(asks.into());
+        }
         deck.thermo_columns =
-            "step f_shell[10] f_shell[13] f_shell[14] f_shell[17] f_shell[20]".into();
-        let outcome = run(
-            &engine,
-            &format!("drum_energies_{energies}"),
-            &scene,
-            &deck,
-            1,
-        );
+            format!("step f_shell[10] f_shell[13] f_shell[14] f_shell[17] f_shell[20] {columns}");
+        let name = format!("drum_energies_{name}");
+        let outcome = run(&engine, &name, &scene, &deck, 1);
         let thermo = outcome.thermo().last().cloned().unwrap();
         (outcome.last().clone(), thermo)
     };
-    let [(with, sums), (without, same)] = ["yes", "no"].map(compute);
-    let (position, velocity) = largest_difference(&with, &without);
-    assert_eq!((position, velocity), (0.0, 0.0));
-    assert!(sums["f_shell[10]"] > 0.0 && sums["f_shell[13]"] != 0.0);
-    assert_eq!(sums, same);
+    let energies = "f_shell f_shell[9] f_shell[12]";
+    let (expected, sums) = compute("yes", " energies yes", "", energies);
+    for number in sums.values() {
+        assert!(*number != 0.0, "{sums:?}");
+    }
+    for (name, asks) in [
+        ("pair", "compute contacts all pair gran/ellipsoid"),
+        ("all", "compute energy all energy/ellipsoid"),
+        ("potential", "fix_modify shell energy yes"),
+    ] {
+        let (found, same) = compute(name, "", asks, energies);
+        assert_eq!(largest_difference(&expected, &found), (0.0, 0.0), "{name}");
+        assert_eq!(sums, same, "{name}");
+    }
+    for (name, word) in [("default", ""), ("no", " energies no")] {
+        let (found, same) = compute(name, word, "", "");
+        assert_eq!(largest_difference(&expected, &found), (0.0, 0.0), "{name}");
+        for (column, number) in &same {
+            assert_eq!(number, &sums[column], "{name}: {column}");
+        }
+    }
 }
 
 #[test]
