@@ -427,10 +427,8 @@ impl AddForces<'_, '_, '_> {
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
         let mut direction = null;
-        let mut at_surface = [zero; 8];
         let (outwards, height) = if SURFACES {
             let a = Lanes::all(registers, registers.columns(&at_surfaces[0]));
-            at_surface = Lanes::all(registers, registers.columns(&at_surfaces[1]));
             direction = Vector3::new(a[4], a[5], a[6]);
             (Vector3::new(a[0], a[1], a[2]), a[3])
         } else if one_side {
@@ -514,11 +512,11 @@ impl AddForces<'_, '_, '_> {
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
         let ForcesAtSurface { forces: f, hard } = if SURFACES && turns {
-            let [a, b, c, d, ..] = at_surface;
+            let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
             let wall = CurvedWall {
                 direction,
-                curvatures: [a, b],
-                turning_radii: [c, d],
+                curvatures: [b[0], b[1]],
+                turning_radii: [b[2], b[3]],
             };
             placed.forces_at_curved(
                 registers,
@@ -549,18 +547,13 @@ impl AddForces<'_, '_, '_> {
         }
         put_action(registers, &f, &mut results.action);
         if self.layout.length() > 0 {
-            let (mut point, mut memory) = (placed.point(), f.memory);
+            let (mut point, mut out, mut memory) = (placed.point(), outwards, f.memory);
             if let (true, Some(axes)) = (SURFACES, axes) {
+                let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
+                out = Vector3::new(b[4], b[5], b[6]);
                 point = axes.to_wall(point);
                 memory = axes.to_wall(memory);
             }
-            // In the frame of the wall
-            let [.., x, y, z, _] = at_surface;
-            let out = if SURFACES {
-                Vector3::new(x, y, z)
-            } else {
-                outwards
-            };
             let normal = Vector3::new(-out.x, -out.y, -out.z);
             put_remembered(
                 registers,

@@ -84,17 +84,19 @@ impl NearTriangles {
         triangles: Triangles<'_>,
     ) -> bool {
         let reach = radius * (1.0 + MARGIN);
-        let needed = Extent::about(centre.to_array(), reach);
-        if self.plane_at(particle, centre, radius).is_none() {
-            let place = self.places.get(particle);
-            // A plane is worth looking for it again.
-            if place.is_none_or(|p| p.flat.is_some() || !p.extent.contains(&needed)) {
-                self.find(particle, (centre, radius), triangles);
-            }
-        }
-        // Also where it has been found just now: a call that is repeated gets the same answer.
+        let comes_into = |plane: &Plane| plane.normal.dot(centre - plane.point).abs() < reach;
         if let Some(plane) = self.plane_at(particle, centre, radius) {
-            return plane.normal.dot(centre - plane.point).abs() < reach;
+            return comes_into(plane);
+        }
+        let needed = Extent::about(centre.to_array(), reach);
+        let place = self.places.get(particle);
+        // A plane is worth looking for it again.
+        if place.is_none_or(|p| p.flat.is_some() || !p.extent.contains(&needed)) {
+            self.find(particle, (centre, radius), triangles);
+            // A call that is repeated gets the same answer.
+            if let Some(plane) = self.plane_at(particle, centre, radius) {
+                return comes_into(plane);
+            }
         }
         let ball = Extent::about(centre.to_array(), radius);
         let near = self.around(particle, &needed).unwrap_or(&[]);

@@ -9,11 +9,14 @@ use crate::contact::HistoryLayout;
 use crate::real::Real;
 use crate::simd::{InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::vector::Vector3;
+use core::ops::Range;
 
 /// In the last place of a line, which is 0 for a new contact and 1 for one that goes on: what it goes on from has to be looked for.
 const DOUBTFUL: f64 = 2.0;
 /// There: a contact that lanes do not take.
 const HANDED_OVER: f64 = 3.0;
+/// Contacts that are read and then looked at: what they need stays in the nearest cache meanwhile. A multiple of all numbers of lanes.
+const TOGETHER: usize = 64;
 
 impl LoneContacts {
     /// Finds what the contacts go on from, and whether it is such as calls have written. `near` are the indices of the particles that may
@@ -37,22 +40,29 @@ impl LoneContacts {
         let energy = of_laws.energy;
         // What resists rolling is not in the lanes, which leave zeros there.
         let resistance = of_laws.resistance();
-        self.last.extend(self.contacts.iter().map(|contact| {
-            let particle = near[contact.near as usize];
-            let row = &histories[particle * length..(particle + 1) * length];
-            if row[0] == 0.0 {
-                return Line::ZERO;
-            }
-            let (normal, history) = layout.parts_of(&row[1..1 + layout.record]);
-            let mut is_own = row[0] == 1.0 && row[1] == f64::from(contact.part + 1);
-            for number in &history[resistance..] {
-                is_own &= *number == 0.0;
-            }
-            let mark = if is_own { 1.0 } else { DOUBTFUL };
-            line_of(normal, history, memory, energy, mark)
-        }));
         self.doubtful.clear();
-        instruction_set.run(FindDoubtful { contacts: self });
+        for first in (0..self.contacts.len()).step_by(TOGETHER) {
+            let last = self.contacts.len().min(first + TOGETHER);
+            let contacts = &self.contacts[first..last];
+            self.last.extend(contacts.iter().map(|contact| {
+                let particle = near[contact.near as usize];
+                let row = &histories[particle * length..(particle + 1) * length];
+                if row[0] == 0.0 {
+                    return Line::ZERO;
+                }
+                let (normal, history) = layout.parts_of(&row[1..1 + layout.record]);
+                let mut is_own = row[0] == 1.0 && row[1] == f64::from(contact.part + 1);
+                for number in &history[resistance..] {
+                    is_own &= *number == 0.0;
+                }
+                let mark = if is_own { 1.0 } else { DOUBTFUL };
+                line_of(normal, history, memory, energy, mark)
+            }));
+            instruction_set.run(FindDoubtful {
+                contacts: self,
+                range: first..last,
+            });
+        }
         let doubtful = core::mem::take(&mut self.doubtful);
         let recalled = self.recall_doubtful(&doubtful, near, layout, of_laws, histories);
         self.doubtful = doubtful;
@@ -141,6 +151,7 @@ fn line_of(
 /// all the same.
 struct FindDoubtful<'a> {
     contacts: &'a mut LoneContacts,
+    range: Range<usize>,
 }
 
 impl Stage for FindDoubtful<'_> {
@@ -154,9 +165,9 @@ impl Stage for FindDoubtful<'_> {
             _ => None,
         };
         let mut normals: Columns = Default::default();
-        let count = lone.contacts.len();
-        for first in (0..count).step_by(S::LANES) {
-            let present = S::LANES.min(count - first);
+        let end = self.range.end;
+        for first in self.range.step_by(S::LANES) {
+            let present = S::LANES.min(end - first);
             let of_batch = &lone.last[first..first + present];
             let mut lines = [&of_batch[0]; MOST_LANES];
             for (of_lane, line) in lines.iter_mut().zip(of_batch) {
@@ -164,11 +175,20 @@ impl Stage for FindDoubtful<'_> {
             }
             let outwards = match one_side {
                 Some(normal) => normal,
-                None => {
+                None if lone.surfaces.is_empty() => {
                     for lane in 0..present {
                         put_in_lane(&mut normals, lane, lone.outwards(first + lane));
                     }
                     load(registers, &normals)
+                }
+                None => {
+                    let of_batch = &lone.surfaces[first..first + present];
+                    let mut surfaces = [&of_batch[0][1]; MOST_LANES];
+                    for (of_lane, [_, b]) in surfaces.iter_mut().zip(of_batch) {
+                        *of_lane = b;
+                    }
+                    let b = Lanes::all(registers, registers.columns(&surfaces));
+                    Vector3::new(b[4], b[5], b[6])
                 }
             };
             let l = Lanes::all(registers, registers.columns(&lines));
