@@ -373,10 +373,10 @@ impl Pair<'_> {
         // Their middles, and the distances of the ellipsoids there.
         let mut intervals = [[0.5 * (low + high), f64::NAN]; MOST_INTERVALS];
         let mut count = 1;
+        let mut whole = [[0.0; 2]; MOST_DIVIDED];
         loop {
-            let mut whole = [[0.0; 2]; MOST_DIVIDED];
-            whole.copy_from_slice(&intervals[..MOST_DIVIDED]);
             let divided = count;
+            whole[..divided].copy_from_slice(&intervals[..divided]);
             let first_round = intervals[0][1].is_nan();
             if !first_round {
                 width /= 3.0;
