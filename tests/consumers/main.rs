@@ -9,6 +9,8 @@ mod layout;
 mod packages;
 #[path = "../support/pages.rs"]
 mod pages;
+// The library for GPUs is installed by the tests of gpu/driver.
+#[allow(dead_code)]
 #[path = "../../xtask/src/install/prefix.rs"]
 mod prefix;
 mod sanitizer;

@@ -24,16 +24,38 @@ pub struct Options {
     /// The shared library libellgran.so too (Linux), linked by $CC or cc
     #[arg(long)]
     shared: bool,
+    /// The library libellgran_gpu.a and its header too, which start kernels on a GPU (docs/gpu.md)
+    #[arg(long)]
+    gpu: bool,
+}
+
+/// What a prefix may have beside the static library.
+#[derive(Default)]
+struct Beside {
+    /// The compiler that links the shared library.
+    shared_by: Option<Command>,
+    /// The library for GPUs.
+    gpu: Option<PathBuf>,
+}
+
+impl Beside {
+    fn shared(compiler: Command) -> Self {
+        Beside {
+            shared_by: Some(compiler),
+            gpu: None,
+        }
+    }
 }
 
 pub fn install(options: &Options) -> Result<()> {
     let prefix = std::path::absolute(&options.prefix)?;
-    let compiler = options.shared.then(c_compiler);
-    fill(
-        &Place::new(&prefix, &options.libdir)?,
-        &library::library()?,
-        compiler,
-    )?;
+    let place = Place::new(&prefix, &options.libdir)?;
+    let library = library::library()?;
+    let beside = Beside {
+        shared_by: options.shared.then(c_compiler),
+        gpu: options.gpu.then(library::for_gpus).transpose()?,
+    };
+    fill(None, &place, &library, beside)?;
     let libraries = prefix.join(&options.libdir);
     say(format!(
         "installed into {}\n  pkg-config: PKG_CONFIG_PATH={}\n  CMake:      -Dellgran_DIR={}",
@@ -46,45 +68,31 @@ pub fn install(options: &Options) -> Result<()> {
 
 /// Without the shared library.
 pub fn into(prefix: &Path) -> Result<()> {
-    fill(&Place::in_lib(prefix), &library::library()?, None)
+    let library = library::library()?;
+    fill(None, &Place::in_lib(prefix), &library, Beside::default())
 }
 
 /// With the shared library.
 pub fn with_shared(prefix: &Path) -> Result<()> {
-    fill(
-        &Place::in_lib(prefix),
-        &library::library()?,
-        Some(c_compiler()),
-    )
+    let library = library::library()?;
+    let beside = Beside::shared(c_compiler());
+    fill(None, &Place::in_lib(prefix), &library, beside)
 }
 
 /// The same for AArch64, on another machine; `library` is the static one.
 pub fn of_aarch64_with_shared(prefix: &Path, library: &Path) -> Result<()> {
-    let compiler = Command::new(aarch64::C_COMPILER);
-    fill_for(
-        Some(aarch64::TARGET),
-        &Place::in_lib(prefix),
-        library,
-        Some(compiler),
-    )
+    let beside = Beside::shared(Command::new(aarch64::C_COMPILER));
+    let place = Place::in_lib(prefix);
+    fill(Some(aarch64::TARGET), &place, library, beside)
 }
 
 fn c_compiler() -> Command {
     Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()))
 }
 
-fn fill(place: &Place, library: &Path, shared_by: Option<Command>) -> Result<()> {
-    fill_for(None, place, library, shared_by)
-}
-
-/// `shared_by` links the shared library, where there is to be one.
-fn fill_for(
-    target: Option<&str>,
-    place: &Place,
-    library: &Path,
-    shared_by: Option<Command>,
-) -> Result<()> {
-    if shared_by.is_some() && !cfg!(target_os = "linux") {
+/// `target` is another machine's, where it is for one.
+fn fill(target: Option<&str>, place: &Place, library: &Path, beside: Beside) -> Result<()> {
+    if beside.shared_by.is_some() && !cfg!(target_os = "linux") {
         bail!(
             "--shared is made for the linkers of Linux: leave it out, and link the static library"
         );
@@ -112,7 +120,10 @@ fn fill_for(
         system_libraries: &system_libraries,
     };
     prefix::fill(place, &root(), library, &package)?;
-    if let Some(compiler) = shared_by {
+    if let Some(library) = beside.gpu {
+        prefix::add_gpu(place, &root(), &library, &package)?;
+    }
+    if let Some(compiler) = beside.shared_by {
         prefix::add_shared(place, &root(), &package, compiler)?;
     }
     Ok(())

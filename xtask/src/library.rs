@@ -11,18 +11,25 @@ use crate::{aarch64, process, workspace};
 pub fn library() -> Result<PathBuf> {
     let mut cargo = workspace::cargo();
     cargo.args(["build", "--package", "ellgran"]);
-    built(cargo, &workspace::target_directory()?)
+    built(cargo, &workspace::target_directory()?, "libellgran.a")
+}
+
+/// The one that starts kernels on a GPU.
+pub fn for_gpus() -> Result<PathBuf> {
+    let mut cargo = workspace::cargo();
+    cargo.args(["build", "--package", "ellgran-gpu"]);
+    built(cargo, &workspace::target_directory()?, "libellgran_gpu.a")
 }
 
 /// The same for AArch64, on another machine.
 pub fn of_aarch64() -> Result<PathBuf> {
     let directory = workspace::target_directory()?.join(aarch64::TARGET);
-    built(aarch64::cross_cargo("build")?, &directory)
+    built(aarch64::cross_cargo("build")?, &directory, "libellgran.a")
 }
 
-fn built(mut cargo: Command, directory: &Path) -> Result<PathBuf> {
+fn built(mut cargo: Command, directory: &Path, name: &str) -> Result<PathBuf> {
     process::run_visible(cargo.args(["--release", "--lib"]))?;
-    let library = directory.join("release").join("libellgran.a");
+    let library = directory.join("release").join(name);
     if !library.is_file() {
         bail!("cargo built no {}", library.display());
     }

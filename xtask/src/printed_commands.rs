@@ -87,9 +87,9 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
     ("cmake --build build-plugin", "xtask/src/plugin.rs", "ninja("),
     (
-        "cc -std=c99 examples/c/gpu_two_grains.c -Iinclude target/release/libellgran_gpu.a -lcuda -lm -lpthread -ldl -o gpu_two_grains",
+        "cc -std=c99 examples/c/gpu_two_grains.c $(PKG_CONFIG_PATH=DIR/lib/pkgconfig pkg-config --cflags --libs ellgran-gpu) -lcuda -o gpu_two_grains",
         "gpu/driver/tests/c_program.rs",
-        "gpu_two_grains.c",
+        "\"ellgran-gpu\"",
     ),
 ];
 
@@ -134,7 +134,6 @@ const BLOCKS: &[(&str, &str, &str)] = &[
 /// Printed, and run by nothing: whole programs would have to be built for them, or the library once more, which a test links as it is
 /// built for tests; tables of reference are made once.
 const NOT_RUN: &[&str] = &[
-    "cargo build --release --package ellgran-gpu",
     "cmake --build build-lammps",
     "python3 -m venv VENV && VENV/bin/pip install -r requirements.txt",
     "VENV/bin/python generate_hertz_factors.py",

@@ -100,9 +100,11 @@ const FROM_C: &str = "\
 An engine that has its grains in the memory of a GPU gives their addresses there, and a stream. What is on the device stays there.
 
 ```sh
-cargo build --release --package ellgran-gpu
-cc -std=c99 examples/c/gpu_two_grains.c -Iinclude target/release/libellgran_gpu.a -lcuda -lm -lpthread -ldl -o gpu_two_grains
+cargo xtask install --prefix DIR --gpu
+cc -std=c99 examples/c/gpu_two_grains.c $(PKG_CONFIG_PATH=DIR/lib/pkgconfig pkg-config --cflags --libs ellgran-gpu) -lcuda -o gpu_two_grains
 ```
+
+With CMake: `find_package(ellgran REQUIRED)`, `find_package(CUDAToolkit REQUIRED)`, `target_link_libraries(app ellgran::gpu CUDA::cuda_driver)`.
 
 - **One library.** `libellgran_gpu.a` has all of `libellgran.a`. `libellgran.a` itself has nothing of this, and no new dependency.
 - **No toolkit.** It builds and links on any machine. NVIDIA's driver is loaded when a GPU is opened; `-lcuda` is for what the program \

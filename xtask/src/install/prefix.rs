@@ -152,6 +152,26 @@ pub fn fill(place: &Place, root: &Path, library: &Path, package: &Package) -> Re
     Ok(())
 }
 
+/// Adds the library that starts kernels on a GPU to a prefix that has the static one: `libellgran_gpu.a`, its header, which includes the
+/// other, and a pkg-config file. The package for CMake of the static library finds it there.
+pub fn add_gpu(place: &Place, root: &Path, library: &Path, package: &Package) -> Result<()> {
+    let lib = place.lib();
+    let header = root.join("include").join("ellgran_gpu.h");
+    copy(library, &lib, "libellgran_gpu.a")?;
+    copy(&header, &place.prefix.join("include"), "ellgran_gpu.h")?;
+    template(
+        &root.join("packaging"),
+        &lib.join("pkgconfig"),
+        "ellgran-gpu.pc",
+        &[
+            ("@VERSION@", package.version),
+            ("@LIBDIR@", &place.libdir.to_string_lossy()),
+            ("@UP_TO_PREFIX@", &place.up(1)),
+            ("@SYSTEM_LIBRARIES@", package.system_libraries),
+        ],
+    )
+}
+
 /// Fills in a template of packaging/.
 fn template(templates: &Path, directory: &Path, name: &str, values: &[(&str, &str)]) -> Result<()> {
     let template = templates.join(format!("{name}.in"));
