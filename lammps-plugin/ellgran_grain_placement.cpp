@@ -292,7 +292,7 @@ void EllgranGrainPlacement::collect(double largest, double typical, double rise,
   MPI_Datatype datatype;
   MPI_Type_contiguous(sizeof(Present) / sizeof(double), MPI_DOUBLE, &datatype);
   MPI_Type_commit(&datatype);
-  const auto count = static_cast<int>(here.size());
+  int count = static_cast<int>(here.size());
   std::vector<int> counts(comm->nprocs), starts(comm->nprocs, 0);
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
   for (int rank = 1; rank < comm->nprocs; rank++) starts[rank] = starts[rank - 1] + counts[rank - 1];

@@ -922,7 +922,7 @@ void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 
 void FixWallGranEllipsoid::write_restart(FILE *fp)
 {
-  const double mine[3] = {tallies.viscous_dissipation, friction, work_of_walls};
+  double mine[3] = {tallies.viscous_dissipation, friction, work_of_walls};
   double sums[3] = {0.0, 0.0, 0.0};
   MPI_Allreduce(mine, sums, 3, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me == 0) {

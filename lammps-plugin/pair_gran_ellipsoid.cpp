@@ -553,7 +553,7 @@ double PairGranEllipsoid::init_one(int i, int j)
 void PairGranEllipsoid::find_largest_semi_axes()
 {
   const int ntypes = atom->ntypes;
-  const std::vector<double> mine = atoms.largest_semi_axes();
+  std::vector<double> mine = atoms.largest_semi_axes();
   largest.assign(ntypes + 1, 0.0);
   MPI_Allreduce(mine.data(), largest.data(), ntypes + 1, MPI_DOUBLE, MPI_MAX, world);
 
@@ -904,7 +904,7 @@ void PairGranEllipsoid::transfer_history(double *source, double *target, int, in
 
 void PairGranEllipsoid::gather_work()
 {
-  const double mine[2] = {tallies.viscous_dissipation, friction};
+  double mine[2] = {tallies.viscous_dissipation, friction};
   double sums[2] = {0.0, 0.0};
   MPI_Allreduce(mine, sums, 2, MPI_DOUBLE, MPI_SUM, world);
   tallies.viscous_dissipation = (comm->me == 0) ? sums[0] : 0.0;

@@ -32,6 +32,7 @@ mod misuse;
 mod moving_walls;
 mod normal_motion;
 mod nve_ellipsoid;
+mod other_builds;
 mod outputs;
 mod packings;
 mod pages;

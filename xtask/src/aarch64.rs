@@ -4,12 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{Context, Result};
 
-use crate::process::{find_program, output_of, run_open, run_visible};
+use crate::process::{output_of, run_open, run_visible};
 use crate::python_environment::Environment;
-use crate::workspace::{cargo, root};
-use crate::{lammps, plugin, setup, test, wheel};
+use crate::workspace::cargo;
+use crate::{lammps, plugin, rust_target, setup, test, wheel};
 
 pub const TARGET: &str = "aarch64-unknown-linux-gnu";
 pub const C_COMPILER: &str = "aarch64-linux-gnu-gcc";
@@ -95,45 +95,12 @@ pub fn quick() -> Result<()> {
 /// All that compiles for the target, installed when missing.
 pub fn toolchain() -> Result<()> {
     prepare()?;
-    if !has_standard_library()? {
-        install_standard_library()?;
-    }
-    Ok(())
+    rust_target::install(TARGET)
 }
 
 /// The cross compiler and the emulator, installed when missing.
 pub fn prepare() -> Result<()> {
     setup::aarch64()
-}
-
-/// Whether rustc can compile for the target.
-pub fn has_standard_library() -> Result<bool> {
-    Ok(standard_library()?.is_dir())
-}
-
-fn install_standard_library() -> Result<()> {
-    if find_program("rustup").is_none() {
-        bail!("rustc has no standard library for {TARGET}, and there is no rustup here: install this system's own package of it");
-    }
-    run_visible(
-        Command::new("rustup")
-            .args(["target", "add", TARGET])
-            .current_dir(root()),
-    )
-    .with_context(|| {
-        format!("rustc has no standard library for {TARGET}. Run\n  rustup target add {TARGET}\nwhere the network allows it")
-    })
-}
-
-/// Where rustc would have it.
-fn standard_library() -> Result<PathBuf> {
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let printed = output_of(
-        Command::new(rustc)
-            .args(["--print", "target-libdir", "--target", TARGET])
-            .current_dir(root()),
-    )?;
-    Ok(PathBuf::from(printed.trim_end()))
 }
 
 fn lints(targets: &[&str]) -> Result<()> {

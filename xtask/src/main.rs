@@ -22,6 +22,7 @@ mod liggghts;
 mod liggghts_make_auto;
 mod mpi;
 mod mutants;
+mod other_systems;
 mod packed_grains;
 #[path = "../../tests/support/pages.rs"]
 mod pages;
@@ -37,6 +38,7 @@ mod python_interface;
 mod release;
 mod report;
 mod rooms;
+mod rust_target;
 mod sanitize;
 mod setup;
 #[allow(dead_code)]
@@ -114,6 +116,8 @@ enum Task {
     Site(site::Options),
     /// Test the core, its C consumers and the wheel on AArch64, in an emulator
     Aarch64(aarch64::Options),
+    /// See whether everything written in Rust compiles for Windows and macOS
+    OtherSystems,
     /// Build LIGGGHTS with the patch by its own `make auto`, run a deck and take the patch out again (some 5 minutes)
     LiggghtsMakeAuto,
     /// Test the Python module
@@ -174,6 +178,7 @@ fn run(task: Task) -> Result<()> {
         Task::Gpu(options) => gpu::gpu(&options)?,
         Task::Site(options) => site::site(&options)?,
         Task::Aarch64(options) => aarch64::aarch64(&options)?,
+        Task::OtherSystems => other_systems::other_systems()?,
         Task::LiggghtsMakeAuto => liggghts_make_auto::whole()?,
         Task::Python(options) => python::python(&options)?,
         Task::Test(options) => test::test(&options)?,

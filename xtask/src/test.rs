@@ -12,8 +12,8 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, liggghts, mpi, plugin,
-    python, report, rooms, setup, site, validate, vtk, wheel,
+    aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, liggghts, mpi,
+    other_systems, plugin, python, report, rooms, rust_target, setup, site, validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -78,6 +78,15 @@ pub fn test(options: &Options) -> Result<()> {
                 run_open(clippy.args(["--", "-Dwarnings"]))
             })
         })?;
+        let lacking = steps.run(
+            "lints for Windows and macOS",
+            other_systems::those_installed,
+        )?;
+        for target in lacking {
+            say(format!(
+                "NOT TESTED: {target}: rustc cannot compile for it here; `cargo xtask other-systems` installs what it needs and looks"
+            ));
+        }
         steps.run("documentation", || {
             run_open(
                 cargo()
@@ -178,7 +187,7 @@ fn on_aarch64(steps: &mut Steps) -> Result<()> {
     }
     let mut lacking = None;
     steps.run("compilers and emulator for AArch64", || {
-        lacking = if aarch64::has_standard_library()? {
+        lacking = if rust_target::is_installed(aarch64::TARGET)? {
             aarch64::prepare().err().map(|e| format!("{e:#}"))
         } else {
             Some("rustc cannot compile for it here; `cargo xtask aarch64` installs what it needs and tests it".into())
