@@ -5,7 +5,7 @@
 use crate::support::elliptic::{complete, curvature_ratio};
 use crate::support::scene::pair_law;
 use ellgran::force::hertz_factors::{contact_ellipse, exact};
-use ellgran::force::{normal_force, tangential_force, NormalForce, PairLaw};
+use ellgran::force::{normal_force, tangential_force, tangential_stiffness, NormalForce, PairLaw};
 use ellgran::vector::{Symmetric2, Vector2};
 
 const PENETRATION: f64 = 1e-3;
@@ -161,6 +161,59 @@ fn the_mean_of_kappa_is_the_circles_for_every_ellipse() {
                 0.5 * (major + minor),
                 wanted,
                 1e-12,
+            );
+        }
+    }
+}
+
+/// What a servo and the advice on the step take for the stiffest and the most viscous that a contact can be: no ellipse exceeds it, and the
+/// stiffness of the thinnest comes near it. The bound of the damping is up to 2.25 times what there is, since the least compliance and the largest
+/// viscosity are not those of one ellipse.
+#[test]
+fn the_largest_springs_bound_every_ellipse_and_no_more() {
+    for nu in [-0.5, -0.2, 0.0, 0.3, 0.49] {
+        for viscosities in ["1e3 0", "0 1e3", "1e3 2e3"] {
+            let law = pair_law(&format!("nfd 3e6 {nu} {viscosities} tangential tfd 0.5"));
+            let normal_stiffness = 2.0;
+            let (stiffest, most_viscous) = law.largest_springs(normal_stiffness, 1.0);
+            let (_, of_normal) = pair_law(&format!("nfd 3e6 {nu} {viscosities}"))
+                .largest_springs(normal_stiffness, 1.0);
+            let (mut stiffness, mut damping) = (normal_stiffness, of_normal);
+            for axis_ratio in [1.0, 0.9, 0.5, 0.1, 1e-2, 1e-4, 1e-8] {
+                let ratio = if axis_ratio < 1.0 {
+                    curvature_ratio(axis_ratio)
+                } else {
+                    1.0
+                };
+                let curvature = Symmetric2::new(0.7, 0.0, 0.7 * ratio);
+                let factors = exact(curvature.trace(), curvature.determinant(), true);
+                let (k, c) = tangential_stiffness(
+                    &law.kinds.tangential,
+                    &law.constants.tangential,
+                    normal_stiffness,
+                    &factors,
+                    curvature,
+                );
+                assert!(k.uv == 0.0 && c.uv.abs() < 1e-12 * most_viscous);
+                stiffness = stiffness.max(k.uu).max(k.vv);
+                damping = damping.max(c.uu).max(c.vv);
+            }
+            let name = format!("nu {nu}, viscosities {viscosities}");
+            assert!(
+                stiffness <= stiffest * (1.0 + 1e-12),
+                "{name}: {stiffness} {stiffest}"
+            );
+            assert!(
+                stiffest <= 1.05 * stiffness,
+                "{name}: {stiffness} {stiffest}"
+            );
+            assert!(
+                damping <= most_viscous * (1.0 + 1e-12),
+                "{name}: {damping} {most_viscous}"
+            );
+            assert!(
+                most_viscous <= 2.3 * damping,
+                "{name}: {damping} {most_viscous}"
             );
         }
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Are the exact Hertz factors those of the theory's table and of the high-precision reference?
 
+use crate::support::elliptic::complete;
 use crate::support::golden::factors;
+use ellgran::force::elliptic_integrals::ellipse_integrals;
 use ellgran::force::hertz_factors::{contact_ellipse, exact};
 
 fn close(name: &str, got: f64, wanted: f64, relative: f64) {
@@ -160,5 +162,22 @@ fn near_a_circle_f1_and_f2_fall_as_the_square_of_the_logarithm_over_72() {
             ((1.0 - e.f2) / wanted - 1.0).abs() < 0.1 * l * l + 1e-9 / l,
             "F2 at {l}"
         );
+    }
+}
+
+/// Carlson's forms against the arithmetic-geometric mean: nearly no digit is lost, at any stage of the duplication.
+#[test]
+fn the_complete_integrals_to_rounding() {
+    for step in 0..400 {
+        let axis_ratio = 10f64.powf(-0.02 * f64::from(step));
+        let got = ellipse_integrals(axis_ratio);
+        let (k, e) = complete(axis_ratio);
+        close("K", got.k, k, 2e-15);
+        // The differences of K and E lose digits at a circle.
+        if axis_ratio < 0.5 {
+            let m = 1.0 - axis_ratio * axis_ratio;
+            close("D", got.d, (k - e) / m, 5e-15);
+            close("Bl", got.bl, (e - axis_ratio * axis_ratio * k) / m, 5e-15);
+        }
     }
 }

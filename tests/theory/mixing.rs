@@ -57,6 +57,23 @@ fn tangential_relaxation_of_the_energy_closure_as_in_section_4() {
     }
 }
 
+/// The other closures take the shear relaxation time, whatever the ellipse.
+#[test]
+fn tangential_relaxation_of_the_other_closures_is_that_of_shear() {
+    let material = parameters(SOFT).material();
+    let (nu, tau1) = (0.45, material.shear_relaxation_time());
+    for closure in [Closure::Surface, Closure::Brilliantov] {
+        let (t0, t1) = tangential_relaxation_numbers(&material, closure);
+        for beta in [0.0, 0.5, 0.8, 1.0] {
+            let got = (t0 - t1 * beta) / (1.0 - nu * beta);
+            assert!(
+                (got / tau1 - 1.0).abs() < 1e-14,
+                "{closure:?}, beta {beta}: {got}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_pair_mixed_with_itself_is_the_pair() {
     let law = PairLaw::resolve(&parameters(SOFT), &parameters(SOFT)).unwrap();
@@ -76,4 +93,55 @@ fn the_contact_point_divides_the_penetration_by_compliance() {
     // The soft body gives way further.
     let wanted = 1.0 - 0.01 * ci / (ci + cj);
     assert!((vector(felt.geometry.contact_point).x - wanted).abs() < 1e-14);
+}
+
+/// What the engines print of a law: each term of the deck, with the constants of the pair.
+#[test]
+fn a_law_in_words() {
+    for (deck, terms) in [
+        ("hertz 1e7 0.3", vec!["hertz"]),
+        (
+            "hertz 1e7 0.3 damping restitution 0.5 tangential mindlin 0.25",
+            vec!["hertz", "restitution", "mindlin", "0.25"],
+        ),
+        (
+            "nfd 1e7 0.3 50 60 tangential tfd 0.5 rolling sds 11 12 0.125 twisting sds 13 14 0.375",
+            vec![
+                "hertz E*",
+                "unloading ting",
+                "tfd",
+                "0.5",
+                "conservative",
+                "rolling sds",
+                "11",
+                "12",
+                "0.125",
+                "twisting sds",
+                "13",
+                "14",
+                "0.375",
+            ],
+        ),
+        (
+            "nfd 1e7 0.3 50 60 tangential tfd 0.5 twisting marshall conservative no",
+            vec!["twisting marshall"],
+        ),
+        (
+            "hertz 1e7 0.3 factors hale conservative no",
+            vec!["factors hale"],
+        ),
+    ] {
+        let said = pair_law(deck).describe();
+        for term in terms {
+            assert!(said.contains(term), "{deck}: {said:?} lacks {term}");
+        }
+        for (word, asked) in [
+            ("conservative", !deck.contains("conservative no")),
+            ("rolling", deck.contains("rolling")),
+            ("twisting", deck.contains("twisting")),
+            ("hale", deck.contains("hale")),
+        ] {
+            assert_eq!(said.contains(word), asked, "{deck}: {said:?} and {word}");
+        }
+    }
 }

@@ -48,6 +48,9 @@ pub struct Options {
     /// Files to mutate [default: src/force/** and src/geometry/**]
     #[arg(long)]
     file: Vec<String>,
+    /// Only those that were missed, since tests have been added
+    #[arg(long)]
+    missed: bool,
 }
 
 pub fn mutants(options: &Options) -> Result<()> {
@@ -61,16 +64,21 @@ pub fn mutants(options: &Options) -> Result<()> {
     let all = list(&program, &FILES.map(str::to_string))?;
     let wanted = list(&program, &files)?;
     let mut stored = Stored::read(&all)?;
-    let left: Vec<&String> = wanted.iter().filter(|m| !stored.has(m)).collect();
+    let left: BTreeSet<String> = if options.missed {
+        stored.take_missed(&wanted)
+    } else {
+        let untried = wanted.iter().filter(|m| !stored.has(m));
+        untried.cloned().collect()
+    };
     say(format!(
-        "{} mutants, {} of them not yet tried",
+        "{} mutants, {} of them to be tried",
         wanted.len(),
         left.len()
     ));
     if !left.is_empty() {
         let output = target_directory()?.join("mutants");
         let _ = fs::remove_dir_all(&output);
-        let tried: Vec<String> = wanted.iter().filter(|m| stored.has(m)).cloned().collect();
+        let tried: Vec<String> = wanted.difference(&left).cloned().collect();
         run(&program, &files, &tried, options, &output)?;
         stored.add(&output.join("mutants.out"))?;
         stored.write()?;
@@ -209,6 +217,14 @@ impl Stored {
 
     fn has(&self, name: &str) -> bool {
         self.by_outcome.values().any(|names| names.contains(name))
+    }
+
+    /// Takes out those that were missed among these. What a run does not come to is then as if it had never been tried.
+    fn take_missed(&mut self, of: &BTreeSet<String>) -> BTreeSet<String> {
+        let missed = self.by_outcome.entry("missed").or_default();
+        let (taken, kept) = missed.iter().cloned().partition(|name| of.contains(name));
+        *missed = kept;
+        taken
     }
 
     fn add(&mut self, lists: &Path) -> Result<()> {
