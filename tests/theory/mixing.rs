@@ -145,3 +145,37 @@ fn a_law_in_words() {
         }
     }
 }
+
+/// Laws of which the engines warn: a stiffness that changes with the contact, a memory that is not reduced, and nothing that dissipates.
+#[test]
+fn laws_that_can_create_energy() {
+    for (can, deck) in [
+        (
+            true,
+            "hertz 1e7 0.3 tangential mindlin 0.5 displacement total",
+        ),
+        (
+            true,
+            "hertz 1e7 0.3 tangential mindlin 0.5 displacement incremental",
+        ),
+        (true, "hertz 1e7 0.3 tangential tfd 0.5 displacement total"),
+        (false, "hertz 1e7 0.3 tangential tfd 0.5"),
+        (
+            false,
+            "hertz 1e7 0.3 tangential mindlin 0.5 displacement rescaled",
+        ),
+        (false, "hertz 1e7 0.3"),
+        (
+            false,
+            "hertz 1e7 0.3 damping restitution 0.9 tangential tfd 0.5 displacement total",
+        ),
+        (
+            false,
+            "nfd 1e7 0.3 50 50 tangential tfd 0.5 displacement total",
+        ),
+        (false, "nfd 1e7 0.3 50 50 tangential tfd 0.5"),
+        (false, "lsd 1e4 0.1 tangential linear 1e4 0 0.5"),
+    ] {
+        assert_eq!(pair_law(deck).can_create_energy(), can, "{deck}");
+    }
+}
