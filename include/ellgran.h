@@ -2073,10 +2073,13 @@ int32_t ellgran_start_step(const struct EllgranWorkspace *workspace,
 /*
  Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
 
+ The workspace names the instruction set, as for `ellgran_start_step`.
+
  # Safety
- The pointers are as stated in `EllgranMotion`.
+ `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
  */
-int32_t ellgran_finish_step(const struct EllgranMotion *motion,
+int32_t ellgran_finish_step(const struct EllgranWorkspace *workspace,
+                            const struct EllgranMotion *motion,
                             double time_step);
 
 /*

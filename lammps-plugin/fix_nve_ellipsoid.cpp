@@ -257,7 +257,7 @@ void FixNVEEllipsoid::start(double time_step)
 void FixNVEEllipsoid::finish(double time_step)
 {
   const EllgranMotion grains = motion();
-  if (ellgran_finish_step(&grains, time_step) != ELLGRAN_SUCCESS)
+  if (ellgran_finish_step(workspace, &grains, time_step) != ELLGRAN_SUCCESS)
     error->one(FLERR, "Fix nve/ellipsoid: {}", ellgran_last_error());
 }
 

@@ -72,7 +72,7 @@ fn steps(u: &mut Bytes) -> arbitrary::Result<()> {
             assert!((square - 1.0).abs() < 1e-12, "quaternion {q:?}");
         }
         // SAFETY: as above.
-        if !succeeded(unsafe { ellgran_finish_step(&motion, step) }) {
+        if !succeeded(unsafe { ellgran_finish_step(workspace.0, &motion, step) }) {
             return Ok(());
         }
         let mut spins = vec![[f64::NAN; 3]; count];

@@ -282,7 +282,7 @@ void FixNVEEllipsoid::final_integrate()
 {
   const EllgranMotion grains = motion(groupbit);
   if (grains.count > 0) {
-    check(ellgran_finish_step(&grains, update->dt));
+    check(ellgran_finish_step(workspace_, &grains, update->dt));
     check(ellgran_angular_velocities(&grains, atom->omega[0]));
   }
   if (keeper_) keeper_->extrapolated_ = false;

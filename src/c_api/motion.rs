@@ -283,16 +283,26 @@ pub unsafe extern "C" fn ellgran_start_step(
 
 /// Second half of the step, with the forces and torques at its end: velocities and angular momenta of the end of the step.
 ///
+/// The workspace names the instruction set, as for `ellgran_start_step`.
+///
 /// # Safety
-/// The pointers are as stated in `EllgranMotion`.
+/// `workspace` is valid, and the pointers are as stated in `EllgranMotion`.
 #[no_mangle]
-pub unsafe extern "C" fn ellgran_finish_step(motion: *const EllgranMotion, time_step: f64) -> i32 {
+pub unsafe extern "C" fn ellgran_finish_step(
+    workspace: *const EllgranWorkspace,
+    motion: *const EllgranMotion,
+    time_step: f64,
+) -> i32 {
     at_border("ellgran_finish_step", || {
         // SAFETY: promised by the caller, for all of this function.
+        let set = unsafe { required(workspace, "workspace") }?
+            .workspace
+            .instruction_set;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = &*unsafe { given(motion, "motion") }?;
         // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
         let (mut arrays, selection) = unsafe { arrays(motion, time_step) }?;
-        finish_step(&mut arrays, selection, time_step);
+        finish_step(set, &mut arrays, selection, time_step);
         Ok(())
     })
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Motions so small that a body's support function changes by no more than a given length: what is known of a pair's gap holds on.
 
+use crate::real::Real;
+
 /// Squares of the way of the centre from `x` to `y`, and of the change of the quaternion from `p` to `q`.
 #[inline(always)]
-pub fn way_and_turn(x: &[f64], y: &[f64; 3], p: &[f64], q: &[f64; 4]) -> (f64, f64) {
+pub fn way_and_turn<T: Real>(x: [T; 3], y: [T; 3], p: [T; 4], q: [T; 4]) -> (T, T) {
     let (dx, dy, dz) = (y[0] - x[0], y[1] - x[1], y[2] - x[2]);
     let (d0, d1, d2, d3) = (q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]);
     (

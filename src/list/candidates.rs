@@ -8,10 +8,12 @@
 use super::arrays::ParticleArrays;
 use super::batches::Batches;
 use super::memory::{reserve, Allocated};
+use super::shapes::same;
 use crate::geometry::small_motion::{
     allowed_turn, allowed_turn_per_margin, allowed_way, way_and_turn,
 };
-use crate::simd::Line;
+use crate::real::Real;
+use crate::simd::{components, lines, Lanes, Line, Registers, MOST_LANES};
 
 /// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
 const FIRST_MARGIN: f64 = 0.01;
@@ -85,17 +87,44 @@ impl Candidates {
         self.valid && self.poses.len() == count
     }
 
-    /// Whether a particle has the same shape and has moved by no more than half of the margin since the candidates were
-    /// found, and whether it takes part in a candidate.
+    /// Of the particles from `first` on: those that have the same shape and have moved by no more than half of the margin since the
+    /// candidates were found, and those that take part in a candidate. `shapes` are semi-axes, quaternion and anything.
     #[inline(always)]
-    pub fn hold_for(&self, k: usize, x: &[f64; 3], a: &[f64; 3], q: &[f64; 4]) -> (bool, bool) {
-        let p = &self.poses[k].0;
-        let (moved, turned) = motion(p, x, q);
-        (
-            // Not a number holds for nothing.
-            moved <= self.farthest() && turned <= p[7] && *a == self.shapes[k],
-            self.takes_part[k],
-        )
+    pub fn hold_for<S: Registers>(
+        &self,
+        registers: S,
+        first: usize,
+        count: usize,
+        x: [Lanes<S>; 3],
+        shapes: &[Lanes<S>; 8],
+    ) -> (u32, u32) {
+        let poses = &self.poses[first..];
+        let mut last = [Line::ZERO; MOST_LANES];
+        let p = if let Some(poses) = poses.first_chunk::<MOST_LANES>() {
+            registers.columns(&lines!(poses))
+        } else {
+            last[..count].copy_from_slice(&poses[..count]);
+            registers.columns(&lines!(&last))
+        };
+        let p = Lanes::all(registers, p);
+        let a = components(registers, &self.shapes[first..], count);
+        let q = [shapes[3], shapes[4], shapes[5], shapes[6]];
+        let (moved, turned) = way_and_turn([p[0], p[1], p[2]], x, [p[3], p[4], p[5], p[6]], q);
+        // Not a number holds for nothing.
+        let farthest = moved.constant(self.farthest());
+        let near = registers.and(moved.less(farthest), turned.less(p[7]));
+        let same = registers.and(
+            same(registers, shapes[0], a[0]),
+            registers.and(
+                same(registers, shapes[1], a[1]),
+                same(registers, shapes[2], a[2]),
+            ),
+        );
+        let mut take_part = 0;
+        for (lane, takes_part) in self.takes_part[first..first + count].iter().enumerate() {
+            take_part |= u32::from(*takes_part) << lane;
+        }
+        (registers.bits(registers.and(near, same)), take_part)
     }
 
     /// One step more with these candidates.
@@ -237,5 +266,6 @@ impl Candidates {
 /// Squares of the way from a pose and of the change of its quaternion.
 #[inline(always)]
 fn motion(p: &[f64; 8], x: &[f64; 3], q: &[f64; 4]) -> (f64, f64) {
-    way_and_turn(&p[..3], x, &p[3..7], q)
+    let &[px, py, pz, w, i, j, k, _] = p;
+    way_and_turn([px, py, pz], *x, [w, i, j, k], *q)
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is made of the particles once a step, in lanes: unit quaternions, and angular velocities of angular momenta.
 //!
-//! The engine's numbers are copied into the records as they are; a handful of records at a time is then checked and
-//! finished in place. A handful in which anything looks wrong is done again particle by particle, which finds out what.
+//! Particles that follow each other in the engine's arrays are taken a block at a time. A block in which anything looks wrong is
+//! done again particle by particle, which finds out what. Particles that are chosen from anywhere are copied into lines first.
 
 use super::arrays::{prepare_one, ParticleArrays, Rotation};
 use super::candidates::Candidates;
@@ -16,7 +16,10 @@ use crate::geometry::ellipsoid::{
     rotation_columns, LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS,
 };
 use crate::real::Real;
-use crate::simd::{lines, put, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::simd::{
+    components, double_components, first_numbers, lines, put, Lanes, Line, Registers, Stage,
+    MOST_LANES,
+};
 use crate::vector::Vector3;
 
 /// Particles between the one that is prepared and the one whose record is asked for.
@@ -62,106 +65,173 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
 impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
     #[inline(always)]
     fn prepare<S: Registers, const CHANGES: bool>(mut self, registers: S) {
-        let mut chunk = Chunk::new();
-        for k in 0..self.arrays.positions.len() {
-            if let Some(ahead) = self.records.records.get(k + AHEAD) {
+        let n = self.arrays.positions.len();
+        let mut first = 0;
+        while first < n {
+            let count = S::LANES.min(n - first);
+            if !self.block::<S, CHANGES>(registers, first, count) {
+                return;
+            }
+            first += S::LANES;
+        }
+    }
+
+    /// The particles from `first` on; whether the preparation goes on.
+    #[inline(always)]
+    fn block<S: Registers, const CHANGES: bool>(
+        &mut self,
+        registers: S,
+        first: usize,
+        count: usize,
+    ) -> bool {
+        let arrays = self.arrays;
+        let here = (1u32 << count) - 1;
+        let end = first + count;
+        for k in first + AHEAD..end + AHEAD {
+            if let Some(ahead) = self.records.records.get(k) {
                 registers.prefetch(&ahead.pose.0[0]);
                 registers.prefetch(&ahead.motion.0[0]);
             }
-            // One look at each number, for the candidates and for the record.
-            let shape = (self.arrays.shape)(k);
-            if let Some(candidates) = self.candidates {
-                let Some((a, q)) = &shape else {
-                    self.outcome.moved = true;
-                    return;
-                };
-                let (holds, takes_part) = candidates.hold_for(k, &self.arrays.positions[k], a, q);
-                if !holds {
-                    self.outcome.moved = true;
-                    return;
-                }
-                if !takes_part {
-                    continue;
-                }
-            }
-            self.copy::<CHANGES>(k, shape, &mut chunk);
-            if chunk.length == S::LANES && !self.finish::<S, CHANGES>(registers, &mut chunk) {
-                return;
+        }
+        let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
+        let mut has_shape = 0;
+        for (lane, line) in lines[..count].iter_mut().enumerate() {
+            if let Some((a, q)) = (arrays.shape)(first + lane) {
+                *line = Line([a[0], a[1], a[2], q[0], q[1], q[2], q[3], 1.0]);
+                has_shape |= 1 << lane;
             }
         }
-        if chunk.length > 0 {
-            chunk.repeat_first(S::LANES);
-            self.finish::<S, CHANGES>(registers, &mut chunk);
+        let shapes = Lanes::all(registers, registers.columns(&lines!(&lines)));
+        let x = components(registers, &arrays.positions[first..], count);
+        let mut chosen = here;
+        if let Some(candidates) = self.candidates {
+            let (hold, take_part) = candidates.hold_for(registers, first, count, x, &shapes);
+            if hold & has_shape & here != here {
+                self.outcome.moved = true;
+                return false;
+            }
+            chosen = take_part;
+            if chosen == 0 {
+                return true;
+            }
         }
-    }
-
-    /// One particle more.
-    #[inline(always)]
-    fn copy<const CHANGES: bool>(
-        &mut self,
-        k: usize,
-        shape: Option<([f64; 3], [f64; 4])>,
-        chunk: &mut Chunk,
-    ) {
-        let arrays = self.arrays;
-        if !chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types) {
-            return;
+        let (sound, poses, motions, changes) =
+            self.records_of::<S, CHANGES>(registers, first, count, x, &shapes);
+        let mut right = sound & has_shape;
+        for (lane, particle_type) in arrays.types[first..end].iter().enumerate() {
+            let exists = *particle_type >= 1 && *particle_type as usize <= self.types;
+            right &= !(u32::from(!exists) << lane);
         }
-        let particle_type = arrays.types[k];
-        self.outcome.types_changed |= self.records.types[k] != particle_type as u32;
-        self.records.types[k] = particle_type as u32;
-        if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
-            let mass = arrays.contact_masses[k];
-            chunk.sound &= is_mass(mass);
-            *inverse = 1.0 / mass;
+        if !self.records.inverse_masses.is_empty() {
+            for (lane, mass) in arrays.contact_masses[first..end].iter().enumerate() {
+                right &= !(u32::from(!is_mass(*mass)) << lane);
+            }
         }
-    }
-
-    /// Makes the records; whether all particles can be.
-    #[inline(always)]
-    fn finish<S: Registers, const CHANGES: bool>(
-        &mut self,
-        registers: S,
-        chunk: &mut Chunk,
-    ) -> bool {
-        let from_momenta = matches!(self.arrays.rotation, Rotation::Momentum(..));
-        let particles = &chunk.particles[..chunk.length];
-        let sound = chunk.sound;
-        chunk.length = 0;
-        chunk.sound = true;
-        if !sound
-            || !finish::<S, CHANGES>(
-                registers,
-                &mut chunk.lines,
-                &chunk.masses,
-                from_momenta,
-                self.records.shapes,
-            )
-        {
-            return self.one_by_one(particles);
+        if right & chosen != chosen {
+            return self.one_by_one(first, chosen);
         }
-        for (lane, &k) in particles.iter().enumerate() {
+        for lane in 0..count {
+            if chosen >> lane & 1 == 0 {
+                continue;
+            }
+            let k = first + lane;
             self.records.records[k] = Record {
-                pose: chunk.lines[0][lane],
-                motion: chunk.lines[1][lane],
+                pose: poses[lane],
+                motion: motions[lane],
             };
             if CHANGES {
-                self.records.changes[k] = chunk.lines[2][lane];
+                self.records.changes[k] = changes[lane];
+            }
+            let particle_type = arrays.types[k] as u32;
+            self.outcome.types_changed |= self.records.types[k] != particle_type;
+            self.records.types[k] = particle_type;
+            if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
+                *inverse = 1.0 / arrays.contact_masses[k];
             }
         }
         true
     }
 
+    /// Records of a block, of which those are right whose bit is set: poses, motions, and what these have more at the step.
+    #[inline(always)]
+    #[allow(clippy::type_complexity)]
+    fn records_of<S: Registers, const CHANGES: bool>(
+        &self,
+        registers: S,
+        first: usize,
+        count: usize,
+        x: [Lanes<S>; 3],
+        shapes: &[Lanes<S>; 8],
+    ) -> (
+        u32,
+        [Line; MOST_LANES],
+        [Line; MOST_LANES],
+        [Line; MOST_LANES],
+    ) {
+        let arrays = self.arrays;
+        let mut v = components(registers, &arrays.velocities[first..], count);
+        let (mut spin, mass) = match arrays.rotation {
+            Rotation::Velocity(omega) => {
+                let spin = components(registers, &omega[first..], count);
+                (spin, Lanes::splat(registers, 1.0))
+            }
+            Rotation::Momentum(momenta, masses) => (
+                components(registers, &momenta[first..], count),
+                first_numbers(registers, &masses[first..], count),
+            ),
+        };
+        let zero = Lanes::splat(registers, 0.0);
+        let mut change = [[zero; 3]; 2];
+        if CHANGES {
+            change = double_components(registers, &arrays.changes[first..], count);
+            v = [
+                v[0] - change[0][0],
+                v[1] - change[0][1],
+                v[2] - change[0][2],
+            ];
+            spin = [
+                spin[0] - change[1][0],
+                spin[1] - change[1][1],
+                spin[2] - change[1][2],
+            ];
+        }
+        let raw = Raw {
+            x,
+            a: [shapes[0], shapes[1], shapes[2]],
+            q: [shapes[3], shapes[4], shapes[5], shapes[6]],
+            v,
+            spin: Vector3::new(spin[0], spin[1], spin[2]),
+            mass,
+            change,
+        };
+        let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
+        let (sound, finished) =
+            finished::<S, CHANGES>(registers, &raw, from_momenta, self.records.shapes);
+        let mut lines = [[Line::ZERO; MOST_LANES]; 3];
+        put(registers, finished[0], &mut lines[0]);
+        put(registers, finished[1], &mut lines[1]);
+        if CHANGES {
+            put(registers, finished[2], &mut lines[2]);
+        }
+        let [poses, motions, changes] = lines;
+        (registers.bits(sound), poses, motions, changes)
+    }
+
     /// Finds out what is wrong, if anything is: the lanes look at lengths, where the ranges are those of components.
     #[cold]
-    fn one_by_one(&mut self, chunk: &[usize]) -> bool {
-        for &k in chunk {
+    fn one_by_one(&mut self, first: usize, chosen: u32) -> bool {
+        for lane in 0..MOST_LANES {
+            if chosen >> lane & 1 == 0 {
+                continue;
+            }
+            let k = first + lane;
             match prepare_record(self.arrays, k, self.types, self.records.shapes) {
                 Ok((record, change, particle_type, inverse_mass)) => {
                     self.records.records[k] = record;
                     if let Some(place) = self.records.changes.get_mut(k) {
                         *place = change;
                     }
+                    self.outcome.types_changed |= self.records.types[k] != particle_type;
                     self.records.types[k] = particle_type;
                     if let Some(inverse) = self.records.inverse_masses.get_mut(k) {
                         *inverse = inverse_mass;
@@ -494,11 +564,11 @@ fn within<S: Registers>(registers: S, a: Lanes<S>, low: f64, high: f64) -> S::Ma
     registers.and(a.constant(low).less(a), a.less(a.constant(high)))
 }
 
-/// Whether no angular velocity is too large.
+/// Where an angular velocity is not too large.
 #[inline(always)]
-fn are_slow<S: Registers>(registers: S, omega: Vector3<Lanes<S>>) -> bool {
+fn are_slow<S: Registers>(omega: Vector3<Lanes<S>>) -> S::Mask {
     let square = omega.norm_squared();
-    registers.all(square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY)))
+    square.less(square.constant(LARGEST_VELOCITY * LARGEST_VELOCITY))
 }
 
 /// Angular velocities of angular momenta, from the inverse moments of inertia about the axes.
@@ -524,6 +594,20 @@ fn choose<S: Registers>(
     Lanes::select(third, z, Lanes::select(second, y, x))
 }
 
+/// What an engine has of particles.
+struct Raw<S: Registers> {
+    x: [Lanes<S>; 3],
+    a: [Lanes<S>; 3],
+    /// Of any length.
+    q: [Lanes<S>; 4],
+    v: [Lanes<S>; 3],
+    /// Angular velocity or momentum.
+    spin: Vector3<Lanes<S>>,
+    mass: Lanes<S>,
+    /// What velocity and angular velocity or momentum have more at the step.
+    change: [[Lanes<S>; 3]; 2],
+}
+
 /// Makes records of copies of the engine's numbers; whether all of them can be.
 #[inline(always)]
 fn finish<S: Registers, const CHANGES: bool>(
@@ -535,16 +619,48 @@ fn finish<S: Registers, const CHANGES: bool>(
 ) -> bool {
     let p = Lanes::all(registers, registers.columns(&lines!(&lines[0])));
     let m = Lanes::all(registers, registers.columns(&lines!(&lines[1])));
+    let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
+    let raw = Raw {
+        x: [p[0], p[1], p[2]],
+        a: [p[7], m[0], m[1]],
+        q: [p[3], p[4], p[5], p[6]],
+        v: [m[2], m[3], m[4]],
+        spin: Vector3::new(m[5], m[6], m[7]),
+        mass: Lanes::load(registers, masses),
+        change: [[c[0], c[1], c[2]], [c[3], c[4], c[5]]],
+    };
+    let (sound, finished) = finished::<S, CHANGES>(registers, &raw, from_momenta, shapes);
+    if !registers.all(sound) {
+        return false;
+    }
+    put(registers, finished[0], &mut lines[0]);
+    put(registers, finished[1], &mut lines[1]);
+    if CHANGES {
+        put(registers, finished[2], &mut lines[2]);
+    }
+    true
+}
+
+/// Which particles are within the ranges, and the columns of their records and of what their motions have more at the step.
+#[inline(always)]
+fn finished<S: Registers, const CHANGES: bool>(
+    registers: S,
+    raw: &Raw<S>,
+    from_momenta: bool,
+    shapes: Shapes,
+) -> (S::Mask, [[Lanes<S>; 8]; 3]) {
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
-    let (x, q, a) = (
-        [p[0], p[1], p[2]],
-        [p[3], p[4], p[5], p[6]],
-        [p[7], m[0], m[1]],
-    );
-    let (v, spin) = ([m[2], m[3], m[4]], Vector3::new(m[5], m[6], m[7]));
+    let &Raw {
+        x,
+        a,
+        q,
+        v,
+        spin,
+        mass,
+        change,
+    } = raw;
     let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let mass = Lanes::load(registers, masses);
     // Not a number is not less than anything, and an infinite square neither.
     // (Calls one by one: a closure that the standard library calls does not get the kernel's instruction set.)
     let way = Vector3::new(x[0], x[1], x[2]).norm_squared();
@@ -573,47 +689,31 @@ fn finish<S: Registers, const CHANGES: bool>(
         within(registers, mass, LEAST_MASS, LARGEST_MASS),
     );
     let sound = registers.and(registers.and(near, shape), heavy);
-    if !registers.all(sound) {
-        return false;
-    }
     let scale = square.reciprocal_sqrt();
     let q = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
-    // L = (m/5) diag(yz, xz, xy) omega in body axes.
-    let inverse = one * 5.0 / inertia;
+    let turn_change = Vector3::new(change[1][0], change[1][1], change[1][2]);
+    let axes = rotation_columns(q, one * 2.0);
     if shapes == Shapes::Ellipsoids {
-        let axes = rotation_columns(q, one * 2.0);
+        // L = (m/5) diag(yz, xz, xy) omega in body axes.
+        let inverse = one * 5.0 / inertia;
         let inverses = [xz * xy * inverse, yz * xy * inverse, yz * xz * inverse];
-        let omega = if from_momenta {
-            angular_velocity(&axes, inverses, spin)
-        } else {
-            spin
-        };
-        if !are_slow(registers, omega) {
-            return false;
+        let (mut omega, mut w) = (spin, turn_change);
+        if from_momenta {
+            omega = angular_velocity(&axes, inverses, spin);
+            if CHANGES {
+                w = angular_velocity(&axes, inverses, turn_change);
+            }
         }
-        if CHANGES && from_momenta {
-            let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
-            let w = angular_velocity(&axes, inverses, Vector3::new(c[3], c[4], c[5]));
-            put(
-                registers,
-                [c[0], c[1], c[2], w.x, w.y, w.z, zero, zero],
-                &mut lines[2],
-            );
-        }
-        put(
-            registers,
-            [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
-            &mut lines[0],
+        return (
+            registers.and(sound, are_slow(omega)),
+            [
+                [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
+                [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
+                line_of_change(change, w),
+            ],
         );
-        put(
-            registers,
-            [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
-            &mut lines[1],
-        );
-        return true;
     }
     // The axis of revolution: the third where the first two semi-axes are the same, else the one that stands apart.
-    let axes = rotation_columns(q, one * 2.0);
     let third = registers.not(registers.or(a[0].less(a[1]), a[1].less(a[0])));
     let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
     let axis = Vector3::new(
@@ -625,45 +725,39 @@ fn finish<S: Registers, const CHANGES: bool>(
         choose([third, second], a[0], a[1], a[2]),
         choose([third, second], a[1], a[2], a[0]),
     );
-    let omega = if from_momenta {
+    let (mut omega, mut w) = (spin, turn_change);
+    if from_momenta {
         let (polar_square, equatorial_square) = (polar * polar, equatorial * equatorial);
         let across = (mass * (polar_square + equatorial_square)).reciprocal() * 5.0;
         let along = (mass * equatorial_square).reciprocal() * 2.5;
+        let more = along - across;
+        omega = axis.scale_add(axis.dot(spin) * more, spin * across);
         if CHANGES {
-            let c = Lanes::all(registers, registers.columns(&lines!(&lines[2])));
-            let spin = Vector3::new(c[3], c[4], c[5]);
-            let w = axis.scale_add(axis.dot(spin) * (along - across), spin * across);
-            put(
-                registers,
-                [c[0], c[1], c[2], w.x, w.y, w.z, zero, zero],
-                &mut lines[2],
-            );
+            w = axis.scale_add(axis.dot(turn_change) * more, turn_change * across);
         }
-        axis.scale_add(axis.dot(spin) * (along - across), spin * across)
-    } else {
-        spin
-    };
-    if !are_slow(registers, omega) {
-        return false;
     }
-    put(
-        registers,
-        [x[0], x[1], x[2], axis.x, axis.y, axis.z, polar, equatorial],
-        &mut lines[0],
-    );
-    put(
-        registers,
+    (
+        registers.and(sound, are_slow(omega)),
         [
-            v[0],
-            v[1],
-            v[2],
-            omega.x,
-            omega.y,
-            omega.z,
-            polar.reciprocal(),
-            equatorial.reciprocal(),
+            [x[0], x[1], x[2], axis.x, axis.y, axis.z, polar, equatorial],
+            [
+                v[0],
+                v[1],
+                v[2],
+                omega.x,
+                omega.y,
+                omega.z,
+                polar.reciprocal(),
+                equatorial.reciprocal(),
+            ],
+            line_of_change(change, w),
         ],
-        &mut lines[1],
-    );
-    true
+    )
+}
+
+/// Columns of what motions have more at the step.
+#[inline(always)]
+fn line_of_change<S: Registers>([v, _]: [[Lanes<S>; 3]; 2], w: Vector3<Lanes<S>>) -> [Lanes<S>; 8] {
+    let zero = v[0].constant(0.0);
+    [v[0], v[1], v[2], w.x, w.y, w.z, zero, zero]
 }

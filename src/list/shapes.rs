@@ -45,8 +45,9 @@ pub(crate) struct Spheroids;
 /// `[position, unit quaternion w x y z, first semi-axis] [second and third semi-axis, velocity, angular velocity]`.
 pub(crate) struct Ellipsoids;
 
+/// Where two finite numbers are the same.
 #[inline(always)]
-fn same<S: Registers>(registers: S, a: Lanes<S>, b: Lanes<S>) -> S::Mask {
+pub(super) fn same<S: Registers>(registers: S, a: Lanes<S>, b: Lanes<S>) -> S::Mask {
     let different = registers.or(a.less(b), b.less(a));
     registers.and_not(a.less(a.constant(f64::INFINITY)), different)
 }

@@ -116,6 +116,12 @@ pub(super) fn half_angles<T: Real>(
     )
 }
 
+/// A sphere, by half an angle about its angular momentum.
+#[inline(always)]
+pub(super) fn of_a_sphere<T: Real>(q: Quaternion<T>, precession: Vector3<T>) -> Quaternion<T> {
+    unit(product(rotation(precession), q))
+}
+
 /// A body of revolution, or a sphere: `own_axis` is the unit vector of its axis in body axes.
 #[inline(always)]
 pub(super) fn of_revolution<T: Real>(

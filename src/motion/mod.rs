@@ -10,4 +10,4 @@ pub use velocity_verlet::{
     Selection,
 };
 #[doc(hidden)]
-pub use velocity_verlet::{start_step_of_body, Refusal};
+pub use velocity_verlet::{finish_step_of_body, start_step_of_body, Refusal};

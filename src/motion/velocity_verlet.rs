@@ -5,15 +5,18 @@
 //! Symplectic and reversible: the kicks and the free motion are each solved exactly.
 
 use super::free_rotation::{
-    body_velocity, half_angles, of_revolution, of_revolution_by_any_angle, of_three_moments,
-    Quaternion, LARGEST_EXPANDED_TURN, LARGEST_HALF_ANGLE,
+    body_velocity, half_angles, of_a_sphere, of_revolution, of_revolution_by_any_angle,
+    of_three_moments, Quaternion, LARGEST_EXPANDED_TURN, LARGEST_HALF_ANGLE,
 };
 use crate::geometry::ellipsoid::{rotation_columns, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::message::Number;
 #[cfg(not(feature = "std"))]
 use crate::real::Functions;
 use crate::real::Real;
-use crate::simd::{InstructionSet, Lanes, Registers, Stage, MOST_LANES};
+use crate::simd::{
+    components, double_components, first_numbers, lines, put, put_components,
+    put_double_components, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES,
+};
 use crate::vector::Vector3;
 #[cfg(not(feature = "std"))]
 use alloc::string::String;
@@ -95,6 +98,19 @@ impl Selection<'_> {
             .get(k)
             .is_none_or(|group| group & self.bits != 0)
     }
+
+    /// Bits of the bodies from `first` on that it takes.
+    #[inline(always)]
+    fn lanes(&self, first: usize, count: usize) -> u32 {
+        if self.groups.is_empty() {
+            return (1 << count) - 1;
+        }
+        let mut bits = 0;
+        for lane in 0..count {
+            bits |= u32::from(self.takes(first + lane)) << lane;
+        }
+        bits
+    }
 }
 
 /// A body that cannot be moved.
@@ -142,8 +158,9 @@ pub struct MotionError {
 ///     extrapolation: None,
 /// };
 /// let all = Selection { groups: &[], bits: 0 };
-/// start_step(InstructionSet::choose()?, &mut grain, all, 1.0).expect("it can be moved");
-/// finish_step(&mut grain, all, 1.0);
+/// let set = InstructionSet::choose()?;
+/// start_step(set, &mut grain, all, 1.0).expect("it can be moved");
+/// finish_step(set, &mut grain, all, 1.0);
 /// assert_eq!(grain.positions[0], [3.0, 0.0, 0.0]);
 /// assert!((grain.bodies.0[1] - (quarter / 2.0).sin()).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -169,24 +186,35 @@ pub fn start_step<B: Bodies>(
     outcome
 }
 
-/// The other half of the kick, with the forces of the end of the step, on the velocities of the half step.
+/// The other half of the kick, with the forces of the end of the step, on the velocities of the half step (or, with an
+/// [`Extrapolation`], on those that [`start_step`] left).
 pub fn finish_step<B: Bodies>(
+    set: InstructionSet,
     arrays: &mut BodyArrays<'_, B>,
     selection: Selection<'_>,
     time_step: f64,
 ) {
-    if arrays.extrapolation.is_some() {
-        for k in 0..arrays.same_length() {
-            if selection.takes(k) {
-                kick_from_extrapolated(arrays, k, 0.5 * time_step);
-            }
-        }
-        return;
+    arrays.same_length();
+    let kick = Kick {
+        arrays,
+        selection,
+        time: 0.5 * time_step,
+    };
+    if set == InstructionSet::Scalar {
+        kick.one_by_one();
+    } else {
+        set.run(kick);
     }
-    for k in 0..arrays.same_length() {
-        if selection.takes(k) {
-            kick(arrays, k, 0.5 * time_step);
-        }
+}
+
+/// [`finish_step`] of one body. Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+#[inline(always)]
+pub fn finish_step_of_body<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, time_step: f64) {
+    if arrays.extrapolation.is_some() {
+        kick_from_extrapolated(arrays, k, 0.5 * time_step);
+    } else {
+        kick(arrays, k, 0.5 * time_step);
     }
 }
 
@@ -441,183 +469,452 @@ struct Turn<'p, 'a, B: Bodies> {
     outcome: &'p mut Result<(), MotionError>,
 }
 
-/// Numbers of each body on its way into the lanes: angular momentum, quaternion, mass, semi-axes.
-const NUMBERS: usize = 11;
-
-/// Bodies on their way into the lanes, a row for each of their numbers.
-struct Chunk {
-    bodies: [usize; MOST_LANES],
-    length: usize,
-    rows: [[f64; MOST_LANES]; NUMBERS],
-}
-
-impl Chunk {
-    const EMPTY: Chunk = Chunk {
-        bodies: [0; MOST_LANES],
-        length: 0,
-        rows: [[0.0; MOST_LANES]; NUMBERS],
-    };
-
-    /// One body more.
-    #[inline(always)]
-    fn push(&mut self, body: usize, numbers: [f64; NUMBERS]) {
-        let lane = self.length % MOST_LANES;
-        self.bodies[lane] = body;
-        for (row, number) in self.rows.iter_mut().zip(numbers) {
-            row[lane] = number;
-        }
-        self.length = lane + 1;
-    }
-}
-
-impl<B: Bodies> Stage for Turn<'_, '_, B> {
-    #[inline(always)]
-    fn run<S: Registers>(mut self, registers: S) {
-        // A body of three different semi-axes costs more than one of revolution: they do not share registers.
-        let (mut of_revolution, mut triaxial) = (Chunk::EMPTY, Chunk::EMPTY);
-        for k in 0..self.arrays.same_length() {
-            if !self.selection.takes(k) {
-                continue;
-            }
-            let Some((a, q)) = self.move_centre(k) else {
-                return;
-            };
-            let is_triaxial = a[0] != a[1] && a[1] != a[2] && a[0] != a[2];
-            let chunk = if is_triaxial {
-                &mut triaxial
-            } else {
-                &mut of_revolution
-            };
-            let l = &self.arrays.angular_momenta[k];
-            let mass = self.arrays.masses[k];
-            chunk.push(
-                k,
-                [
-                    l[0], l[1], l[2], q[0], q[1], q[2], q[3], mass, a[0], a[1], a[2],
-                ],
-            );
-            // The chunk has the momentum of the half step, by which the body turns.
-            extrapolate(self.arrays, k, 0.5 * self.time_step);
-            if chunk.length == S::LANES && !self.turn(registers, chunk, is_triaxial) {
-                return;
-            }
-        }
-        for (chunk, is_triaxial) in [(&mut of_revolution, false), (&mut triaxial, true)] {
-            if chunk.length == 0 {
-                continue;
-            }
-            // Lanes without a body of their own repeat the first.
-            for row in &mut chunk.rows {
-                let first = row[0];
-                row[chunk.length..].fill(first);
-            }
-            if !self.turn(registers, chunk, is_triaxial) {
-                return;
-            }
-        }
-    }
-}
-
 impl<B: Bodies> Turn<'_, '_, B> {
-    fn one_by_one(self) {
+    fn one_by_one(mut self) {
         for k in 0..self.arrays.same_length() {
-            if !self.selection.takes(k) {
-                continue;
-            }
-            if let Err(why) = start_step_of_body(self.arrays, k, self.time_step) {
-                *self.outcome = Err(why.of_body(k));
+            if self.selection.takes(k) && !self.one(k) {
                 return;
             }
         }
     }
 
-    /// Half the kick, and the way of the centre. The shape and attitude, if there is one.
-    #[inline(always)]
-    fn move_centre(&mut self, k: usize) -> Option<([f64; 3], [f64; 4])> {
-        let shape = move_centre(self.arrays, k, self.time_step);
-        if shape.is_none() {
-            *self.outcome = Err(Refusal::Shape.of_body(k));
-        }
-        shape
-    }
-
-    /// Turns a chunk; whether all of its bodies can be.
-    #[inline(always)]
-    fn turn<S: Registers>(&mut self, registers: S, chunk: &mut Chunk, is_triaxial: bool) -> bool {
-        let row = |k: usize| Lanes::load(registers, &chunk.rows[k]);
-        let momentum = Vector3::new(row(0), row(1), row(2));
-        let (q, mass) = ([row(3), row(4), row(5), row(6)], row(7));
-        let a = [row(8), row(9), row(10)];
-        let (turned, good) = if is_triaxial {
-            in_expansion(registers, q, momentum, mass, a, self.time_step)
-        } else {
-            by_two_rotations(registers, q, momentum, mass, a, self.time_step)
-        };
-        let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-        let unit = (square - 1.0).abs().less(square.constant(UNIT));
-        // One that is not a number makes the turn none, which is not good.
-        let [largest, least] = [
-            a[0].max(a[1])
-                .max(a[2])
-                .less(mass.constant(ABOVE_SEMI_AXES)),
-            mass.constant(BELOW_SEMI_AXES)
-                .less(a[0].min(a[1]).min(a[2])),
-        ];
-        let good = registers.and(good, registers.and(largest, least));
-        let good = registers.bits(registers.and(good, unit));
-        let mut new = [[0.0; MOST_LANES]; 4];
-        turned[0].store(&mut new[0]);
-        turned[1].store(&mut new[1]);
-        turned[2].store(&mut new[2]);
-        turned[3].store(&mut new[3]);
-        let length = chunk.length;
-        chunk.length = 0;
-        for lane in 0..length {
-            let k = chunk.bodies[lane];
-            if good >> lane & 1 != 0 {
-                let new = [new[0][lane], new[1][lane], new[2][lane], new[3][lane]];
-                self.arrays.bodies.turn(k, new);
-                continue;
-            }
-            let mut numbers = [0.0; NUMBERS];
-            for (number, row) in numbers.iter_mut().zip(&chunk.rows) {
-                *number = row[lane];
-            }
-            let [lx, ly, lz, w, x, y, z, mass, a, b, c] = numbers;
-            if !self.turn_one(k, [a, b, c], [w, x, y, z], [lx, ly, lz], mass) {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Turns one body, by whatever angle; whether it can be.
+    /// One body, in whatever state it is; whether it can be moved.
     #[cold]
-    fn turn_one(
-        &mut self,
-        k: usize,
-        semi_axes: [f64; 3],
-        q: [f64; 4],
-        momentum: [f64; 3],
-        mass: f64,
-    ) -> bool {
-        match turned(
-            q,
-            Vector3::from_array(momentum),
-            mass,
-            semi_axes,
-            self.time_step,
-        ) {
-            Ok(new) => {
-                self.arrays.bodies.turn(k, new);
-                true
-            }
+    fn one(&mut self, k: usize) -> bool {
+        match start_step_of_body(self.arrays, k, self.time_step) {
+            Ok(()) => true,
             Err(why) => {
                 *self.outcome = Err(why.of_body(k));
                 false
             }
         }
     }
+}
+
+impl<B: Bodies> Stage for Turn<'_, '_, B> {
+    #[inline(always)]
+    fn run<S: Registers>(mut self, registers: S) {
+        let n = self.arrays.same_length();
+        let mut first = 0;
+        while first < n {
+            // Lanes of the last block that have no body of their own go along with copies of its first.
+            let count = S::LANES.min(n - first);
+            let moves = self.selection.lanes(first, count);
+            if moves != 0 && !self.block(registers, first, count, moves) {
+                return;
+            }
+            first += S::LANES;
+        }
+    }
+}
+
+/// Rows of an array from `first` on as vectors.
+#[inline(always)]
+fn vectors<S: Registers>(
+    registers: S,
+    array: &[[f64; 3]],
+    first: usize,
+    count: usize,
+) -> Vector3<Lanes<S>> {
+    let [x, y, z] = components(registers, &array[first..], count);
+    Vector3::new(x, y, z)
+}
+
+/// The reverse of [`vectors`].
+#[inline(always)]
+fn put_vectors<S: Registers>(
+    registers: S,
+    v: Vector3<Lanes<S>>,
+    array: &mut [[f64; 3]],
+    first: usize,
+    count: usize,
+) {
+    put_components(registers, [v.x, v.y, v.z], &mut array[first..], count);
+}
+
+/// Rows of two vectors each, from `first` on.
+#[inline(always)]
+fn two_vectors<S: Registers>(
+    registers: S,
+    array: &[[f64; 6]],
+    first: usize,
+    count: usize,
+) -> [Vector3<Lanes<S>>; 2] {
+    let [a, b] = double_components(registers, &array[first..], count);
+    [
+        Vector3::new(a[0], a[1], a[2]),
+        Vector3::new(b[0], b[1], b[2]),
+    ]
+}
+
+/// The reverse of [`two_vectors`].
+#[inline(always)]
+fn put_two_vectors<S: Registers>(
+    registers: S,
+    [a, b]: [Vector3<Lanes<S>>; 2],
+    array: &mut [[f64; 6]],
+    first: usize,
+    count: usize,
+) {
+    let both = [[a.x, a.y, a.z], [b.x, b.y, b.z]];
+    put_double_components(registers, both, &mut array[first..], count);
+}
+
+/// Half the time of a step over the masses, and where these are in the range in which lanes divide.
+#[inline(always)]
+fn over_masses<S: Registers>(
+    registers: S,
+    masses: &[f64],
+    first: usize,
+    count: usize,
+    time: f64,
+) -> (Lanes<S>, S::Mask) {
+    let mass = first_numbers(registers, &masses[first..], count);
+    let inside = registers.and(
+        mass.constant(DIVIDED[0]).less(mass),
+        mass.less(mass.constant(DIVIDED[1])),
+    );
+    (mass.constant(time) / mass, inside)
+}
+
+/// Masses by which lanes divide exactly to rounding, whatever the instruction set; others are left to single bodies.
+const DIVIDED: [f64; 2] = [1e-290, 1e290];
+
+/// Shapes and attitudes of a block, and which of its bodies are spheres and of revolution.
+struct BlockShapes<S: Registers> {
+    semi_axes: [Lanes<S>; 3],
+    quaternion: Quaternion<Lanes<S>>,
+    mass: Lanes<S>,
+    all_spheres: bool,
+    triaxial: u32,
+}
+
+impl<B: Bodies> Turn<'_, '_, B> {
+    /// Bodies from `first` on, of which those move whose bits are set in `moves`; whether all of them can be.
+    #[inline(always)]
+    fn block<S: Registers>(
+        &mut self,
+        registers: S,
+        first: usize,
+        count: usize,
+        moves: u32,
+    ) -> bool {
+        let half = 0.5 * self.time_step;
+        let Some(shapes) = self.shapes(registers, first, count, moves) else {
+            return false;
+        };
+        let a = &mut *self.arrays;
+        let (over_mass, divided) = over_masses(registers, a.masses, first, count, half);
+        let f = vectors(registers, a.forces, first, count);
+        let t = vectors(registers, a.torques, first, count);
+        let v_before = vectors(registers, a.velocities, first, count);
+        let l_before = vectors(registers, a.angular_momenta, first, count);
+        let v = f.scale_add(over_mass, v_before);
+        let l = t.scale_add(over_mass.constant(half), l_before);
+        let (turned, good) = turn_block(registers, &shapes, l, self.time_step);
+        let good = registers.and(good, divided);
+        let sound = registers.bits(good) & moves;
+        let writes = registers.mask(sound);
+
+        let x_before = vectors(registers, a.positions, first, count);
+        let x = v.scale_add(over_mass.constant(self.time_step), x_before);
+        put_vectors(
+            registers,
+            select3(writes, x, x_before),
+            a.positions,
+            first,
+            count,
+        );
+        let [v, l] = match &mut a.extrapolation {
+            None => [v, l],
+            Some(extrapolation) => extrapolated(
+                registers,
+                extrapolation,
+                (first, count),
+                writes,
+                ([f, t], [v, l]),
+                [over_mass, over_mass.constant(half)],
+            ),
+        };
+        put_vectors(
+            registers,
+            select3(writes, v, v_before),
+            a.velocities,
+            first,
+            count,
+        );
+        put_vectors(
+            registers,
+            select3(writes, l, l_before),
+            a.angular_momenta,
+            first,
+            count,
+        );
+        let zero = Lanes::splat(registers, 0.0);
+        let mut lines = [Line::ZERO; MOST_LANES];
+        let [w, x, y, z] = turned;
+        put(registers, [w, x, y, z, zero, zero, zero, zero], &mut lines);
+        for (lane, line) in lines[..count].iter().enumerate() {
+            if sound >> lane & 1 != 0 {
+                let [w, x, y, z, ..] = line.0;
+                a.bodies.turn(first + lane, [w, x, y, z]);
+            }
+        }
+        let mut hard = moves & !sound;
+        while hard != 0 {
+            let lane = hard.trailing_zeros() as usize;
+            hard &= hard - 1;
+            if !self.one(first + lane) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// What the bodies of a block are; none where one that moves is no ellipsoid.
+    #[inline(always)]
+    fn shapes<S: Registers>(
+        &mut self,
+        registers: S,
+        first: usize,
+        count: usize,
+        moves: u32,
+    ) -> Option<BlockShapes<S>> {
+        // Of a body that does not move nothing is used.
+        let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
+        let (mut triaxial, mut all_spheres) = (0, true);
+        for (lane, line) in lines[..count].iter_mut().enumerate() {
+            if moves >> lane & 1 == 0 {
+                continue;
+            }
+            let Some((a, q)) = self.arrays.bodies.shape(first + lane) else {
+                *self.outcome = Err(Refusal::Shape.of_body(first + lane));
+                return None;
+            };
+            all_spheres &= a[0] == a[1] && a[1] == a[2];
+            let is_triaxial = a[0] != a[1] && a[1] != a[2] && a[0] != a[2];
+            triaxial |= u32::from(is_triaxial) << lane;
+            let mass = self.arrays.masses[first + lane];
+            *line = Line([a[0], a[1], a[2], q[0], q[1], q[2], q[3], mass]);
+        }
+        let n = Lanes::all(registers, registers.columns(&lines!(&lines)));
+        Some(BlockShapes {
+            semi_axes: [n[0], n[1], n[2]],
+            quaternion: [n[3], n[4], n[5], n[6]],
+            mass: n[7],
+            all_spheres,
+            triaxial,
+        })
+    }
+}
+
+/// Where a block turns to within the time, and where that is exact to rounding.
+#[inline(always)]
+fn turn_block<S: Registers>(
+    registers: S,
+    shapes: &BlockShapes<S>,
+    momentum: Vector3<Lanes<S>>,
+    time: f64,
+) -> (Quaternion<Lanes<S>>, S::Mask) {
+    let (q, mass, a) = (shapes.quaternion, shapes.mass, shapes.semi_axes);
+    let (mut turned, mut good) = if shapes.all_spheres {
+        by_one_rotation(q, momentum, mass, a[0], time)
+    } else {
+        by_two_rotations(registers, q, momentum, mass, a, time)
+    };
+    if shapes.triaxial != 0 {
+        // A body of three different semi-axes costs more than one of revolution: blocks without any do not pay for it.
+        let (expanded, exact) = in_expansion(registers, q, momentum, mass, a, time);
+        let triaxial = registers.mask(shapes.triaxial);
+        turned = [
+            Lanes::select(triaxial, expanded[0], turned[0]),
+            Lanes::select(triaxial, expanded[1], turned[1]),
+            Lanes::select(triaxial, expanded[2], turned[2]),
+            Lanes::select(triaxial, expanded[3], turned[3]),
+        ];
+        good = registers.or(
+            registers.and(triaxial, exact),
+            registers.and_not(good, triaxial),
+        );
+    }
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    let unit = (square - 1.0).abs().less(square.constant(UNIT));
+    // One that is not a number makes the turn none, which is not good.
+    let [largest, least] = [
+        a[0].max(a[1])
+            .max(a[2])
+            .less(mass.constant(ABOVE_SEMI_AXES)),
+        mass.constant(BELOW_SEMI_AXES)
+            .less(a[0].min(a[1]).min(a[2])),
+    ];
+    let good = registers.and(good, registers.and(largest, least));
+    (turned, registers.and(good, unit))
+}
+
+/// [`extrapolate`] of a block; `factors` are half the time over the masses, and half the time.
+#[inline(always)]
+fn extrapolated<S: Registers>(
+    registers: S,
+    extrapolation: &mut Extrapolation<'_>,
+    (first, count): (usize, usize),
+    writes: S::Mask,
+    (loads, velocities): ([Vector3<Lanes<S>>; 2], [Vector3<Lanes<S>>; 2]),
+    factors: [Lanes<S>; 2],
+) -> [Vector3<Lanes<S>>; 2] {
+    let zero = Lanes::splat(registers, 0.0);
+    let mut before = two_vectors(registers, extrapolation.loads_before, first, count);
+    let were = before;
+    let known = before[0].x.less(zero.constant(f64::INFINITY));
+    let ratio = Lanes::select(known, zero.constant(extrapolation.step_ratio), zero);
+    let (mut changes, mut found) = (velocities, velocities);
+    for k in 0..2 {
+        before[k] = select3(known, before[k], loads[k]);
+        let steady = Lanes::select(loads[k].dot(before[k]).less(zero), zero, factors[k]);
+        let load = (loads[k] - before[k]).scale_add(ratio, loads[k]);
+        changes[k] = load * steady;
+        found[k] = velocities[k] + changes[k];
+    }
+    let kept = registers.all(writes);
+    let now = if kept {
+        loads
+    } else {
+        [
+            select3(writes, loads[0], were[0]),
+            select3(writes, loads[1], were[1]),
+        ]
+    };
+    put_two_vectors(registers, now, extrapolation.loads_before, first, count);
+    if !kept {
+        let were = two_vectors(registers, extrapolation.changes, first, count);
+        changes = [
+            select3(writes, changes[0], were[0]),
+            select3(writes, changes[1], were[1]),
+        ];
+    }
+    put_two_vectors(registers, changes, extrapolation.changes, first, count);
+    found
+}
+
+/// See [`finish_step`].
+struct Kick<'p, 'a, B: Bodies> {
+    arrays: &'p mut BodyArrays<'a, B>,
+    selection: Selection<'p>,
+    /// Half the time step.
+    time: f64,
+}
+
+impl<B: Bodies> Kick<'_, '_, B> {
+    fn one_by_one(self) {
+        for k in 0..self.arrays.positions.len() {
+            if self.selection.takes(k) {
+                finish_step_of_body(self.arrays, k, 2.0 * self.time);
+            }
+        }
+    }
+}
+
+impl<B: Bodies> Stage for Kick<'_, '_, B> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        let n = self.arrays.positions.len();
+        let mut first = 0;
+        while first < n {
+            let count = S::LANES.min(n - first);
+            let moves = self.selection.lanes(first, count);
+            if moves != 0 {
+                kick_block(registers, self.arrays, first, count, moves, self.time);
+            }
+            first += S::LANES;
+        }
+    }
+}
+
+/// Half a kick of a block of bodies.
+#[inline(always)]
+fn kick_block<S: Registers, B: Bodies>(
+    registers: S,
+    a: &mut BodyArrays<'_, B>,
+    first: usize,
+    count: usize,
+    moves: u32,
+    time: f64,
+) {
+    let (over_mass, divided) = over_masses(registers, a.masses, first, count, time);
+    let sound = registers.bits(divided) & moves;
+    let writes = registers.mask(sound);
+    let half = over_mass.constant(time);
+    let f = vectors(registers, a.forces, first, count);
+    let t = vectors(registers, a.torques, first, count);
+    let v_before = vectors(registers, a.velocities, first, count);
+    let l_before = vectors(registers, a.angular_momenta, first, count);
+    let [v, l] = match &mut a.extrapolation {
+        None => [
+            f.scale_add(over_mass, v_before),
+            t.scale_add(half, l_before),
+        ],
+        Some(extrapolation) => {
+            // What differs is remembered, not the velocity: something else may change that in between.
+            let were = two_vectors(registers, extrapolation.changes, first, count);
+            let changes = [were[0] - f * over_mass, were[1] - t * half];
+            let kept = [
+                select3(writes, changes[0], were[0]),
+                select3(writes, changes[1], were[1]),
+            ];
+            put_two_vectors(registers, kept, extrapolation.changes, first, count);
+            [v_before - changes[0], l_before - changes[1]]
+        }
+    };
+    put_vectors(
+        registers,
+        select3(writes, v, v_before),
+        a.velocities,
+        first,
+        count,
+    );
+    put_vectors(
+        registers,
+        select3(writes, l, l_before),
+        a.angular_momenta,
+        first,
+        count,
+    );
+    let mut hard = moves & !sound;
+    while hard != 0 {
+        let lane = hard.trailing_zeros() as usize;
+        hard &= hard - 1;
+        finish_step_of_body(a, first + lane, 2.0 * time);
+    }
+}
+
+/// The first where the mask is set, else the second.
+#[inline(always)]
+fn select3<S: Registers>(
+    mask: S::Mask,
+    a: Vector3<Lanes<S>>,
+    b: Vector3<Lanes<S>>,
+) -> Vector3<Lanes<S>> {
+    Vector3::new(
+        Lanes::select(mask, a.x, b.x),
+        Lanes::select(mask, a.y, b.y),
+        Lanes::select(mask, a.z, b.z),
+    )
+}
+
+/// Spheres, and where the result is exact to rounding.
+#[inline(always)]
+fn by_one_rotation<S: Registers>(
+    q: Quaternion<Lanes<S>>,
+    momentum: Vector3<Lanes<S>>,
+    mass: Lanes<S>,
+    radius: Lanes<S>,
+    time: f64,
+) -> (Quaternion<Lanes<S>>, S::Mask) {
+    // In the words of `by_two_rotations`, so that a sphere turns the same whatever is beside it.
+    let across = (mass * radius.multiply_add(radius, radius * radius)).reciprocal() * 5.0;
+    let angle = momentum * (across * (0.5 * time));
+    let largest = mass.constant(LARGEST_HALF_ANGLE * LARGEST_HALF_ANGLE);
+    let good = angle.norm_squared().less(largest);
+    (of_a_sphere(q, angle), good)
 }
 
 /// A chunk of bodies of revolution, and where the result is exact to rounding.
@@ -652,7 +949,10 @@ fn by_two_rotations<S: Registers>(
     let equatorial_square = equatorial * equatorial;
     let across = (mass * polar.multiply_add(polar, equatorial_square)).reciprocal() * 5.0;
     let along = (mass * equatorial_square).reciprocal() * 2.5;
-    let angles = half_angles(axis, momentum, along, across, time);
+    let (precession, spin) = half_angles(axis, momentum, along, across, time);
+    // A sphere does not spin about an axis of its own.
+    let sphere = registers.and_not(third, second);
+    let angles = (precession, Lanes::select(sphere, zero, spin));
     let largest = one.constant(LARGEST_HALF_ANGLE * LARGEST_HALF_ANGLE);
     let good = registers.and(
         angles.0.norm_squared().less(largest),

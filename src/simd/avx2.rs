@@ -170,6 +170,58 @@ impl Registers for pulp::x86::V3 {
         }
     }
     #[inline(always)]
+    fn components(self, rows: &[[f64; 3]]) -> [Self::Vector; 3] {
+        let Some(rows) = rows.first_chunk::<4>() else {
+            too_short()
+        };
+        let avx = self.avx;
+        // x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3
+        let [a, b, c]: [Self::Vector; 3] = pulp::cast(*rows);
+        let p = avx._mm256_blend_pd::<0b1100>(a, b);
+        let q = avx._mm256_permute2f128_pd::<0x21>(a, c);
+        let r = avx._mm256_blend_pd::<0b1100>(b, c);
+        [
+            avx._mm256_shuffle_pd::<0b1010>(p, q),
+            avx._mm256_shuffle_pd::<0b0101>(p, r),
+            avx._mm256_shuffle_pd::<0b1010>(q, r),
+        ]
+    }
+    #[inline(always)]
+    fn put_components(self, [x, y, z]: [Self::Vector; 3], rows: &mut [[f64; 3]]) {
+        let Some(rows) = rows.first_chunk_mut::<4>() else {
+            too_short()
+        };
+        let avx = self.avx;
+        let p = avx._mm256_unpacklo_pd(x, y);
+        let q = avx._mm256_shuffle_pd::<0b1010>(z, x);
+        let r = avx._mm256_unpackhi_pd(y, z);
+        let lines: [Self::Vector; 3] = [
+            avx._mm256_permute2f128_pd::<0x20>(p, q),
+            avx._mm256_blend_pd::<0b1100>(r, p),
+            avx._mm256_permute2f128_pd::<0x31>(q, r),
+        ];
+        *rows = pulp::cast(lines);
+    }
+    #[inline(always)]
+    fn alternate(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let avx = self.avx;
+        let low = avx._mm256_permute2f128_pd::<0x20>(a, b);
+        let high = avx._mm256_permute2f128_pd::<0x31>(a, b);
+        [
+            avx._mm256_unpacklo_pd(low, high),
+            avx._mm256_unpackhi_pd(low, high),
+        ]
+    }
+    #[inline(always)]
+    fn in_turns(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let avx = self.avx;
+        let (low, high) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+        [
+            avx._mm256_permute2f128_pd::<0x20>(low, high),
+            avx._mm256_permute2f128_pd::<0x31>(low, high),
+        ]
+    }
+    #[inline(always)]
     fn mask(self, bits: u32) -> Self::Mask {
         let avx2 = self.avx2;
         let lanes = self.avx._mm256_setr_epi64x(1, 2, 4, 8);

@@ -40,6 +40,23 @@ macro_rules! transposed_eight {
     }};
 }
 
+/// Numbers of two registers, by their places: those of the second from 8 on.
+macro_rules! picked {
+    ($set:expr, $a:expr, $b:expr, $places:expr) => {{
+        let places: [i64; 8] = $places;
+        $set.avx512f
+            ._mm512_permutex2var_pd($a, pulp::cast(places), $b)
+    }};
+}
+
+/// Numbers of three registers: first of the first two, then of the result and the third.
+macro_rules! two_of_three {
+    ($set:expr, ($a:expr, $b:expr, $c:expr), $first:expr, $then:expr) => {{
+        let both = picked!($set, $a, $b, $first);
+        picked!($set, both, $c, $then)
+    }};
+}
+
 impl Registers for pulp::x86::V4 {
     const LANES: usize = 8;
     type Vector = core::arch::x86_64::__m512d;
@@ -223,6 +240,74 @@ impl Registers for pulp::x86::V4 {
             Some(numbers) => *numbers = pulp::cast(a),
             None => too_short(),
         }
+    }
+    #[inline(always)]
+    fn components(self, rows: &[[f64; 3]]) -> [Self::Vector; 3] {
+        let Some(rows) = rows.first_chunk::<8>() else {
+            too_short()
+        };
+        let [a, b, c]: [Self::Vector; 3] = pulp::cast(*rows);
+        [
+            two_of_three!(
+                self,
+                (a, b, c),
+                [0, 3, 6, 9, 12, 15, 0, 0],
+                [0, 1, 2, 3, 4, 5, 10, 13]
+            ),
+            two_of_three!(
+                self,
+                (a, b, c),
+                [1, 4, 7, 10, 13, 0, 0, 0],
+                [0, 1, 2, 3, 4, 8, 11, 14]
+            ),
+            two_of_three!(
+                self,
+                (a, b, c),
+                [2, 5, 8, 11, 14, 0, 0, 0],
+                [0, 1, 2, 3, 4, 9, 12, 15]
+            ),
+        ]
+    }
+    #[inline(always)]
+    fn put_components(self, [x, y, z]: [Self::Vector; 3], rows: &mut [[f64; 3]]) {
+        let Some(rows) = rows.first_chunk_mut::<8>() else {
+            too_short()
+        };
+        let lines: [Self::Vector; 3] = [
+            two_of_three!(
+                self,
+                (x, y, z),
+                [0, 8, 0, 1, 9, 0, 2, 10],
+                [0, 1, 8, 3, 4, 9, 6, 7]
+            ),
+            two_of_three!(
+                self,
+                (x, y, z),
+                [0, 3, 11, 0, 4, 12, 0, 5],
+                [10, 1, 2, 11, 4, 5, 12, 7]
+            ),
+            two_of_three!(
+                self,
+                (x, y, z),
+                [13, 0, 6, 14, 0, 7, 15, 0],
+                [0, 13, 2, 3, 14, 5, 6, 15]
+            ),
+        ];
+        *rows = pulp::cast(lines);
+    }
+    #[inline(always)]
+    fn alternate(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        [
+            picked!(self, a, b, [0, 2, 4, 6, 8, 10, 12, 14]),
+            picked!(self, a, b, [1, 3, 5, 7, 9, 11, 13, 15]),
+        ]
+    }
+    #[inline(always)]
+    fn in_turns(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        [
+            picked!(self, a, b, [0, 8, 1, 9, 2, 10, 3, 11]),
+            picked!(self, a, b, [4, 12, 5, 13, 6, 14, 7, 15]),
+        ]
     }
     #[inline(always)]
     fn mask(self, bits: u32) -> u8 {

@@ -16,6 +16,7 @@ mod neon;
 ))]
 mod portable;
 mod registers;
+mod rows;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod sse2;
 #[cfg(test)]
@@ -23,6 +24,9 @@ mod tests;
 mod twice;
 
 pub(crate) use lanes::{lines, put, values};
+pub(crate) use rows::{
+    components, double_components, first_numbers, put_components, put_double_components,
+};
 use twice::Twice;
 
 // Public for this repository's own measurements; no interface for others.

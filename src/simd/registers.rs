@@ -100,6 +100,58 @@ pub trait Registers: Copy {
         at_b: &[u32],
         lines: &mut [Line],
     );
+    /// Component `k` of the first rows, as many as there are lanes, for `k` from 0 to 2. At least as many rows.
+    #[inline(always)]
+    fn components(self, rows: &[[f64; 3]]) -> [Self::Vector; 3] {
+        let mut numbers = [[0.0; MOST_LANES]; 3];
+        for (lane, row) in rows[..Self::LANES].iter().enumerate() {
+            numbers[0][lane] = row[0];
+            numbers[1][lane] = row[1];
+            numbers[2][lane] = row[2];
+        }
+        [
+            self.load(&numbers[0]),
+            self.load(&numbers[1]),
+            self.load(&numbers[2]),
+        ]
+    }
+    /// The reverse of `components`.
+    #[inline(always)]
+    fn put_components(self, components: [Self::Vector; 3], rows: &mut [[f64; 3]]) {
+        let mut numbers = [[0.0; MOST_LANES]; 3];
+        self.store(components[0], &mut numbers[0]);
+        self.store(components[1], &mut numbers[1]);
+        self.store(components[2], &mut numbers[2]);
+        for (lane, row) in rows[..Self::LANES].iter_mut().enumerate() {
+            *row = [numbers[0][lane], numbers[1][lane], numbers[2][lane]];
+        }
+    }
+    /// Of the numbers of `a`, then those of `b`: the first, third, and so on, and the others.
+    #[inline(always)]
+    fn alternate(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let mut numbers = [0.0; 2 * MOST_LANES];
+        self.store(a, &mut numbers);
+        self.store(b, &mut numbers[Self::LANES..]);
+        let mut apart = [[0.0; MOST_LANES]; 2];
+        for lane in 0..Self::LANES {
+            apart[0][lane] = numbers[2 * lane];
+            apart[1][lane] = numbers[2 * lane + 1];
+        }
+        [self.load(&apart[0]), self.load(&apart[1])]
+    }
+    /// The reverse of `alternate`: `a` and `b` in turns.
+    #[inline(always)]
+    fn in_turns(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let mut apart = [[0.0; MOST_LANES]; 2];
+        self.store(a, &mut apart[0]);
+        self.store(b, &mut apart[1]);
+        let mut numbers = [0.0; 2 * MOST_LANES];
+        for lane in 0..Self::LANES {
+            numbers[2 * lane] = apart[0][lane];
+            numbers[2 * lane + 1] = apart[1][lane];
+        }
+        [self.load(&numbers), self.load(&numbers[Self::LANES..])]
+    }
     /// The reverse of `bits`.
     fn mask(self, bits: u32) -> Self::Mask;
     /// No lane.

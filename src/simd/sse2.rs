@@ -153,6 +153,42 @@ impl Registers for pulp::x86::V1 {
         }
     }
     #[inline(always)]
+    fn components(self, rows: &[[f64; 3]]) -> [Self::Vector; 3] {
+        let Some(rows) = rows.first_chunk::<2>() else {
+            too_short()
+        };
+        let sse2 = self.sse2;
+        // x0 y0, z0 x1, y1 z1
+        let [a, b, c]: [Self::Vector; 3] = pulp::cast(*rows);
+        [
+            sse2._mm_shuffle_pd::<0b10>(a, b),
+            sse2._mm_shuffle_pd::<0b01>(a, c),
+            sse2._mm_shuffle_pd::<0b10>(b, c),
+        ]
+    }
+    #[inline(always)]
+    fn put_components(self, [x, y, z]: [Self::Vector; 3], rows: &mut [[f64; 3]]) {
+        let Some(rows) = rows.first_chunk_mut::<2>() else {
+            too_short()
+        };
+        let sse2 = self.sse2;
+        let lines: [Self::Vector; 3] = [
+            sse2._mm_unpacklo_pd(x, y),
+            sse2._mm_shuffle_pd::<0b10>(z, x),
+            sse2._mm_unpackhi_pd(y, z),
+        ];
+        *rows = pulp::cast(lines);
+    }
+    #[inline(always)]
+    fn alternate(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let sse2 = self.sse2;
+        [sse2._mm_unpacklo_pd(a, b), sse2._mm_unpackhi_pd(a, b)]
+    }
+    #[inline(always)]
+    fn in_turns(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        self.alternate(a, b)
+    }
+    #[inline(always)]
     fn mask(self, bits: u32) -> Self::Mask {
         let bits = i64::from(bits);
         let all = |bit: i64| -(bit & 1);

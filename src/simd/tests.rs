@@ -140,6 +140,37 @@ impl Stage for Check {
         }
         assert_eq!(sums, expected);
 
+        let rows: [[f64; 3]; MOST_LANES + 1] =
+            core::array::from_fn(|lane| [0, 1, 2].map(|k| (10 * lane + k) as f64));
+        let components = registers.components(&rows);
+        for (k, component) in components.into_iter().enumerate() {
+            let mut line = [0.0; MOST_LANES];
+            registers.store(component, &mut line);
+            for (lane, number) in line[..S::LANES].iter().enumerate() {
+                assert_eq!(*number, rows[lane][k]);
+            }
+        }
+        let mut back = [[-1.0; 3]; MOST_LANES + 1];
+        registers.put_components(components, &mut back);
+        assert_eq!(back[..S::LANES], rows[..S::LANES]);
+        assert!(back[S::LANES..].iter().all(|row| *row == [-1.0; 3]));
+
+        let numbers: [f64; 2 * MOST_LANES] = core::array::from_fn(|k| k as f64);
+        let halves = [&numbers[..], &numbers[S::LANES..]].map(|n| registers.load(n));
+        let apart = registers.alternate(halves[0], halves[1]);
+        for (odd, half) in apart.into_iter().enumerate() {
+            let mut line = [0.0; MOST_LANES];
+            registers.store(half, &mut line);
+            for (lane, number) in line[..S::LANES].iter().enumerate() {
+                assert_eq!(*number, (2 * lane + odd) as f64);
+            }
+        }
+        let mut together = [0.0; 2 * MOST_LANES];
+        let [low, high] = registers.in_turns(apart[0], apart[1]);
+        registers.store(low, &mut together);
+        registers.store(high, &mut together[S::LANES..]);
+        assert_eq!(together[..2 * S::LANES], numbers[..2 * S::LANES]);
+
         for bits in 0..1 << S::LANES {
             assert_eq!(registers.bits(registers.mask(bits)), bits);
         }

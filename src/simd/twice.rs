@@ -128,6 +128,29 @@ impl<S: Registers> Registers for Twice<S> {
         self.0.store(a[1], &mut numbers[S::LANES..]);
     }
     #[inline(always)]
+    fn components(self, rows: &[[f64; 3]]) -> [Self::Vector; 3] {
+        let [a, b] = [
+            self.0.components(rows),
+            self.0.components(&rows[S::LANES..]),
+        ];
+        [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]]]
+    }
+    #[inline(always)]
+    fn put_components(self, [x, y, z]: [Self::Vector; 3], rows: &mut [[f64; 3]]) {
+        self.0.put_components([x[0], y[0], z[0]], rows);
+        let rows = &mut rows[S::LANES..];
+        self.0.put_components([x[1], y[1], z[1]], rows);
+    }
+    #[inline(always)]
+    fn alternate(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        let (a, b) = (self.0.alternate(a[0], a[1]), self.0.alternate(b[0], b[1]));
+        [[a[0], b[0]], [a[1], b[1]]]
+    }
+    #[inline(always)]
+    fn in_turns(self, a: Self::Vector, b: Self::Vector) -> [Self::Vector; 2] {
+        [self.0.in_turns(a[0], b[0]), self.0.in_turns(a[1], b[1])]
+    }
+    #[inline(always)]
     fn mask(self, bits: u32) -> Self::Mask {
         [
             self.0.mask(bits & ((1 << S::LANES) - 1)),

@@ -115,7 +115,7 @@ impl Bodies {
     fn finish(&mut self, time_step: f64) -> i32 {
         let motion = self.motion();
         // SAFETY: the arrays are as stated.
-        unsafe { ellgran_finish_step(&motion, time_step) }
+        unsafe { ellgran_finish_step(self.workspace, &motion, time_step) }
     }
 }
 

@@ -47,7 +47,7 @@ impl Free {
         };
         for _ in 0..count {
             start_step(set, &mut arrays, ALL, time_step).unwrap();
-            finish_step(&mut arrays, ALL, time_step);
+            finish_step(set, &mut arrays, ALL, time_step);
         }
     }
 

@@ -3,7 +3,7 @@
 
 use crate::contacts::Load;
 use ellgran::motion::{
-    finish_step, start_step_of_body, Bodies, BodyArrays, Extrapolation, Refusal, Selection,
+    finish_step_of_body, start_step_of_body, Bodies, BodyArrays, Extrapolation, Refusal,
 };
 
 /// The numbers of one grain that motion reads and writes; world frame.
@@ -82,9 +82,5 @@ pub fn start_step_of_grain(grain: Moving<'_>, time_step: f64) -> Result<(), Refu
 /// The other half of the kick: [`ellgran::motion::finish_step`].
 #[inline(always)]
 pub fn finish_step_of_grain(grain: Moving<'_>, time_step: f64) {
-    let all = Selection {
-        groups: &[],
-        bits: 0,
-    };
-    with_arrays(grain, |arrays| finish_step(arrays, all, time_step));
+    with_arrays(grain, |arrays| finish_step_of_body(arrays, 0, time_step));
 }

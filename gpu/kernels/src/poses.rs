@@ -17,7 +17,8 @@ pub fn remembered_pose(x: [f64; 3], q: [f64; 4], semi_axes: [f64; 3], margin: f6
 /// Whether a grain has used up its half of the margin since that pose.
 #[inline(always)]
 pub fn has_moved(pose: &[f64; 8], x: [f64; 3], q: [f64; 4], margin: f64) -> bool {
-    let (way, turn) = way_and_turn(&pose[..3], &x, &pose[3..7], &q);
+    let &[px, py, pz, w, i, j, k, _] = pose;
+    let (way, turn) = way_and_turn([px, py, pz], x, [w, i, j, k], q);
     // Not a number holds for nothing.
     !(way <= allowed_way(margin) && turn <= pose[7])
 }

@@ -271,7 +271,8 @@ impl Scene {
     }
 
     pub fn finish_step(&mut self) {
-        finish_step(&mut self.arrays(), ALL, TIME_STEP);
+        let set = InstructionSet::choose().unwrap();
+        finish_step(set, &mut self.arrays(), ALL, TIME_STEP);
     }
 
     /// The forces of now; `unchanged` says that the lists are those of the last call.
