@@ -2089,10 +2089,13 @@ int32_t ellgran_finish_step(const struct EllgranWorkspace *workspace,
  An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a
  positive finite number.
 
+ The workspace names the instruction set, as for `ellgran_start_step`.
+
  # Safety
- The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
+ `workspace` is valid, and the pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
  */
-int32_t ellgran_angular_velocities(const struct EllgranMotion *motion,
+int32_t ellgran_angular_velocities(const struct EllgranWorkspace *workspace,
+                                   const struct EllgranMotion *motion,
                                    double *angular_velocities);
 
 /*

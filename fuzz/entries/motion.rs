@@ -77,7 +77,9 @@ fn steps(u: &mut Bytes) -> arbitrary::Result<()> {
         }
         let mut spins = vec![[f64::NAN; 3]; count];
         // SAFETY: as above.
-        if !succeeded(unsafe { ellgran_angular_velocities(&motion, spins.as_mut_ptr().cast()) }) {
+        if !succeeded(unsafe {
+            ellgran_angular_velocities(workspace.0, &motion, spins.as_mut_ptr().cast())
+        }) {
             return Ok(());
         }
     }

@@ -263,7 +263,7 @@ void FixNVEEllipsoid::swap(double sign)
       atom->angmom[i][k] += sign * changes_[i][3 + k];
     }
   EllgranMotion grains = motion(step_bits_);
-  if (grains.count > 0) check(ellgran_angular_velocities(&grains, atom->omega[0]));
+  if (grains.count > 0) check(ellgran_angular_velocities(workspace_, &grains, atom->omega[0]));
 }
 
 // LIGGGHTS keeps angular velocities beside angular momenta: contact models and outputs read them.
@@ -273,7 +273,7 @@ void FixNVEEllipsoid::initial_integrate(int)
   const EllgranMotion grains = motion(groupbit);
   if (grains.count > 0) {
     check(ellgran_start_step(workspace_, &grains, update->dt));
-    check(ellgran_angular_velocities(&grains, atom->omega[0]));
+    check(ellgran_angular_velocities(workspace_, &grains, atom->omega[0]));
   }
   time_step_before_ = update->dt;
 }
@@ -283,7 +283,7 @@ void FixNVEEllipsoid::final_integrate()
   const EllgranMotion grains = motion(groupbit);
   if (grains.count > 0) {
     check(ellgran_finish_step(workspace_, &grains, update->dt));
-    check(ellgran_angular_velocities(&grains, atom->omega[0]));
+    check(ellgran_angular_velocities(workspace_, &grains, atom->omega[0]));
   }
   if (keeper_) keeper_->extrapolated_ = false;
 }
@@ -306,7 +306,7 @@ void FixNVEEllipsoid::find_motion_changes()
   for (int i = 0; i < count; i++)
     for (int k = 0; k < 3; k++) momenta_[3 * static_cast<size_t>(i) + k] = changes_[i][3 + k];
   grains.angular_momenta = &momenta_[0];
-  check(ellgran_angular_velocities(&grains, &angular_velocities_[0]));
+  check(ellgran_angular_velocities(workspace_, &grains, &angular_velocities_[0]));
   for (int i = 0; i < count; i++)
     for (int k = 0; k < 3; k++) {
       motion_changes_[i][k] = changes_[i][k];
@@ -335,7 +335,7 @@ void FixNVEEllipsoid::lend_velocities(LAMMPS *lmp, EllgranParticles &particles)
     }
   if (grains.count > 0) {
     grains.angular_momenta = &momenta[0];
-    keeper->check(ellgran_angular_velocities(&grains, &spins[0]));
+    keeper->check(ellgran_angular_velocities(keeper->workspace_, &grains, &spins[0]));
   }
   particles.velocities = &velocities[0];
   particles.angular_velocities = &spins[0];

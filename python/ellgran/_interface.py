@@ -491,7 +491,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_rayleigh_times": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_start_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]),
     "ellgran_finish_step": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double]),
-    "ellgran_angular_velocities": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_angular_velocities": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_compute_pairs": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_write_history": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_forget_history": (ctypes.c_int32, [ctypes.c_void_p]),

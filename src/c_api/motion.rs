@@ -313,21 +313,29 @@ pub unsafe extern "C" fn ellgran_finish_step(
 /// An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a
 /// positive finite number.
 ///
+/// The workspace names the instruction set, as for `ellgran_start_step`.
+///
 /// # Safety
-/// The pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
+/// `workspace` is valid, and the pointers are as stated in `EllgranMotion`; `angular_velocities` is NULL or as long as stated.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_angular_velocities(
+    workspace: *const EllgranWorkspace,
     motion: *const EllgranMotion,
     angular_velocities: *mut f64,
 ) -> i32 {
     at_border("ellgran_angular_velocities", || {
         // SAFETY: promised by the caller, for all of this function.
+        let set = unsafe { required(workspace, "workspace") }?
+            .workspace
+            .instruction_set;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = &*unsafe { given(motion, "motion") }?;
         // SAFETY: the arrays of `motion` are NULL or as long as its count says, by this function's safety section.
-        let (arrays, selection) = unsafe { arrays(motion, 0.0) }?;
+        let (mut arrays, selection) = unsafe { arrays(motion, 0.0) }?;
         let found = angular_velocities.cast::<[f64; 3]>();
         // SAFETY: `angular_velocities` is NULL or has `count` times three entries, by this function's safety section.
         let found = unsafe { slice_mut(found, motion.count, "angular_velocities") }?;
-        self::angular_velocities(&arrays, selection, found).map_err(|error| failure(motion, error))
+        self::angular_velocities(set, &mut arrays, selection, found)
+            .map_err(|error| failure(motion, error))
     })
 }

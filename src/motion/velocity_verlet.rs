@@ -224,34 +224,43 @@ pub fn finish_step_of_body<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, 
 /// # Errors
 /// The first body that is no ellipsoid, whose quaternion has no length, or whose semi-axes or mass are out of range.
 pub fn angular_velocities<B: Bodies>(
-    arrays: &BodyArrays<'_, B>,
+    set: InstructionSet,
+    arrays: &mut BodyArrays<'_, B>,
     selection: Selection<'_>,
     found: &mut [[f64; 3]],
 ) -> Result<(), MotionError> {
-    for (k, found) in found.iter_mut().enumerate() {
-        if !selection.takes(k) {
-            continue;
-        }
-        let wrong = |why: Refusal| why.of_body(k);
-        let (semi_axes, q) = arrays
-            .bodies
-            .shape(k)
-            .ok_or_else(|| wrong(Refusal::Shape))?;
-        let square: f64 = q.iter().map(|x| x * x).sum();
-        // Those of `start_step` are.
-        let q = if (square - 1.0).abs() < UNIT {
-            q
-        } else {
-            normalised(q).map_err(wrong)?
-        };
-        let mass = checked_mass(arrays.masses[k]).map_err(wrong)?;
-        check_shape(semi_axes).map_err(wrong)?;
-        let axes = rotation_columns(q, 2.0);
-        let momentum = Vector3::from_array(arrays.angular_momenta[k]);
-        let own = body_velocity(axes, momentum, moments(mass, semi_axes).0);
-        *found = (axes[0] * own.x + axes[1] * own.y + axes[2] * own.z).to_array();
+    let n = arrays.same_length();
+    let mut outcome = Ok(());
+    let spin = Spin {
+        arrays,
+        selection,
+        found: &mut found[..n],
+        outcome: &mut outcome,
+    };
+    if set == InstructionSet::Scalar {
+        spin.one_by_one();
+    } else {
+        set.run(spin);
     }
-    Ok(())
+    outcome
+}
+
+/// The angular velocity of one body.
+fn angular_velocity<B: Bodies>(arrays: &BodyArrays<'_, B>, k: usize) -> Result<[f64; 3], Refusal> {
+    let (semi_axes, q) = arrays.bodies.shape(k).ok_or(Refusal::Shape)?;
+    let square: f64 = q.iter().map(|x| x * x).sum();
+    // Those of `start_step` are.
+    let q = if (square - 1.0).abs() < UNIT {
+        q
+    } else {
+        normalised(q)?
+    };
+    let mass = checked_mass(arrays.masses[k])?;
+    check_shape(semi_axes)?;
+    let axes = rotation_columns(q, 2.0);
+    let momentum = Vector3::from_array(arrays.angular_momenta[k]);
+    let own = body_velocity(axes, momentum, moments(mass, semi_axes).0);
+    Ok((axes[0] * own.x + axes[1] * own.y + axes[2] * own.z).to_array())
 }
 
 /// Why a body cannot be moved.
@@ -600,8 +609,12 @@ impl<B: Bodies> Turn<'_, '_, B> {
         moves: u32,
     ) -> bool {
         let half = 0.5 * self.time_step;
-        let Some(shapes) = self.shapes(registers, first, count, moves) else {
-            return false;
+        let shapes = match shapes_of(registers, self.arrays, first, count, moves) {
+            Ok(shapes) => shapes,
+            Err(k) => {
+                *self.outcome = Err(Refusal::Shape.of_body(k));
+                return false;
+            }
         };
         let a = &mut *self.arrays;
         let (over_mass, divided) = over_masses(registers, a.masses, first, count, half);
@@ -670,42 +683,145 @@ impl<B: Bodies> Turn<'_, '_, B> {
         }
         true
     }
+}
 
-    /// What the bodies of a block are; none where one that moves is no ellipsoid.
-    #[inline(always)]
-    fn shapes<S: Registers>(
-        &mut self,
-        registers: S,
-        first: usize,
-        count: usize,
-        moves: u32,
-    ) -> Option<BlockShapes<S>> {
-        // Of a body that does not move nothing is used.
-        let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
-        let (mut triaxial, mut all_spheres) = (0, true);
-        for (lane, line) in lines[..count].iter_mut().enumerate() {
-            if moves >> lane & 1 == 0 {
-                continue;
-            }
-            let Some((a, q)) = self.arrays.bodies.shape(first + lane) else {
-                *self.outcome = Err(Refusal::Shape.of_body(first + lane));
-                return None;
-            };
-            all_spheres &= a[0] == a[1] && a[1] == a[2];
-            let is_triaxial = a[0] != a[1] && a[1] != a[2] && a[0] != a[2];
-            triaxial |= u32::from(is_triaxial) << lane;
-            let mass = self.arrays.masses[first + lane];
-            *line = Line([a[0], a[1], a[2], q[0], q[1], q[2], q[3], mass]);
+/// What the bodies of a block are.
+///
+/// # Errors
+/// The first one that moves and is no ellipsoid.
+#[inline(always)]
+fn shapes_of<S: Registers, B: Bodies>(
+    registers: S,
+    arrays: &BodyArrays<'_, B>,
+    first: usize,
+    count: usize,
+    moves: u32,
+) -> Result<BlockShapes<S>, usize> {
+    // Of a body that does not move nothing is used.
+    let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
+    let (mut triaxial, mut all_spheres) = (0, true);
+    for (lane, line) in lines[..count].iter_mut().enumerate() {
+        if moves >> lane & 1 == 0 {
+            continue;
         }
-        let n = Lanes::all(registers, registers.columns(&lines!(&lines)));
-        Some(BlockShapes {
-            semi_axes: [n[0], n[1], n[2]],
-            quaternion: [n[3], n[4], n[5], n[6]],
-            mass: n[7],
-            all_spheres,
-            triaxial,
-        })
+        let Some((a, q)) = arrays.bodies.shape(first + lane) else {
+            return Err(first + lane);
+        };
+        all_spheres &= a[0] == a[1] && a[1] == a[2];
+        let is_triaxial = a[0] != a[1] && a[1] != a[2] && a[0] != a[2];
+        triaxial |= u32::from(is_triaxial) << lane;
+        let mass = arrays.masses[first + lane];
+        *line = Line([a[0], a[1], a[2], q[0], q[1], q[2], q[3], mass]);
     }
+    let n = Lanes::all(registers, registers.columns(&lines!(&lines)));
+    Ok(BlockShapes {
+        semi_axes: [n[0], n[1], n[2]],
+        quaternion: [n[3], n[4], n[5], n[6]],
+        mass: n[7],
+        all_spheres,
+        triaxial,
+    })
+}
+
+/// Where quaternions have length 1 and semi-axes are within their range.
+#[inline(always)]
+fn are_usual<S: Registers>(registers: S, shapes: &BlockShapes<S>) -> S::Mask {
+    let (q, a) = (shapes.quaternion, shapes.semi_axes);
+    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    let unit = (square - 1.0).abs().less(square.constant(UNIT));
+    // One that is not a number makes all that follows none.
+    let [largest, least] = [
+        a[0].max(a[1])
+            .max(a[2])
+            .less(square.constant(ABOVE_SEMI_AXES)),
+        square
+            .constant(BELOW_SEMI_AXES)
+            .less(a[0].min(a[1]).min(a[2])),
+    ];
+    registers.and(unit, registers.and(largest, least))
+}
+
+/// See [`angular_velocities`].
+struct Spin<'p, 'a, B: Bodies> {
+    arrays: &'p BodyArrays<'a, B>,
+    selection: Selection<'p>,
+    found: &'p mut [[f64; 3]],
+    outcome: &'p mut Result<(), MotionError>,
+}
+
+impl<B: Bodies> Spin<'_, '_, B> {
+    fn one_by_one(mut self) {
+        for k in 0..self.found.len() {
+            if self.selection.takes(k) && !self.one(k) {
+                return;
+            }
+        }
+    }
+
+    #[cold]
+    fn one(&mut self, k: usize) -> bool {
+        match angular_velocity(self.arrays, k) {
+            Ok(omega) => {
+                self.found[k] = omega;
+                true
+            }
+            Err(why) => {
+                *self.outcome = Err(why.of_body(k));
+                false
+            }
+        }
+    }
+}
+
+impl<B: Bodies> Stage for Spin<'_, '_, B> {
+    #[inline(always)]
+    fn run<S: Registers>(mut self, registers: S) {
+        let n = self.found.len();
+        let mut first = 0;
+        while first < n {
+            let count = S::LANES.min(n - first);
+            let moves = self.selection.lanes(first, count);
+            let mut hard = moves;
+            // One without a shape is named by what takes bodies one by one.
+            if let Ok(shapes) = shapes_of(registers, self.arrays, first, count, moves) {
+                let (omega, sound) = spins(registers, self.arrays, &shapes, first, count);
+                let sound = registers.bits(sound) & moves;
+                let before = vectors(registers, self.found, first, count);
+                let omega = select3(registers.mask(sound), omega, before);
+                put_vectors(registers, omega, self.found, first, count);
+                hard &= !sound;
+            }
+            while hard != 0 {
+                let lane = hard.trailing_zeros() as usize;
+                hard &= hard - 1;
+                if !self.one(first + lane) {
+                    return;
+                }
+            }
+            first += S::LANES;
+        }
+    }
+}
+
+/// Angular velocities of a block, world frame, and where they are right.
+#[inline(always)]
+fn spins<S: Registers, B: Bodies>(
+    registers: S,
+    arrays: &BodyArrays<'_, B>,
+    shapes: &BlockShapes<S>,
+    first: usize,
+    count: usize,
+) -> (Vector3<Lanes<S>>, S::Mask) {
+    let momentum = vectors(registers, arrays.angular_momenta, first, count);
+    let mass = shapes.mass;
+    let axes = rotation_columns(shapes.quaternion, mass.constant(2.0));
+    let own = body_velocity(axes, momentum, moments(mass, shapes.semi_axes).0);
+    let omega = axes[2].scale_add(own.z, axes[1].scale_add(own.y, axes[0] * own.x));
+    let divided = registers.and(
+        mass.constant(DIVIDED[0]).less(mass),
+        mass.less(mass.constant(DIVIDED[1])),
+    );
+    (omega, registers.and(divided, are_usual(registers, shapes)))
 }
 
 /// Where a block turns to within the time, and where that is exact to rounding.
@@ -737,18 +853,8 @@ fn turn_block<S: Registers>(
             registers.and_not(good, triaxial),
         );
     }
-    let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    let unit = (square - 1.0).abs().less(square.constant(UNIT));
     // One that is not a number makes the turn none, which is not good.
-    let [largest, least] = [
-        a[0].max(a[1])
-            .max(a[2])
-            .less(mass.constant(ABOVE_SEMI_AXES)),
-        mass.constant(BELOW_SEMI_AXES)
-            .less(a[0].min(a[1]).min(a[2])),
-    ];
-    let good = registers.and(good, registers.and(largest, least));
-    (turned, registers.and(good, unit))
+    (turned, registers.and(good, are_usual(registers, shapes)))
 }
 
 /// [`extrapolate`] of a block; `factors` are half the time over the masses, and half the time.

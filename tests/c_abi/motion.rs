@@ -365,7 +365,8 @@ fn angular_velocities_go_with_angular_momenta() {
     bodies.entries[bodies.index[1] as usize].quaternion = [1.0, -1.0, 1.0, 1.0];
     let mut omega = [[7.0; 3]; 6];
     // SAFETY: the arrays have these lengths.
-    let status = unsafe { ellgran_angular_velocities(&motion, omega.as_mut_ptr().cast()) };
+    let status =
+        unsafe { ellgran_angular_velocities(bodies.workspace, &motion, omega.as_mut_ptr().cast()) };
     assert_eq!(status, ELLGRAN_SUCCESS, "{}", message());
     assert_eq!(omega[4], [7.0; 3], "a body that does not move");
     for k in [0, 1, 2, 3, 5] {
@@ -385,7 +386,8 @@ fn angular_velocities_go_with_angular_momenta() {
     bodies.entries[bodies.index[3] as usize].quaternion = [0.0; 4];
     let motion = bodies.motion();
     // SAFETY: as above.
-    let status = unsafe { ellgran_angular_velocities(&motion, omega.as_mut_ptr().cast()) };
+    let status =
+        unsafe { ellgran_angular_velocities(bodies.workspace, &motion, omega.as_mut_ptr().cast()) };
     assert_eq!(status, ELLGRAN_ERROR_PARTICLE);
     assert!(
         message().contains("particle 103: its quaternion has length 0"),
@@ -393,6 +395,7 @@ fn angular_velocities_go_with_angular_momenta() {
         message()
     );
     // SAFETY: NULL is an error.
-    let status = unsafe { ellgran_angular_velocities(&motion, core::ptr::null_mut()) };
+    let status =
+        unsafe { ellgran_angular_velocities(bodies.workspace, &motion, core::ptr::null_mut()) };
     assert_eq!(status, ELLGRAN_ERROR_NULL_POINTER);
 }
