@@ -29,6 +29,8 @@ pub const MOST_PARTS: usize = 3;
 
 /// Elements that make up less of the compliance are left out: a rigid wall has no memory of its own.
 const LEAST_SHARE: f64 = 1e-8;
+/// Relaxation times of elements below this are 0: their squares would leave double precision.
+const LEAST_TIME: f64 = 1e-100;
 /// Relaxation times that differ by less are one.
 const LEAST_DIFFERENCE: f64 = 1e-8;
 
@@ -160,7 +162,9 @@ fn elements(m: &Material) -> [(f64, f64); 2] {
 
 /// `E*(s)` of two bodies.
 pub(super) fn relaxation(i: &Material, j: &Material) -> Relaxation {
-    let all: Vec<(f64, f64)> = [i, j].into_iter().flat_map(elements).collect();
+    let elements_of =
+        |m| elements(m).map(|(c, time)| (c, if time < LEAST_TIME { 0.0 } else { time }));
+    let all: Vec<(f64, f64)> = [i, j].into_iter().flat_map(elements_of).collect();
     let compliance: f64 = all.iter().map(|e| e.0).sum();
     let mut sorted: Vec<(f64, f64)> = all
         .into_iter()
@@ -443,4 +447,58 @@ fn cube_root<T: Real>(x: T) -> T {
     let cube = y * y * y;
     let y = y * ((cube + far + far) / (cube + cube + far));
     T::select(x.less(least), x.constant(0.0), y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponentials_and_their_means() {
+        assert_eq!(decay(0.0), (1.0, 1.0));
+        for k in 0..2000 {
+            let z = 10f64.powf(-12.0 + 0.01 * k as f64);
+            let (kept, mean) = decay(z);
+            assert!((kept - (-z).exp()).abs() < 1e-15, "{z}");
+            assert!((mean * z / -(-z).exp_m1() - 1.0).abs() < 2e-15, "{z}");
+        }
+    }
+
+    #[test]
+    fn cube_roots() {
+        assert_eq!((cube_root(0.0), cube_root(1e-281)), (0.0, 0.0));
+        for k in 0..3000 {
+            let x = 10f64.powf(-0.093 * k as f64);
+            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 2e-15, "{x}");
+        }
+    }
+
+    /// Work along any way between two penetrations is the change of the energy where nothing relaxes: the elastic force is its derivative.
+    #[test]
+    fn the_elastic_force_is_the_derivative_of_the_energy() {
+        let part = Part {
+            share: 1.0,
+            ratio: 0.7,
+            rate: 1.0,
+        };
+        for rest in [0.0, 0.3, 0.9, 1.1, 1.9, 2.3] {
+            for d in [0.2, 0.7, 1.0, 1.5] {
+                let at = |d: f64| {
+                    let still = Approach {
+                        penetration: d,
+                        before: d,
+                        time: 0.0,
+                        rate: 0.0,
+                    };
+                    part_force(&part, 0.0, &still, rest)
+                };
+                let h = 1e-5;
+                let slope = (at(d + h).energy - at(d - h).energy) / (2.0 * h);
+                let found = at(d);
+                assert!((found.elastic - slope).abs() < 1e-8, "{d}, {rest}");
+                assert!((found.force - found.elastic).abs() < 1e-12, "{d}, {rest}");
+                assert_eq!(found.rest, rest);
+            }
+        }
+    }
 }

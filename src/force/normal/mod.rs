@@ -282,3 +282,19 @@ macro_rules! formulas {
     };
 }
 use formulas;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A law without relaxation times of its own has none across the normal either.
+    #[test]
+    fn a_law_that_names_no_tangential_relaxation_has_none() {
+        let p = LawParameters {
+            normal_damping: 3.0,
+            shear_viscosity: 2.0,
+            ..LawParameters::default()
+        };
+        assert_eq!(Normal::Lsd.tangential_relaxation(&p), (0.0, 0.0));
+    }
+}
