@@ -109,6 +109,17 @@ template <typename Type> inline Type init()
 #define ELLGRAN_UNLOADING_FIRST_ORDER 1
 
 /*
+ First order in the rate, with A_n of the closure.
+ */
+#define ELLGRAN_VISCOSITY_FIRST_ORDER 0
+
+/*
+ The memory of the solid: exact while the contact grows. Remembers one number per contact, up to three between different
+ materials.
+ */
+#define ELLGRAN_VISCOSITY_MEMORY 1
+
+/*
  No tangential force, no tangential history.
  */
 #define ELLGRAN_TANGENTIAL_NONE 0
@@ -269,6 +280,11 @@ template <typename Type> inline Type init()
  A field that is added at the end of a struct does not raise it.
  */
 #define ELLGRAN_ABI_VERSION 1
+
+/*
+ The most relaxing parts that two bodies have.
+ */
+#define MOST_PARTS 3
 
 /*
  The laws between all types of a scene. Opaque, immutable.
@@ -893,6 +909,14 @@ typedef struct EllgranLawParameters {
    mu_twist of `twisting sds`, length: the largest torque over the normal force.
    */
   double twisting_friction;
+  /*
+   To which order in the rate the normal force of `nfd` is right, ELLGRAN_VISCOSITY_*.
+   */
+  int32_t viscosity;
+  /*
+   Not used; 0.
+   */
+  int32_t reserved;
 } EllgranLawParameters;
 
 /*
@@ -1651,6 +1675,8 @@ typedef struct EllgranContactStiffness {
    */
   double critical_step;
 } EllgranContactStiffness;
+
+
 
 
 

@@ -10,7 +10,7 @@ pub struct Tallies<'a> {
     pub particle_energies: Option<&'a mut [f64]>,
     /// Virial per particle (xx yy zz xy xz yz), added to (half to each body).
     pub particle_virials: Option<&'a mut [[f64; 6]]>,
-    /// Elastic energy of the normal deformation.
+    /// Elastic energy of the normal deformation, that of the springs of `viscosity memory` too.
     pub normal_elastic_energy: f64,
     /// Elastic energy of the tangential deformation, of rolling and of twisting.
     pub tangential_elastic_energy: f64,
@@ -107,6 +107,8 @@ pub(crate) struct Contribution {
     pub tangential_energy: f64,
     /// Time of the step times the power of the viscous and of the other tangential forces, with the velocities given.
     pub works: [f64; 2],
+    /// Energy that the memory of the normal force dissipated in the step, whatever acts on the bodies.
+    pub relaxed: f64,
     pub d: Vector3,
     pub force: Vector3,
     /// On `j`.
@@ -194,6 +196,7 @@ impl Tallies<'_> {
         self.touching += weight;
         self.normal_elastic_energy += weight * c.normal_energy;
         self.tangential_elastic_energy += weight * c.tangential_energy;
+        self.viscous_dissipation += weight * c.relaxed;
         if self.inelastic_loads.is_none() && load_i.is_none() {
             self.viscous_dissipation += weight * c.works[0];
             self.tangential_work += weight * c.works[1];

@@ -19,6 +19,8 @@ ELLGRAN_CLOSURE_SURFACE = 1
 ELLGRAN_CLOSURE_BRILLIANTOV = 2
 ELLGRAN_UNLOADING_TING = 0
 ELLGRAN_UNLOADING_FIRST_ORDER = 1
+ELLGRAN_VISCOSITY_FIRST_ORDER = 0
+ELLGRAN_VISCOSITY_MEMORY = 1
 ELLGRAN_TANGENTIAL_NONE = 0
 ELLGRAN_TANGENTIAL_TFD = 1
 ELLGRAN_TANGENTIAL_MINDLIN = 2
@@ -228,6 +230,8 @@ class EllgranLawParameters(ctypes.Structure):
         ("twisting_stiffness", ctypes.c_double),
         ("twisting_damping", ctypes.c_double),
         ("twisting_friction", ctypes.c_double),
+        ("viscosity", ctypes.c_int32),
+        ("reserved", ctypes.c_int32),
     ]
 
 

@@ -35,6 +35,9 @@ macro_rules! law_parameters {
             $( $(#[$later_choice_doc:meta])* $later_choice:ident: $later_type:ident = $later_default:ident; )+
         }
         later_constants { $( $(#[$later_doc:meta])* $later:ident = $($later_column:tt),+; )+ }
+        latest_choices {
+            $( $(#[$latest_choice_doc:meta])* $latest_choice:ident: $latest_type:ident = $latest_default:ident; )+
+        }
     ) => {
         $(#[$about])*
         #[repr(C)]
@@ -47,6 +50,9 @@ macro_rules! law_parameters {
             $( $(#[$doc])* pub $constant: f64, )+
             $( $(#[$later_choice_doc])* pub $later_choice: i32, )+
             $( $(#[$later_doc])* pub $later: f64, )+
+            $( $(#[$latest_choice_doc])* pub $latest_choice: i32, )+
+            /// Not used; 0.
+            pub reserved: i32,
         }
 
         impl From<&LawParameters> for EllgranLawParameters {
@@ -58,6 +64,8 @@ macro_rules! law_parameters {
                     $( $constant: p.$constant, )+
                     $( $later_choice: p.$later_choice.number(), )+
                     $( $later: p.$later, )+
+                    $( $latest_choice: p.$latest_choice.number(), )+
+                    reserved: 0,
                 }
             }
         }
@@ -70,6 +78,7 @@ macro_rules! law_parameters {
                     $( $constant: self.$constant, )+
                     $( $later_choice: chosen(stringify!($later_choice), self.$later_choice)?, )+
                     $( $later: self.$later, )+
+                    $( $latest_choice: chosen(stringify!($latest_choice), self.$latest_choice)?, )+
                 })
             }
         }

@@ -16,6 +16,7 @@ use crate::contact::pair::HaleRatio;
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_MASS, LARGEST_VELOCITY};
 use crate::contact::staged::{StagedContact, StagedHistory, WallSurface};
 use crate::contact::{ContactForces, HistoryLayout, Step};
+use crate::force::memory::MOST_PARTS;
 use crate::force::parameters::LARGEST_CONSTANT;
 use crate::force::PairLaw;
 use crate::geometry::facet_shares::Share;
@@ -556,6 +557,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
             check_type(laws, type_i, "type_i")?,
             check_type(laws, type_j, "type_j")?,
         );
+        without_memory(law)?;
         let contact = staged.known()?;
         let effective_mass = checked_mass(law, effective_mass)?;
         let f = contact
@@ -662,6 +664,17 @@ fn wrong_memory(layout: &HistoryLayout, memory: &[f64]) -> Option<usize> {
     layout.first_wrong(&history).map(|(place, _)| place - at)
 }
 
+/// Refuses a law whose normal force has a memory.
+fn without_memory(law: &PairLaw) -> Result<(), Failure> {
+    if law.kinds.normal.memory == 0 {
+        return Ok(());
+    }
+    Err(Failure::new(
+        ELLGRAN_ERROR_LAW,
+        "the normal force has no memory in stages: give 'viscosity first_order'",
+    ))
+}
+
 type HistoryArguments = (
     *const EllgranStagedContact,
     *const EllgranLaws,
@@ -710,6 +723,7 @@ unsafe fn with_history(
             "rolling and twisting are not resisted in stages: give 'rolling none twisting none'",
         ));
     }
+    without_memory(law)?;
     let friction = history.friction;
     if !(0.0..=LARGEST_CONSTANT).contains(&friction) {
         return Err(Failure::new(
@@ -736,6 +750,7 @@ unsafe fn with_history(
         normal: Vector3::from_array(history.normal),
         memory: Vector3::new(memory[0], memory[1], memory[2]),
         energy: memory.get(3).copied().unwrap_or(0.0),
+        rests: [0.0; MOST_PARTS],
     };
     let f = compute(contact, law, friction, &step, &mut history).map_err(|r| staged.hale(r))?;
     let result = force_of(None, &f);

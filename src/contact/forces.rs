@@ -6,6 +6,7 @@ use crate::force::conservative::{
     NormalResponse,
 };
 use crate::force::contact_begin::begin_factor;
+use crate::force::memory::{normal_force_with_memory, Approach, ForceWithMemory, MOST_PARTS};
 use crate::force::{
     normal_force, tangential_force, Factors, LawConstants, LawKinds, TangentialForce,
 };
@@ -120,6 +121,8 @@ pub struct Remembered<T: Real = f64> {
     pub memory: Vector3<T>,
     /// Elastic energy of the tangential memory at the last step.
     pub energy: T,
+    /// Penetrations of rest of the relaxing parts of the normal force; `None` where the kernel has none.
+    pub rests: Option<[T; MOST_PARTS]>,
     /// Time over which the memory advances: 0 in the set-up of a run.
     pub time: T,
 }
@@ -142,6 +145,10 @@ pub struct ContactForces<T = f64> {
     pub contact_point: Vector3<T>,
     /// Tangential memory, world frame. Where no time passes it is the old one, turned with the contact.
     pub memory: Vector3<T>,
+    /// Penetrations of rest of the relaxing parts of the normal force.
+    pub rests: [T; MOST_PARTS],
+    /// Energy that these dissipated in the step.
+    pub relaxed_energy: T,
     /// Tangential displacement, world frame.
     pub displacement: Vector3<T>,
     /// Normal stiffness `dF_H/d(delta)` at the contact area of now.
@@ -509,6 +516,14 @@ impl<T: Real> Turn<T> {
     }
 }
 
+/// The time of the step for which the bodies touched: a contact that began within it has slid only since then.
+#[inline(always)]
+fn time_in_contact<T: Real>(x: &Contact<T>, motion: &Motion<T>, remembered: &Remembered<T>) -> T {
+    let approach = motion.rate.max(x.penetration.constant(1e-300));
+    let since = (x.penetration / approach).min(remembered.time);
+    T::select(remembered.continued, remembered.time, since)
+}
+
 /// The law of one contact, in the frame of its tangent basis and normal: there most products with the normal and with
 /// the witnesses have no terms at all.
 ///
@@ -543,15 +558,44 @@ pub fn contact_forces<
         Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, rate, time),
         None => rate,
     };
-    let normal = normal_force(
-        &kinds.normal,
-        &c.normal,
-        x.penetration,
-        viscous_rate,
-        curvature.determinant(),
-        factors,
-        x.effective_mass,
-    );
+    let ForceWithMemory {
+        normal,
+        rests,
+        relaxed,
+    } = match remembered.rests {
+        Some(rests) if kinds.normal.memory > 0 => {
+            let time = time_in_contact(x, &motion, remembered);
+            let before = motion.rate.negative_multiply_add(time, x.penetration);
+            let approach = Approach {
+                penetration: x.penetration,
+                before: T::select(remembered.continued, before.max(zero), zero),
+                time,
+                rate: viscous_rate,
+            };
+            normal_force_with_memory(
+                kinds.normal.memory as usize,
+                &c.normal,
+                &c.memory,
+                &approach,
+                rests,
+                curvature.determinant(),
+                factors,
+            )
+        }
+        rests => ForceWithMemory {
+            normal: normal_force(
+                &kinds.normal,
+                &c.normal,
+                x.penetration,
+                viscous_rate,
+                curvature.determinant(),
+                factors,
+                x.effective_mass,
+            ),
+            rests: rests.unwrap_or([zero; MOST_PARTS]),
+            relaxed: zero,
+        },
+    };
 
     // The contact point from either centre; from that of j, its tangential part is minus the witness.
     let share = x.penetration * c.share_i;
@@ -578,6 +622,8 @@ pub fn contact_forces<
         tangential_force: null,
         contact_point: r_i.to_world(x),
         memory: null,
+        rests,
+        relaxed_energy: relaxed,
         displacement: null,
         stiffness: normal.stiffness,
         rate,
@@ -599,10 +645,7 @@ pub fn contact_forces<
         } else {
             velocity
         };
-        // A contact that began within this step slid only since then.
-        let approach = motion.rate.max(zero.constant(1e-300));
-        let since = (x.penetration / approach).min(remembered.time);
-        let time = T::select(remembered.continued, remembered.time, since);
+        let time = time_in_contact(x, &motion, remembered);
         let mut increment = velocity * time;
         if x.begin_time.is_some() {
             let way = motion.rate * time;

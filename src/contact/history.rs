@@ -5,17 +5,20 @@
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
 //! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
+//! [ rest ... ]             penetrations of rest              with `viscosity memory`, one of each relaxing part
 //! [ way x y z ]            way of rolling, world frame       with `rolling`
 //! [ torque, angle ]        that the twist holds              with `twisting`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory, and the same of rolling and
-//! twisting. Where something resists these there is room for a memory too, with friction or without.
+//! twisting and of rest. Where there are such there is room for a memory too, with friction or without.
 
 use super::forces::{ContactForces, Remembered};
 use super::ranges::{
-    LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE, LARGEST_TWIST,
+    LARGEST_COORDINATE, LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE,
+    LARGEST_TWIST,
 };
+use crate::force::memory::MOST_PARTS;
 use crate::vector::Vector3;
 
 /// Time step and whether the history is advanced.
@@ -48,6 +51,8 @@ pub struct Remembers {
     pub tangential: bool,
     /// Its energy.
     pub energy: bool,
+    /// Penetrations of rest of the relaxing parts of the normal force: how many.
+    pub rests: usize,
     /// The way of rolling.
     pub rolling: bool,
     /// Torque and angle of the twist.
@@ -63,6 +68,10 @@ pub struct HistoryLayout {
     pub memory: Option<usize>,
     /// Where the elastic energy of the memory stands.
     pub energy: Option<usize>,
+    /// Where the penetrations of rest stand.
+    pub rests: Option<usize>,
+    /// How many they are.
+    pub rest_count: usize,
     /// Where the way of rolling stands.
     pub rolling: Option<usize>,
     /// Where the torque and the angle of the twist stand.
@@ -75,7 +84,7 @@ pub struct HistoryLayout {
 
 impl HistoryLayout {
     /// Doubles per contact of the longest layout.
-    pub(crate) const LONGEST: usize = 12;
+    pub(crate) const LONGEST: usize = 15;
 
     /// The layout for a scene.
     pub fn new(remembers: Remembers) -> Self {
@@ -90,12 +99,15 @@ impl HistoryLayout {
         let normal = take(remembers.normal, 3);
         let memory = take(remembers.tangential, 3);
         let energy = take(remembers.tangential && remembers.energy, 1);
+        let rests = take(remembers.rests > 0, remembers.rests);
         let rolling = take(remembers.rolling, 3);
         let twisting = take(remembers.twisting, 2);
         HistoryLayout {
             normal,
             memory,
             energy,
+            rests,
+            rest_count: remembers.rests,
             rolling,
             twisting,
             length,
@@ -109,9 +121,16 @@ impl HistoryLayout {
             normal: self.normal.is_some(),
             tangential: self.memory.is_some(),
             energy: self.energy.is_some(),
+            rests: self.rest_count,
             rolling: self.rolling.is_some(),
             twisting: self.twisting.is_some(),
         }
+    }
+
+    /// Whether a place is one of the penetrations of rest.
+    fn is_rest(&self, place: usize) -> bool {
+        self.rests
+            .is_some_and(|at| (at..at + self.rest_count).contains(&place))
     }
 
     /// Where what is remembered of rolling and twisting begins.
@@ -128,6 +147,8 @@ impl HistoryLayout {
                 LARGEST_TWIST
             } else if *k >= self.resistance() {
                 LARGEST_DISPLACEMENT
+            } else if self.is_rest(*k) {
+                return !(0.0..=LARGEST_COORDINATE).contains(&history[*k]);
             } else if Some(*k) == self.energy {
                 LARGEST_TANGENTIAL_ENERGY
             } else if self.of_displacements {
@@ -150,7 +171,7 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            let the_same = Some(k) == self.energy || k >= self.resistance();
+            let the_same = Some(k) == self.energy || self.is_rest(k) || k >= self.resistance();
             *t = if the_same { *s } else { -s };
         }
     }
@@ -179,6 +200,13 @@ pub fn recall(
             Some(at) if touching => history[at],
             _ => 0.0,
         },
+        rests: layout.rests.map(|at| {
+            let mut rests = [0.0; MOST_PARTS];
+            if touching {
+                rests[..layout.rest_count].copy_from_slice(&history[at..at + layout.rest_count]);
+            }
+            rests
+        }),
         time: step.elapsed(),
     }
 }
@@ -201,6 +229,9 @@ pub fn remember(
     }
     if let Some(at) = layout.energy {
         history[at] = forces.tangential_energy;
+    }
+    if let Some(at) = layout.rests {
+        history[at..at + layout.rest_count].copy_from_slice(&forces.rests[..layout.rest_count]);
     }
 }
 

@@ -4,10 +4,11 @@
 use crate::force::hertz_factors::{
     fit_variable, fitted, fitted_near, near_variable, FIT_END, NEAR_END,
 };
+use crate::force::memory::memory_constants;
 use crate::force::normal::normal_constants;
 use crate::force::tangential::tangential_constants;
 use crate::force::{
-    Factors, LawConstants, LawKinds, NormalConstants, PairLaw, TangentialConstants,
+    Factors, LawConstants, LawKinds, MemoryConstants, NormalConstants, PairLaw, TangentialConstants,
 };
 use crate::real::Real;
 use crate::simd::{Lanes, Registers, MOST_LANES};
@@ -39,6 +40,7 @@ macro_rules! load_constants {
     ($registers:expr, $laws:expr, $only:expr) => {
         LawConstants {
             normal: normal_constants!(load_part, $registers, $laws, $only, normal,),
+            memory: memory_constants!(load_part, $registers, $laws, $only, memory,),
             tangential: tangential_constants!(load_part, $registers, $laws, $only, tangential,),
             share_i: load_constant!($registers, $laws, $only, share_i),
         }

@@ -24,7 +24,8 @@ pub struct Laws {
 /// The terms that some pair of types has; a kernel without the others serves the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
-    /// A tangential law, or a resistance to rolling or twisting: a contact remembers more than its normal.
+    /// A tangential law, a resistance to rolling or twisting, or memory of the normal force: a contact remembers more than its
+    /// normal.
     pub friction: bool,
     /// A resistance to rolling or twisting.
     pub resistance: bool,
@@ -32,6 +33,8 @@ pub struct Features {
     pub viscous: bool,
     /// The conservative law's additional terms.
     pub conservative: bool,
+    /// Relaxing parts of the normal force, which are remembered.
+    pub memory: bool,
     /// A term that reads masses.
     pub mass: bool,
     /// Hale's factors, which can break.
@@ -42,10 +45,13 @@ impl Features {
     fn of(table: &[PairLaw]) -> Features {
         let any = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
         Features {
-            friction: any(&|l| l.kinds.tangential.any() || l.resistance.any()),
+            friction: any(&|l| {
+                l.kinds.tangential.any() || l.resistance.any() || l.kinds.normal.memory > 0
+            }),
             resistance: any(&|l| l.resistance.any()),
             viscous: any(&|l| l.kinds.normal.relaxation || l.kinds.normal.restitution),
             conservative: any(&|l| l.kinds.conservative),
+            memory: any(&|l| l.kinds.normal.memory > 0),
             mass: any(&|l| l.kinds.normal.restitution),
             hale: any(&|l| l.kinds.hale),
         }
@@ -119,6 +125,11 @@ impl Laws {
             normal: cached_normal,
             tangential: features.friction,
             energy: rescaled,
+            rests: table
+                .iter()
+                .map(|l| l.kinds.normal.memory as usize)
+                .max()
+                .unwrap_or(0),
             rolling: some(&|l| l.resistance.rolling != RollingResistance::None),
             twisting: some(&|l| l.resistance.twisting != TwistingResistance::None),
         });

@@ -16,7 +16,7 @@ use crate::vector::{Symmetric2, Vector3};
 /// The springs and dashpots that a contact consists of for small motions about where it is.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactStiffness {
-    /// Of the normal spring, force/length: `dF_n/d(delta)` at the present penetration.
+    /// Of the normal spring, force/length: `dF_n/d(delta)` at the present penetration, for motion too fast for what relaxes.
     pub normal_stiffness: f64,
     /// Of the tangential spring along the major and the minor semi-axis of the contact ellipse, force/length, without slip.
     pub tangential_stiffness: [f64; 2],
@@ -206,13 +206,17 @@ impl Springs {
             m,
         );
         let c = &law.constants;
+        let (spring, dashpot) = c
+            .memory
+            .springs_and_dashpots(law.kinds.normal.memory as usize);
         Ok(Springs {
-            normal_stiffness,
+            normal_stiffness: normal_stiffness * (1.0 + spring),
             tangential_stiffness,
             normal_damping: law
                 .kinds
                 .normal
-                .dashpot(&c.normal, normal_stiffness, x.effective_mass),
+                .dashpot(&c.normal, normal_stiffness, x.effective_mass)
+                + normal_stiffness * dashpot,
             tangential_damping,
             elastic_energy: at_rest.elastic_energy,
             factors,

@@ -147,7 +147,13 @@ impl StepContact {
         let springs = Springs::of(law, x, m)?;
         let times = |matrix: Matrix| Matrix(matrix.0.map(|row| row.map(|entry| share * entry)));
         let inverse_mass: f64 = jacobians.iter().map(|j| j.mobility().0[2][2]).sum();
-        let stiffness = share * at_rest(law, &springs.factors, x, m, 1.0).stiffness;
+        // A collision may be too fast for what relaxes.
+        let (spring, _) = law
+            .constants
+            .memory
+            .springs_and_dashpots(law.kinds.normal.memory as usize);
+        let stiffness =
+            share * at_rest(law, &springs.factors, x, m, 1.0).stiffness * (1.0 + spring);
         let speed = (speed * speed + 2.0 * share * springs.elastic_energy * inverse_mass).sqrt();
         let time = if inverse_mass > 0.0 && stiffness > 0.0 && speed > 0.0 {
             law.kinds

@@ -8,6 +8,7 @@ use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, H
 use super::particle::Particle;
 use super::turning_normal::{along_and_across, TurningNormal};
 use crate::force::hertz_factors;
+use crate::force::memory::MOST_PARTS;
 use crate::force::{PairLaw, Tangential};
 use crate::geometry::facet_shares::Share;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
@@ -43,6 +44,8 @@ pub struct StagedHistory {
     pub memory: Vector3,
     /// Its elastic energy, of `displacement rescaled`; written.
     pub energy: f64,
+    /// Penetrations of rest, of `viscosity memory`; written.
+    pub rests: [f64; MOST_PARTS],
 }
 
 /// A contact whose geometry is known.
@@ -165,7 +168,7 @@ impl StagedContact {
         std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
     }
 
-    /// Normal force and the further terms of the conservative law, without the tangential force. The time step is for the begin
+    /// Normal force and the further terms of the conservative law, without the tangential force and without memory. The time step is for the begin
     /// of contacts whose velocities are those of the step; 0: not known.
     ///
     /// # Errors
@@ -188,6 +191,7 @@ impl StagedContact {
             normal: x.normal,
             memory: Vector3::ZERO,
             energy: 0.0,
+            rests: None,
             time: 0.0,
         };
         let mut f = self.forces::<false>(&law, &x, &nothing)?;
@@ -273,11 +277,17 @@ impl StagedContact {
                 Vector3::ZERO
             },
             energy: if history.touched { history.energy } else { 0.0 },
+            rests: Some(if history.touched {
+                history.rests
+            } else {
+                [0.0; MOST_PARTS]
+            }),
             time: step.elapsed(),
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
         history.memory = f.memory;
         history.energy = f.tangential_energy;
+        history.rests = f.rests;
         Ok(f)
     }
 
@@ -337,6 +347,7 @@ pub(crate) fn take_share(share: &Share, conservative: bool, f: &mut ContactForce
         &mut f.stiffness,
         &mut f.elastic_energy,
         &mut f.tangential_energy,
+        &mut f.relaxed_energy,
         &mut f.viscous_power,
         &mut f.tangential_power,
     ] {

@@ -16,6 +16,7 @@ use super::particle::Particle;
 use super::staged::{WallSurface, LEAST_CURVATURE};
 use super::turning_normal::{along_and_across, TurningNormal};
 use super::vectors_in_lanes::{load, put_in_lane, Column, Columns};
+use crate::force::memory::MOST_PARTS;
 use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, Ellipsoid, SupportInFrame};
 use crate::real::Real;
@@ -208,6 +209,8 @@ impl<'a> WallBatch<'a> {
             elastic_energy: b[6],
             tangential_energy: b[7],
             memory: vector(c, 0),
+            rests: [0.0; MOST_PARTS],
+            relaxed_energy: 0.0,
             displacement: vector(c, 3),
             rate: c[6],
             viscous_power: c[7],
@@ -558,6 +561,7 @@ fn contacts<S: Registers>(
         normal: load(registers, &numbers.last_normal),
         memory: load(registers, &numbers.memory),
         energy: Lanes::load(registers, &numbers.energy),
+        rests: None,
         time: Lanes::splat(registers, step.elapsed()),
     };
     let wall = CurvedWall {

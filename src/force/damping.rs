@@ -37,6 +37,15 @@ choices! {
         /// First-order law throughout.
         FirstOrder = 1, "first_order", ELLGRAN_UNLOADING_FIRST_ORDER, [];
     }
+
+    /// To which order in the rate the viscous normal force of `nfd` is right.
+    Viscosity {
+        /// First order in the rate, with A_n of the closure.
+        FirstOrder = 0, "first_order", ELLGRAN_VISCOSITY_FIRST_ORDER, [];
+        /// The memory of the solid: exact while the contact grows. Remembers one number per contact, up to three between different
+        /// materials.
+        Memory = 1, "memory", ELLGRAN_VISCOSITY_MEMORY, [];
+    }
 }
 
 /// Normal relaxation time `A_n` (time) of one material. All closures give `tau` for `eta_i = tau E_i`.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A law resolved before the run: which terms it has, and the constants of a pair of types.
 
-use super::damping::{restitution_coefficient, Damping};
+use super::damping::{restitution_coefficient, Damping, Viscosity};
+use super::memory::{relaxation, MemoryConstants};
 use super::normal::{NormalConstants, NormalKinds};
 use super::parameters::{Constant, FactorForm, LawParameters, Normal, ParameterError};
 use super::rolling::{Rolling, RollingConstants};
@@ -31,6 +32,8 @@ pub struct LawKinds {
 pub struct LawConstants<T = f64> {
     /// Of the normal law.
     pub normal: NormalConstants<T>,
+    /// Of its memory.
+    pub memory: MemoryConstants<T>,
     /// Of the tangential law.
     pub tangential: TangentialConstants<T>,
     /// Share of body `i` in the penetration, `c_i/(c_i + c_j)`.
@@ -167,13 +170,24 @@ impl PairLaw {
             ));
         }
         let mixed = LawParameters::mixed(i, j);
-        let normal = i.normal.resolve(i, j, &mixed);
+        let mut normal = i.normal.resolve(i, j, &mixed);
+        let mut memory = (0, MemoryConstants::NONE);
+        if i.viscosity == Viscosity::Memory {
+            let found = relaxation(&i.material(), &j.material());
+            if found.parts > 0 {
+                normal.constants.damping = found.dashpot_time;
+                memory = (found.parts as u32, found.constants);
+            }
+        }
         let constants = LawConstants {
             normal: normal.constants,
+            memory: memory.1,
             tangential: tangential_constants(i, j, &mixed),
             share_i: normal.share_i,
         };
-        let kinds = NormalKinds::of(i, i.normal.formula(), &constants.normal);
+        let mut kinds = NormalKinds::of(i, i.normal.formula(), &constants.normal);
+        kinds.memory = memory.0;
+        kinds.relaxation |= kinds.memory > 0;
         let (effective_modulus, effective_shear_modulus) = effective_moduli(i, j);
         let c = &constants.tangential;
         Ok(PairLaw {
@@ -249,11 +263,11 @@ impl PairLaw {
         self.effective_shear_modulus
     }
 
-    /// `A_n`, time: the ratio of dashpot and spring while the bodies approach; 0 for a law that has none, as for damping by a
-    /// coefficient of restitution and for a law without a material.
+    /// `A_n`, time: the ratio of dashpot and spring while the bodies approach, slowly where the law has memory; 0 for a law that has
+    /// none, as for damping by a coefficient of restitution and for a law without a material.
     pub fn normal_relaxation_time(&self) -> f64 {
         if self.kinds.normal.elliptical {
-            self.constants.normal.damping
+            self.constants.normal.damping + self.constants.memory.relaxing_time()
         } else {
             0.0
         }
@@ -273,8 +287,18 @@ impl PairLaw {
     /// One line: the terms and the constants.
     pub fn describe(&self) -> String {
         let (k, c) = (&self.kinds, &self.constants);
-        let mut text =
-            k.normal.describe(&c.normal) + &tangential::describe(&k.tangential, &c.tangential);
+        let normal = NormalConstants {
+            damping: c.normal.damping + c.memory.relaxing_time(),
+            ..c.normal
+        };
+        let mut text = k.normal.describe(&normal);
+        if k.normal.memory > 0 {
+            text += &format!(" memory A_n at once {}", c.normal.damping);
+            for p in &c.memory.parts()[..k.normal.memory as usize] {
+                text += &format!(" + {} in {}", p.share * p.ratio / p.rate, 1.0 / p.rate);
+            }
+        }
+        text += &tangential::describe(&k.tangential, &c.tangential);
         if k.hale {
             text += " factors hale";
         }
@@ -337,13 +361,19 @@ pub(crate) fn largest_springs<T: Real>(
     normal_stiffness: T,
     effective_mass: T,
 ) -> (T, T) {
-    let normal_damping = kinds
+    let mut normal_damping = kinds
         .normal
         .dashpot(&c.normal, normal_stiffness, effective_mass);
+    let mut fastest = normal_stiffness;
+    if kinds.normal.memory > 0 {
+        let (spring, dashpot) = c.memory.springs_and_dashpots(kinds.normal.memory as usize);
+        fastest = spring.multiply_add(normal_stiffness, fastest);
+        normal_damping = dashpot.multiply_add(normal_stiffness, normal_damping);
+    }
     let (stiffness, damping) = tangential::largest_tangential_stiffness(
         &kinds.tangential,
         &c.tangential,
         normal_stiffness,
     );
-    (normal_stiffness.max(stiffness), normal_damping.max(damping))
+    (fastest.max(stiffness), normal_damping.max(damping))
 }

@@ -2,7 +2,7 @@
 //! What a user chooses and gives for one pair of types: words, constants, defaults, ranges, mixing, and numbers in C.
 
 use super::choice::{choices, Choice};
-use super::damping::{Closure, Damping, Unloading};
+use super::damping::{Closure, Damping, Unloading, Viscosity};
 use super::material::Material;
 use super::rolling::Rolling;
 use super::tangential::{Displacement, Tangential};
@@ -120,6 +120,10 @@ macro_rules! with_parameters {
                 /// mu_twist of `twisting sds`, length: the largest torque over the normal force.
                 twisting_friction = 0.0, "mu_twist", "twisting friction mu_twist", NOT_NEGATIVE, geometric_mean;
             }
+            latest_choices {
+                /// To which order in the rate the normal force of `nfd` is right, ELLGRAN_VISCOSITY_*.
+                viscosity: Viscosity = FirstOrder;
+            }
         }
     };
 }
@@ -143,6 +147,10 @@ macro_rules! law_parameters {
             $later:ident = $later_value:literal, $later_symbol:literal, $later_name:literal, $later_range:ident,
             $later_mixing:ident; )+
         }
+        latest_choices {
+            $( $(#[$latest_choice_doc:meta])*
+            $latest_choice:ident: $latest_type:ident = $latest_default:ident; )+
+        }
     ) => {
         law_parameters! {
             @all
@@ -150,6 +158,7 @@ macro_rules! law_parameters {
             choices {
                 $( $(#[$choice_doc])* $choice: $type = $default; )+
                 $( $(#[$later_choice_doc])* $later_choice: $later_type = $later_default; )+
+                $( $(#[$latest_choice_doc])* $latest_choice: $latest_type = $latest_default; )+
             }
             switches { $( $(#[$switch_doc])* $switch = $on; )+ }
             constants {
@@ -406,6 +415,33 @@ impl LawParameters {
         self.check_combination().map_err(ParameterError)
     }
 
+    /// Whether `viscosity memory` goes with the rest.
+    fn check_memory(&self) -> Result<(), String> {
+        let word = self.viscosity.word();
+        if self.normal != Normal::Nfd {
+            return Err(format!(
+                "viscosity {word} goes with {}, whose two viscosities it needs; not with {}",
+                Normal::Nfd.word(),
+                self.normal.word()
+            ));
+        }
+        if self.closure != Closure::Energy {
+            return Err(format!(
+                "viscosity {word} has no closure, it follows from the two viscosities: closure {} goes with 'viscosity {}'",
+                self.closure.word(),
+                Viscosity::FirstOrder.word()
+            ));
+        }
+        if self.unloading != Unloading::Ting {
+            return Err(format!(
+                "viscosity {word} has a receding contact of its own: unloading {} goes with 'viscosity {}'",
+                self.unloading.word(),
+                Viscosity::FirstOrder.word()
+            ));
+        }
+        Ok(())
+    }
+
     /// Whether the laws go together.
     fn check_combination(&self) -> Result<(), String> {
         let normal = self.normal.word();
@@ -431,6 +467,9 @@ impl LawParameters {
                 "damping {} goes with hertz; {normal} has its own",
                 self.damping.word()
             ));
+        }
+        if self.viscosity == Viscosity::Memory {
+            self.check_memory()?;
         }
         if self.twisting == Twisting::Marshall && self.tangential == Tangential::None {
             return Err(format!(

@@ -13,6 +13,7 @@ use crate::contact::forces::{
 };
 use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
+use crate::force::memory::MOST_PARTS;
 use crate::force::{Factors, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
@@ -53,7 +54,8 @@ pub(super) struct Common<'a> {
 pub(super) struct BatchTallies {
     /// Force on `j`.
     pub forces: [Line; MOST_LANES],
-    /// Normal and tangential elastic energy, viscous power, vector between the centres, tangential power.
+    /// Normal and tangential elastic energy, viscous power, vector between the centres, tangential power, energy that the memory of
+    /// the normal force dissipated.
     pub energies: [Line; MOST_LANES],
     /// Viscous force on `j`, and contact point from the centre of `i`; where loads are asked for.
     pub viscous: [Line; MOST_LANES],
@@ -77,7 +79,7 @@ impl BatchTallies {
 /// - normal, contact point from the centre of `i`, normal and tangential energy;
 /// - displacement, rate, relative curvature matrix, first component of the viscous force;
 /// - the tangent basis, the other two components of the viscous force;
-/// - tangential memory, stiffness, frictional force.
+/// - tangential memory, stiffness, frictional force, energy that the memory of the normal force dissipated.
 pub(super) struct BatchRecords(pub [[Line; MOST_LANES]; 6]);
 
 impl BatchRecords {
@@ -236,7 +238,7 @@ pub(super) fn run<
         }
     }
     let remembered = if FRICTION {
-        recall::<S, K>(registers, bits, numbers, common, start, &found, (&i, &j))
+        recall::<S, K, RECORD>(registers, bits, numbers, common, start, &found, (&i, &j))
     } else {
         nothing_remembered(registers, found.normal)
     };
@@ -258,7 +260,7 @@ pub(super) fn run<
         touching: registers.bits(touching),
         hard: registers.bits(hard),
     };
-    remember::<S, FRICTION>(
+    remember::<S, FRICTION, RECORD>(
         numbers,
         (touching, hard),
         left.hard != 0,
@@ -355,7 +357,7 @@ fn surface<S: Registers, K: Kind>(
 
 /// What is remembered of the pairs; of those that did not touch at the last step, nothing.
 #[inline(always)]
-fn recall<S: Registers, K: Kind>(
+fn recall<S: Registers, K: Kind, const RESTS: bool>(
     registers: S,
     bits: LaneBits,
     numbers: &Numbers<'_>,
@@ -394,8 +396,33 @@ fn recall<S: Registers, K: Kind>(
             Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
             None => zero,
         },
+        // A scene whose laws have such memory is computed by the kernel that records.
+        rests: if RESTS {
+            Some(rests(registers, numbers, continues))
+        } else {
+            None
+        },
         time,
     }
+}
+
+/// The penetrations of rest that are remembered of pairs that go on.
+#[inline(always)]
+fn rests<S: Registers>(
+    registers: S,
+    numbers: &Numbers<'_>,
+    continues: S::Mask,
+) -> [Lanes<S>; MOST_PARTS] {
+    let zero = Lanes::splat(registers, 0.0);
+    let mut rests = [zero; MOST_PARTS];
+    if let Some(at) = numbers.layout.rests {
+        for k in 0..MOST_PARTS {
+            if k < numbers.layout.rest_count {
+                rests[k] = Lanes::select(continues, number(registers, numbers, at + k), zero);
+            }
+        }
+    }
+    rests
 }
 
 #[inline(always)]
@@ -409,6 +436,7 @@ fn nothing_remembered<S: Registers>(
         normal,
         memory: Vector3::new(zero, zero, zero),
         energy: zero,
+        rests: None,
         time: zero,
     }
 }
@@ -450,7 +478,7 @@ fn scatter<S: Registers>(
 
 /// Writes what is to be remembered; of a hard pair what it had remembered.
 #[inline(always)]
-fn remember<S: Registers, const FRICTION: bool>(
+fn remember<S: Registers, const FRICTION: bool, const RESTS: bool>(
     numbers: &mut Numbers<'_>,
     (touching, hard): (S::Mask, S::Mask),
     any_hard: bool,
@@ -480,6 +508,14 @@ fn remember<S: Registers, const FRICTION: bool>(
             energy = Lanes::select(hard, remembered.energy, energy);
             put_number(numbers, at, energy);
         }
+        if let (true, Some(at), Some(before)) = (RESTS, layout.rests, remembered.rests) {
+            for k in 0..MOST_PARTS {
+                if k < layout.rest_count {
+                    let rest = Lanes::select(touching, f.rests[k], zero);
+                    put_number(numbers, at + k, Lanes::select(hard, before[k], rest));
+                }
+            }
+        }
     }
 }
 
@@ -496,7 +532,6 @@ fn record<S: Registers>(
         [a.x, a.y, a.z, b.x, b.y, b.z, c, e]
     };
     let (t, m, n) = (&x.tangent, curvature, x.normal);
-    let zero = Lanes::splat(registers, 0.0);
     let all = [
         world(f.force, f.torque_i, f.normal_force, x.penetration),
         world(
@@ -525,7 +560,7 @@ fn record<S: Registers>(
             f.frictional_force.x,
             f.frictional_force.y,
             f.frictional_force.z,
-            zero,
+            f.relaxed_energy,
         ],
     ];
     for (numbers, lines) in all.into_iter().zip(&mut lines.0) {
@@ -559,7 +594,7 @@ fn tally<S: Registers>(
             d.y,
             d.z,
             f.tangential_power,
-            zero,
+            f.relaxed_energy,
         ],
         &mut tallies.energies,
     );
@@ -591,6 +626,11 @@ fn all_apart<S: Registers, const FRICTION: bool>(
             put_vector(numbers, at, Vector3::new(zero, zero, zero));
             if let Some(at) = numbers.layout.energy {
                 put_number(numbers, at, zero);
+            }
+            if let Some(at) = numbers.layout.rests {
+                for k in 0..numbers.layout.rest_count {
+                    put_number(numbers, at + k, zero);
+                }
             }
         }
     }

@@ -5,6 +5,7 @@ use super::batch::BatchRecords;
 use crate::contact::couple::TurningContact;
 use crate::contact::one_contact::OneContact;
 use crate::contact::ContactForces;
+use crate::force::memory::MOST_PARTS;
 use crate::force::PairLaw;
 use crate::geometry::relative_curvature;
 use crate::vector::{Symmetric2, Tangent, Vector3};
@@ -120,6 +121,9 @@ pub(super) fn of_lane(
             tangential_force: vector(1, 3),
             contact_point: arm,
             memory: vector(5, 0),
+            // What is remembered is with the history.
+            rests: [0.0; MOST_PARTS],
+            relaxed_energy: number(5, 7),
             displacement: vector(3, 0),
             stiffness: number(5, 3),
             rate: number(3, 3),

@@ -441,6 +441,7 @@ fn tally(
                 normal_energy: e[0],
                 tangential_energy: e[1],
                 works: [time * e[2], time * e[6]],
+                relaxed: e[7],
                 d: Vector3::new(e[3], e[4], e[5]),
                 force: Vector3::new(f[0], f[1], f[2]),
                 viscous_force: Vector3::new(v[0], v[1], v[2]),

@@ -140,8 +140,10 @@ fn compute_rows(
     };
     let deep_contacts = match (features.friction, rate, features.conservative) {
         // One kernel with all terms, of which the laws use theirs, serves all scenes. What resists rolling and twisting goes on from
-        // what it records.
-        _ if records || features.resistance => take::<true, true, true, true>(pass, workspace),
+        // what it records. It alone has the memory of the normal force, so that the others, and who builds them, do not pay for it.
+        _ if records || features.resistance || features.memory => {
+            take::<true, true, true, true>(pass, workspace)
+        }
         (true, _, true) => take::<true, true, true, false>(pass, workspace),
         (true, _, false) => take::<true, true, false, false>(pass, workspace),
         (false, true, true) => take::<false, true, true, false>(pass, workspace),

@@ -200,6 +200,7 @@ impl Pass<'_, '_, '_> {
                     normal_energy: f.elastic_energy,
                     tangential_energy: f.tangential_energy,
                     works: [time * f.viscous_power, time * f.tangential_power],
+                    relaxed: f.relaxed_energy,
                     d,
                     force: f.force,
                     viscous_force: f.viscous_force,

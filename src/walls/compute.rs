@@ -12,6 +12,7 @@ use crate::contact::particle::{self, Particle};
 use crate::contact::staged::{take_share, StagedContact, StagedHistory};
 use crate::contact::wall_batch::{LastContact, WallBatch};
 use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
+use crate::force::memory::MOST_PARTS;
 use crate::force::PairLaw;
 use crate::geometry::triangles::Triangle;
 use crate::simd::InstructionSet;
@@ -256,7 +257,12 @@ impl<'i> Forces<'_, 'i, '_> {
             } else if lanes.touching >> lane & 1 != 0 {
                 let (mut f, penetration) = batch.forces(lane);
                 let (c, history) = found.with_history(index);
-                write_history(self.of_laws, c, f.memory, f.tangential_energy, history);
+                write_history(
+                    self.of_laws,
+                    c,
+                    (f.memory, f.tangential_energy, &f.rests),
+                    history,
+                );
                 if c.surface.share.value != 1.0 {
                     let law = law_of(self.input, &self.input.near[c.near]);
                     take_share(&c.surface.share, law.kinds.conservative, &mut f);
@@ -314,8 +320,13 @@ impl<'i> Forces<'_, 'i, '_> {
             }
             couple = Some(own);
         }
-        let (memory, energy) = (remembered.memory, remembered.energy);
-        write_history(self.of_laws, c, memory, energy, history);
+        let StagedHistory {
+            memory,
+            energy,
+            rests,
+            ..
+        } = &remembered;
+        write_history(self.of_laws, c, (*memory, *energy, rests), history);
         self.add(c, &mut f, contact.penetration(), couple.as_ref());
     }
 
@@ -378,6 +389,7 @@ impl<'i> Forces<'_, 'i, '_> {
                     normal_energy: f.elastic_energy,
                     tangential_energy,
                     works: powers.map(|power| time * power),
+                    relaxed: f.relaxed_energy,
                     d: f.contact_point,
                     force: f.force,
                     viscous_force: f.viscous_force,
@@ -416,7 +428,9 @@ impl<'i> Forces<'_, 'i, '_> {
 /// Whether the lanes have all terms of a law.
 pub(super) fn works_in_lanes(set: InstructionSet, law: &PairLaw) -> bool {
     let without_friction = law.kinds.tangential.any() && !(law.constants.tangential.friction > 0.0);
-    set != InstructionSet::Scalar && !(law.kinds.hale || law.resistance.any() || without_friction)
+    let one_at_a_time =
+        law.kinds.hale || law.resistance.any() || law.kinds.normal.memory > 0 || without_friction;
+    set != InstructionSet::Scalar && !one_at_a_time
 }
 
 /// A contact that was found, if it touches, ready for its forces.
@@ -473,14 +487,23 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Staged
         normal: c.last_normal.unwrap_or(-c.surface.normal),
         memory: layout.memory.map_or(Vector3::ZERO, vector),
         energy: layout.energy.map_or(0.0, |at| history[at]),
+        rests: {
+            let mut rests = [0.0; MOST_PARTS];
+            if let Some(at) = layout.rests {
+                rests[..layout.rest_count].copy_from_slice(&history[at..at + layout.rest_count]);
+            }
+            rests
+        },
     }
 }
+
+/// Tangential memory, its energy, penetrations of rest.
+type ToRemember<'a> = (Vector3, f64, &'a [f64; MOST_PARTS]);
 
 fn write_history(
     layout: &HistoryLayout,
     c: &FoundContact,
-    memory: Vector3,
-    energy: f64,
+    (memory, energy, rests): ToRemember<'_>,
     history: &mut [f64],
 ) {
     let Some(at) = layout.memory else {
@@ -492,6 +515,9 @@ fn write_history(
     }
     if let Some(at) = layout.energy {
         history[at] = energy;
+    }
+    if let Some(at) = layout.rests {
+        history[at..at + layout.rest_count].copy_from_slice(&rests[..layout.rest_count]);
     }
 }
 

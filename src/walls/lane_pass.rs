@@ -507,6 +507,7 @@ impl AddForces<'_, '_, '_> {
             ),
             memory,
             energy: l[6],
+            rests: None,
             time: Lanes::splat(registers, input.step.elapsed()),
         };
         let constants = constants_of(registers, laws, only);

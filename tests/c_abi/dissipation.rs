@@ -214,6 +214,7 @@ fn energies_add_up_to_second_order() {
             true,
         ),
         ("lsd 100 1 tangential linear 60 0.5 0.3", true),
+        ("nfd 200 0.3 3 9 viscosity memory tangential tfd 0.3", true),
     ] {
         for (name, partner) in [("sphere", Partner::Sphere), ("plane", Partner::Plane)] {
             let all = [1, 4, 16].map(|k| mean_error(law, &partner, k * COARSE, Work::Halves));
@@ -248,6 +249,7 @@ fn a_wall_keeps_the_loads_of_those_that_touch() {
     for law in [
         "nfd 200 0.3 3 3 tangential tfd 0.3 displacement rescaled",
         "hertz 200 0.3 damping restitution 0.7 tangential mindlin 0.3 rolling sds 5 1 0.2",
+        "nfd 200 0.3 3 9 viscosity memory tangential tfd 0.3",
     ] {
         for phase in [0.0, 0.4] {
             let [array, kept, whole] = [Work::Halves, Work::HalvesKeptByWall, Work::WholeSteps]

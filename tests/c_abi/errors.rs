@@ -64,6 +64,23 @@ fn words_that_are_wrong() {
         ),
         ("hertz 1e4 0.3 damping relaxation -1", &["A_n", "-1"]),
         ("nfd 1e4 0.3 1 1 damping relaxation 1", &["damping"]),
+        (
+            "hertz 1e4 0.3 viscosity memory",
+            &["viscosity memory", "nfd", "hertz"],
+        ),
+        ("lsd 1e4 1 viscosity memory", &["viscosity memory", "nfd"]),
+        (
+            "nfd 1e4 0.3 1 1 viscosity memory closure surface",
+            &["closure surface", "viscosity first_order"],
+        ),
+        (
+            "nfd 1e4 0.3 1 1 unloading first_order viscosity memory",
+            &["unloading first_order", "viscosity first_order"],
+        ),
+        (
+            "nfd 1e4 0.3 1 1 viscosity none",
+            &["none", "first_order|memory"],
+        ),
         ("hertz 1e4 0.3 tangential tfd -0.5", &["mu", "-0.5"]),
         ("hertz 1e4 0.3 tangential linear -1 0 0.5", &["kt", "-1"]),
         ("hertz 1e4 0.3 rolling sds -1 0 0.1", &["k_roll", "-1"]),

@@ -45,13 +45,14 @@ const EXTREMES: [f64; 26] = [
     5e-324,
 ];
 
-const DECKS: [&str; 6] = [
+const DECKS: [&str; 7] = [
     "hertz 1e4 0.3",
     "hertz 1e4 0.3 damping restitution 0.5 tangential mindlin 0.5 displacement rescaled",
     "nfd 1e4 0.3 40 60 tangential tfd 0.4",
     "nfd 1e4 0.3 40 60 tangential tfd 0.4 displacement rescaled conservative no",
     "nfd 1e4 0.3 40 60 tangential mindlin 0.4 displacement incremental unloading first_order limit_force no",
     "lsd 1e4 3 tangential linear 800 2 0.3",
+    "nfd 1e4 0.3 40 60 viscosity memory tangential tfd 0.4",
 ];
 
 /// As a message writes it.
@@ -611,12 +612,13 @@ fn anything(random: &mut Random) -> (String, [EllgranBody; 2], EllgranStep) {
         constant(),
     );
     let displacement = ["total", "incremental", "rescaled"][(far.to_bits() % 3) as usize];
-    let deck = match far.to_bits() % 7 {
+    let deck = match far.to_bits() % 8 {
         0 => format!("hertz {e:e} 0.3 tangential tfd {mu:e} displacement {displacement}"),
         1 => format!("hertz {e:e} 0.3 damping restitution 0.1 tangential mindlin {mu:e} displacement {displacement}"),
         2 => format!("nfd {e:e} 0.2 {eta1:e} {eta2:e} tangential tfd {mu:e} displacement {displacement}"),
         3 => format!("nfd {e:e} 0.49 {eta1:e} {eta2:e} unloading first_order limit_force no"),
         4 => format!("lsd {e:e} {eta1:e} tangential linear {kt:e} {ct:e} {mu:e} displacement {displacement}"),
+        6 => format!("nfd {e:e} 0.2 {eta1:e} {eta2:e} viscosity memory tangential tfd {mu:e} displacement {displacement}"),
         5 => format!("hertz {e:e} 0 damping relaxation 1e20 tangential mindlin {mu:e} displacement {displacement}"),
         _ => format!("nfd {e:e} 0.2 {eta1:e} {eta2:e} conservative no tangential mindlin {mu:e} displacement {displacement}"),
     };

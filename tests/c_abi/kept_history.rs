@@ -16,8 +16,8 @@ const STEPS: usize = 50;
 /// Steps between two looks at the history.
 const LOOK: usize = 7;
 
-/// History of 6 doubles, of 7, of 3, and one contact at a time.
-const DECKS: [[&str; 2]; 4] = [
+/// History of 6 doubles, of 7, of 3, one contact at a time, and with what relaxes.
+const DECKS: [[&str; 2]; 5] = [
     [
         "nfd 1e4 0.3 40 60 tangential tfd 0.4",
         "nfd 3e4 0.2 90 30 tangential tfd 0.2",
@@ -30,6 +30,10 @@ const DECKS: [[&str; 2]; 4] = [
     [
         "hertz 1e4 0.3 tangential mindlin 0.4 factors hale",
         "hertz 3e4 0.2 tangential mindlin 0.2 factors hale",
+    ],
+    [
+        "nfd 1e4 0.3 40 60 viscosity memory tangential tfd 0.4",
+        "nfd 3e4 0.2 90 30 viscosity memory tangential tfd 0.2",
     ],
 ];
 

@@ -162,6 +162,36 @@ fn without_the_cached_normal() {
     seen.check(10_000);
 }
 
+/// The memory of the normal force is computed by the kernel that records: of one relaxing part in one material, of three between two,
+/// and between one that has no memory and one that has.
+#[test]
+fn viscosity_with_memory() {
+    let mut seen = Seen::default();
+    let materials = [
+        ["1e4 0.3 40 60", "3e4 0.2 90 30"],
+        ["1e4 0.3 0 60", "3e4 0.2 90 0"],
+        ["1e4 0.3 0 0", "3e4 0.2 90 30"],
+        ["1e4 0.1 3000 9000", "1e4 0.45 30 9000"],
+    ];
+    for (k, tangential) in tangential_laws().iter().enumerate() {
+        let conservative = ["yes", "no"][k % 2];
+        let more = ["", "rolling sds 500 1 0.1"][k / 2 % 2];
+        let decks = [0, 1].map(|i| {
+            let material = materials[k % materials.len()][i];
+            format!(
+                "nfd {material} viscosity memory {} conservative {conservative} {more}",
+                tangential[i]
+            )
+        });
+        for newton in [true, false] {
+            for options in [0, ELLGRAN_OPTION_NO_WARM_START] {
+                compare(&decks, options, newton, 30, &mut seen);
+            }
+        }
+    }
+    seen.check(10_000);
+}
+
 /// What resists rolling and twisting is computed after the lanes, from what they record: with and without all that they may have
 /// beside it.
 #[test]

@@ -296,6 +296,13 @@ fn values_of_the_stages() {
             ELLGRAN_ERROR_LAW,
             &["rolling none"],
         );
+        // Nor do they keep the memory of the normal force.
+        let with_memory = Laws::new(&["nfd 1e4 0.3 40 60 viscosity memory"]);
+        fails(
+            call(with_memory.0, 1, 1, 0.4, &STEP),
+            ELLGRAN_ERROR_LAW,
+            &["viscosity first_order"],
+        );
     }
     geometry.check();
     force.check();

@@ -91,7 +91,7 @@ fn claims() -> Claims {
             limit_force, youngs_modulus, poissons_ratio, shear_viscosity, bulk_viscosity, relaxation_time, restitution,
             normal_stiffness, normal_damping, friction, tangential_stiffness, tangential_damping,
             rolling, twisting, rolling_stiffness, rolling_damping, rolling_friction,
-            twisting_stiffness, twisting_damping, twisting_friction,
+            twisting_stiffness, twisting_damping, twisting_friction, viscosity, reserved,
         }
         EllgranMixture {
             size, effective_modulus, effective_shear_modulus, normal_relaxation_time, tangential_relaxation_time, share_i,

@@ -199,28 +199,42 @@ fn both_versions_go_on_from_a_data_file() {
 #[test]
 fn both_versions_restart_with_viscous_forces_and_other_ranks() {
     let engine = Engine::from_environment();
+    viscous_restart(&engine, LAW);
+}
+
+/// The penetrations of rest are in the file.
+#[test]
+fn both_versions_restart_with_the_memory_of_the_normal_force() {
+    let engine = Engine::from_environment();
+    viscous_restart(
+        &engine,
+        "nfd 1e8 0.2 2e3 2e5 viscosity memory tangential tfd 0.5",
+    );
+}
+
+fn viscous_restart(engine: &Engine, law: &str) {
     // with rates the force that LAMMPS computes anew has the velocity of the full step; a second `run` does the same
-    let two = in_two_runs(&engine, "restart_two_runs", LAW);
+    let two = in_two_runs(engine, "restart_two_runs", law);
     for (ranks, newton) in [
         ([1, 1], true),
         ([1, 4], true),
         ([4, 1], true),
         ([4, 4], false),
     ] {
-        let restarted = through_a_file(&engine, "restart_viscous", LAW, ranks, newton);
+        let restarted = through_a_file(engine, "restart_viscous", law, ranks, newton);
         let what = format!(
-            "{LAW}, written by {} and read by {} ranks, newton {newton}",
+            "{law}, written by {} and read by {} ranks, newton {newton}",
             ranks[0], ranks[1]
         );
         assert!(report(&what, &restarted, &two) < 1e-9, "{what}");
     }
     let whole = run(
-        &engine,
+        engine,
         "restart_viscous_whole",
         &crowd(64),
         &Deck {
             steps: 2 * HALF,
-            ..deck(LAW)
+            ..deck(law)
         },
         1,
     );
@@ -241,8 +255,12 @@ fn both_versions_restart_on_a_wall() {
         ..Grain::new([0.012, 0.01, 0.011], [0.0, 0.0, 0.00999]).moving([0.02, 0.01, -0.05])
     };
     let scene = Scene::open(0.1, vec![ball]);
-    for tangential in ["mindlin 0.5", "tfd 0.5"] {
-        let law = format!("hertz 1e7 0.3 tangential {tangential}");
+    for (normal, tangential) in [
+        ("hertz 1e7 0.3", "mindlin 0.5"),
+        ("hertz 1e7 0.3", "tfd 0.5"),
+        ("nfd 1e7 0.2 1e3 1e5 viscosity memory", "tfd 0.5"),
+    ] {
+        let law = format!("{normal} tangential {tangential}");
         let wall = |runs: &[&str]| Deck {
             fixes: vec![format!(
                 "fix floor all wall/gran/ellipsoid {law} zplane 0.0 NULL"
@@ -253,7 +271,13 @@ fn both_versions_restart_on_a_wall() {
             runs: runs.iter().map(|s| s.to_string()).collect(),
             ..Deck::new("hertz 1e7 0.3")
         };
-        let whole = run(&engine, "wall_whole", &scene, &wall(&["run 600"]), 1);
+        // With rates a second `run` begins as a restart does.
+        let whole: &[&str] = if normal.contains("nfd") {
+            &["run 300", "run 300"]
+        } else {
+            &["run 600"]
+        };
+        let whole = run(&engine, "wall_whole", &scene, &wall(whole), 1);
         let first = run(
             &engine,
             "wall_restart",

@@ -34,7 +34,15 @@ fn gains(words: &str, friction: f64, number: usize, steps: f64) -> [f64; 2] {
         let mass = i.mass * j.mass / (i.mass + j.mass);
         let k = 1.25 * mass / overlap.powf(2.5);
         let e = k * 1.5 * 0.91 / (0.5 * radius).sqrt();
-        let deck = format!("hertz {e:e} 0.3 {words}").replace("MU", &friction.to_string());
+        let deck = if words.starts_with("nfd") {
+            words
+                .replace("MODULUS", &format!("{e:e}"))
+                .replace("FAST", &format!("{:e}", 0.05 * overlap * e))
+                .replace("SLOW", &format!("{:e}", 2.0 * overlap * e))
+        } else {
+            format!("hertz {e:e} 0.3 {words}")
+        };
+        let deck = deck.replace("MU", &friction.to_string());
         let laws = laws(&[&deck.replace("TAU", &format!("{:e}", 0.05 * overlap))]);
         let mut motion = Motion::new(
             &laws,
@@ -107,6 +115,11 @@ fn viscosity_alone_dissipates_in_every_collision() {
         "damping relaxation TAU",
         "damping relaxation TAU unloading first_order",
         "damping restitution 0.7",
+        "nfd MODULUS 0.3 FAST FAST viscosity memory",
+        "nfd MODULUS 0.1 0 FAST viscosity memory",
+        "nfd MODULUS 0.45 SLOW 0 viscosity memory",
+        "nfd MODULUS 0.1 0 SLOW viscosity memory",
+        "nfd MODULUS 0.3 FAST SLOW viscosity memory",
     ] {
         let [after, within] = gains(words, 0.0, 60, 400.0);
         println!("{words}: gain {after:.1e}, within the collision {within:.1e}");
@@ -376,6 +389,10 @@ fn random_cycles_give_no_work_by_default() {
             "hertz 1e6 0.3 damping relaxation TAU tangential tfd MU",
             "hertz 1e6 0.3 damping relaxation TAU unloading first_order tangential tfd MU",
             "hertz 1e6 0.3 damping relaxation TAU tangential mindlin MU",
+            "nfd 1 0.1 0 TAU viscosity memory tangential tfd MU",
+            "nfd 1 0.45 TAU 0 viscosity memory tangential mindlin MU",
+            "nfd 1 0.3 0 0.1 viscosity memory tangential tfd MU",
+            "nfd 1 0.3 3 0.01 viscosity memory tangential tfd MU",
         ] {
             for friction in [0.1, 0.5, 10.0] {
                 let most = given_in_the_limit(words, friction, lead);

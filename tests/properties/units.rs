@@ -6,7 +6,7 @@ use crate::support::strategies::{touching_pair, TouchingPair};
 use proptest::prelude::*;
 
 /// A law with every kind of term; its constants in units of length, mass and time.
-fn decks(l: f64, m: f64, t: f64) -> [String; 4] {
+fn decks(l: f64, m: f64, t: f64) -> [String; 5] {
     let pressure = m / (l * t * t);
     let viscosity = pressure * t;
     let e = 1e5 * pressure;
@@ -15,6 +15,11 @@ fn decks(l: f64, m: f64, t: f64) -> [String; 4] {
             "nfd {e:e} 0.3 {:e} {:e} tangential tfd 0.3",
             30.0 * viscosity,
             50.0 * viscosity
+        ),
+        format!(
+            "nfd {e:e} 0.3 {:e} {:e} viscosity memory tangential tfd 0.3",
+            30.0 * viscosity,
+            500.0 * viscosity
         ),
         format!("hertz {e:e} 0.3 damping restitution 0.6 tangential mindlin 0.4"),
         format!(
@@ -49,7 +54,7 @@ proptest! {
     #[test]
     fn units_of_length_mass_and_time(
         pair in touching_pair(10.0, 1e-5..0.8),
-        which in 0usize..4,
+        which in 0usize..5,
         powers in prop::array::uniform3(-9.0..9.0f64),
     ) {
         let [l, m, t] = powers.map(|p| 10f64.powf(p));

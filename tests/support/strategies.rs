@@ -124,6 +124,8 @@ pub fn deck() -> impl Strategy<Value = &'static str> {
         "nfd 1e5 0.4 30 50 closure surface tangential mindlin 0.3 displacement total",
         "nfd 1e5 0.4 30 50 closure brilliantov tangential tfd 0.3 displacement rescaled",
         "lsd 1e3 3 tangential linear 800 2 0.3",
+        "nfd 1e5 0.3 30 500 viscosity memory tangential tfd 0.3",
+        "nfd 1e5 0.1 0 50 viscosity memory conservative no",
         "hertz 1e5 0.3 rolling sds 1e3 0.5 0.1 twisting sds 10 0.01 0.05",
         "hertz 1e5 0.3 damping relaxation 1e-3 tangential tfd 0.3 rolling sds 1e3 0.5 0.1 twisting marshall",
         "lsd 1e3 3 tangential linear 800 2 0.3 rolling sds 1e3 0 0.1 twisting marshall",

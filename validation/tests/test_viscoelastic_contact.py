@@ -53,3 +53,38 @@ def test_the_stored_errors_say_what_the_report_says(viscoelastic):
         # Below 0.01 of tau_m v/depth first order holds, whatever the viscosities.
         if row["memory"] < 0.01 and row["law"] == "energy":
             assert max(row["force_error_loading"], row["force_error_receding"]) < 0.01, row
+
+
+def test_memory_is_better_than_first_order_wherever_that_errs_by_one_per_cent(viscoelastic):
+    rows = read_csv(viscoelastic.compare.HERE / "impacts.csv")
+    of = {(r["poisson"], r["viscosity"], r["rate"], r["law"]): r for r in rows}
+
+    def errors(row):
+        return (
+            row["force_error_loading"],
+            row["force_error_receding"],
+            abs(row["restitution_of_law"] - row["restitution"]),
+            abs(row["duration_of_law"] / row["duration"] - 1),
+        )
+
+    count = 0
+    for (poisson, viscosity, rate, law), row in of.items():
+        if law != "memory":
+            continue
+        assert row["force_error_loading"] < 1e-3 and row["force_error_receding"] < 0.02, row
+        for first, memory in zip(errors(of[poisson, viscosity, rate, "energy"]), errors(row)):
+            if first > 0.01:
+                count += 1
+                assert memory < first, row
+    assert count > 60
+
+
+def test_the_memory_of_now(viscoelastic):
+    """One impact with one relaxing part, one with three, coarsely."""
+    rows = viscoelastic.compare.impacts((0.3,), (0.3,), 100, ("bulk alone",))
+    row = next(r for r in rows if r["law"] == "memory")
+    assert row["force_error_loading"] < 1e-2 and row["force_error_receding"] < 0.02
+    assert abs(row["restitution"] - row["restitution_of_law"]) < 0.01
+    rows = viscoelastic.compare.impacts_of_two_solids((0.3,), 100, ("both in shear and bulk",))
+    first, memory = ({r["law"]: r for r in rows}[law] for law in ("energy", "memory"))
+    assert memory["force_error"] < 0.01 < first["force_error"]

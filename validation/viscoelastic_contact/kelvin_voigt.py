@@ -9,6 +9,9 @@ G(s) = (E1 + eta1 s)/2 and K(s) = E2 + eta2 s. It is
 While the contact grows (Lee and Radok 1960) the force is E* applied to c delta^(3/2). While it shrinks (Ting 1966) the force is that
 of the history up to the earlier time t1 at which the contact was as large, and t1 is where E* applied to the history of delta
 since t1 vanishes. Nothing is of first order in the rate.
+
+Compliances add: 1/E*(s) = 1/(4 G(s)) + 1/(4 K(s) + 4/3 G(s)), two Kelvin-Voigt elements in series a body. Two bodies of different
+solids have up to four, and E* then has up to three relaxing parts; nothing else changes.
 """
 from __future__ import annotations
 
@@ -34,14 +37,26 @@ class Solid(NamedTuple):
         return 4 * np.polymul(shear, 3 * bulk + shear), 3 * bulk + 4 * shear
 
     def relaxation(self) -> "Relaxation":
+        """Of this solid on a rigid body."""
         above, below = self.polynomials()
         quotient, rest = np.polydiv(above, below)
         dashpot = quotient[-2] if len(quotient) > 1 else 0.0
         return Relaxation(
             static=float(above[-1] / below[-1]),
             dashpot=float(dashpot),
-            relaxing=float(-rest[-1] / below[-1]),
-            rate=float(below[-1] / below[-2]),
+            relaxing=np.array([-rest[-1] / below[-1]]),
+            rate=np.array([below[-1] / below[-2]]),
+        )
+
+    def on(self, other: "Solid") -> "Relaxation":
+        """Of this solid on another one, with both viscosities positive: 1/E* is the sum of the two."""
+        (above, below), (other_above, other_below) = self.polynomials(), other.polynomials()
+        below, above = np.polyadd(np.polymul(below, other_above), np.polymul(other_below, above)), np.polymul(above, other_above)
+        # E* = above/below, of degrees 4 and 3: E*(s)/s has the poles 0 and -rate, and the dashpot for s to infinity.
+        rates = -np.roots(below).real
+        residues = np.polyval(above, -rates) / (-rates * np.polyval(np.polyder(below), -rates))
+        return Relaxation(
+            static=float(above[-1] / below[-1]), dashpot=float(above[0] / below[0]), relaxing=residues, rate=rates
         )
 
     def first_order_time(self) -> float:
@@ -51,12 +66,16 @@ class Solid(NamedTuple):
 
 
 class Relaxation(NamedTuple):
-    """E*(s) = static + dashpot s + relaxing s/(s + rate)."""
+    """E*(s) = static + dashpot s + the sum of relaxing s/(s + rate)."""
 
     static: float
     dashpot: float
-    relaxing: float
-    rate: float
+    relaxing: np.ndarray
+    rate: np.ndarray
+
+    def first_order_time(self) -> float:
+        """d ln E*(s)/ds at s = 0."""
+        return float((self.dashpot + np.sum(self.relaxing / self.rate)) / self.static)
 
 
 class Contact:
@@ -66,8 +85,9 @@ class Contact:
         self._of = relaxation
         self._c = coefficient
         # The loading so far: time, penetration, its memory, delta^(3/2), its memory.
-        self._loading: List[Tuple[float, float, float, float, float]] = [(0.0, 0.0, 0.0, 0.0, 0.0)]
-        self._memory = 0.0
+        none = np.zeros_like(relaxation.rate)
+        self._loading: List[Tuple[float, float, np.ndarray, float, np.ndarray]] = [(0.0, 0.0, none, 0.0, none)]
+        self._memory = none
         self._last = (0.0, 0.0)
         self._receding = False
         self._pointer = 0
@@ -78,7 +98,7 @@ class Contact:
         of, (before, depth) = self._of, self._last
         step = time - before
         kept = np.exp(-of.rate * step)
-        share = -np.expm1(-of.rate * step) / (of.rate * step) if step > 0 else 1.0
+        share = -np.expm1(-of.rate * step) / (of.rate * step) if step > 0 else np.ones_like(of.rate)
         self._memory = kept * self._memory + share * (penetration - depth)
         self._last = (time, penetration)
         if not self._receding and rate >= 0:
@@ -87,15 +107,15 @@ class Contact:
             memory = kept * memory + share * (grown - power)
             self._loading.append((time, penetration, self._memory, grown, memory))
             change = 1.5 * np.sqrt(max(penetration, 0.0)) * rate
-            return self._c * (of.static * grown + of.dashpot * change + of.relaxing * memory)
+            return self._c * (of.static * grown + of.dashpot * change + of.relaxing @ memory)
         if not self._receding:
             self._receding, self._pointer = True, len(self._loading) - 1
-        now = of.static * penetration + of.dashpot * rate + of.relaxing * self._memory
+        now = of.static * penetration + of.dashpot * rate + of.relaxing @ self._memory
 
         def since(k: int) -> float:
             """E* applied to the history of the penetration since the k-th time of loading."""
             then, depth, memory, _, _ = self._loading[k]
-            return now - of.static * depth - of.relaxing * np.exp(-of.rate * (time - then)) * memory
+            return now - of.static * depth - (of.relaxing * np.exp(-of.rate * (time - then))) @ memory
 
         while self._pointer > 0 and since(self._pointer) < 0:
             self._pointer -= 1
@@ -107,7 +127,7 @@ class Contact:
         part = low / (low - high) if low > high else 0.0
         a, b = self._loading[self._pointer], self._loading[high_index]
         then, _, _, power, memory = (x + min(part, 1.0) * (y - x) for x, y in zip(a, b))
-        return self._c * (of.static * power + of.relaxing * np.exp(-of.rate * (time - then)) * memory)
+        return self._c * (of.static * power + (of.relaxing * np.exp(-of.rate * (time - then))) @ memory)
 
 
 class Rebound(NamedTuple):

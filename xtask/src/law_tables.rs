@@ -99,10 +99,12 @@ fn constants(items: &mut String, choices: TokenStream) -> Result<()> {
 }
 
 /// The table of parameters: its comment, `choices { }`, `switches { }`, `constants { }`, `later_choices { }`,
-/// `later_constants { }`.
+/// `later_constants { }`, `latest_choices { }`.
 fn structure(items: &mut String, table: TokenStream) -> Result<()> {
     let blocks = rows(table);
-    let [choices, switches, constants, later_choices, later_constants] = &blocks[..] else {
+    let [choices, switches, constants, later_choices, later_constants, latest_choices] =
+        &blocks[..]
+    else {
         bail!("the table of parameters has choices, switches and constants, and choices and constants that came later");
     };
     writeln!(
@@ -117,6 +119,7 @@ fn structure(items: &mut String, table: TokenStream) -> Result<()> {
         (constants, "f64"),
         (later_choices, "i32"),
         (later_constants, "f64"),
+        (latest_choices, "i32"),
     ] {
         let Some(TokenTree::Group(fields)) = block.tokens.last() else {
             bail!("a block of parameters without its fields");
@@ -126,7 +129,7 @@ fn structure(items: &mut String, table: TokenStream) -> Result<()> {
             writeln!(items, "{} pub {name}: {kind},", row.attributes)?;
         }
     }
-    items.push_str("}\n");
+    items.push_str("/// Not used; 0.\npub reserved: i32,}\n");
     Ok(())
 }
 

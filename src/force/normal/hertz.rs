@@ -61,6 +61,18 @@ impl Law for Hertz {
     }
 }
 
+/// `c g`, with which `F_H = c g delta^(3/2)`: `g = sqrt(Re) phi = 2^(-1/2) det(M)^(-1/4) phi`, `c = 4/3 E*`.
+#[inline(always)]
+pub(in crate::force) fn per_power<T: Real>(
+    stiffness: T,
+    determinant: T,
+    factors: &Factors<T>,
+) -> T {
+    stiffness
+        * factors.phi
+        * (determinant.sqrt().reciprocal_sqrt() * core::f64::consts::FRAC_1_SQRT_2)
+}
+
 impl NormalFormula for Hertz {
     const ELLIPTICAL: bool = true;
 
@@ -75,10 +87,7 @@ impl NormalFormula for Hertz {
         effective_mass: T,
     ) -> NormalForce<T> {
         let zero = penetration.constant(0.0);
-        // F_H = c g delta^(3/2),  g = sqrt(Re) phi = 2^(-1/2) det(M)^(-1/4) phi.
-        let per_power = c.stiffness
-            * factors.phi
-            * (determinant.sqrt().reciprocal_sqrt() * core::f64::consts::FRAC_1_SQRT_2);
+        let per_power = per_power(c.stiffness, determinant, factors);
         let root = penetration.sqrt();
         let slope = per_power * root;
         let elastic = slope * penetration;

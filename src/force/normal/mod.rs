@@ -13,6 +13,7 @@ use super::parameters::{LawParameters, Normal};
 use crate::real::Real;
 #[cfg(not(feature = "std"))]
 use alloc::string::String;
+pub(super) use hertz::per_power;
 
 // The row of a law is its choice in `parameters.rs` and its type here.
 laws! {
@@ -120,6 +121,8 @@ pub struct NormalKinds {
     pub elliptical: bool,
     /// A relaxation time is not zero.
     pub relaxation: bool,
+    /// Relaxing parts of `viscosity memory` ([`super::memory`]); 0 for all else.
+    pub memory: u32,
     /// Ting's receding contact.
     pub ting: bool,
     /// Damping with a coefficient of restitution; the only term that reads masses.
@@ -161,6 +164,7 @@ impl NormalKinds {
             formula,
             elliptical,
             relaxation: c.damping > 0.0,
+            memory: 0,
             ting: elliptical && law.unloading == super::damping::Unloading::Ting,
             restitution: c.restitution > 0.0,
             limit_force: law.limit_force,
@@ -278,3 +282,19 @@ macro_rules! formulas {
     };
 }
 use formulas;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A law without relaxation times of its own has none across the normal either.
+    #[test]
+    fn a_law_that_names_no_tangential_relaxation_has_none() {
+        let p = LawParameters {
+            normal_damping: 3.0,
+            shear_viscosity: 2.0,
+            ..LawParameters::default()
+        };
+        assert_eq!(Normal::Lsd.tangential_relaxation(&p), (0.0, 0.0));
+    }
+}

@@ -26,7 +26,7 @@ pub struct EllgranGpuScene {
 /// ELLGRAN_GPU_ELLIPSOIDS: it decides which kernels are used, those of simpler shapes having
 /// fewer instructions.
 ///
-/// Laws with `factors hale`, `rolling` or `twisting` are refused: they have no kernel.
+/// Laws with `factors hale`, `viscosity memory`, `rolling` or `twisting` are refused: they have no kernel.
 ///
 /// # Safety
 /// `gpu` and `laws` are NULL or valid; `scene` is NULL or valid for writes.
