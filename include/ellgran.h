@@ -185,6 +185,14 @@ template <typename Type> inline Type init()
 #define ELLGRAN_TWISTING_SDS 2
 
 /*
+ Doubles that `ellgran_add_recorded_to_grain_sums` and `ellgran_add_wall_recorded_to_grain_sums` keep of each particle: the number of
+ particles that it touches; the number of its contacts with walls; the sum of n (x) n over all of them, n the unit normal (xx yy zz xy
+ xz yz); and the sum of l (x) F over all of them, its symmetric part, l from the centre of the particle to the contact and F the
+ force on the particle (xx yy zz xy xz yz), negative under pressure. The last is the mean stress in the particle times a volume.
+ */
+#define ELLGRAN_GRAIN_SUMS_LENGTH 14
+
+/*
  Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
  ellipsoids then search anew every step.
  */
@@ -1839,6 +1847,32 @@ int32_t ellgran_remember_wall_contacts(const struct EllgranWall *wall,
                                        const int32_t *masks,
                                        int32_t group_mask,
                                        double *histories);
+
+/*
+ Adds the contacts that `ellgran_compute_pairs` recorded last with this workspace (`record_contacts` of the list) to the sums of their
+ particles. `particles` are those of that call, of which positions are read.
+
+ `newton` is that of the list. With 1 the sums of ghosts are written too, and the caller adds them to those of their owners; with 0
+ another rank, or another image, lists the same contact, and nothing is added to ghosts.
+
+ # Safety
+ The pointers are NULL or valid; `sums` is [count][`ELLGRAN_GRAIN_SUMS_LENGTH`], added to.
+ */
+int32_t ellgran_add_recorded_to_grain_sums(const struct EllgranWorkspace *workspace,
+                                           const struct EllgranParticles *particles,
+                                           int32_t newton,
+                                           double *sums);
+
+/*
+ Adds the contacts that `ellgran_compute_wall` recorded last (`ellgran_wall_record_contacts`) to the sums of their particles. A particle
+ that touches a wall in several places has as many contacts.
+
+ # Safety
+ The pointers are NULL or valid; `sums` is [owned_count][`ELLGRAN_GRAIN_SUMS_LENGTH`], added to, of the particles of that call.
+ */
+int32_t ellgran_add_wall_recorded_to_grain_sums(const struct EllgranWall *wall,
+                                                size_t owned_count,
+                                                double *sums);
 
 /*
  Writes the defaults: elastic, frictionless, conservative, no attraction, exact factors, displacement rescaled; all constants

@@ -21,7 +21,8 @@ include("${ELLGRAN_STYLES_DIR}/ellgran-sources.cmake")
 set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid.h"
   "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid.h" "${ELLGRAN_STYLES_DIR}/fix_pour_ellipsoid.h")
-set_property(GLOBAL APPEND PROPERTY COMPUTE "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.h"
+set_property(GLOBAL APPEND PROPERTY COMPUTE "${ELLGRAN_STYLES_DIR}/compute_contact_ellipsoid_atom.h"
+  "${ELLGRAN_STYLES_DIR}/compute_energy_ellipsoid.h"
   "${ELLGRAN_STYLES_DIR}/compute_timestep_ellipsoid.h")
 set_property(GLOBAL APPEND PROPERTY COMMAND "${ELLGRAN_STYLES_DIR}/create_ellipsoids.h")
 if(PKG_KOKKOS)

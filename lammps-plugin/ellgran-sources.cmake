@@ -3,10 +3,12 @@
 # The sources of the styles, for the plugin and for a LAMMPS that has them built in.
 
 set(ELLGRAN_STYLE_SOURCES
+  compute_contact_ellipsoid_atom.cpp
   compute_energy_ellipsoid.cpp
   compute_timestep_ellipsoid.cpp
   create_ellipsoids.cpp
   ellgran_atoms.cpp
+  ellgran_contact_sources.cpp
   ellgran_energy_balance.cpp
   ellgran_grain_mixture.cpp
   ellgran_grain_placement.cpp

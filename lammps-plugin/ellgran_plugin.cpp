@@ -4,6 +4,7 @@
 
 #include "lammpsplugin.h"
 
+#include "compute_contact_ellipsoid_atom.h"
 #include "compute_energy_ellipsoid.h"
 #include "compute_timestep_ellipsoid.h"
 #include "create_ellipsoids.h"
@@ -77,6 +78,11 @@ Fix *create_integrator_kokkos(LAMMPS *lmp, int narg, char **arg)
 Fix *create_pour(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixPourEllipsoid(lmp, narg, arg);
+}
+
+Compute *create_contacts(LAMMPS *lmp, int narg, char **arg)
+{
+  return new ComputeContactEllipsoidAtom(lmp, narg, arg);
 }
 
 Compute *create_balance(LAMMPS *lmp, int narg, char **arg)
@@ -219,6 +225,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
       {"fix", "wall/gran/ellipsoid", nullptr, two(&create_fix)},
       {"fix", "nve/ellipsoid", nullptr, two(&create_integrator)},
       {"fix", "pour/ellipsoid", nullptr, two(&create_pour)},
+      {"compute", "contact/ellipsoid/atom", nullptr, two(&create_contacts)},
       {"compute", "energy/ellipsoid", nullptr, two(&create_balance)},
       {"compute", "timestep/ellipsoid", nullptr, two(&create_step)},
       {"command", "create_ellipsoids", one(&create_fill), nullptr},

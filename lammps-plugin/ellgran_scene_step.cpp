@@ -9,8 +9,6 @@
 #include "comm.h"
 #include "error.h"
 #include "force.h"
-#include "modify.h"
-#include "utils.h"
 
 #include <mpi.h>
 
@@ -22,7 +20,6 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr double NONE = std::numeric_limits<double>::infinity();
-const char PAIR_STYLE[] = "gran/ellipsoid";
 
 struct ValueOfRank {
   double value;
@@ -56,34 +53,15 @@ void EllgranSceneStep::check(int32_t status) const
   if (status != ELLGRAN_SUCCESS) error->one(FLERR, "{}: {}", caller, ellgran_last_error());
 }
 
-void EllgranSceneStep::find_sources()
-{
-  pairs.clear();
-  walls.clear();
-  const auto add = [this](Pair *found) {
-    if (auto *ours = dynamic_cast<PairGranEllipsoid *>(found)) pairs.push_back(ours);
-  };
-  if (utils::strmatch(force->pair_style ? force->pair_style : "", "^hybrid")) {
-    for (int number = 1; Pair *found = force->pair_match(PAIR_STYLE, 0, number); number++) {
-      // One alone is found by every number.
-      if (!pairs.empty() && found == pairs.front()) break;
-      add(found);
-    }
-  } else if (Pair *found = force->pair_match(PAIR_STYLE, 0))
-    add(found);
-  for (auto *fix : modify->get_fix_by_style("^wall/gran/ellipsoid$"))
-    if (auto *wall = dynamic_cast<FixWallGranEllipsoid *>(fix)) walls.push_back(wall);
-}
-
 void EllgranSceneStep::find()
 {
   const std::size_t count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
   sums.assign(count * ELLGRAN_STEP_SUMS_LENGTH, 0.0);
   EllgranParticles particles = atoms.view();
-  if (pairs.empty())
+  if (sources.pairs.empty())
     contact_masses.assign(atom->rmass, atom->rmass + count);
   else
-    pairs.front()->tell_contact_masses(contact_masses);
+    sources.pairs.front()->tell_contact_masses(contact_masses);
   if (count > 0) particles.contact_masses = contact_masses.data();
 
   extremes = ELLGRAN_INIT(EllgranContactExtremes);
@@ -98,13 +76,13 @@ void EllgranSceneStep::find()
     }
     extremes.deepest_overlap = deepest;
   };
-  for (auto *pair : pairs) {
+  for (auto *pair : sources.pairs) {
     EllgranContactExtremes of_pair = ELLGRAN_INIT(EllgranContactExtremes);
     pair->add_to_step_sums(workspace, particles, sums.data(), &of_pair);
     take(of_pair, pair->contact_laws());
   }
-  if (force->newton_pair && !pairs.empty()) pairs.front()->add_step_sums_of_images(sums.data());
-  for (auto *wall : walls) {
+  if (force->newton_pair && !sources.pairs.empty()) sources.pairs.front()->add_step_sums_of_images(sums.data());
+  for (auto *wall : sources.walls) {
     EllgranContactExtremes of_wall = ELLGRAN_INIT(EllgranContactExtremes);
     wall->add_to_step_sums(particles, sums.data(), &of_wall);
     take(of_wall, wall->contact_laws());

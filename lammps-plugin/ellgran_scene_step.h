@@ -8,6 +8,7 @@
 #include "pointers.h"
 
 #include "ellgran_atoms.h"
+#include "ellgran_contact_sources.h"
 
 #include <string>
 #include <vector>
@@ -23,11 +24,11 @@ class EllgranSceneStep : protected Pointers {
   EllgranSceneStep &operator=(const EllgranSceneStep &) = delete;
 
   /// The pair styles and walls of ours; to be called when a run is set up.
-  void find_sources();
+  void find_sources() { sources.find(lmp); }
 
   /// Whether there are any; and the first of the pair styles, or nullptr.
-  [[nodiscard]] bool has_sources() const { return !pairs.empty() || !walls.empty(); }
-  [[nodiscard]] const class PairGranEllipsoid *first_pair() const { return pairs.empty() ? nullptr : pairs.front(); }
+  [[nodiscard]] bool has_sources() const { return !sources.is_empty(); }
+  [[nodiscard]] const class PairGranEllipsoid *first_pair() const { return sources.pairs.empty() ? nullptr : sources.pairs.front(); }
 
   /// Looks at all contacts. All ranks call it, after neighbour lists are built.
   void find();
@@ -45,8 +46,7 @@ class EllgranSceneStep : protected Pointers {
   EllgranAtoms atoms;
   std::string caller;
   EllgranWorkspace *workspace;
-  std::vector<class PairGranEllipsoid *> pairs;
-  std::vector<class FixWallGranEllipsoid *> walls;
+  EllgranContactSources sources;
 
   std::vector<double> sums, contact_masses;
   double step;

@@ -2,6 +2,7 @@
 
 #include "fix_wall_gran_ellipsoid.h"
 
+#include "ellgran_contact_sources.h"
 #include "ellgran_energy_balance.h"
 #include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
@@ -73,7 +74,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
-    contact_histories(nullptr), tells_contacts(false), keeps_energies(false), leaves_energies_out(false), sums_energies(false), scene_may_change(true), step_of_forces(-2), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    contact_histories(nullptr), tells_contacts(false), keeps_energies(false), leaves_energies_out(false), sums_energies(false), scene_may_change(true), step_of_forces(-2), contacts_wanted(false), step_of_contacts(-1), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
 {
@@ -99,6 +100,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   for (int k = 0; k < NUMBER_OF_OUTPUTS; k++) extlist[k] = (k < NUMBER_OF_SUMS) ? 1 : 0;
   global_freq = 1;
   energy_global_flag = leaves_energies_out ? 0 : 1;
+  // As LAMMPS' walls: with 'fix_modify virial yes' alone.
+  virial_global_flag = virial_peratom_flag = 1;
   create_attribute = 1;
   restart_global = 1;
   time_depend = wiggles ? 1 : 0;
@@ -109,7 +112,6 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     size_local_rows = 0;
     size_local_cols = CONTACT_COLUMNS;
     local_freq = 1;
-    check(ellgran_wall_record_contacts(wall, 1));
   }
 
   FixWallGranEllipsoid::grow_arrays(atom->nmax);
@@ -495,6 +497,7 @@ void FixWallGranEllipsoid::init()
   place_step_velocity_fix();
   sums_energies = energies_wanted();
   check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
+  contacts_wanted = !modify->get_compute_by_style("^contact/ellipsoid/atom$").empty();
   scene_may_change = atoms.shapes_may_change() || group->dynamic[igroup];
 
   fix_rigid = nullptr;
@@ -646,8 +649,9 @@ void FixWallGranEllipsoid::post_integrate()
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 }
 
-void FixWallGranEllipsoid::post_force(int)
+void FixWallGranEllipsoid::post_force(int vflag)
 {
+  v_init(vflag);
   std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
   summed = false;
   find_contact_masses();
@@ -666,6 +670,9 @@ void FixWallGranEllipsoid::post_force(int)
   EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
   const bool writes_triangles = triangle_file_every > 0 && update->ntimestep % triangle_file_every == 0;
   check(ellgran_wall_record_triangles(wall, writes_triangles ? 1 : 0));
+  const bool records = tells_contacts || (contacts_wanted && computes_ask_for_contacts(modify, update->ntimestep));
+  check(ellgran_wall_record_contacts(wall, records ? 1 : 0));
+  step_of_contacts = records ? update->ntimestep : -1;
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
@@ -681,8 +688,16 @@ void FixWallGranEllipsoid::post_force(int)
     // an evaluation in which no time passes.
     const bool follows_last_step = step_of_forces + 1 == update->ntimestep && neighbor->ago > 0;
     particles.unchanged = (time_passes && follows_last_step && !scene_may_change) ? 1 : 0;
+    // Energies that nobody asked for stand still.
+    EllgranTallies virial_alone = ELLGRAN_INIT(EllgranTallies);
+    EllgranTallies *const asked = sums_energies ? &tallies : evflag ? &virial_alone : nullptr;
+    if (asked) asked->particle_virials = vflag_atom ? vatom[0] : nullptr;
     check(ellgran_compute_wall(laws, workspace, wall, &particles, atom->mask, groupbit, wall_type, &motion,
-                               contact_histories ? contact_histories[0] : nullptr, &step, &load, sums_energies ? &tallies : nullptr));
+                               contact_histories ? contact_histories[0] : nullptr, &step, &load, asked));
+    if (vflag_global)
+      for (int k = 0; k < 6; k++) virial[k] += asked->virial[k];
+    // LAMMPS may move the array.
+    tallies.particle_virials = nullptr;
   }
   touches_here = load.contact_count > 0;
   step_of_forces = update->ntimestep;
@@ -729,6 +744,11 @@ void FixWallGranEllipsoid::add_to_step_sums(const EllgranParticles &particles, d
   check(ellgran_find_wall_contacts(workspace, wall, &particles, atom->mask, groupbit, &motion_of_forces, 0, nullptr));
   const std::vector<int32_t> types(ellgran_wall_found_count(wall), wall_type);
   check(ellgran_add_wall_to_step_sums(laws, workspace, wall, &particles, types.data(), sums, extremes));
+}
+
+void FixWallGranEllipsoid::add_to_grain_sums(double *sums) const
+{
+  check(ellgran_add_wall_recorded_to_grain_sums(wall, atom->nlocal, sums));
 }
 
 /* One row for each contact of this rank. */

@@ -45,6 +45,11 @@ class FixWallGranEllipsoid : public Fix {
   void add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes);
   [[nodiscard]] const EllgranLaws *contact_laws() const { return laws; }
 
+  /// Whether the contacts of this step were recorded, and what they add to the sums of each owned atom
+  /// (`ellgran_add_wall_recorded_to_grain_sums`); not for a rank without atoms.
+  [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
+  void add_to_grain_sums(double *sums) const;
+
   double memory_usage() override;
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
@@ -114,6 +119,9 @@ class FixWallGranEllipsoid : public Fix {
   // Whether atoms may change in a run without a new neighbour list; the last step whose forces were computed
   bool scene_may_change;
   bigint step_of_forces;
+  // Whether a compute may ask for the contacts of a step, and the last step in which they were recorded
+  bool contacts_wanted;
+  bigint step_of_contacts;
   std::vector<double> contact_values;
   std::vector<double *> contact_rows;
 

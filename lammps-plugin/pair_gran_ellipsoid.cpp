@@ -2,6 +2,7 @@
 
 #include "pair_gran_ellipsoid.h"
 
+#include "ellgran_contact_sources.h"
 #include "ellgran_energy_balance.h"
 #include "ellgran_half_step.h"
 #include "ellgran_history.h"
@@ -115,7 +116,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
-    shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), fix_rigid(nullptr),
+    shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), contacts_wanted(false), step_of_contacts(-1), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
@@ -195,6 +196,8 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   reserve_loads();
   tallies.normal_elastic_energy = tallies.tangential_elastic_energy = tallies.touching_count = 0.0;
   std::fill_n(tallies.virial, 6, 0.0);
+  const bool records = contacts_wanted && computes_ask_for_contacts(modify, update->ntimestep);
+  step_of_contacts = records ? update->ntimestep : -1;
   // A processor without atoms still takes part in the messages of others.
   if (atom->nlocal + atom->nghost > 0 || fix_step_velocity || velocities_of_step) add_forces();
   follow_dissipation();
@@ -251,7 +254,8 @@ void PairGranEllipsoid::add_forces()
   if (velocities_of_step) velocities_of_step->lend_changes(particles, half_step_wanted);
   if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, true);
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
-  const EllgranNeighbourList neighbours = view_list();
+  EllgranNeighbourList neighbours = view_list();
+  neighbours.record_contacts = has_contacts_of(update->ntimestep) ? 1 : 0;
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
@@ -383,6 +387,12 @@ void PairGranEllipsoid::unpack_reverse_comm(int n, int *indices, double *buffer)
   }
 }
 
+void PairGranEllipsoid::add_to_grain_sums(const EllgranParticles &particles, double *sums) const
+{
+  if (ellgran_add_recorded_to_grain_sums(workspace, &particles, force->newton_pair, sums) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+}
+
 void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
                                           const EllgranNeighbourList &neighbours,
                                           const EllgranStep &step)
@@ -510,6 +520,7 @@ void PairGranEllipsoid::init_style()
   work_wanted = computes_ask_for_energies(modify);
   evaluation_wanted = !modify->get_compute_by_style("^pair/local$").empty();
   evaluation.count = -1;
+  contacts_wanted = !modify->get_compute_by_style("^contact/ellipsoid/atom$").empty();
 
   find_largest_semi_axes();
   find_mass_sources();

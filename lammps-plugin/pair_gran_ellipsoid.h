@@ -58,6 +58,11 @@ class PairGranEllipsoid : public Pair {
   void tell_contact_masses(std::vector<double> &masses) const;
   [[nodiscard]] const EllgranLaws *contact_laws() const { return laws; }
 
+  /// Whether the contacts of this step were recorded, and what they add to the sums of each atom, ghosts included
+  /// (`ellgran_add_recorded_to_grain_sums`); not for a rank without atoms.
+  [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
+  void add_to_grain_sums(const EllgranParticles &particles, double *sums) const;
+
  private:
   EllgranAtoms atoms;
   double cutoff_global;    // < 0: from the semi-axes
@@ -110,6 +115,10 @@ class PairGranEllipsoid : public Pair {
   };
   Evaluation evaluation;
   bool evaluation_wanted;
+
+  // Whether a compute may ask for the contacts of a step, and the last step in which one did and they were recorded
+  bool contacts_wanted;
+  bigint step_of_contacts;
 
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;

@@ -100,6 +100,45 @@ impl InelasticLoad {
     }
 }
 
+/// What the contacts of one particle add up to. Sums over parts of the contacts, as those that another rank knows, add.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct GrainSums {
+    /// Number of particles that it touches.
+    pub touching: f64,
+    /// Number of contacts with walls.
+    pub wall_contacts: f64,
+    /// Sum of `n (x) n` over all of them, `n` the unit normal: xx yy zz xy xz yz. Its trace is their number.
+    pub fabric: [f64; 6],
+    /// Sum of `l (x) F` over all of them, its symmetric part: `l` from the centre of the particle to the contact, `F` the force on the
+    /// particle: xx yy zz xy xz yz. It is the mean stress in the particle, tension positive, times a volume, as far as contacts go (Love
+    /// 1927). What the symmetric part leaves out is the torque of the forces.
+    pub stress: [f64; 6],
+}
+
+impl GrainSums {
+    /// Adds the normal and the force of a contact, which is not counted. The sign of `normal` is of no account; `arm` leads from the centre of
+    /// the particle to the contact, `force` is that on the particle.
+    pub fn add(&mut self, normal: Vector3, arm: Vector3, force: Vector3) {
+        let both = |a: Vector3, b: Vector3| {
+            [
+                a.x * b.x,
+                a.y * b.y,
+                a.z * b.z,
+                0.5 * (a.x * b.y + a.y * b.x),
+                0.5 * (a.x * b.z + a.z * b.x),
+                0.5 * (a.y * b.z + a.z * b.y),
+            ]
+        };
+        for (sum, term) in self.fabric.iter_mut().zip(both(normal, normal)) {
+            *sum += term;
+        }
+        for (sum, term) in self.stress.iter_mut().zip(both(arm, force)) {
+            *sum += term;
+        }
+    }
+}
+
 /// One contact's contribution.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contribution {

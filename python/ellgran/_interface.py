@@ -33,6 +33,7 @@ ELLGRAN_ROLLING_SDS = 1
 ELLGRAN_TWISTING_NONE = 0
 ELLGRAN_TWISTING_MARSHALL = 1
 ELLGRAN_TWISTING_SDS = 2
+ELLGRAN_GRAIN_SUMS_LENGTH = 14
 ELLGRAN_OPTION_NO_WARM_START = 1
 ELLGRAN_SIDE_OF_CENTRE = 0
 ELLGRAN_SIDE_INSIDE = 1
@@ -475,6 +476,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_found": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_staged_found": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_void_p]),
     "ellgran_remember_wall_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p]),
+    "ellgran_add_recorded_to_grain_sums": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_void_p]),
+    "ellgran_add_wall_recorded_to_grain_sums": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_law_parameters_default": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_law_parameters_parse": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_material_parse": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),

@@ -17,6 +17,7 @@
 
 pub mod contact;
 pub mod engine_walls;
+pub mod grain_sums;
 pub mod growing;
 mod huge_pages;
 pub mod law;

@@ -8,6 +8,7 @@ use crate::contact::ContactForces;
 use crate::force::memory::MOST_PARTS;
 use crate::force::PairLaw;
 use crate::geometry::relative_curvature;
+use crate::tallies::GrainSums;
 use crate::vector::{Symmetric2, Tangent, Vector3};
 
 /// A touching pair of a list.
@@ -55,6 +56,29 @@ impl ContactRecords {
     /// All of them.
     pub fn as_slice(&self) -> &[ContactRecord] {
         &self.all
+    }
+
+    /// Adds each contact to the sums of its central particle, and to those of its neighbour where `takes` says so of it. `position` gives the
+    /// centre of a neighbour in the call that recorded them.
+    pub fn add_to_grain_sums(
+        &self,
+        position: impl Fn(usize) -> Vector3,
+        takes: impl Fn(usize) -> bool,
+        sums: &mut [GrainSums],
+    ) {
+        for record in &self.all {
+            let normal = record.geometry.normal;
+            let force = record.forces.force;
+            let of_i = &mut sums[record.i];
+            of_i.touching += 1.0;
+            of_i.add(normal, record.forces.contact_point, -force);
+            if takes(record.j) {
+                let arm = record.geometry.contact_point - position(record.j);
+                let of_j = &mut sums[record.j];
+                of_j.touching += 1.0;
+                of_j.add(normal, arm, force);
+            }
+        }
     }
 
     /// Where the contact of two particles stands, whichever of them is the central one. The search goes as the logarithm of

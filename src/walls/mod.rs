@@ -10,6 +10,7 @@ mod compute;
 mod cone;
 mod cone_in_lanes;
 mod contacts;
+mod grain_sums;
 mod histories;
 mod lane_pass;
 mod lent_triangles;

@@ -4,6 +4,7 @@
 use std::ptr::{null, null_mut};
 
 use ellgran::c_api::contact::*;
+use ellgran::c_api::grain_sums::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::EllgranWorkspace;
 use ellgran::c_api::recorded::*;
@@ -277,4 +278,64 @@ fn what_is_not_recorded_is_said() {
         fails(status, ELLGRAN_ERROR_PARTICLE, &["1003"]);
         assert_eq!(ellgran_recorded_count(w), 0);
     }
+}
+
+/// Of each particle: how many it touches, fabric and stress from the records; ghosts only with `newton`.
+#[test]
+fn grain_sums_are_those_of_the_records() {
+    let bodies = random_bodies(11);
+    let mut run = Run::new(&DECKS[0], &bodies);
+    let mut arrays = run.step(&bodies, false, true);
+    let particles = arrays.particles();
+    for newton in [0, 1] {
+        let mut expected = vec![[0.0; ELLGRAN_GRAIN_SUMS_LENGTH]; bodies.len()];
+        for (place, g, f) in recorded(run.workspace.0) {
+            for (k, sign) in [(place.i as usize, -1.0), (place.j as usize, 1.0)] {
+                if newton == 0 && k >= OWNED {
+                    continue;
+                }
+                let row = &mut expected[k];
+                row[0] += 1.0;
+                for (at, [a, b]) in [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let arm = |c: usize| g.contact_point[c] - bodies[k].position[c];
+                    row[2 + at] += g.normal[a] * g.normal[b];
+                    row[8 + at] += 0.5 * sign * (arm(a) * f.force[b] + arm(b) * f.force[a]);
+                }
+            }
+        }
+        assert!(newton == 0 || expected[OWNED..].iter().any(|row| row[0] > 0.0));
+        let mut found = vec![[0.0; ELLGRAN_GRAIN_SUMS_LENGTH]; bodies.len()];
+        let sums = found.as_mut_ptr().cast();
+        let workspace = run.workspace.0;
+        ok(unsafe { ellgran_add_recorded_to_grain_sums(workspace, &particles, newton, sums) });
+        let size = expected
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, x| m.max(x.abs()));
+        for (a, b) in expected.iter().flatten().zip(found.iter().flatten()) {
+            assert!((a - b).abs() <= 1e-13 * size, "{a}, {b}");
+        }
+        for (handle, p, s, name) in [
+            (null(), &particles as *const _, sums, "workspace"),
+            (workspace.cast_const(), null(), sums, "particles"),
+            (workspace.cast_const(), &particles, null_mut(), "sums"),
+        ] {
+            let status = unsafe { ellgran_add_recorded_to_grain_sums(handle, p, newton, s) };
+            let said = format!("{name} must not be NULL");
+            fails(status, ELLGRAN_ERROR_NULL_POINTER, &[&said]);
+        }
+        let mut fewer = particles;
+        (fewer.count, fewer.owned_count) = (3, 3);
+        let status = unsafe { ellgran_add_recorded_to_grain_sums(workspace, &fewer, newton, sums) };
+        fails(status, ELLGRAN_ERROR_ARGUMENT, &["count = 3"]);
+    }
+    let status = unsafe { ellgran_add_wall_recorded_to_grain_sums(null(), 0, null_mut()) };
+    fails(
+        status,
+        ELLGRAN_ERROR_NULL_POINTER,
+        &["wall must not be NULL"],
+    );
 }

@@ -21,6 +21,7 @@ mod energy_balance;
 mod energy_compute;
 mod engine_commands;
 mod golden_pairs;
+mod grain_outputs;
 mod granular_suite;
 mod grown_and_moved;
 mod insertion;

@@ -637,7 +637,7 @@ fn both_versions_walls() {
 }
 
 #[test]
-fn both_versions_timestep_compute() {
+fn both_versions_computes_of_time_step_and_contacts() {
     let scene = pair_of_grains();
     let cases: &[(&str, &[&str])] = &[
         ("all timestep/ellipsoid now", &["'now'", "energy_error"]),
@@ -655,6 +655,10 @@ fn both_versions_timestep_compute() {
             &["energy_error 2", "0.5"],
         ),
         ("some timestep/ellipsoid", &["group some", "all"]),
+        (
+            "all contact/ellipsoid/atom cutoff",
+            &["'cutoff'", "compute ID group-ID contact/ellipsoid/atom"],
+        ),
     ];
     for (words, expected) in cases {
         let deck = Deck {
@@ -663,14 +667,16 @@ fn both_versions_timestep_compute() {
         };
         refused(&format!("compute {words}"), &scene, &deck, expected);
     }
-    let deck = Deck {
-        fixes: vec!["compute step all timestep/ellipsoid".into()],
-        ..Deck::with_pair(vec!["pair_style zero 3.0".into(), "pair_coeff * *".into()])
-    };
-    refused(
-        "compute timestep/ellipsoid without contacts",
-        &scene,
-        &deck,
-        &["timestep/ellipsoid", "pair_style gran/ellipsoid"],
-    );
+    for style in ["timestep/ellipsoid", "contact/ellipsoid/atom"] {
+        let deck = Deck {
+            fixes: vec![format!("compute step all {style}")],
+            ..Deck::with_pair(vec!["pair_style zero 3.0".into(), "pair_coeff * *".into()])
+        };
+        refused(
+            &format!("compute {style} without contacts"),
+            &scene,
+            &deck,
+            &[style, "pair_style gran/ellipsoid"],
+        );
+    }
 }

@@ -223,7 +223,13 @@ fn the_configuring_commands_run() {
                 "fix_nve_asphere.h",
             ],
         ),
-        ("compute", vec!["compute_energy_ellipsoid.h"]),
+        (
+            "compute",
+            vec![
+                "compute_contact_ellipsoid_atom.h",
+                "compute_energy_ellipsoid.h",
+            ],
+        ),
         ("command", vec!["create_ellipsoids.h"]),
     ] {
         let file = directory.join(format!("build-lammps/styles/style_{list}.h"));

@@ -44,6 +44,7 @@ mod same_motion;
 mod spheres;
 mod stored_forces;
 mod time_step;
+mod twins;
 mod velocities_of_the_step;
 mod vtk;
 mod wall_histories;

@@ -37,6 +37,11 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
         "hopper.lmp",
     ),
     ("liggghts=$(cargo xtask path liggghts)", "xtask/src/test.rs", "liggghts::binary"),
+    ("lammps=$(cargo xtask path lammps)", "xtask/src/test.rs", "lammps::source"),
+    ("plugin=$(cargo xtask path lammps-plugin)", "xtask/src/test.rs", "plugin::plugin"),
+    ("cd examples/twins", "tests/liggghts/twins.rs", "twins"),
+    ("$lammps -in drum.lmp -var plugin $plugin", "tests/liggghts/twins.rs", "drum"),
+    ("$lammps -in hopper.lmp -var plugin $plugin", "tests/liggghts/twins.rs", "hopper"),
     ("cd examples/liggghts", "tests/liggghts/examples.rs", "examples/liggghts"),
     ("$liggghts -in settling.lig", "tests/liggghts/examples.rs", "examples/liggghts/README.md"),
     (
