@@ -238,6 +238,10 @@ pub(super) fn relaxation(i: &Material, j: &Material) -> Relaxation {
     }
 }
 
+/// How far the penetration of rest may be ahead of the bodies, over where no element touches any more: a little further, so that the
+/// force is 0 there whatever the rounding.
+const FURTHEST_BEHIND: f64 = 1.0 + 1e-9;
+
 /// The motion of a contact in a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach<T> {
@@ -292,7 +296,9 @@ pub(crate) fn part_force<T: Real>(
     let behind = kept * (approach.before - rest) + share * (d - approach.before);
     let is_ahead = zero.less(ahead);
     let ahead = ahead.max(zero).min(power);
-    let behind = behind.min(zero).max(-(d / a.max(one * 1e-290)));
+    let behind = behind
+        .min(zero)
+        .max(d / a.max(one * 1e-290) * -FURTHEST_BEHIND);
     // The penetration of rest, from h(b) = h(d) - ahead, and d - b without cancellation.
     let new_root = root * cube_root((power - ahead) / power.max(one * 1e-290));
     let product = root * new_root;
@@ -470,6 +476,27 @@ mod tests {
         for k in 0..3000 {
             let x = 10f64.powf(-0.093 * k as f64);
             assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 2e-15, "{x}");
+        }
+    }
+
+    /// A contact that is drawn back until nothing touches has no force and no area, on any instruction set.
+    #[test]
+    fn where_nothing_touches_there_is_nothing() {
+        for k in 0..1000 {
+            let part = Part {
+                share: 1.0,
+                ratio: 0.013 * (k + 1) as f64,
+                rate: 1e-3,
+            };
+            let back = Approach {
+                penetration: 0.1 + 1e-4 * k as f64,
+                before: 10.0,
+                time: 1e-3,
+                rate: 0.0,
+            };
+            let found = part_force(&part, 0.5, &back, 1e4);
+            assert_eq!([found.force, found.elastic, found.root], [0.0; 3]);
+            assert!(found.rest > back.penetration && found.energy > 0.0);
         }
     }
 

@@ -117,7 +117,14 @@ impl Scene {
         let rest: Vec<Option<Felt>> = meetings
             .iter()
             .zip(&mut memories)
-            .map(|(m, memory)| self.felt(laws, *m, &still, 0.0, memory))
+            .map(|(m, memory)| {
+                let felt = self.felt(laws, *m, &still, 0.0, memory);
+                match laws.layout().rests {
+                    // What relaxes has come to rest.
+                    Some(_) => self.felt(laws, *m, &still, 1e6, memory),
+                    None => felt,
+                }
+            })
             .collect();
         let shallowest = rest
             .iter()
@@ -387,6 +394,38 @@ fn rolling_and_twisting() {
     }
 }
 
+/// Relaxing parts stiffer and softer than the static spring, fast and slow beside the oscillation: each is bounded as a spring or as a dashpot.
+#[test]
+fn memory_of_the_normal_force() {
+    let scenes: Vec<Scene> = [1.0, 2.0, 5.0]
+        .iter()
+        .flat_map(|aspect| [two_grains(*aspect, 41), grain_on_planes(*aspect, 42, 1)])
+        .collect();
+    for (deck, most) in [
+        ("nfd 1e7 0.1 0 1000 viscosity memory", 1.6),
+        ("nfd 1e7 0.1 0 1e7 viscosity memory", 1.6),
+        ("nfd 1e7 0.45 100 0 viscosity memory", 6.0),
+        ("nfd 1e7 0.45 1e6 0 viscosity memory", 6.0),
+        (
+            "nfd 1e7 0.3 1000 1e6 viscosity memory tangential mindlin 1e9 displacement total",
+            6.0,
+        ),
+        ("nfd 1e7 0.499 1e4 1 viscosity memory", 6.0),
+    ] {
+        let laws = laws(&[deck]);
+        let mut span = [f64::INFINITY, 0.0f64];
+        for scene in &scenes {
+            let ratio = scene.limit_over_bound(&laws);
+            span = [span[0].min(ratio), span[1].max(ratio)];
+        }
+        println!(
+            "  {deck}: limit over bound {:.2} to {:.2}",
+            span[0], span[1]
+        );
+        assert!(span[0] > 0.98 && span[1] < most, "{deck}: {span:?}");
+    }
+}
+
 #[test]
 fn chains_and_a_crowd() {
     // Not tip to tip: such a chain buckles, whatever the step.
@@ -491,6 +530,8 @@ fn the_step_for_an_error() {
         ("hertz 1e7 0.3 damping restitution 0.5", 1.5),
         ("lsd 60 0.003", 1.5),
         ("nfd 1e7 0.3 100 100 tangential tfd 0.5", 5.0),
+        ("nfd 1e7 0.1 0 1000 viscosity memory", 1.5),
+        ("nfd 1e7 0.4 1000 0 viscosity memory", 1.5),
     ] {
         let laws = laws(&[deck]);
         let axes = [1e-3, 1.5e-3, 1e-3];

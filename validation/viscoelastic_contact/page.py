@@ -208,7 +208,7 @@ def main() -> None:
         [
             [f"{ratio:g}", f"{poisson:g}"]
             + [
-                f"{100 * max(abs(r[name] - r['boundary_elements']) for r in chosen(late, ratio=ratio, poisson=poisson)):.2g} %"
+                short(100 * max(abs(r[name] - r["boundary_elements"]) for r in chosen(late, ratio=ratio, poisson=poisson))) + " %"
                 for name in [*laws, "exact_memory"]
             ]
             for ratio in sorted({r["ratio"] for r in ellipses})
