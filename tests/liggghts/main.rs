@@ -46,5 +46,7 @@ mod stored_forces;
 mod time_step;
 mod velocities_of_the_step;
 mod vtk;
+mod wall_calls;
 mod wall_histories;
 mod wall_outputs;
+mod wall_shapes;
