@@ -718,6 +718,15 @@ typedef struct EllgranWallMotion {
    Angular velocity, world frame, likewise.
    */
   double angular_velocity[3];
+  /*
+   Not 0 for a surface that moves along itself, as a cylinder that turns about its axis: its matter has these velocities, and it
+   stays where it is. `displacement` and `quaternion` are then 0, and what is remembered of a contact is in the frame of the world.
+   */
+  int32_t along_itself;
+  /*
+   Must be 0.
+   */
+  int32_t unused;
 } EllgranWallMotion;
 
 /*
@@ -1447,6 +1456,11 @@ typedef struct EllgranWallLoad {
    The same of their damping, force x time/length.
    */
   double damping;
+  /*
+   1 + index of a particle that touches the wall in more places than are remembered: at some of them friction begins anew in each
+   step. 0 for none.
+   */
+  int64_t crowded_particle;
 } EllgranWallLoad;
 
 /*
@@ -2305,6 +2319,25 @@ void ellgran_wall_free(struct EllgranWall *wall);
  */
 int32_t ellgran_wall_add_shape(struct EllgranWall *wall,
                                const struct EllgranWallShape *shape);
+
+/*
+ Adds a shape to a wall that the words of a deck describe, those that follow `shape`:
+
+ ```text
+ NAME [point x y z] [axis ax ay az] [radius r] [radii r1 r2] [bounds lo hi]
+      [ends none|open|closed none|open|closed] [side inside|outside|centre]
+ ```
+
+ The fields of `EllgranWallShape` by their names; `axis` is z where it is not given. Reading ends at the first word that is none of these:
+ `consumed` receives how many were read.
+
+ # Safety
+ The pointers are NULL or valid; `words` points to `word_count` strings that end with NUL.
+ */
+int32_t ellgran_wall_add_shape_words(struct EllgranWall *wall,
+                                     size_t word_count,
+                                     const char *const *words,
+                                     size_t *consumed);
 
 /*
  Adds a surface of triangles, one part, that acts to both sides: the side is that of a particle's centre. Triangles that

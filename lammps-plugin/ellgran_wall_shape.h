@@ -13,9 +13,7 @@ namespace LAMMPS_NS {
 
 class LAMMPS;
 
-extern const char WALL_SHAPE_SYNTAX[];
-
-/// Adds the shape that the words describe to the wall. The names of shapes are the library's: this file knows none.
+/// Adds the shape that the words describe to the wall. The words are the library's (`ellgran_wall_add_shape_words`): this file knows none.
 ///
 /// \param narg, words  what follows the word `shape`
 /// \return             number of words read

@@ -159,6 +159,8 @@ pub fn calls(u: &mut Bytes, laws: &Laws, strange: bool) -> arbitrary::Result<()>
         },
         velocity: usual_vector(u)?,
         angular_velocity: usual_vector(u)?,
+        along_itself: 0,
+        unused: 0,
     };
     motion.velocity[0] = maybe_any(u, motion.velocity[0])?;
     show("histories", &histories);

@@ -231,6 +231,12 @@ bool EllgranContact::matches(const char *kind, const char *name) const
   return false;
 }
 
+bool EllgranContact::has_own_models_alone() const
+{
+  return laws && surface_is_ellipsoid && (tangential_is_tfd || matches("tangential", "off")) && matches("cohesion", "off") &&
+      matches("rolling_friction", "off");
+}
+
 void EllgranContact::check_models() const
 {
   if (matches("rolling_friction", "luding") && !matches("normal", "luding"))
@@ -384,7 +390,8 @@ void EllgranContact::build_laws(const double *shear, const double *bulk, double 
     is_set[k * types + k] = 1;
   }
   EllgranLaws *built = NULL;
-  check(ellgran_laws_new(types, &parameters[0], &is_set[0], 0, &built));
+  // walls remember the normal beside the history
+  check(ellgran_laws_new(types, &parameters[0], &is_set[0], is_wall ? ELLGRAN_OPTION_NO_WARM_START : 0, &built));
   if (restitution) {
     std::vector<double> coefficients(types * types);
     for (int i = 0; i < types; i++)

@@ -64,6 +64,8 @@ struct EllgranContact {
   void check_particles() const;
   // whether this is the pair style's or wall's model of a kind: normal, tangential, cohesion, rolling_friction, surface
   bool matches(const char *kind, const char *name) const;
+  // whether the laws are all that acts at a contact: model nfd, tangential tfd or none, neither cohesion nor rolling friction
+  bool has_own_models_alone() const;
   // stops if another model of the same contact model would be wrong about this one without saying so
   void check_models() const;
   // all particles of the step, for the contacts that are staged by their indices

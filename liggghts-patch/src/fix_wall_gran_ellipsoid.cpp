@@ -44,12 +44,54 @@ bool is(const char *word, const char *what)
   return strcmp(word, what) == 0;
 }
 
+// Where 'primitive type T shape' stands among the words of a fix; 0 for nowhere.
+int shape_begins(int narg, char **arg)
+{
+  for (int k = 3; k + 3 < narg; k++)
+    if (is(arg[k], "primitive") && is(arg[k + 3], "shape")) return k + 3;
+  return 0;
+}
+
+// Adds the shapes that begin at a word to a wall; where the next words begin.
+int read_shapes(LAMMPS *lmp, EllgranWall *wall, int from, int narg, char **arg)
+{
+  while (from < narg && is(arg[from], "shape")) {
+    size_t read = 0;
+    if (ellgran_wall_add_shape_words(wall, narg - from - 1, arg + from + 1, &read) != ELLGRAN_SUCCESS) {
+      char message[1400];
+      snprintf(message, sizeof(message), "Fix %s (%s): %s", arg[0], arg[2], ellgran_last_error());
+      lmp->error->all(FLERR, message);
+    }
+    from += 1 + read;
+  }
+  return from;
+}
+
+// The words as fix wall/gran reads them. It knows no shapes: a cylinder of radius 0, which counts every particle as near, stands for them.
+std::vector<char *> words_of_wall_gran(LAMMPS *lmp, int narg, char **arg)
+{
+  std::vector<char *> words(arg, arg + narg);
+  const int from = shape_begins(narg, arg);
+  if (from == 0) return words;
+  EllgranWall *wall = NULL;
+  if (ellgran_wall_new(&wall) != ELLGRAN_SUCCESS) lmp->error->one(FLERR, ellgran_last_error());
+  const int end = read_shapes(lmp, wall, from, narg, arg);
+  ellgran_wall_free(wall);
+  static char cylinder[] = "zcylinder", zero[] = "0.0";
+  char *const instead[] = {cylinder, zero, zero, zero};
+  words.erase(words.begin() + from, words.begin() + end);
+  words.insert(words.begin() + from, instead, instead + 4);
+  return words;
+}
+
 }
 
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
-    FixWallGran(lmp, narg, arg),
+    FixWallGran(lmp, words_of_wall_gran(lmp, narg, arg).size(), &words_of_wall_gran(lmp, narg, arg)[0]),
     wall_(NULL),
     workspace_(NULL),
+    step_of_one_call_(-1),
+    lists_of_one_call_(-1),
     histories_length_(0),
     histories_(NULL),
     crowded_(0),
@@ -60,17 +102,9 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   check(ellgran_workspace_new(&workspace_));
   if (!impl->contact_match("surface", "ellipsoid"))
     error->fix_error(FLERR, this, "needs 'surface ellipsoid'; other surfaces have fix wall/gran");
-  if (primitiveWall_) {
-    // The words after 'primitive' were read and checked by fix wall/gran, which keeps them to itself.
-    for (int k = 3; k + 4 < narg; k++) {
-      if (!is(arg[k], "primitive")) continue;
-      double parameters[3] = {0.0, 0.0, 0.0};
-      for (int m = 0; m < (is(arg[k + 3] + 1, "plane") ? 1 : 3); m++)
-        parameters[m] = force->numeric(FLERR, arg[k + 4 + m]);
-      add_shape(arg[k + 3], parameters);
-      break;
-    }
-  } else {
+  if (primitiveWall_)
+    add_primitive(narg, arg);
+  else {
     const EllgranLentTriangles none = ELLGRAN_INIT(EllgranLentTriangles);
     check(ellgran_wall_lend_triangles(wall_, &none));
   }
@@ -100,14 +134,33 @@ void FixWallGranEllipsoid::check(int32_t status) const
   error->one(FLERR, message);
 }
 
-void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters)
+// The words after 'primitive' were read and checked by fix wall/gran, which keeps them to itself.
+void FixWallGranEllipsoid::add_primitive(int narg, char **arg)
 {
-  const int axis = style[0] - 'x';
-  const bool is_plane = is(style + 1, "plane");
+  bool is_plane = false;
+  if (const int from = shape_begins(narg, arg)) {
+    if (shear_) error->fix_error(FLERR, this, "'shear' goes with planes and cylinders along the axes; use a mesh with fix move/mesh");
+    read_shapes(lmp, wall_, from, narg, arg);
+    is_plane = is(arg[from + 1], "plane") && ellgran_wall_part_count(wall_) == 1;
+  } else
+    for (int k = 3; k + 4 < narg; k++) {
+      if (!is(arg[k], "primitive")) continue;
+      is_plane = is(arg[k + 3] + 1, "plane");
+      double parameters[3] = {0.0, 0.0, 0.0};
+      for (int m = 0; m < (is_plane ? 1 : 3); m++) parameters[m] = force->numeric(FLERR, arg[k + 4 + m]);
+      add_shape(arg[k + 3], parameters);
+      break;
+    }
   if (!is_plane && store_force_contact_stress_)
     error->fix_error(FLERR, this,
                      "a needle touches a primitive cylinder twice, and store_force_contact_stress (which fix continuum/weighted "
                      "turns on) has room for one contact; use a mesh");
+}
+
+void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters)
+{
+  const int axis = style[0] - 'x';
+  const bool is_plane = is(style + 1, "plane");
   EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
   shape.name = is_plane ? "plane" : "cylinder";
   shape.side = ELLGRAN_SIDE_OF_CENTRE;
@@ -265,6 +318,8 @@ void FixWallGranEllipsoid::pre_neighbor()
 void FixWallGranEllipsoid::post_run()
 {
   say_crowded();
+  // commands between runs may change particles without a neighbour list built anew
+  step_of_one_call_ = -1;
 }
 
 // once, by one rank
@@ -351,10 +406,51 @@ void FixWallGranEllipsoid::act(EllgranContact &model, size_t index)
   if (tells) ellgran_write_geometry(cwl_, row_++, model.geometry_report());
 }
 
+// Whether nothing asks for the contacts one by one: outputs of single contacts, stored forces, stresses of meshes, heat, or a model that is not
+// the library's. Meshes of several materials have laws of their own, too.
+bool FixWallGranEllipsoid::takes_one_call(const EllgranContact &model, const EllgranLaws *laws) const
+{
+  if (!computeflag_ || cwl_ || heattransfer_flag_ || track_energy_ || store_sum_normal_force()) return false;
+  if (store_force_ || store_force_contact_ || store_force_contact_stress_ || stress_flag_) return false;
+  if (!laws || !model.has_own_models_alone()) return false;
+  // there the mass of a body counts, not that of its particle
+  if (fix_rigid_ && ellgran_laws_uses_mass(laws) == 1) return false;
+  for (int m = 1; m < n_FixMesh_; m++)
+    if (FixMesh_list_[m]->atomTypeWall() != FixMesh_list_[0]->atomTypeWall()) return false;
+  // another fix keeps numbers of its own with each contact
+  return ellgran_wall_histories_length(wall_, laws) == static_cast<size_t>(histories_length_);
+}
+
+// Forces of all particles with the wall.
+void FixWallGranEllipsoid::act_in_one_call(EllgranContact &model, const EllgranLaws *laws, const EllgranWallMotion *motion)
+{
+  if (is_mesh_wall()) atom_type_wall_ = FixMesh_list_[0]->atomTypeWall();
+  EllgranParticles particles = model.particles();
+  if (ellgran_laws_uses_mass(laws) == 1) particles.masses = particles.contact_masses = atom->rmass;
+  // the library is told when it sees what it saw before, but for the motion
+  const bool seen = !update->setupflag && neighbor->ago > 0 && neighbor->ncalls == lists_of_one_call_ &&
+      step_of_one_call_ + 1 == update->ntimestep;
+  particles.unchanged = seen;
+  const EllgranStep step = model.step(shearupdate_);
+  EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
+  if (atom->nlocal > 0)
+    check(ellgran_compute_wall(laws, workspace_, wall_, &particles, atom->mask, groupbit, atom_type_wall_, motion,
+                               histories_ ? histories_[0] : NULL, &step, &load, NULL));
+  if (load.crowded_particle > 0) crowded_ = atom->tag[load.crowded_particle - 1];
+  step_of_one_call_ = update->ntimestep;
+  lists_of_one_call_ = neighbor->ncalls;
+}
+
 // All contacts of all particles with the wall.
 void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
 {
   EllgranContact *const model = EllgranContact::of(this);
+  const EllgranLaws *const laws = model->laws_with_friction();
+  if (takes_one_call(*model, laws)) {
+    act_in_one_call(*model, laws, motion);
+    return;
+  }
+  step_of_one_call_ = -1;
   const EllgranParticles particles = model->particles();
   check(ellgran_staged_set_time_step(model->staged, update->dt));
   double *const remembered = histories_ ? histories_[0] : NULL;
@@ -367,6 +463,7 @@ void FixWallGranEllipsoid::act(const EllgranWallMotion *motion)
 EllgranWallMotion FixWallGranEllipsoid::motion_of_primitive() const
 {
   EllgranWallMotion motion = ELLGRAN_INIT(EllgranWallMotion);
+  motion.along_itself = 1;
   if (shear_ && shearAxis_ >= 0) {
     vectorCopy3D(point_, motion.origin);
     vectorCopy3D(shearAxisVec_, motion.angular_velocity);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /*
- * fix wall/gran/ellipsoid: fix wall/gran, with the same words, for surface ellipsoid. The library finds every contact of all
- * particles with the wall by one call, and what is remembered of it; each acts once.
+ * fix wall/gran/ellipsoid: fix wall/gran, with the same words, for surface ellipsoid, and the shapes of the library by their names.
+ * The library takes all particles with the wall in one call, to their forces. Where something needs the contacts one by one, it finds
+ * them in one call, and each acts through LIGGGHTS' own contact model, with the same result.
  */
 
 #ifdef FIX_CLASS
@@ -69,6 +70,8 @@ class FixWallGranEllipsoid : public FixWallGran {
 
   EllgranWall *wall_;
   EllgranWorkspace *workspace_;
+  // the step whose forces were computed in one call, -1 if those of the last step were not; neighbour lists built until then
+  int64_t step_of_one_call_, lists_of_one_call_;
   // of a primitive wall: a point of it, or of its axis
   double point_[3];
   // what is remembered of the contacts of each particle
@@ -91,10 +94,13 @@ class FixWallGranEllipsoid : public FixWallGran {
 
   void check(int32_t status) const;
   void read_older_histories();
+  void add_primitive(int narg, char **arg);
   void add_shape(const char *style, const double *parameters);
   void lend_triangles();
   EllgranWallMotion motion_of_primitive() const;
   void act(const EllgranWallMotion *motion);
+  bool takes_one_call(const LIGGGHTS::ContactModels::EllgranContact &model, const EllgranLaws *laws) const;
+  void act_in_one_call(LIGGGHTS::ContactModels::EllgranContact &model, const EllgranLaws *laws, const EllgranWallMotion *motion);
   void act(LIGGGHTS::ContactModels::EllgranContact &model, size_t index);
   void store_again(int particle, int place, const double *force_before, const double *torque_before);
   bool counts_contacts() const;

@@ -172,6 +172,8 @@ class EllgranWallMotion(ctypes.Structure):
         ("quaternion", ctypes.c_double * 4),
         ("velocity", ctypes.c_double * 3),
         ("angular_velocity", ctypes.c_double * 3),
+        ("along_itself", ctypes.c_int32),
+        ("unused", ctypes.c_int32),
     ]
 
 
@@ -382,6 +384,7 @@ class EllgranWallLoad(ctypes.Structure):
         ("contact_count", ctypes.c_int64),
         ("stiffness", ctypes.c_double),
         ("damping", ctypes.c_double),
+        ("crowded_particle", ctypes.c_int64),
     ]
 
 
@@ -513,6 +516,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_new": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_wall_free": (None, [ctypes.c_void_p]),
     "ellgran_wall_add_shape": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_add_shape_words": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_add_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_wall_add_stl": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_part_count": (ctypes.c_size_t, [ctypes.c_void_p]),

@@ -224,7 +224,7 @@ pub unsafe extern "C" fn ellgran_wall_material_parse(
 
 /// # Safety
 /// `words` points to `word_count` strings that end with NUL, for the lifetime that the caller gives them.
-unsafe fn given_words<'a>(
+pub(super) unsafe fn given_words<'a>(
     words: *const *const c_char,
     word_count: usize,
 ) -> Result<Vec<&'a str>, Failure> {

@@ -2,7 +2,7 @@
 //! Rigid walls of any shape against all owned particles in one call.
 
 use super::growing::{given, growing, Output};
-use super::law::{check_type, EllgranLaws};
+use super::law::{check_type, given_words, EllgranLaws};
 use super::particles::{
     hale_failure, handles, history_failure, identifier, prepare, shape_of, EllgranParticles,
     EllgranStep, EllgranWorkspace, Purpose,
@@ -21,8 +21,8 @@ use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, compute_wall_in_lanes, stl, write_triangle_loads, End, Mesh, Motion,
-    RecordsInput, ShapeParameters, Side, TriangleLoad, Wall, WallError, WallInput, WallOutput,
-    WrongHistory,
+    RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall, WallError, WallInput,
+    WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -90,9 +90,14 @@ pub struct EllgranWallMotion {
     pub velocity: [f64; 3],
     /// Angular velocity, world frame, likewise.
     pub angular_velocity: [f64; 3],
+    /// Not 0 for a surface that moves along itself, as a cylinder that turns about its axis: its matter has these velocities, and it
+    /// stays where it is. `displacement` and `quaternion` are then 0, and what is remembered of a contact is in the frame of the world.
+    pub along_itself: i32,
+    /// Must be 0.
+    pub unused: i32,
 }
 
-growing!(EllgranWallMotion);
+growing!(EllgranWallMotion, angular_velocity: [f64; 3]);
 
 /// What the particles of a call do to a wall.
 #[repr(C)]
@@ -113,9 +118,12 @@ pub struct EllgranWallLoad {
     pub stiffness: f64,
     /// The same of their damping, force x time/length.
     pub damping: f64,
+    /// 1 + index of a particle that touches the wall in more places than are remembered: at some of them friction begins anew in each
+    /// step. 0 for none.
+    pub crowded_particle: i64,
 }
 
-growing!(EllgranWallLoad);
+growing!(EllgranWallLoad, damping);
 
 /// One contact of a wall as it acted in the last call that recorded contacts.
 #[repr(C)]
@@ -152,6 +160,16 @@ pub(super) fn wrong(what: impl Into<String>) -> Failure {
 }
 
 impl EllgranWallShape {
+    fn add_to(self, wall: &mut Wall, name: &str) -> Result<(), Failure> {
+        let parameters = self.to_core()?;
+        if parameters.axis == Vector3::ZERO && name != "sphere" {
+            return Err(wrong(format!(
+                "wall shape '{name}': axis = 0 0 0 has no direction"
+            )));
+        }
+        wall.add_shape(name, &parameters).map_err(wrong)
+    }
+
     fn to_core(self) -> Result<ShapeParameters, Failure> {
         if self.unused != 0 {
             return Err(wrong("wall shape: unused must be 0"));
@@ -216,12 +234,22 @@ impl EllgranWallMotion {
                 Numbers(&self.quaternion)
             )));
         };
+        if self.unused != 0 {
+            return Err(wrong("wall motion: unused must be 0"));
+        }
+        let along_itself = self.along_itself != 0;
+        if along_itself && (axes.is_some() || self.displacement != [0.0; 3]) {
+            return Err(wrong(
+                "wall motion: a wall with along_itself stays where it is: displacement and quaternion must be 0",
+            ));
+        }
         Ok(Motion {
             origin: place(self.origin, "wall motion: origin")?,
             displacement: place(self.displacement, "wall motion: displacement")?,
             axes,
             velocity: velocity(self.velocity, "wall motion: velocity")?,
             angular_velocity: velocity(self.angular_velocity, "wall motion: angular_velocity")?,
+            along_itself,
         })
     }
 }
@@ -272,13 +300,51 @@ pub unsafe extern "C" fn ellgran_wall_add_shape(
         let shape = unsafe { given(shape, "shape") }?;
         // SAFETY: `shape.name` is NULL or a text that ends with NUL, by this function's safety section.
         let name = unsafe { text(shape.name, "wall shape: name") }?;
-        let parameters = shape.to_core()?;
-        if parameters.axis == Vector3::ZERO && name != "sphere" {
-            return Err(wrong(format!(
-                "wall shape '{name}': axis = 0 0 0 has no direction"
-            )));
-        }
-        wall.add_shape(name, &parameters).map_err(wrong)
+        shape.add_to(wall, name)
+    })
+}
+
+/// Adds a shape to a wall that the words of a deck describe, those that follow `shape`:
+///
+/// ```text
+/// NAME [point x y z] [axis ax ay az] [radius r] [radii r1 r2] [bounds lo hi]
+///      [ends none|open|closed none|open|closed] [side inside|outside|centre]
+/// ```
+///
+/// The fields of `EllgranWallShape` by their names; `axis` is z where it is not given. Reading ends at the first word that is none of these:
+/// `consumed` receives how many were read.
+///
+/// # Safety
+/// The pointers are NULL or valid; `words` points to `word_count` strings that end with NUL.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_add_shape_words(
+    wall: *mut EllgranWall,
+    word_count: usize,
+    words: *const *const c_char,
+    consumed: *mut usize,
+) -> i32 {
+    at_border("ellgran_wall_add_shape_words", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `consumed` is NULL or valid for writes, and not aliased, by this function's safety section.
+        let consumed = unsafe { required_mut(consumed, "consumed") }?;
+        // SAFETY: `words` has `word_count` strings, by this function's safety section.
+        let texts = unsafe { given_words(words, word_count) }?;
+        let (given, read) = ShapeWords::read(&texts).map_err(wrong)?;
+        let shape = EllgranWallShape {
+            size: size_of::<EllgranWallShape>(),
+            name: core::ptr::null(),
+            point: given.point,
+            axis: given.axis,
+            radii: given.radii,
+            bounds: given.bounds,
+            ends: given.ends,
+            side: given.side,
+            unused: 0,
+        };
+        shape.add_to(wall, given.name)?;
+        *consumed = read;
+        Ok(())
     })
 }
 
@@ -342,6 +408,8 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
             quaternion: quaternion.copied().unwrap_or_default(),
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
+            along_itself: 0,
+            unused: 0,
         }
         .to_core()?;
         let triangles = stl::read(path.as_ref()).map_err(wrong)?;
@@ -629,6 +697,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 contact_count: found.contacts as i64,
                 stiffness: found.stiffness,
                 damping: found.damping,
+                crowded_particle: found.crowded.map_or(0, |particle| particle as i64 + 1),
             });
         }
         Ok(())

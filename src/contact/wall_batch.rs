@@ -367,6 +367,18 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         self.tangent.vector(self.support.witness) - self.at.outwards * self.at.height
     }
 
+    /// Takes the velocity of the surface off that of the body.
+    #[inline(always)]
+    pub fn take_off(&mut self, velocity: Vector3<Lanes<S>>) {
+        self.at.velocity = self.at.velocity - velocity;
+    }
+
+    /// The masses that the contacts move.
+    #[inline(always)]
+    pub fn effective_mass(&self) -> Lanes<S> {
+        self.at.effective_mass
+    }
+
     /// Forces at a flat surface.
     #[inline(always)]
     pub fn forces(

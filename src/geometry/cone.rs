@@ -67,11 +67,16 @@ pub struct ConeContact {
     pub along: f64,
 }
 
-/// Directions that are tried over the whole circle, and over the smallest arc.
+/// Directions that are tried over the whole circle, and over the smallest arc. They have to tell maxima apart, not to find them: the depth's
+/// slope vanishes where a trigonometric polynomial of degree 4 does, at 8 angles at most, so there are 4 maxima at most, and a whole circle
+/// has 16 directions for each. Maxima that are nearer to each other than two directions are taken as one.
 const MOST_DIRECTIONS: usize = 64;
 const LEAST_DIRECTIONS: usize = 16;
 
-/// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians.
+/// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians. After a step of
+/// 1e-9 the error is of the order of its square, below rounding, and from 0.5 on each step squares the error: five reach 1e-9, and
+/// three more are for starts where it is not yet so. The depth turns with twice the angle at most and is concave for about pi/4 beside a maximum: a
+/// step much longer than half of that has left it. Where a bound ends the search, the directions are tried, which find the same.
 pub(crate) const MOST_STEPS: usize = 8;
 pub(crate) const LONGEST_STEP: f64 = 0.5;
 pub(crate) const SHORTEST_STEP: f64 = 1e-9;

@@ -88,8 +88,9 @@ pub(super) const MEETING: f64 = 1e-5;
 const SAME_PLANE: f64 = 1e-8;
 
 /// Cosine of 3 degrees. An edge or a corner whose normal differs by less from that of another contact at the same place is
-/// taken as that contact, so that neighbouring triangles do not act twice. Not derived: a compromise between real edges and
-/// flaws of meshes.
+/// taken as that contact, so that neighbouring triangles do not act twice. A compromise between flaws of meshes and real edges: a
+/// corner that is off by a twentieth of an edge turns a normal by as much, and the force of a contact that is left out would have had at most
+/// 5 %, the sine, in another direction.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances

@@ -145,6 +145,7 @@ pub fn compute_wall(
     let mut load = WallLoad::default();
     add_forces_of_found(wall, input, output, tallies, &mut load);
     wall.remember(output.histories, output.acts_on, &[]);
+    load.crowded = wall.found.crowded();
     let motion = input.motion;
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
@@ -395,8 +396,7 @@ impl<'i> Forces<'_, 'i, '_> {
                     viscous_force: f.viscous_force,
                     tangential_force: f.frictional_force,
                     contact_point: f.contact_point,
-                    wall_velocity: motion.velocity_at(i.position + f.contact_point)
-                        + motion.to_world(c.surface.velocity),
+                    wall_velocity: motion.velocity_of(&c.surface, i.position + f.contact_point),
                 },
                 self.touching_loads.as_deref_mut().map(|l| l.of(k, c.near)),
             );

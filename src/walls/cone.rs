@@ -19,7 +19,8 @@ struct ConeWall {
     stretch: f64,
 }
 
-/// Relative error of two depths of one contact that were computed in two ways.
+/// Relative error of two depths of one contact that were computed in two ways: ten times the rounding of a quadratic form that loses the
+/// square of the aspect ratio, at most 1e6, in digits.
 const ROUNDING: f64 = 1e-9;
 
 /// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.

@@ -89,6 +89,8 @@ pub struct Contacts {
     search: Search,
     /// Of one particle: which of its records a contact that acts alone has gone on from.
     taken: Vec<bool>,
+    /// A particle with a contact that acts alone and is not remembered.
+    crowded: Option<usize>,
 }
 
 /// In which frame forces are computed.
@@ -131,6 +133,7 @@ impl Contacts {
         self.all.clear();
         self.staged.clear();
         self.layout = layout;
+        self.crowded = None;
         self.taken.resize(layout.records, false);
     }
 
@@ -158,7 +161,11 @@ impl Contacts {
                 near,
                 part: found.part,
                 triangle: found.triangle,
-                surface: found.surface,
+                surface: if places.frame == Frame::Wall {
+                    places.motion.in_its_frame(&found.surface)
+                } else {
+                    found.surface
+                },
                 centre: seen.position,
                 last_normal: None,
                 is_remembered: false,
@@ -227,12 +234,20 @@ impl Contacts {
                     Frame::World => places.motion.to_world(n),
                 });
                 c.is_remembered = records < layout.records;
+                if alone && !c.is_remembered && length > 0 {
+                    self.crowded = Some(c.particle);
+                }
                 records += 1;
             }
             if records == self.all.len() - first {
                 break;
             }
         }
+    }
+
+    /// A particle that touches in more places than are remembered.
+    pub fn crowded(&self) -> Option<usize> {
+        self.crowded
     }
 
     /// Doubles that are remembered of a particle.

@@ -10,6 +10,7 @@ use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
 use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
 use super::motion::Motion;
+use super::shape::WholePlane;
 use super::touching_loads::TouchingLoads;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
@@ -19,7 +20,7 @@ use crate::contact::wall_batch::{BodyAtSurface, CurvedWall, ForcesAtSurface, Pla
 use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
 use crate::force::{largest_springs, PairLaw};
 use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
-use crate::list::{ParticleRecords, Shapes};
+use crate::list::{ParticleRecords, Record, Shapes};
 use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::tallies::{InelasticLoad, Tallies};
@@ -122,6 +123,7 @@ pub fn compute_wall_in_lanes(
     pass.take_others(wall, input, output, tallies, &mut load);
     wall.remember(output.histories, output.acts_on, &pass.written);
     wall.lone = pass;
+    load.crowded = wall.found.crowded();
     let motion = input.motion;
     load.power = load.force.dot(motion.velocity) + load.torque.dot(motion.angular_velocity);
     Ok(load)
@@ -366,6 +368,30 @@ impl AddForces<'_, '_, '_> {
     }
 }
 
+/// The contacts of a batch, and where the lanes find what they load of each. Lanes without a contact of their own compute the last one
+/// again.
+struct Batch<'b> {
+    contacts: &'b [LoneContact],
+    records: [&'b Record; MOST_LANES],
+    /// What each goes on from.
+    lasts: [&'b Line; MOST_LANES],
+    /// Its surface, and how fast that is in the frame of the wall; of a wall of planes alone not set.
+    surfaces: [[&'b Line; MOST_LANES]; 2],
+    velocities: [&'b Line; MOST_LANES],
+    /// Whether one of the surfaces turns with the body's motion.
+    turns: bool,
+    /// The only plane of a wall that acts on one side.
+    one_side: Option<&'b WholePlane>,
+}
+
+/// The surface of each lane's contact in the frame of the world: its normal, and how far the centre lies from the plane that touches it.
+struct SurfaceOfLanes<S: Registers> {
+    outwards: Vector3<Lanes<S>>,
+    height: Lanes<S>,
+    /// The first principal direction; of planes alone zero.
+    direction: Vector3<Lanes<S>>,
+}
+
 impl AddForces<'_, '_, '_> {
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
@@ -380,142 +406,47 @@ impl AddForces<'_, '_, '_> {
         sums: &mut Sums<S>,
     ) {
         let input = self.input;
-        let near = input.near;
-        let lone = &*self.lone;
-        let batch = &lone.contacts[range.clone()];
-        let last = lone.last.get(range.clone()).unwrap_or(&[]);
-        let surfaces = if SURFACES {
-            &lone.surfaces[range.clone()]
-        } else {
-            &[]
-        };
-        let mut of_lanes = [&near.records[batch[0].near as usize]; MOST_LANES];
-        let mut lasts = [&Line::ZERO; MOST_LANES];
-        let mut at_surfaces = [[&Line::ZERO; MOST_LANES]; 2];
-        let one_side = !SURFACES && lone.planes.len() == 1 && !lone.planes[0].both_sides;
-        let with_loads = self.touching_loads.is_some();
-        let masses = input.masses.filter(|_| with_loads);
-        let mut turns = false;
-        for lane in 0..S::LANES {
-            // Lanes without a contact of their own compute the last one again.
-            let index = lane.min(batch.len() - 1);
-            let contact = &batch[index];
-            let place = contact.near as usize;
-            of_lanes[lane] = &near.records[place];
-            if let Some(line) = last.get(index) {
-                lasts[lane] = line;
-            }
-            if SURFACES {
-                let [a, b] = &surfaces[index];
-                at_surfaces[0][lane] = a;
-                at_surfaces[1][lane] = b;
-                turns |= contact.turns;
-            } else if !one_side {
-                let plane = &lone.planes[contact.part as usize];
-                put_in_lane(&mut numbers.outwards, lane, plane.outwards(contact));
-                put_in_lane(&mut numbers.point, lane, plane.point);
-            }
-            if let Some(inverse_mass) = near.inverse_masses.get(place) {
-                numbers.inverse_mass[lane] = *inverse_mass;
-            }
-            if let Some(masses) = masses {
-                numbers.mass[lane] = masses[self.near[place]];
-            }
-        }
-        let side = K::load(registers, &of_lanes);
-        let centre = side.centre;
-        let zero = Lanes::splat(registers, 0.0);
-        let null = Vector3::new(zero, zero, zero);
-        let mut direction = null;
-        let (outwards, height) = if SURFACES {
-            let a = Lanes::all(registers, registers.columns(&at_surfaces[0]));
-            direction = Vector3::new(a[4], a[5], a[6]);
-            (Vector3::new(a[0], a[1], a[2]), a[3])
-        } else if one_side {
-            let plane = &lone.planes[0];
-            let normal = splat(registers, plane.normal);
-            let height = normal.dot(centre - splat(registers, plane.point));
-            (normal, height)
-        } else {
-            let normal = load(registers, &numbers.outwards);
-            let height = normal.dot(centre - load(registers, &numbers.point));
-            (normal, height)
-        };
-        let effective_mass = if near.inverse_masses.is_empty() {
-            zero
-        } else {
-            let inverse = Lanes::load(registers, &numbers.inverse_mass);
-            let mass = inverse.max(zero.constant(1e-300)).reciprocal();
-            Lanes::select(zero.less(inverse), mass, zero)
-        };
-        let mut change = None;
-        if near.of_step {
-            let mut own = MotionChange {
-                velocity: null,
-                omega: null,
-            };
-            if !near.changes.is_empty() {
-                let mut changes = [&near.changes[batch[0].near as usize]; MOST_LANES];
-                for lane in 0..S::LANES {
-                    let contact = &batch[lane.min(batch.len() - 1)];
-                    changes[lane] = &near.changes[contact.near as usize];
-                }
-                let c = Lanes::all(registers, registers.columns(&changes));
-                own.velocity = Vector3::new(c[0], c[1], c[2]);
-                own.omega = Vector3::new(c[3], c[4], c[5]);
-            }
-            change = Some(own);
-        }
-        let from_centre = centre - splat(registers, input.motion.centre());
-        let seen = SeenFromWall {
+        let batch = self.gather::<S, SURFACES>(range.clone(), numbers);
+        let side = K::load(registers, &batch.records);
+        let surface = surface_of::<S, SURFACES>(registers, &batch, numbers, side.centre);
+        let outwards = surface.outwards;
+        let from_centre = side.centre - splat(registers, input.motion.centre());
+        let mut seen = SeenFromWall {
             velocity: side.velocity - splat(registers, input.motion.velocity),
             omega: side.omega,
-            change,
+            change: change_of(registers, &input.near, batch.contacts),
         };
         let spins = SURFACES && input.motion.angular_velocity != Vector3::ZERO;
-        let seen = if spins {
-            seen.turning(registers, input.motion, input.step, from_centre)
-        } else {
-            seen
-        };
-        let placed = PlacedAtSurface::new(
+        if spins && !input.motion.along_itself {
+            seen = seen.turning(registers, input.motion, input.step, from_centre);
+        }
+        let mut placed = PlacedAtSurface::new(
             registers,
             BodyAtSurface {
                 body: side.body,
                 outwards,
-                height,
+                height: surface.height,
                 velocity: seen.velocity,
                 omega: seen.omega,
                 change: seen.change,
-                effective_mass,
+                effective_mass: masses_of(registers, &input.near, numbers),
             },
         );
-        let l = Lanes::all(registers, registers.columns(&lasts));
-        let continued = zero.less(l[7]);
-        let mut normal = Vector3::new(l[0], l[1], l[2]);
-        let mut memory = Vector3::new(l[3], l[4], l[5]);
-        if let (true, Some(axes)) = (SURFACES, axes) {
-            normal = axes.to_world(normal);
-            memory = axes.to_world(memory);
+        if spins && input.motion.along_itself {
+            let spin = splat(registers, input.motion.angular_velocity);
+            placed.take_off(spin.cross(from_centre + placed.point()));
         }
-        let remembered = Remembered {
-            continued,
-            normal: Vector3::new(
-                Lanes::select(continued, normal.x, -outwards.x),
-                Lanes::select(continued, normal.y, -outwards.y),
-                Lanes::select(continued, normal.z, -outwards.z),
-            ),
-            memory,
-            energy: l[6],
-            rests: None,
-            time: Lanes::splat(registers, input.step.elapsed()),
-        };
+        if SURFACES && !self.lone.velocities.is_empty() {
+            let v = Lanes::all(registers, registers.columns(&batch.velocities));
+            placed.take_off(Vector3::new(v[0], v[1], v[2]));
+        }
+        let remembered = recall(registers, &batch.lasts, axes, outwards, input.step);
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
-        let ForcesAtSurface { forces: f, hard } = if SURFACES && turns {
-            let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
+        let ForcesAtSurface { forces: f, hard } = if SURFACES && batch.turns {
+            let b = Lanes::all(registers, registers.columns(&batch.surfaces[1]));
             let wall = CurvedWall {
-                direction,
+                direction: surface.direction,
                 curvatures: [b[0], b[1]],
                 turning_radii: [b[2], b[3]],
             };
@@ -532,51 +463,105 @@ impl AddForces<'_, '_, '_> {
             placed.forces(registers, kinds, &constants, &remembered, input.step)
         };
 
-        let present = (1u32 << batch.len()) - 1;
+        let present = (1u32 << batch.contacts.len()) - 1;
         let sound = registers.bits(registers.and_not(placed.touching, hard)) & present;
         let hard = registers.bits(registers.and(placed.touching, hard)) & present;
         let mask = registers.mask(sound);
-        let springs = largest_springs(kinds, &constants, f.stiffness, effective_mass);
+        let mass = placed.effective_mass();
+        let springs = largest_springs(kinds, &constants, f.stiffness, mass);
         add_where(mask, &mut sums.springs[0], springs.0);
         add_where(mask, &mut sums.springs[1], springs.1);
         sums.add_load(mask, &f, from_centre);
+        put_action(registers, &f, &mut results.action);
+        if self.layout.length() > 0 {
+            let mut place = [placed.point(), outwards, f.memory];
+            if let (true, Some(axes)) = (SURFACES, axes) {
+                let b = Lanes::all(registers, registers.columns(&batch.surfaces[1]));
+                place = [
+                    axes.to_wall(place[0]),
+                    Vector3::new(b[4], b[5], b[6]),
+                    axes.to_wall(place[2]),
+                ];
+            }
+            put_remembered(registers, self.of_laws, &f, place, results);
+        }
         if self.tallies.is_some() {
+            let with_loads = self.touching_loads.is_some();
             sums.add_energies(mask, &f);
             if with_loads && spins {
                 sums.add_torques(mask, &f, from_centre);
             }
-        }
-        put_action(registers, &f, &mut results.action);
-        if self.layout.length() > 0 {
-            let (mut point, mut out, mut memory) = (placed.point(), outwards, f.memory);
-            if let (true, Some(axes)) = (SURFACES, axes) {
-                let b = Lanes::all(registers, registers.columns(&at_surfaces[1]));
-                out = Vector3::new(b[4], b[5], b[6]);
-                point = axes.to_wall(point);
-                memory = axes.to_wall(memory);
-            }
-            let normal = Vector3::new(-out.x, -out.y, -out.z);
-            put_remembered(
-                registers,
-                self.of_laws,
-                &f,
-                [point, normal, memory],
-                results,
-            );
-        }
-        if with_loads {
-            let loads = Loads::of(&f);
-            let loads = if masses.is_some() {
-                loads.respond::<K>(placed.body(), Lanes::load(registers, &numbers.mass))
+            if with_loads {
+                let mut loads = Loads::of(&f);
+                if input.masses.is_some() {
+                    let mass = Lanes::load(registers, &numbers.mass);
+                    loads = loads.respond::<K>(placed.body(), mass);
+                }
+                loads.put(registers, &mut results.loads);
             } else {
-                loads
-            };
-            loads.put(registers, &mut results.loads);
-        } else if self.tallies.is_some() {
-            add_where(mask, &mut sums.powers[0], f.viscous_power);
-            add_where(mask, &mut sums.powers[1], f.tangential_power);
+                add_where(mask, &mut sums.powers[0], f.viscous_power);
+                add_where(mask, &mut sums.powers[1], f.tangential_power);
+            }
         }
         self.scatter(range, [sound, hard], results);
+    }
+
+    /// Where the lanes find what they load of these contacts; numbers that do not stand in lines are written to `numbers`.
+    #[inline(always)]
+    fn gather<S: Registers, const SURFACES: bool>(
+        &self,
+        range: Range<usize>,
+        numbers: &mut Numbers,
+    ) -> Batch<'_> {
+        let near = &self.input.near;
+        let lone = &*self.lone;
+        let contacts = &lone.contacts[range.clone()];
+        let last = lone.last.get(range.clone()).unwrap_or(&[]);
+        let velocities = lone.velocities.get(range.clone()).unwrap_or(&[]);
+        let surfaces = if SURFACES { &lone.surfaces[range] } else { &[] };
+        let masses = self.input.masses.filter(|_| self.touching_loads.is_some());
+        let one_side = match &lone.planes[..] {
+            [plane] if !SURFACES && !plane.both_sides => Some(plane),
+            _ => None,
+        };
+        let mut batch = Batch {
+            contacts,
+            records: [&near.records[contacts[0].near as usize]; MOST_LANES],
+            lasts: [&Line::ZERO; MOST_LANES],
+            surfaces: [[&Line::ZERO; MOST_LANES]; 2],
+            velocities: [&Line::ZERO; MOST_LANES],
+            turns: false,
+            one_side,
+        };
+        for lane in 0..S::LANES {
+            let index = lane.min(contacts.len() - 1);
+            let contact = &contacts[index];
+            let place = contact.near as usize;
+            batch.records[lane] = &near.records[place];
+            if let Some(line) = last.get(index) {
+                batch.lasts[lane] = line;
+            }
+            if SURFACES {
+                let [a, b] = &surfaces[index];
+                batch.surfaces[0][lane] = a;
+                batch.surfaces[1][lane] = b;
+                batch.turns |= contact.turns;
+                if let Some(line) = velocities.get(index) {
+                    batch.velocities[lane] = line;
+                }
+            } else if one_side.is_none() {
+                let plane = &lone.planes[contact.part as usize];
+                put_in_lane(&mut numbers.outwards, lane, plane.outwards(contact));
+                put_in_lane(&mut numbers.point, lane, plane.point);
+            }
+            if let Some(inverse_mass) = near.inverse_masses.get(place) {
+                numbers.inverse_mass[lane] = *inverse_mass;
+            }
+            if let Some(masses) = masses {
+                numbers.mass[lane] = masses[self.near[place]];
+            }
+        }
+        batch
     }
 
     /// From the lines of a batch to the arrays of the engine.
@@ -695,6 +680,118 @@ fn add_vector_where<S: Registers>(
     add_where(mask, &mut sum.x, a.x);
     add_where(mask, &mut sum.y, a.y);
     add_where(mask, &mut sum.z, a.z);
+}
+
+/// The surfaces of a batch.
+#[inline(always)]
+fn surface_of<S: Registers, const SURFACES: bool>(
+    registers: S,
+    batch: &Batch<'_>,
+    numbers: &Numbers,
+    centre: Vector3<Lanes<S>>,
+) -> SurfaceOfLanes<S> {
+    if SURFACES {
+        let a = Lanes::all(registers, registers.columns(&batch.surfaces[0]));
+        return SurfaceOfLanes {
+            outwards: Vector3::new(a[0], a[1], a[2]),
+            height: a[3],
+            direction: Vector3::new(a[4], a[5], a[6]),
+        };
+    }
+    let (outwards, point) = match batch.one_side {
+        Some(plane) => (
+            splat(registers, plane.normal),
+            splat(registers, plane.point),
+        ),
+        None => (
+            load(registers, &numbers.outwards),
+            load(registers, &numbers.point),
+        ),
+    };
+    let zero = Lanes::splat(registers, 0.0);
+    SurfaceOfLanes {
+        outwards,
+        height: outwards.dot(centre - point),
+        direction: Vector3::new(zero, zero, zero),
+    }
+}
+
+/// The masses of the particles against a wall that nothing moves; 0 where no law reads them.
+#[inline(always)]
+fn masses_of<S: Registers>(
+    registers: S,
+    near: &ParticleRecords<'_>,
+    numbers: &Numbers,
+) -> Lanes<S> {
+    let zero = Lanes::splat(registers, 0.0);
+    if near.inverse_masses.is_empty() {
+        return zero;
+    }
+    let inverse = Lanes::load(registers, &numbers.inverse_mass);
+    let mass = inverse.max(zero.constant(1e-300)).reciprocal();
+    Lanes::select(zero.less(inverse), mass, zero)
+}
+
+/// What the motions of the particles have more at the step, where forces see velocities of the step.
+#[inline(always)]
+fn change_of<S: Registers>(
+    registers: S,
+    near: &ParticleRecords<'_>,
+    contacts: &[LoneContact],
+) -> Option<MotionChange<Lanes<S>>> {
+    if !near.of_step {
+        return None;
+    }
+    let zero = Lanes::splat(registers, 0.0);
+    let null = Vector3::new(zero, zero, zero);
+    let mut own = MotionChange {
+        velocity: null,
+        omega: null,
+    };
+    if !near.changes.is_empty() {
+        let mut changes = [&near.changes[contacts[0].near as usize]; MOST_LANES];
+        for lane in 0..S::LANES {
+            let contact = &contacts[lane.min(contacts.len() - 1)];
+            changes[lane] = &near.changes[contact.near as usize];
+        }
+        let c = Lanes::all(registers, registers.columns(&changes));
+        own.velocity = Vector3::new(c[0], c[1], c[2]);
+        own.omega = Vector3::new(c[3], c[4], c[5]);
+    }
+    Some(own)
+}
+
+/// What the contacts go on from, in the frame of the world; `axes` are those of a wall that has turned.
+#[inline(always)]
+fn recall<S: Registers>(
+    registers: S,
+    lasts: &[&Line; MOST_LANES],
+    axes: &Option<Axes<S>>,
+    outwards: Vector3<Lanes<S>>,
+    step: &Step,
+) -> Remembered<Lanes<S>> {
+    let zero = Lanes::splat(registers, 0.0);
+    let l = Lanes::all(registers, registers.columns(lasts));
+    let continued = zero.less(l[7]);
+    let mut normal = Vector3::new(l[0], l[1], l[2]);
+    let mut memory = Vector3::new(l[3], l[4], l[5]);
+    if let Some(axes) = axes {
+        normal = axes.to_world(normal);
+        memory = axes.to_world(memory);
+    }
+    Remembered {
+        continued,
+        normal: Vector3::new(
+            Lanes::select(continued, normal.x, -outwards.x),
+            Lanes::select(continued, normal.y, -outwards.y),
+            Lanes::select(continued, normal.z, -outwards.z),
+        ),
+        memory,
+        energy: l[6],
+        // A law that remembers what relaxes is taken one contact at a time.
+        rests: None,
+        time: Lanes::splat(registers, step.elapsed()),
+    }
 }
 
 /// The motion of the bodies relative to a wall, and what it has more at the step, in the frame of the world
@@ -844,10 +941,11 @@ fn put_remembered<S: Registers>(
     registers: S,
     layout: &HistoryLayout,
     f: &ContactForces<Lanes<S>>,
-    [p, n, m]: [Vector3<Lanes<S>>; 3],
+    [p, outwards, m]: [Vector3<Lanes<S>>; 3],
     results: &mut Results,
 ) {
     let zero = p.x.constant(0.0);
+    let n = -outwards;
     let place = [zero.constant(1.0), zero, p.x, p.y, p.z, n.x, n.y, n.z];
     put(registers, place, &mut results.place);
     let mut history = [zero; 8];

@@ -87,6 +87,10 @@ impl Shape for LentTriangles {
         REMEMBERED
     }
 
+    fn moves(&self) -> bool {
+        !self.velocities.is_empty()
+    }
+
     fn may_touch(&self, ball: &Ball) -> bool {
         !self.near(ball.particle).is_empty()
     }

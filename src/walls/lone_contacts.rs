@@ -42,6 +42,8 @@ pub(super) struct LoneContacts {
     pub(super) contacts: Vec<LoneContact>,
     /// The surface of each contact; empty where all are planes.
     pub(super) surfaces: Vec<SurfaceLines>,
+    /// Velocity of the surface of each in the frame of the wall, along the axes of the world; empty where none moves there.
+    pub(super) velocities: Vec<Line>,
     /// What each goes on from: normal and memory of the last step, energy, and 1, or 0 for a new contact.
     pub(super) last: Vec<Line>,
     /// Indices of those of which that had to be looked for.
@@ -49,6 +51,7 @@ pub(super) struct LoneContacts {
     /// What the lanes find of each part.
     pub(super) parts: Vec<PartInLanes>,
     search: Search,
+    pub(super) with_velocities: bool,
     /// Places of the particles that the lanes do not take.
     pub(super) others: Vec<u32>,
     /// What was found of those of them that have been searched, in the order of their places.
@@ -106,6 +109,8 @@ impl LoneContacts {
         let motion = places.motion;
         self.contacts.clear();
         self.surfaces.clear();
+        self.velocities.clear();
+        self.with_velocities = shapes.clone().any(Shape::moves);
         self.others.clear();
         self.searched.clear();
         self.written.clear();
@@ -171,6 +176,11 @@ impl LoneContacts {
             [] => {}
             [found] if is_taken_in_lanes(&found.surface) => {
                 self.searched.truncate(first);
+                if self.with_velocities {
+                    let [x, y, z] = places.motion.to_world(found.surface.velocity).to_array();
+                    self.velocities
+                        .push(Line([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]));
+                }
                 let surface = &found.surface;
                 self.surfaces
                     .push(lines_of(surface, grain.centre, places.motion));
@@ -198,11 +208,11 @@ impl LoneContacts {
     }
 }
 
-/// Whether lanes take a contact with a surface: a whole one, that does not move in the frame of the wall, and no cavity.
+/// Whether lanes take a contact with a surface: a whole one, and no cavity.
 fn is_taken_in_lanes(s: &WallSurface) -> bool {
     let [a, b] = s.turning_radii;
     let is_cavity = a.is_finite() && b.is_finite() && (a < 0.0 || b < 0.0);
-    s.share.value == 1.0 && s.velocity == Vector3::ZERO && !is_cavity
+    s.share.value == 1.0 && !is_cavity
 }
 
 /// A surface as the lanes load it, of a body with this centre in the frame of the wall.
@@ -361,6 +371,9 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
                         is_behind: part.behind >> lane & 1 != 0,
                         turns: matches!(part.shape, Some(ShapeInLanes::Cone(_))),
                     });
+                    if found.with_velocities {
+                        found.velocities.push(Line::ZERO);
+                    }
                     if with_surfaces {
                         let [a, b] = &part.surfaces;
                         found.surfaces.push([a[lane as usize], b[lane as usize]]);

@@ -24,6 +24,7 @@ mod recalled;
 mod rim;
 mod servo;
 mod shape;
+mod shape_words;
 mod sphere;
 mod step_sums;
 pub mod stl;
@@ -44,6 +45,7 @@ pub use shape::{
     Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
     WholePlane,
 };
+pub use shape_words::{ShapeWords, SHAPE_SYNTAX};
 pub use step_sums::WallMasses;
 pub use touching_loads::TouchingLoad;
 pub use triangle_file::write_triangle_loads;

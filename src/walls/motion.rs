@@ -29,6 +29,10 @@ pub struct Motion {
     pub velocity: Vector3,
     /// Angular velocity in the step, world frame.
     pub angular_velocity: Vector3,
+    /// Whether the surface moves along itself: its matter has these velocities, and its frame stays where it is, as that of a cylinder that
+    /// turns about its axis may. What is remembered of a contact is then in the frame of the world. Such a wall has neither
+    /// moved nor turned.
+    pub along_itself: bool,
 }
 
 impl Motion {
@@ -39,6 +43,7 @@ impl Motion {
         axes: None,
         velocity: Vector3::ZERO,
         angular_velocity: Vector3::ZERO,
+        along_itself: false,
     };
 
     /// The axes of a quaternion (w, x, y, z) of any length but zero; `None` for one that does not turn.
@@ -120,6 +125,24 @@ impl Motion {
         }
     }
 
+    /// A surface in the frame in which forces are computed, that of the wall: where the wall moves along itself, with its velocity.
+    pub(super) fn in_its_frame(&self, s: &WallSurface) -> WallSurface {
+        if self.along_itself {
+            self.surface_to_world(s)
+        } else {
+            *s
+        }
+    }
+
+    /// Velocity in the world of the surface of a contact in the frame of the wall.
+    pub(super) fn velocity_of(&self, s: &WallSurface, point: Vector3) -> Vector3 {
+        if self.along_itself {
+            s.velocity
+        } else {
+            self.velocity_at(point) + self.to_world(s.velocity)
+        }
+    }
+
     /// By how much the step is later than the velocities of a particle.
     ///
     /// Where no time passes velocities are those of the step, but for particles that come with a change: their velocities are those of
@@ -134,6 +157,9 @@ impl Motion {
 
     /// A particle in the wall's frame, with its motion relative to the wall.
     pub fn seen_from_wall(&self, i: &Particle, step: &Step) -> Particle {
+        if self.along_itself {
+            return *i;
+        }
         let mut velocity = i.velocity - self.velocity;
         let mut omega = i.omega;
         let mut change = i.change;
@@ -205,6 +231,7 @@ mod tests {
             axes: Motion::axes_of([half.cos(), 0.0, 0.0, half.sin()]),
             velocity,
             angular_velocity: Vector3::new(0.0, 0.0, rate),
+            along_itself: false,
         };
         let step = Step {
             time_step: dt,

@@ -11,13 +11,17 @@ use crate::geometry::Plane;
 use crate::vector::Vector3;
 
 /// By this share of a particle's radius its place is larger. A larger one is left more seldom, and has more triangles to look at in each
-/// step.
+/// step: per step the search costs in proportion to `1/s`, the triangles of a surface to `(1 + s)^2`, a sum that is flat about its least value: were
+/// 0.25 the best `s`, half and twice of it would cost 15 and 17 % more.
 const SPARE: f64 = 0.25;
-/// The same where no triangle is near.
+/// The same where no triangle is near, and a larger place has none to look at: the search is then repeated after a way of two radii, which in a
+/// dense flow is after thousands of steps.
 const SPARE_WITHOUT: f64 = 2.0;
-/// A search may ask for a place that is larger than the particle by this share of its radius.
+/// A search may ask for a place that is larger than the particle by this share of its radius: twice the margin within which triangles count as
+/// joined (`Mesh::touch`), for rounding.
 const MARGIN: f64 = 2e-4;
-/// Indices that are no longer in use are kept up to as many as there are in use, and so many more.
+/// Indices that are no longer in use are kept up to as many as there are in use, and so many more, a page of 16 KiB of them, so that few
+/// particles do not have all places found anew again and again.
 const LEAST: usize = 4096;
 
 /// Lists of triangles, by the indices of the particles.

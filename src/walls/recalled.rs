@@ -125,11 +125,15 @@ impl LoneContacts {
             }
             self.contacts[kept] = self.contacts[index];
             self.surfaces[kept] = self.surfaces[index];
+            if self.with_velocities {
+                self.velocities[kept] = self.velocities[index];
+            }
             self.last[kept] = self.last[index];
             kept += 1;
         }
         self.contacts.truncate(kept);
         self.surfaces.truncate(kept);
+        self.velocities.truncate(kept);
         self.last.truncate(kept);
     }
 }

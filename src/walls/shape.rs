@@ -249,6 +249,11 @@ pub trait Shape: Debug + Send + Sync {
     /// surface is that in the frame of the wall: zero unless the shape itself moves.
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>);
 
+    /// Whether its surface may move in the frame of the wall.
+    fn moves(&self) -> bool {
+        false
+    }
+
     /// What it is, if lanes can find its contacts.
     fn in_lanes(&self) -> Option<ShapeInLanes> {
         None

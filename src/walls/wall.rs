@@ -74,6 +74,8 @@ pub struct WallLoad {
     pub stiffness: f64,
     /// The same of the damping, force x time/length.
     pub damping: f64,
+    /// A particle that touches in more places than are remembered.
+    pub crowded: Option<usize>,
 }
 
 /// One contact as it acted.

@@ -206,6 +206,8 @@ pub const REST: EllgranWallMotion = EllgranWallMotion {
     quaternion: [0.0; 4],
     velocity: [0.0; 3],
     angular_velocity: [0.0; 3],
+    along_itself: 0,
+    unused: 0,
 };
 
 /// To be written by a call.
@@ -217,6 +219,7 @@ pub const NO_LOAD: EllgranWallLoad = EllgranWallLoad {
     contact_count: 0,
     stiffness: 0.0,
     damping: 0.0,
+    crowded_particle: 0,
 };
 
 pub struct WorkspaceHandle(pub *mut EllgranWorkspace);

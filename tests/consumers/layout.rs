@@ -140,8 +140,8 @@ fn claims() -> Claims {
         EllgranStep { size, advance_history, time_step }
         EllgranPlane { size, point, normal, velocity }
         EllgranWallShape { size, name, point, axis, radii, bounds, ends, side, unused }
-        EllgranWallMotion { size, origin, displacement, quaternion, velocity, angular_velocity }
-        EllgranWallLoad { size, force, torque, power, contact_count, stiffness, damping }
+        EllgranWallMotion { size, origin, displacement, quaternion, velocity, angular_velocity, along_itself, unused }
+        EllgranWallLoad { size, force, torque, power, contact_count, stiffness, damping, crowded_particle }
         EllgranServo { size, target, gain, largest_speed, steady_velocity, velocity }
         EllgranRecordedWallContact {
             size, particle, part, point, normal, penetration, normal_force, tangential_force, force, torque, elastic_energy,

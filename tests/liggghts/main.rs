@@ -47,5 +47,7 @@ mod time_step;
 mod twins;
 mod velocities_of_the_step;
 mod vtk;
+mod wall_calls;
 mod wall_histories;
 mod wall_outputs;
+mod wall_shapes;

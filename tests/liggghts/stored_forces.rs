@@ -4,6 +4,7 @@
 
 use std::fs;
 
+use crate::decomposition::difference;
 use crate::harness::{
     fresh_directory, last_rows, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC,
 };
@@ -29,14 +30,19 @@ fn storing_does_not_change_the_motion() {
             on_a_mesh(&name, &on_a_sheet(), &deck, ranks)
         };
         let plain = run("");
+        // The contacts are taken one by one, which rounds apart from the one call without a store.
+        let first = run(" store_force_contact yes");
+        for (a, b) in first.frames.iter().zip(&plain.frames) {
+            assert!(difference(a, b) < 1e-13, "{ranks} ranks");
+        }
+        assert_eq!(first.frames.len(), plain.frames.len());
         for words in [
-            " store_force_contact yes",
             " store_force_contact_every 3",
             " store_force_contact_stress yes",
             " store_force yes store_force_contact yes store_force_contact_stress yes",
         ] {
             let stored = run(words);
-            for (a, b) in stored.frames.iter().zip(&plain.frames) {
+            for (a, b) in stored.frames.iter().zip(&first.frames) {
                 assert_eq!(a.states, b.states, "{ranks} ranks:{words}");
             }
             assert_eq!(stored.frames.len(), plain.frames.len());

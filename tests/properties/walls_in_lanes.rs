@@ -120,16 +120,23 @@ pub fn surfaces() -> Vec<(&'static str, Wall)> {
     ]
 }
 
-/// At rest, and turned, in motion.
-pub fn motions() -> [Motion; 2] {
+/// At rest; turned, in motion; and moving along itself.
+pub fn motions() -> [Motion; 3] {
     let moving = Motion {
         origin: Vector3::new(0.3, -0.2, 0.1),
         displacement: Vector3::new(0.2, 0.1, -0.3),
         axes: Motion::axes_of([0.9, 0.1, -0.3, 0.2]),
         velocity: Vector3::new(0.3, -0.1, 0.2),
         angular_velocity: Vector3::new(0.2, 0.1, -0.4),
+        along_itself: false,
     };
-    [Motion::REST, moving]
+    let along_itself = Motion {
+        displacement: Vector3::ZERO,
+        axes: None,
+        along_itself: true,
+        ..moving
+    };
+    [Motion::REST, moving, along_itself]
 }
 
 /// A body somewhere about the surfaces, of one of these types.

@@ -5,6 +5,7 @@
 #![allow(dead_code)]
 
 pub mod closed_forms;
+pub mod curved_walls;
 #[path = "../dump.rs"]
 pub mod dump;
 pub mod frames;

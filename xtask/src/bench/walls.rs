@@ -22,6 +22,10 @@ const FAR: &str = "0.02";
 /// Squares of two triangles along a side of a mesh, and their size, m: five of the grains' short axes.
 const SQUARES: usize = 41;
 const SQUARE: f64 = 0.008;
+/// Two floors of larger squares, the same under the layer: one as large as it, and one a thousand times as large.
+const FEW: usize = 7;
+const MANY: usize = 224;
+const LARGE_SQUARE: f64 = SQUARE * SQUARES as f64 / FEW as f64;
 
 /// A layer, by the words of the deck.
 #[derive(Clone, Copy, PartialEq)]
@@ -35,7 +39,7 @@ struct Case {
 /// Faces of the closed mesh.
 const FACES: usize = 6;
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 15] = [
     on("none", false),
     on("plane", false),
     on("plane", true),
@@ -47,6 +51,8 @@ const CASES: [Case; 13] = [
     on("mesh", true),
     on("bent mesh", false),
     on("bent mesh", true),
+    on("few triangles", false),
+    on("many triangles", false),
     far_from("mesh"),
     far_from("closed mesh"),
 ];
@@ -86,13 +92,17 @@ struct Cost {
 
 pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     let directory = tempfile::tempdir()?;
-    let [floor, bent, closed] =
-        ["floor.stl", "bent.stl", "box.stl"].map(|name| directory.path().join(name));
-    write_squares(&floor, &[([0, 1, 2], 0.0)], |_| 0.0)?;
-    write_squares(&bent, &[([0, 1, 2], 0.0)], |x| 1.0 - (1.0 - x * x).sqrt())?;
+    let [floor, bent, closed, few, many] = ["floor", "bent", "box", "few", "many"]
+        .map(|name| directory.path().join(format!("{name}.stl")));
+    let flat: [([usize; 3], f64); 1] = [([0, 1, 2], 0.0)];
+    let squares = (SQUARES, SQUARE);
+    write_squares(&floor, squares, &flat, |_| 0.0)?;
+    write_squares(&bent, squares, &flat, |x| 1.0 - (1.0 - x * x).sqrt())?;
+    write_squares(&few, (FEW, LARGE_SQUARE), &flat, |_| 0.0)?;
+    write_squares(&many, (MANY, LARGE_SQUARE), &flat, |_| 0.0)?;
     let half = 0.5 * SQUARE * SQUARES as f64;
     let faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|axes| [(axes, half), (axes, -half)]);
-    write_squares(&closed, faces.as_flattened(), |_| 0.0)?;
+    write_squares(&closed, squares, faces.as_flattened(), |_| 0.0)?;
     let (side, steps) = if effort.quick { (16, 100) } else { (64, 500) };
     let lattice = if effort.quick { 8 } else { 16 };
     let packing = Packing {
@@ -113,6 +123,8 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
             let (surface, mesh) = match case.surface {
                 "closed mesh" => ("mesh", &closed),
                 "bent mesh" => ("mesh", &bent),
+                "few triangles" => ("mesh", &few),
+                "many triangles" => ("mesh", &many),
                 surface => (surface, &floor),
             };
             let words = [
@@ -163,18 +175,19 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     })
 }
 
-/// Faces of squares about the origin: the first two axes span each, the third is its normal, along which it lies so far; `rise` more, which
+/// Faces of so many squares along a side, of this size, about the origin: the first two axes span each, the third is its normal, along which it lies so far; `rise` more, which
 /// depends on the place along the first.
 fn write_squares(
     path: &Path,
+    (squares, size): (usize, f64),
     faces: &[([usize; 3], f64)],
     rise: impl Fn(f64) -> f64,
 ) -> Result<()> {
-    let at = |k: usize| SQUARE * (k as f64 - 0.5 * SQUARES as f64);
+    let at = |k: usize| size * (k as f64 - 0.5 * squares as f64);
     let mut text = String::from("solid squares\n");
     for (axes, height) in faces {
-        for k in 0..SQUARES * SQUARES {
-            let (i, j) = (k % SQUARES, k / SQUARES);
+        for k in 0..squares * squares {
+            let (i, j) = (k % squares, k / squares);
             let [a, b] = [(at(i), at(j)), (at(i + 1), at(j))];
             let [c, d] = [(at(i + 1), at(j + 1)), (at(i), at(j + 1))];
             for corners in [[a, b, c], [a, c, d]] {
@@ -202,6 +215,11 @@ impl Case {
             "plane" => "a plane".to_string(),
             "cylinder" => "a cylinder, within it".to_string(),
             "mesh" => format!("a flat mesh of {} triangles", 2 * SQUARES * SQUARES),
+            "few triangles" => format!("a flat mesh of {} large triangles", 2 * FEW * FEW),
+            "many triangles" => format!(
+                "one of {} triangles, the same under the layer",
+                2 * MANY * MANY
+            ),
             "bent mesh" => format!(
                 "a mesh of {} triangles along a cylinder, within it",
                 2 * SQUARES * SQUARES
