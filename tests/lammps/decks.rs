@@ -111,6 +111,38 @@ fn both_versions_the_hopper_empties_when_its_gate_slides_aside() {
     assert!(last["c_energy[11]"].abs() < 1e-3 * last["v_dissipated"]);
 }
 
+/// With `fix balance` four ranks have as many grains each, and what happens is the same.
+#[test]
+fn both_versions_a_balanced_hopper_is_the_same() {
+    let engine = Engine::from_environment();
+    let run = |balance: &str, ranks: usize| {
+        let variables = [("fill", "3500"), ("flow", "0"), ("balance", balance)];
+        let (output, _) = run_deck(&engine, "hopper.lmp", &variables, ranks);
+        // ave, max, min
+        let shares = output
+            .lines()
+            .find_map(|line| line.strip_prefix("Nlocal:"))
+            .expect("a run");
+        let numbers: Vec<f64> = shares
+            .split_whitespace()
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        let row = crate::engines::frames::thermo_rows(&output).pop().unwrap();
+        (numbers[1] / numbers[0], row)
+    };
+    let (_, alone) = run("no", 1);
+    let (unbalanced, _) = run("no", 4);
+    let (balanced, shared) = run("yes", 4);
+    println!("imbalance {unbalanced:.2} without, {balanced:.2} with");
+    // Grains fall between two shares: at rest it is 4 and 1.
+    assert!(unbalanced > 2.0 && balanced < 1.5);
+    for name in ["c_energy[1]", "v_dissipated", "f_cone[16]"] {
+        let off = (shared[name] / alone[name] - 1.0).abs();
+        // What is printed has eight digits.
+        assert!(alone[name] != 0.0 && off < 1e-7, "{name}: off by {off}");
+    }
+}
+
 /// Servo walls hold a given stress to 1 % through a triaxial test; a dense packing has a peak of its strength and dilates, a loose
 /// one contracts first and has none.
 #[test]

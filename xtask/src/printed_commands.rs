@@ -134,6 +134,7 @@ const BLOCKS: &[(&str, &str, &str)] = &[
         "tests/lammps/pages.rs",
     ),
     ("text", "lammps-plugin/README.md", "tests/lammps/pages.rs"),
+    ("text", "examples/lammps/README.md", "tests/lammps/decks.rs"),
 ];
 
 /// Printed, and run by nothing: whole programs would have to be built for them, or the library once more, which a test links as it is

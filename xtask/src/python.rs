@@ -41,16 +41,20 @@ pub fn test(engine: Option<Engine>) -> Result<()> {
 }
 
 /// What the tests run in: its name, empty for the one that there must be; how to get its interpreter; the tests.
-type Surroundings = (&'static str, fn() -> Result<PathBuf>, &'static str);
+type Surroundings = (
+    &'static str,
+    fn() -> Result<PathBuf>,
+    &'static [&'static str],
+);
 
 const SURROUNDINGS: [Surroundings; 3] = [
-    ("the oldest Python and numpy", oldest, "tests"),
+    ("the oldest Python and numpy", oldest, &["tests"]),
     (
         "OVITO",
         || environment("requirements-ovito.txt"),
-        "tests/test_pictures.py",
+        &["tests/test_pictures.py", "tests/test_wall_outputs.py"],
     ),
-    ("", || environment("requirements.txt"), "tests"),
+    ("", || environment("requirements.txt"), &["tests"]),
 ];
 
 fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
@@ -72,7 +76,7 @@ fn run(filter: Option<&str>, engine: Option<Engine>) -> Result<()> {
         let mut command = in_environment(&interpreter, prefix.path());
         command
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
-            .arg(directory().join(tests));
+            .args(tests.iter().map(|file| directory().join(file)));
         if let Some(words) = filter {
             command.args(["-k", words]);
         }

@@ -40,7 +40,7 @@ struct Deck {
     periodic: bool,
 }
 
-const DECKS: [Deck; 6] = [
+const DECKS: [Deck; 8] = [
     Deck {
         name: "drum",
         colour: Colour::HeightAtStart,
@@ -51,9 +51,19 @@ const DECKS: [Deck; 6] = [
         periodic: false,
     },
     Deck {
+        name: "lifters",
+        colour: Colour::HeightAtStart,
+        // before the highest grains fall
+        step: Some(17_000),
+        low: [-0.03, -0.0165, -0.03],
+        high: [0.03, 0.0165, 0.03],
+        turned: true,
+        periodic: false,
+    },
+    Deck {
         name: "hopper",
         colour: Colour::HeightAtStart,
-        // the gate opens at step 10000
+        // the gate slides from step 10000 to 14000
         step: Some(16_000),
         low: [-0.03, -0.03, -0.08],
         high: [0.03, 0.03, 0.05],
@@ -75,6 +85,15 @@ const DECKS: [Deck; 6] = [
         step: None,
         low: [-0.026, -0.026, 0.0],
         high: [0.026, 0.026, 0.036],
+        turned: false,
+        periodic: false,
+    },
+    Deck {
+        name: "triaxial",
+        colour: Colour::HeightAtStart,
+        step: None,
+        low: [-0.034, -0.034, -0.034],
+        high: [0.018, 0.018, 0.018],
         turned: false,
         periodic: false,
     },
@@ -107,7 +126,12 @@ fn walls(name: &str, time: f64) -> Result<Vec<Wall>> {
             ends: [[0.0, -0.0165, 0.0], [0.0, 0.0165, 0.0]],
             radii: [0.03; 2],
         }],
+        // after the turn of the picture
+        "lifters" => vec![Wall::Triangles(lifters(time)?)],
+        "triaxial" => vec![Wall::Floor(-0.034)],
         "hopper" => vec![
+            // the gate, where it has slid to
+            Wall::Triangles(plate(0.3 * (time - 0.2).clamp(0.0, 0.08))),
             Wall::Shell {
                 ends: upright(0.0, 0.05),
                 radii: [0.024; 2],
@@ -138,34 +162,77 @@ fn walls(name: &str, time: f64) -> Result<Vec<Wall>> {
     })
 }
 
-/// The paddle of the mixer: it turns twice a second about z once the grains have settled.
-fn paddle(time: f64) -> Result<Vec<[Vector; 3]>> {
-    let path = workspace::root().join("examples/lammps/paddle.stl");
-    let mut file = std::fs::File::open(&path)?;
-    let mesh = stl_io::read_stl(&mut file).with_context(|| format!("in {}", path.display()))?;
-    let half = 0.5 * 4.0 * PI * (time - 8000.0 * 2e-5);
-    let turn = [half.cos(), 0.0, 0.0, half.sin()];
-    let place = |corner: usize| {
-        let vertex = mesh.vertices[corner];
-        let point = scale(1e-3, [0, 1, 2].map(|k| f64::from(vertex[k])));
-        rotate(turn, add(point, [0.0, 0.0, 0.009]))
+/// The triangles of a mesh of the examples, in metres, each corner moved to its place.
+fn mesh(file: &str, place: impl Fn(Vector) -> Vector) -> Result<Vec<[Vector; 3]>> {
+    let path = workspace::root().join("examples/lammps").join(file);
+    let mut stream = std::fs::File::open(&path)?;
+    let mesh = stl_io::read_stl(&mut stream).with_context(|| format!("in {}", path.display()))?;
+    let corner = |index: usize| {
+        let vertex = mesh.vertices[index];
+        place(scale(1e-3, [0, 1, 2].map(|k| f64::from(vertex[k]))))
     };
-    Ok(mesh.faces.iter().map(|f| f.vertices.map(place)).collect())
+    Ok(mesh.faces.iter().map(|f| f.vertices.map(corner)).collect())
 }
 
-/// Runs each deck and draws it.
-pub fn decks(engine: &Engine, output: &Path) -> Result<Table> {
+/// The paddle of the mixer: it turns twice a second about z once the grains have settled.
+fn paddle(time: f64) -> Result<Vec<[Vector; 3]>> {
+    let half = 0.5 * 4.0 * PI * (time - 8000.0 * 2e-5);
+    let turn = [half.cos(), 0.0, 0.0, half.sin()];
+    mesh("paddle.stl", |corner| {
+        rotate(turn, add(corner, [0.0, 0.0, 0.009]))
+    })
+}
+
+/// The drum with lifters, which turns about x once in 1.57 s, after the turn of the picture; the half behind, seen from within, and cut at the ends.
+fn lifters(time: f64) -> Result<Vec<[Vector; 3]>> {
+    let half = 0.5 * 2.0 * PI * time / 1.57;
+    let about_x = [half.cos(), half.sin(), 0.0, 0.0];
+    let quarter: Quaternion = [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2];
+    mesh("lifters.stl", |mut corner| {
+        corner[0] = corner[0].clamp(-0.0165, 0.0165);
+        rotate(quarter, rotate(about_x, corner))
+    })
+}
+
+/// The top of the hopper's gate, when it has slid so far.
+fn plate(way: f64) -> Vec<[Vector; 3]> {
+    let corner = |x: f64, y: f64| [0.0115 * x + way, 0.0115 * y, -0.0202];
+    let [a, b, c, d] = [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ];
+    vec![[a, b, c], [a, c, d]]
+}
+
+/// Runs each deck, or those with these names, and draws it.
+pub fn decks(engine: &Engine, output: &Path, only: &[String]) -> Result<Table> {
+    for name in only {
+        let known = DECKS.map(|deck| deck.name);
+        ensure!(
+            known.contains(&name.as_str()),
+            "--only {name}: the decks are {}",
+            known.join(", ")
+        );
+    }
     setup::renderer().context("the pictures need the renderer")?;
     let mut table = Table::new(
         "Example decks on one core",
         &["deck", "grains", "seconds", "picture"],
     );
-    for deck in &DECKS {
+    let chosen = |deck: &&Deck| only.is_empty() || only.iter().any(|name| name == deck.name);
+    for deck in DECKS.iter().filter(chosen) {
         let dump = engine.path(&format!("{}.dump", deck.name));
-        let stl = workspace::root().join("examples/lammps/paddle.stl");
         let mut variables = vec![("dump", deck::text(&dump)?)];
-        if deck.name == "mixer" {
-            variables.push(("stl", deck::text(&stl)?));
+        let file = match deck.name {
+            "mixer" => Some("paddle.stl"),
+            "lifters" => Some("lifters.stl"),
+            _ => None,
+        };
+        let stl = file.map(|name| workspace::root().join("examples/lammps").join(name));
+        if let Some(stl) = &stl {
+            variables.push(("stl", deck::text(stl)?));
         }
         let begin = Instant::now();
         engine.run(&format!("{}.lmp", deck.name), deck.name, &variables)?;

@@ -32,6 +32,9 @@ pub struct Options {
     /// Instead of the short scenes, the larger example decks of LAMMPS, with a shaded picture of each: some six minutes
     #[arg(long, conflicts_with = "engine")]
     decks: bool,
+    /// Of these decks the ones with these names alone, with commas between them
+    #[arg(long, requires = "decks", value_delimiter = ',')]
+    only: Vec<String>,
     /// Where the table and the pictures go [default: demo-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
@@ -57,17 +60,17 @@ pub fn demo(options: &Options) -> Result<()> {
         None => workspace::root().join("demo-output"),
     };
     if options.decks {
-        return example_decks(&output);
+        return example_decks(&output, &options.only);
     }
     run(options.engine, &output)
 }
 
 /// The larger example decks; the table goes to standard output, the pictures to `output`.
-fn example_decks(output: &Path) -> Result<()> {
+fn example_decks(output: &Path, only: &[String]) -> Result<()> {
     setup::setup()?;
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
     let engine = engine::Engine::prepare(&output.join("data"))?;
-    println!("{}", decks::decks(&engine, output)?.markdown());
+    println!("{}", decks::decks(&engine, output, only)?.markdown());
     say(format!("pictures are in {}", output.display()));
     Ok(())
 }
