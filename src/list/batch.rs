@@ -416,9 +416,9 @@ fn rests<S: Registers>(
     let zero = Lanes::splat(registers, 0.0);
     let mut rests = [zero; MOST_PARTS];
     if let Some(at) = numbers.layout.rests {
-        for k in 0..MOST_PARTS {
+        for (k, rest) in rests.iter_mut().enumerate() {
             if k < numbers.layout.rest_count {
-                rests[k] = Lanes::select(continues, number(registers, numbers, at + k), zero);
+                *rest = Lanes::select(continues, number(registers, numbers, at + k), zero);
             }
         }
     }
