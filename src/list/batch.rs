@@ -509,10 +509,10 @@ fn remember<S: Registers, const FRICTION: bool, const RESTS: bool>(
             put_number(numbers, at, energy);
         }
         if let (true, Some(at), Some(before)) = (RESTS, layout.rests, remembered.rests) {
-            for k in 0..MOST_PARTS {
+            for (k, (rest, before)) in f.rests.into_iter().zip(before).enumerate() {
                 if k < layout.rest_count {
-                    let rest = Lanes::select(touching, f.rests[k], zero);
-                    put_number(numbers, at + k, Lanes::select(hard, before[k], rest));
+                    let rest = Lanes::select(touching, rest, zero);
+                    put_number(numbers, at + k, Lanes::select(hard, before, rest));
                 }
             }
         }
