@@ -416,9 +416,9 @@ fn rests<S: Registers>(
     let zero = Lanes::splat(registers, 0.0);
     let mut rests = [zero; MOST_PARTS];
     if let Some(at) = numbers.layout.rests {
-        for k in 0..MOST_PARTS {
+        for (k, rest) in rests.iter_mut().enumerate() {
             if k < numbers.layout.rest_count {
-                rests[k] = Lanes::select(continues, number(registers, numbers, at + k), zero);
+                *rest = Lanes::select(continues, number(registers, numbers, at + k), zero);
             }
         }
     }
@@ -509,10 +509,10 @@ fn remember<S: Registers, const FRICTION: bool, const RESTS: bool>(
             put_number(numbers, at, energy);
         }
         if let (true, Some(at), Some(before)) = (RESTS, layout.rests, remembered.rests) {
-            for k in 0..MOST_PARTS {
+            for (k, (rest, before)) in f.rests.into_iter().zip(before).enumerate() {
                 if k < layout.rest_count {
-                    let rest = Lanes::select(touching, f.rests[k], zero);
-                    put_number(numbers, at + k, Lanes::select(hard, before[k], rest));
+                    let rest = Lanes::select(touching, rest, zero);
+                    put_number(numbers, at + k, Lanes::select(hard, before, rest));
                 }
             }
         }

@@ -11,11 +11,12 @@ from report_page import COLOURS, plt, save, table, write
 from stored import read_csv
 
 HERE = Path(__file__).resolve().parent
-# What no stored number has: the lengths follow from the layout of the history, the rest is how the kernels are made.
+# What no stored number has: the lengths follow from the layout of the history; the times were measured once, in pairs.
 COST = (
     "One number of history per contact with one material, three between two; beside it, three for the room of a tangential memory where there is no friction. A scene without the keyword "
-    "runs the kernels that it ran before. With it, pairs of grains are computed in lanes by the kernel that also records contacts, which costs a few tens of operations per relaxing part and "
-    "the lines of the record; contacts with walls go one at a time."
+    "runs the kernels that it ran before. With it, pairs of grains are computed in lanes by the kernel that also records contacts, which costs some tens of operations per relaxing part and "
+    "the lines of the record: a whole step of 1728 touching ellipsoids with friction in LAMMPS took 1.30, 1.44, 1.54, 1.45 and 1.53 times the processor time (five paired runs of 600 steps, one core, "
+    "one relaxing part, a library of the debug profile). Contacts with walls go one at a time."
 )
 
 
