@@ -317,8 +317,11 @@ fn both_versions_a_paddle_mixes() {
     assert!(last["c_energy[11]"].abs() < 2e-3 * last["v_used"]);
 }
 
+type Variables = &'static [(&'static str, &'static str)];
+type Printed = (&'static str, Variables, usize, f64);
+
 /// Decks of the page with the variables of a short form, ranks, and how near their rows are. Atom-style `random` depends on the ranks.
-const PRINTED: [(&str, &[(&str, &str)], usize, f64); 10] = [
+const PRINTED: [Printed; 10] = [
     ("drum.lmp", &[("steps", "4000")], 2, 0.01),
     ("lifters.lmp", &[("steps", "4000")], 2, 0.01),
     ("hopper.lmp", &[("fill", "4000"), ("flow", "0")], 2, 0.01),
