@@ -22,6 +22,15 @@ pub struct Vector3<T = f64> {
 }
 
 impl<T: Real> Vector3<T> {
+    /// `if_true` where the mask holds, else `if_false`.
+    #[inline(always)]
+    pub fn select(mask: T::Mask, if_true: Self, if_false: Self) -> Self {
+        Vector3::new(
+            T::select(mask, if_true.x, if_false.x),
+            T::select(mask, if_true.y, if_false.y),
+            T::select(mask, if_true.z, if_false.z),
+        )
+    }
     /// From components.
     #[inline(always)]
     pub fn new(x: T, y: T, z: T) -> Self {

@@ -34,6 +34,22 @@ pub struct Surface<T: Real = f64> {
 }
 
 impl<T: Real> Surface<T> {
+    /// Of a wall with this Weingarten map and this velocity at the contact.
+    #[inline(always)]
+    pub fn of_wall(weingarten: Symmetric2<T>, velocity: Vector3<T>) -> Self {
+        let one = velocity.x.constant(1.0);
+        let zero = velocity.x.constant(0.0);
+        Surface {
+            h: one,
+            inverse_h: one,
+            witness: Vector2::new(zero, zero),
+            weingarten,
+            determinant: one,
+            velocity,
+            omega: Vector3::new(zero, zero, zero),
+        }
+    }
+
     /// What the conservative law needs. A function, not a closure: a closure is not always inlined into the code of the
     /// chosen instruction set, and then costs a call per operation.
     #[inline(always)]
@@ -96,6 +112,26 @@ pub struct Contact<T: Real = f64> {
 }
 
 impl<T: Real> Contact<T> {
+    /// With this normal and its tangent basis; what is not given is not known: the inverse Hessian, and velocities of the step.
+    #[inline(always)]
+    pub fn new(
+        (normal, tangent): (Vector3<T>, Tangent<T>),
+        penetration: T,
+        [i, j]: [Surface<T>; 2],
+        effective_mass: T,
+    ) -> Self {
+        Contact {
+            normal,
+            tangent,
+            penetration,
+            i,
+            j,
+            effective_mass,
+            inverse_hessian: None,
+            changes: None,
+            begin_time: None,
+        }
+    }
     /// The relative curvature matrix `M`, 1/length.
     #[inline(always)]
     pub fn curvature(&self) -> Symmetric2<T> {
@@ -125,6 +161,42 @@ pub struct Remembered<T: Real = f64> {
     pub rests: Option<[T; MOST_PARTS]>,
     /// Time over which the memory advances: 0 in the set-up of a run.
     pub time: T,
+}
+
+impl<T: Real> Remembered<T> {
+    /// Of contacts that go on from the normal, the memory and the energy `last` where `continued`, and else begin with the normal `now`;
+    /// `time` is that over which the memory advances.
+    #[inline(always)]
+    pub fn of(
+        continued: T::Mask,
+        now: Vector3<T>,
+        (normal, memory, energy): (Vector3<T>, Vector3<T>, T),
+        time: T,
+    ) -> Self {
+        let zero = time.constant(0.0);
+        Remembered {
+            continued,
+            normal: Vector3::select(continued, normal, now),
+            memory: Vector3::select(continued, memory, Vector3::new(zero, zero, zero)),
+            energy: T::select(continued, energy, zero),
+            rests: None,
+            time,
+        }
+    }
+
+    /// Nothing, over no time; no lane is in the mask `none`.
+    #[inline(always)]
+    pub fn nothing(none: T::Mask, normal: Vector3<T>) -> Self {
+        let zero = normal.x.constant(0.0);
+        Remembered {
+            continued: none,
+            normal,
+            memory: Vector3::new(zero, zero, zero),
+            energy: zero,
+            rests: None,
+            time: zero,
+        }
+    }
 }
 
 /// Force, torques and what is to be remembered. Torques, tangential energy and powers of a whole contact have those of the couple that

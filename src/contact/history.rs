@@ -133,6 +133,16 @@ impl HistoryLayout {
             .is_some_and(|at| (at..at + self.rest_count).contains(&place))
     }
 
+    /// The tangential memory of a history and its energy; zeros where the layout has no room for them.
+    #[inline(always)]
+    pub(crate) fn tangential(&self, history: &[f64]) -> (Vector3, f64) {
+        let vector = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
+        (
+            self.memory.map_or(Vector3::ZERO, vector),
+            self.energy.map_or(0.0, |at| history[at]),
+        )
+    }
+
     /// Where what is remembered of rolling and twisting begins.
     pub(crate) fn resistance(&self) -> usize {
         self.rolling.or(self.twisting).unwrap_or(self.length)
@@ -188,26 +198,22 @@ pub fn recall(
     normal_now: Vector3,
     normal_before: Vector3,
 ) -> Remembered {
-    let read = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
+    let (memory, energy) = layout.tangential(history);
+    let rests = layout.rests.map(|at| {
+        let mut rests = [0.0; MOST_PARTS];
+        if touching {
+            rests[..layout.rest_count].copy_from_slice(&history[at..at + layout.rest_count]);
+        }
+        rests
+    });
     Remembered {
-        continued: touching,
-        normal: if touching { normal_before } else { normal_now },
-        memory: match layout.memory {
-            Some(at) if touching => read(at),
-            _ => Vector3::ZERO,
-        },
-        energy: match layout.energy {
-            Some(at) if touching => history[at],
-            _ => 0.0,
-        },
-        rests: layout.rests.map(|at| {
-            let mut rests = [0.0; MOST_PARTS];
-            if touching {
-                rests[..layout.rest_count].copy_from_slice(&history[at..at + layout.rest_count]);
-            }
-            rests
-        }),
-        time: step.elapsed(),
+        rests,
+        ..Remembered::of(
+            touching,
+            normal_now,
+            (normal_before, memory, energy),
+            step.elapsed(),
+        )
     }
 }
 
@@ -220,18 +226,31 @@ pub fn remember(
     normal: Vector3,
     forces: &ContactForces,
 ) {
-    let mut write = |at: usize, v: Vector3| history[at..at + 3].copy_from_slice(&v.to_array());
-    if let Some(at) = layout.normal {
-        write(at, normal);
-    }
-    if let Some(at) = layout.memory {
-        write(at, forces.memory);
-    }
-    if let Some(at) = layout.energy {
-        history[at] = forces.tangential_energy;
-    }
+    write(
+        layout,
+        history,
+        (normal, forces.memory, forces.tangential_energy),
+    );
     if let Some(at) = layout.rests {
         history[at..at + layout.rest_count].copy_from_slice(&forces.rests[..layout.rest_count]);
+    }
+}
+
+/// Writes normal, memory and energy to their places in a history, that of one contact or those of all lanes.
+#[inline(always)]
+pub(crate) fn write<T: Copy>(
+    layout: &HistoryLayout,
+    history: &mut [T],
+    (normal, memory, energy): (Vector3<T>, Vector3<T>, T),
+) {
+    if let Some(at) = layout.normal {
+        history[at..at + 3].copy_from_slice(&[normal.x, normal.y, normal.z]);
+    }
+    if let Some(at) = layout.memory {
+        history[at..at + 3].copy_from_slice(&[memory.x, memory.y, memory.z]);
+    }
+    if let Some(at) = layout.energy {
+        history[at] = energy;
     }
 }
 

@@ -8,7 +8,7 @@ use super::history::{recall, remember, HistoryLayout, Step};
 use super::particle::{effective_mass, Particle};
 use crate::force::{hertz_factors, Factors, PairLaw};
 use crate::geometry::{search, ContactSearch, Ellipsoid, Outcome, Support};
-use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
+use crate::vector::{Symmetric2, Tangent, Vector3};
 
 /// Hale's form broke: the ratio `B/A`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,19 +88,22 @@ fn surface(body: &Particle, support: &Support, tangent: &Tangent) -> Surface {
 #[doc(hidden)]
 #[inline(always)]
 pub fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> Contact {
+    let changes = match (i.change, j.change) {
+        (None, None) => None,
+        (i, j) => Some([i, j].map(|change| change.unwrap_or(MotionChange::NONE))),
+    };
+    let surfaces = [
+        surface(i, &found.support_i, &found.tangent),
+        surface(j, &found.support_j, &found.tangent),
+    ];
     Contact {
-        normal: found.normal,
-        tangent: found.tangent,
-        penetration: found.penetration,
-        i: surface(i, &found.support_i, &found.tangent),
-        j: surface(j, &found.support_j, &found.tangent),
-        effective_mass: effective_mass(i.inverse_mass, j.inverse_mass),
-        inverse_hessian: None,
-        changes: match (i.change, j.change) {
-            (None, None) => None,
-            (i, j) => Some([i, j].map(|change| change.unwrap_or(MotionChange::NONE))),
-        },
-        begin_time: None,
+        changes,
+        ..Contact::new(
+            (found.normal, found.tangent),
+            found.penetration,
+            surfaces,
+            effective_mass(i.inverse_mass, j.inverse_mass),
+        )
     }
 }
 
@@ -115,24 +118,18 @@ pub fn contact_with_wall(
     weingarten: Symmetric2,
     velocity: Vector3,
 ) -> Contact {
+    let surfaces = [
+        surface(i, support, &tangent),
+        Surface::of_wall(weingarten, velocity),
+    ];
     Contact {
-        normal,
-        tangent,
-        penetration,
-        i: surface(i, support, &tangent),
-        j: Surface {
-            h: 1.0,
-            inverse_h: 1.0,
-            witness: Vector2::new(0.0, 0.0),
-            weingarten,
-            determinant: 1.0,
-            velocity,
-            omega: Vector3::ZERO,
-        },
-        effective_mass: effective_mass(i.inverse_mass, 0.0),
-        inverse_hessian: None,
         changes: i.change.map(|change| [change, MotionChange::NONE]),
-        begin_time: None,
+        ..Contact::new(
+            (normal, tangent),
+            penetration,
+            surfaces,
+            effective_mass(i.inverse_mass, 0.0),
+        )
     }
 }
 

@@ -6,6 +6,7 @@ use super::ranges;
 use crate::geometry::ellipsoid::{LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::geometry::{Ellipsoid, ShapeError};
 use crate::message::{Number, Numbers};
+use crate::real::Real;
 use crate::vector::Vector3;
 #[cfg(not(feature = "std"))]
 use alloc::string::String;
@@ -176,10 +177,14 @@ pub(crate) fn response_to_torque(body: &Ellipsoid, mass: f64) -> impl Fn(Vector3
 /// `m_i m_j/(m_i + m_j)` from inverse masses; 0 for two frozen bodies, which need no damping.
 #[inline(always)]
 pub fn effective_mass(inverse_i: f64, inverse_j: f64) -> f64 {
-    let sum = inverse_i + inverse_j;
-    if sum > 0.0 {
-        1.0 / sum
-    } else {
-        0.0
-    }
+    mass_of_inverse(inverse_i + inverse_j)
+}
+
+/// The effective mass from the sum of the inverse masses, in lanes too.
+#[inline(always)]
+pub(crate) fn mass_of_inverse<T: Real>(sum: T) -> T {
+    let zero = sum.constant(0.0);
+    // No trap where the sum is zero; no mass is as large.
+    let mass = sum.max(zero.constant(1e-300)).reciprocal();
+    T::select(zero.less(sum), mass, zero)
 }

@@ -186,14 +186,7 @@ impl StagedContact {
             begin_time: self.x.changes.map(|_| time_step),
             ..self.x
         };
-        let nothing = Remembered {
-            continued: false,
-            normal: x.normal,
-            memory: Vector3::ZERO,
-            energy: 0.0,
-            rests: None,
-            time: 0.0,
-        };
+        let nothing = Remembered::nothing(false, x.normal);
         let mut f = self.forces::<false>(&law, &x, &nothing)?;
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
@@ -268,21 +261,16 @@ impl StagedContact {
             ..self.x
         };
         let known = history.touched && history.normal.is_unit();
+        let normal = if known { history.normal } else { x.normal };
+        let last = (normal, history.memory, history.energy);
+        let rests = if history.touched {
+            history.rests
+        } else {
+            [0.0; MOST_PARTS]
+        };
         let remembered = Remembered {
-            continued: history.touched,
-            normal: if known { history.normal } else { x.normal },
-            memory: if history.touched {
-                history.memory
-            } else {
-                Vector3::ZERO
-            },
-            energy: if history.touched { history.energy } else { 0.0 },
-            rests: Some(if history.touched {
-                history.rests
-            } else {
-                [0.0; MOST_PARTS]
-            }),
-            time: step.elapsed(),
+            rests: Some(rests),
+            ..Remembered::of(history.touched, x.normal, last, step.elapsed())
         };
         let f = self.forces::<true>(law, &x, &remembered)?;
         history.memory = f.memory;
@@ -355,7 +343,9 @@ pub(crate) fn take_share(share: &Share, conservative: bool, f: &mut ContactForce
     }
 }
 
-/// Half of the least share of a body's own curvature that is left where a wall's cavity takes the rest.
+/// Half of the least share of a body's own curvature that is left where a wall's cavity takes the rest. Cavities that are wider than the body by
+/// more than a thousandth are as they are; in narrower ones Hertz' contact would be as wide as the body, and the law has ended: the bound
+/// only keeps it finite.
 pub(super) const LEAST_CURVATURE: f64 = 5e-4;
 
 /// Hertz' law needs a convex gap. In a cavity nearly as narrow as the body it is not; then the smaller curvature is kept

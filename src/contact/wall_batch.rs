@@ -466,7 +466,6 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         step: &Step,
     ) -> AtSurface<S> {
         let zero = Lanes::splat(registers, 0.0);
-        let one = Lanes::splat(registers, 1.0);
         let null = Vector3::new(zero, zero, zero);
         let at = &self.at;
         let weingarten = at.body.weingarten_in_frame(&self.view, self.support.h);
@@ -483,34 +482,22 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
         let unsound = registers.or(registers.not(self.touching), hard);
         let (factors, beyond) = factors_for(registers, kinds, curvature, unsound, true);
 
-        let mut contact = Contact {
-            normal: -at.outwards,
-            tangent: self.tangent,
-            // A lane that does not touch computes nothing that is used, but must not make a trap of it.
-            penetration: self.penetration.max(zero.constant(1e-300)),
-            i: Surface {
-                h: self.support.h,
-                inverse_h: self.support.inverse_h,
-                witness: self.support.witness,
-                weingarten,
-                determinant: at.body.squared_product(),
-                velocity: at.velocity,
-                omega: at.omega,
-            },
-            j: Surface {
-                h: one,
-                inverse_h: one,
-                witness: Vector2::new(zero, zero),
-                weingarten: of_wall.unwrap_or(flat),
-                determinant: one,
-                velocity: null,
-                omega: null,
-            },
-            effective_mass: at.effective_mass,
-            inverse_hessian: None,
-            changes: None,
-            begin_time: None,
+        let body = Surface {
+            h: self.support.h,
+            inverse_h: self.support.inverse_h,
+            witness: self.support.witness,
+            weingarten,
+            determinant: at.body.squared_product(),
+            velocity: at.velocity,
+            omega: at.omega,
         };
+        let mut contact = Contact::new(
+            (-at.outwards, self.tangent),
+            // A lane that does not touch computes nothing that is used, but must not make a trap of it.
+            self.penetration.max(zero.constant(1e-300)),
+            [body, Surface::of_wall(of_wall.unwrap_or(flat), null)],
+            at.effective_mass,
+        );
         if let Some(change) = at.change {
             let none = MotionChange {
                 velocity: null,
@@ -568,14 +555,17 @@ fn contacts<S: Registers>(
         });
     }
     let placed = PlacedAtSurface::new(registers, at);
-    let remembered = Remembered {
-        continued: registers.mask(batch.continued),
-        normal: load(registers, &numbers.last_normal),
-        memory: load(registers, &numbers.memory),
-        energy: Lanes::load(registers, &numbers.energy),
-        rests: None,
-        time: Lanes::splat(registers, step.elapsed()),
-    };
+    let last = (
+        load(registers, &numbers.last_normal),
+        load(registers, &numbers.memory),
+        Lanes::load(registers, &numbers.energy),
+    );
+    let remembered = Remembered::of(
+        registers.mask(batch.continued),
+        -outwards,
+        last,
+        Lanes::splat(registers, step.elapsed()),
+    );
     let wall = CurvedWall {
         direction: load(registers, &numbers.direction),
         curvatures: [

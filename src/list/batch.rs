@@ -13,6 +13,7 @@ use crate::contact::forces::{
 };
 use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
+use crate::contact::particle::mass_of_inverse;
 use crate::force::memory::MOST_PARTS;
 use crate::force::{Factors, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, SupportInFrame};
@@ -220,7 +221,7 @@ pub(super) fn run<
     let hard = registers.or(found.hard, beyond);
     let constants = constants_of(registers, batch.laws, common.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
-        effective_mass(registers, batch.inverse_effective_mass)
+        mass_of_inverse(Lanes::load(registers, batch.inverse_effective_mass))
     } else {
         zero
     };
@@ -240,7 +241,7 @@ pub(super) fn run<
     let remembered = if FRICTION {
         recall::<S, K, RECORD>(registers, bits, numbers, common, start, &found, (&i, &j))
     } else {
-        nothing_remembered(registers, found.normal)
+        Remembered::nothing(registers.no_lane(), found.normal)
     };
     let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
         kinds,
@@ -293,19 +294,6 @@ fn factors<S: Registers, K: Kind>(
     factors_for(registers, kinds, curvature, apart, with_sigma)
 }
 
-/// Effective masses from the sums of the inverse masses.
-#[inline(always)]
-fn effective_mass<S: Registers>(registers: S, inverse: &[f64; MOST_LANES]) -> Lanes<S> {
-    let (zero, one) = (Lanes::splat(registers, 0.0), Lanes::splat(registers, 1.0));
-    let inverse = Lanes::load(registers, inverse);
-    // Two frozen bodies need no damping.
-    Lanes::select(
-        zero.less(inverse),
-        inverse.max(one * 1e-300).reciprocal(),
-        zero,
-    )
-}
-
 /// Geometry and motion for the law.
 #[inline(always)]
 fn contact_of<S: Registers, K: Kind>(
@@ -314,17 +302,19 @@ fn contact_of<S: Registers, K: Kind>(
     j: &Side<S, K>,
     effective_mass: Lanes<S>,
 ) -> Contact<Lanes<S>> {
+    let surfaces = [
+        surface(i, &found.support_i, found.weingarten_i),
+        surface(j, &found.support_j, found.weingarten_j),
+    ];
     Contact {
-        normal: found.normal,
-        tangent: found.tangent,
-        // A separated or hard lane computes nothing that is used, but must not make a trap of it.
-        penetration: found.penetration.max(effective_mass.constant(1e-300)),
-        i: surface(i, &found.support_i, found.weingarten_i),
-        j: surface(j, &found.support_j, found.weingarten_j),
-        effective_mass,
         inverse_hessian: Some(found.inverse_hessian),
-        changes: None,
-        begin_time: None,
+        ..Contact::new(
+            (found.normal, found.tangent),
+            // A separated or hard lane computes nothing that is used, but must not make a trap of it.
+            found.penetration.max(effective_mass.constant(1e-300)),
+            surfaces,
+            effective_mass,
+        )
     }
 }
 
@@ -368,7 +358,7 @@ fn recall<S: Registers, K: Kind, const RESTS: bool>(
 ) -> Remembered<Lanes<S>> {
     let n = found.normal;
     let Some(at) = numbers.layout.memory else {
-        return nothing_remembered(registers, n);
+        return Remembered::nothing(registers.no_lane(), n);
     };
     let zero = Lanes::splat(registers, 0.0);
     let time = Lanes::splat(registers, common.time);
@@ -387,22 +377,19 @@ fn recall<S: Registers, K: Kind, const RESTS: bool>(
             select3(spheres, before, n)
         }
     };
-    let null = Vector3::new(zero, zero, zero);
+    let memory = vector(registers, numbers, at);
+    let energy = match numbers.layout.energy {
+        Some(at) => number(registers, numbers, at),
+        None => zero,
+    };
     Remembered {
-        continued: continues,
-        normal: select3(continues, was, n),
-        memory: select3(continues, vector(registers, numbers, at), null),
-        energy: match numbers.layout.energy {
-            Some(at) => Lanes::select(continues, number(registers, numbers, at), zero),
-            None => zero,
-        },
         // A scene whose laws have such memory is computed by the kernel that records.
         rests: if RESTS {
             Some(rests(registers, numbers, continues))
         } else {
             None
         },
-        time,
+        ..Remembered::of(continues, n, (was, memory, energy), time)
     }
 }
 
@@ -423,22 +410,6 @@ fn rests<S: Registers>(
         }
     }
     rests
-}
-
-#[inline(always)]
-fn nothing_remembered<S: Registers>(
-    registers: S,
-    normal: Vector3<Lanes<S>>,
-) -> Remembered<Lanes<S>> {
-    let zero = Lanes::splat(registers, 0.0);
-    Remembered {
-        continued: registers.no_lane(),
-        normal,
-        memory: Vector3::new(zero, zero, zero),
-        energy: zero,
-        rests: None,
-        time: zero,
-    }
 }
 
 /// Adds forces and torques of the touching pairs to the sums of their particles; the forces on `j`.

@@ -8,6 +8,7 @@ use super::shape::Shape;
 use super::touching_loads::TouchingLoads;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
+use crate::contact::history;
 use crate::contact::particle::{self, Particle};
 use crate::contact::staged::{take_share, StagedContact, StagedHistory};
 use crate::contact::wall_batch::{LastContact, WallBatch};
@@ -480,13 +481,12 @@ fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
 }
 
 fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> StagedHistory {
-    // without a tangential memory there is no history
-    let vector = |at: usize| Vector3::new(history[at], history[at + 1], history[at + 2]);
+    let (memory, energy) = layout.tangential(history);
     StagedHistory {
         touched: c.last_normal.is_some(),
         normal: c.last_normal.unwrap_or(-c.surface.normal),
-        memory: layout.memory.map_or(Vector3::ZERO, vector),
-        energy: layout.energy.map_or(0.0, |at| history[at]),
+        memory,
+        energy,
         rests: {
             let mut rests = [0.0; MOST_PARTS];
             if let Some(at) = layout.rests {
@@ -506,15 +506,9 @@ fn write_history(
     (memory, energy, rests): ToRemember<'_>,
     history: &mut [f64],
 ) {
-    let Some(at) = layout.memory else {
-        return;
-    };
-    history[at..at + 3].copy_from_slice(&memory.to_array());
-    if let Some(at) = layout.normal {
-        history[at..at + 3].copy_from_slice(&(-c.surface.normal).to_array());
-    }
-    if let Some(at) = layout.energy {
-        history[at] = energy;
+    // Without a tangential memory there is no history.
+    if layout.memory.is_some() {
+        history::write(layout, history, (-c.surface.normal, memory, energy));
     }
     if let Some(at) = layout.rests {
         history[at..at + layout.rest_count].copy_from_slice(&rests[..layout.rest_count]);

@@ -14,7 +14,8 @@ use super::shape::WholePlane;
 use super::touching_loads::TouchingLoads;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
-use crate::contact::particle::response_to_torque;
+use crate::contact::history;
+use crate::contact::particle::{mass_of_inverse, response_to_torque};
 use crate::contact::vectors_in_lanes::{load, put_in_lane, splat, Column, Columns};
 use crate::contact::wall_batch::{BodyAtSurface, CurvedWall, ForcesAtSurface, PlacedAtSurface};
 use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
@@ -727,9 +728,7 @@ fn masses_of<S: Registers>(
     if near.inverse_masses.is_empty() {
         return zero;
     }
-    let inverse = Lanes::load(registers, &numbers.inverse_mass);
-    let mass = inverse.max(zero.constant(1e-300)).reciprocal();
-    Lanes::select(zero.less(inverse), mass, zero)
+    mass_of_inverse(Lanes::load(registers, &numbers.inverse_mass))
 }
 
 /// What the motions of the particles have more at the step, where forces see velocities of the step.
@@ -779,19 +778,9 @@ fn recall<S: Registers>(
         normal = axes.to_world(normal);
         memory = axes.to_world(memory);
     }
-    Remembered {
-        continued,
-        normal: Vector3::new(
-            Lanes::select(continued, normal.x, -outwards.x),
-            Lanes::select(continued, normal.y, -outwards.y),
-            Lanes::select(continued, normal.z, -outwards.z),
-        ),
-        memory,
-        energy: l[6],
-        // A law that remembers what relaxes is taken one contact at a time.
-        rests: None,
-        time: Lanes::splat(registers, step.elapsed()),
-    }
+    let time = Lanes::splat(registers, step.elapsed());
+    // A law that remembers what relaxes is taken one contact at a time.
+    Remembered::of(continued, -outwards, (normal, memory, l[6]), time)
 }
 
 /// The motion of the bodies relative to a wall, and what it has more at the step, in the frame of the world
@@ -949,14 +938,6 @@ fn put_remembered<S: Registers>(
     let place = [zero.constant(1.0), zero, p.x, p.y, p.z, n.x, n.y, n.z];
     put(registers, place, &mut results.place);
     let mut history = [zero; 8];
-    if let Some(at) = layout.normal {
-        history[at..at + 3].copy_from_slice(&[n.x, n.y, n.z]);
-    }
-    if let Some(at) = layout.memory {
-        history[at..at + 3].copy_from_slice(&[m.x, m.y, m.z]);
-    }
-    if let Some(at) = layout.energy {
-        history[at] = f.tangential_energy;
-    }
+    history::write(layout, &mut history, (n, m, f.tangential_energy));
     put(registers, history, &mut results.history);
 }
