@@ -98,6 +98,8 @@ const Refusal FIXES[] = {
      "use the style that ends in '/asphere'"},
     {"wall/gran", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid'"},
     {"wall/gran/region", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid'"},
+    {"surface/global", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid ... mesh'"},
+    {"surface/local", ALL, "it sees spheres", "use 'fix wall/gran/ellipsoid ... mesh'"},
     {"pour", ALL, "what it inserts has no shape",
      "use 'fix pour/ellipsoid'; to add grains at once 'create_ellipsoids'"},
     {"deposit", ALL, "what it inserts has no shape",

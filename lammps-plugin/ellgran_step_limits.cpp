@@ -48,8 +48,11 @@ void EllgranStepLimits::find(const EllgranAtoms &atoms, const EllgranLaws *laws,
 
   const int ntypes = atom->ntypes;
   const std::vector<EllgranBody> grains = atoms.smallest_grains();
-  const auto check = [this](int32_t status) {
-    if (status != ELLGRAN_SUCCESS) error->all(FLERR, "{}: {}", caller, ellgran_last_error());
+  // Hale's form of the Hertz factors may not be defined for such a contact. Whether there ever is one the forces will tell.
+  const auto is_defined = [this](int32_t status) {
+    if (status != ELLGRAN_SUCCESS && status != ELLGRAN_ERROR_HALE)
+      error->all(FLERR, "{}: {}", caller, ellgran_last_error());
+    return status == ELLGRAN_SUCCESS;
   };
   const auto lower = [](Limit &limit, double time, int i, int j) {
     if (time < limit.time) limit = {time, i, j};
@@ -67,21 +70,20 @@ void EllgranStepLimits::find(const EllgranAtoms &atoms, const EllgranLaws *laws,
       other.position[2] = reach - overlap;
       if (speed > 0.0) {
         double time = 0.0, penetration = 0.0;
-        check(ellgran_collision(laws, &one, &other, 2.0 * speed, &time, &penetration));
+        if (!is_defined(ellgran_collision(laws, &one, &other, 2.0 * speed, &time, &penetration))) continue;
         lower(collision, time, i, j);
         // Deeper than a quarter of the grain no law holds.
         overlap = std::min(std::max(overlap, penetration), 0.25 * reach);
         other.position[2] = reach - overlap;
       }
       EllgranContactStiffness stiffness = ELLGRAN_INIT(EllgranContactStiffness);
-      check(ellgran_contact_stiffness(laws, &one, &other, &stiffness));
+      if (!is_defined(ellgran_contact_stiffness(laws, &one, &other, &stiffness))) continue;
       lower(critical, stiffness.critical_step, i, j);
     }
     const std::size_t own = static_cast<std::size_t>(i - 1) * (ntypes + 1);
     if (!used[own]) continue;
     double time = 0.0;
-    check(ellgran_rayleigh_time(&parameters[own], &one, &time));
-    lower(rayleigh, time, i, i);
+    if (is_defined(ellgran_rayleigh_time(&parameters[own], &one, &time))) lower(rayleigh, time, i, i);
   }
 }
 

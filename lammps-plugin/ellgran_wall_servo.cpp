@@ -34,6 +34,8 @@ WallServo::WallServo(LAMMPS *lmp, const std::string &caller_of, int narg, char *
   for (double &component : axis) component /= std::sqrt(square);
   target_words.read(lmp, caller, "servo target", arg[3]);
   state.largest_speed = utils::numeric(FLERR, arg[4], false, lmp);
+  if (!(state.largest_speed > 0.0 && std::isfinite(state.largest_speed)))
+    error->all(FLERR, "{}: servo speed {} must be a finite number greater than 0", caller, arg[4]);
   state.gain = DEFAULT_GAIN;
   area_words.set(1.0);
   consumed = 5;

@@ -31,6 +31,7 @@ pub(super) fn add_cylinder(
     parts: &mut Vec<Box<dyn Shape>>,
 ) -> Result<(), String> {
     let radius = p.radii[0];
+    require_order("cylinder", p)?;
     if !(LEAST_SEMI_AXIS..=LARGEST_COORDINATE).contains(&radius) {
         return Err(format!(
             "cylinder: radius = {} must be greater than 0, from {LEAST_SEMI_AXIS:e} to {LARGEST_COORDINATE:e}",
@@ -45,6 +46,7 @@ pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> 
     if !(low.is_finite() && high.is_finite()) {
         return Err("cone: both bounds must be finite".into());
     }
+    require_order("cone", p)?;
     let in_range = |r: f64| (0.0..=LARGEST_COORDINATE).contains(&r);
     if !(p.radii.iter().all(|r| in_range(*r)) && p.radii[0] + p.radii[1] >= LEAST_SEMI_AXIS) {
         return Err(format!(
@@ -68,15 +70,21 @@ pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> 
     add(cone, &from_there, parts)
 }
 
+/// With the bounds as they were given, before they are measured from the cone's point.
+fn require_order(name: &str, p: &ShapeParameters) -> Result<(), String> {
+    let [low, high] = p.bounds;
+    if low < high {
+        return Ok(());
+    }
+    Err(format!(
+        "{name}: the lower bound {} must be below the upper one {}",
+        Number(low),
+        Number(high)
+    ))
+}
+
 fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
-    if !(low < high) {
-        return Err(format!(
-            "cylinder or cone: the lower bound {} must be below the upper one {}",
-            Number(low),
-            Number(high)
-        ));
-    }
     for (bound, end) in p.bounds.iter().zip(p.ends) {
         if end != End::None && !(bound.abs() <= LARGEST_COORDINATE) {
             return Err(format!(

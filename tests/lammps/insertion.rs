@@ -606,3 +606,131 @@ thermo 1000
     );
     assert!((walls / -weight - 1.0).abs() < 1e-6);
 }
+
+/// The numbers of new grains: after the largest there is, or after the largest there was.
+#[test]
+fn both_versions_new_grains_get_the_next_ids() {
+    let engine = Engine::from_environment();
+    for (word, first) in [
+        ("", "largest there is"),
+        ("id max", "largest there is"),
+        ("id next", "largest there was"),
+    ] {
+        let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
+            + &stream(&format!(
+                "100 1 4711 region top shape one 0.006 0.004 0.004 vol 0.01 50 vel 0 0 0 0 -2 {word}"
+            ))
+            + "run 10
+variable before equal $(count(all))
+group gone id > $(v_before-4)
+delete_atoms group gone compress no
+compute i all property/atom id
+compute most all reduce max c_i
+compute least all reduce min c_i
+run 1000
+thermo_style custom step atoms f_pour c_most c_least
+run 0
+print \"COUNTS $(v_before) $(f_pour) $(atoms) $(c_most:%.0f)\"
+";
+        let directory = fresh_directory("insertion_ids");
+        let (success, output) = execute(&engine, &directory, &deck, 2);
+        assert!(success, "{}", last_lines(&output));
+        let line = output
+            .lines()
+            .find_map(|l| l.strip_prefix("COUNTS "))
+            .unwrap();
+        let counts: Vec<f64> = line
+            .split_whitespace()
+            .map(|w| w.parse().unwrap())
+            .collect();
+        let [before, inserted, atoms, most] = counts[..] else {
+            panic!("{line}")
+        };
+        println!("'{word}', the {first}: {before} at first, {inserted} in all, {atoms} there, largest ID {most}");
+        assert!(inserted > before + 5.0 && atoms == inserted - 4.0);
+        let expected = if word == "id next" {
+            inserted
+        } else {
+            inserted - 4.0
+        };
+        assert_eq!(most, expected, "'{word}'");
+    }
+}
+
+/// *ignore*, *inside centre* and *partial yes*.
+#[test]
+fn both_versions_words_that_allow_more_are_obeyed() {
+    let engine = Engine::from_environment();
+    let needles = "shape one 0.012 0.004 0.004";
+    // points on a lattice so narrow that no grain lies between them
+    let points = "lattice sc 0.003\ncreate_atoms 2 region r\n";
+    let region = "region r block 0.005 0.045 0.005 0.045 0.005 0.045 units box\n";
+    let start = head(&engine, "ellipsoid", "f f f", [0.05; 3]);
+    let end = format!(
+        "group points type 2\ndelete_atoms group points\n{}run 0\n",
+        dump(1)
+    );
+    let refused =
+        format!("{start}{region}{points}create_ellipsoids 1 5 region r number 30 {needles}\n");
+    let directory = fresh_directory("insertion_not_ignored");
+    let (success, output) = execute(&engine, &directory, &refused, 1);
+    crate::refusal::refused(
+        "without ignore",
+        success,
+        &output,
+        &["is not an ellipsoid", "ignore"],
+    );
+    let obeyed = format!(
+        "{start}{region}{points}create_ellipsoids 1 5 region r number 30 {needles} ignore\n{end}"
+    );
+    let (_, _, grains) = run(&engine, "insertion_ignore", &obeyed, 2);
+    assert_eq!(grains.len(), 30);
+    assert_eq!(overlaps(&grains, [0.0; 3]).0, 0);
+
+    // centres alone, in a region in which no grain would find room whole, and of a style that has no surface
+    let slabs = [
+        (
+            "block 0.005 0.045 0.005 0.045 0.024 0.026 units box",
+            0.024,
+            0.026,
+        ),
+        (
+            "prism 0.005 0.04 0.005 0.045 0.02 0.03 0.005 0 0 units box",
+            0.02,
+            0.03,
+        ),
+    ];
+    for (k, (words, low, high)) in slabs.into_iter().enumerate() {
+        let fill = |inside: &str| {
+            format!("{start}region r {words}\ncreate_ellipsoids 1 5 region r number 25 {needles} inside {inside} orient align 0 0 1\n{}run 0\n", dump(1))
+        };
+        let name = format!("insertion_centre_{k}");
+        let (success, _) = execute(&engine, &fresh_directory(&name), &fill("grain"), 1);
+        assert!(!success, "{words}: a grain fits in whole");
+        let (_, _, grains) = run(&engine, &name, &fill("centre"), 2);
+        assert_eq!(grains.len(), 25);
+        assert_eq!(overlaps(&grains, [0.0; 3]).0, 0);
+        assert!(grains.iter().all(|g| (low..=high).contains(&g.position[2])));
+        let out = grains.iter().filter(|g| g.position[2] + g.largest() > high);
+        assert!(out.count() > 5, "{words}: none sticks out");
+    }
+
+    // more than fits: those that do
+    let partial = format!(
+        "{start}{region}create_ellipsoids 1 5 region r fill 0.7 {needles} attempts 100 partial yes\n{}run 0\n",
+        dump(1)
+    );
+    let (output, _, grains) = run(&engine, "insertion_partial", &partial, 2);
+    let fraction = grains.iter().map(Inserted::volume).sum::<f64>() / 0.04f64.powi(3);
+    println!(
+        "partial: {} grains, a solid fraction of {fraction:.3}",
+        grains.len()
+    );
+    assert!(fraction > 0.15 && fraction < 0.5);
+    assert_eq!(overlaps(&grains, [0.0; 3]).0, 0);
+    let warning = output
+        .lines()
+        .find(|l| l.starts_with("WARNING"))
+        .expect("no warning");
+    assert!(warning.contains("region r"), "{warning}");
+}

@@ -58,7 +58,7 @@ pub fn square(normal: usize, at: f64, cells: usize) -> Vec<Triangle> {
         .collect()
 }
 
-fn cube(cells: usize) -> Vec<Triangle> {
+pub fn cube(cells: usize) -> Vec<Triangle> {
     (0..6)
         .flat_map(|k| square(k / 2, if k % 2 == 0 { -1.0 } else { 1.0 }, cells))
         .collect()
@@ -98,7 +98,7 @@ fn deck(words: &str) -> Deck {
     }
 }
 
-fn in_mesh(
+pub fn in_mesh(
     engine: &Engine,
     name: &str,
     files: &[(&str, Vec<u8>)],
@@ -169,7 +169,8 @@ fn both_versions_a_cube_from_a_file_is_six_planes() {
         );
         let error = difference(mesh.last(), planes.last());
         println!("{name}: {error:.1e} of the largest force");
-        assert!(error < 1e-7, "{name}");
+        // rounding of the coordinates, over the overlap
+        assert!(error < 1e-10, "{name}");
     }
 }
 
@@ -201,7 +202,7 @@ fn both_versions_a_mesh_moves_and_turns() {
     );
     let error = difference(mesh.last(), planes.last());
     println!("in motion: {error:.1e} of the largest force");
-    assert!(error < 1e-6);
+    assert!(error < 1e-9);
     assert!(
         difference(planes.first(), planes.last()) > 0.1,
         "nothing has changed"

@@ -6,11 +6,11 @@ use crate::harness::{
 };
 use crate::shapes::{about, dot, rotate, Random};
 
-const LAW: &str = "nfd 1e6 0.3 20 20 tangential tfd 0.5";
+pub const LAW: &str = "nfd 1e6 0.3 20 20 tangential tfd 0.5";
 const PERIOD: f64 = 0.4;
 
 /// Forty grains in a drum about x of radius 0.03, ends at -0.02 and 0.02.
-fn load() -> Scene {
+pub fn load() -> Scene {
     let mut random = Random(7);
     let grains = (0..40)
         .map(|k| {
@@ -390,6 +390,70 @@ fn both_versions_walls_follow_variables() {
                     "{name}, {how}: {key}"
                 );
             }
+        }
+        assert!(largest_difference(wanted.last(), wanted.first()).0 > 1e-3);
+    }
+}
+
+/// A region that moves by its own variables is the wall that moves by the same law in numbers, over a restart too.
+#[test]
+fn both_versions_a_region_that_moves_by_variables_is_the_wall_that_moves() {
+    let engine = Engine::from_environment();
+    let drum = "region drum cylinder x 0 0 0.03 -0.02 0.02";
+    let wall = format!("fix shell all wall/gran/ellipsoid {LAW} region drum");
+    let turn = format!("variable angle equal 2*PI*step*dt/{PERIOD}");
+    let slide = "variable d equal 0.05*step*dt".to_string();
+    let swing = "variable d equal 0.002*(1-cos(2*PI*step*dt/0.05))".to_string();
+    let rotate = "rotate v_angle 0 0 0 1 0 0";
+    for (name, variables, of_region, words, bound) in [
+        (
+            "moves",
+            vec![&slide],
+            "move NULL v_d NULL".to_string(),
+            "velocity 0 0.05 0".to_string(),
+            1e-9,
+        ),
+        // its mean velocity over a step is that of its middle, to second order in the step
+        (
+            "swings",
+            vec![&swing],
+            "move NULL NULL v_d".into(),
+            "wiggle z 0.002 0.05".into(),
+            1e-5,
+        ),
+        (
+            "moves and turns",
+            vec![&slide, &turn],
+            format!("move NULL v_d NULL {rotate}"),
+            format!("velocity 0 0.05 0 rotate 0 0 0 1 0 0 {PERIOD}"),
+            1e-9,
+        ),
+    ] {
+        let mut by_region: Vec<String> = variables.into_iter().cloned().collect();
+        by_region.extend([format!("{drum} {of_region}"), wall.clone()]);
+        let by_wall = [drum.to_string(), format!("{wall} {words}")];
+        let [of_region, of_wall] = [&by_region[..], &by_wall[..]].map(|walls| {
+            let mut deck = deck(walls, 800);
+            deck.runs = vec![
+                "run 400".into(),
+                "write_restart middle.restart".into(),
+                "run 400".into(),
+            ];
+            deck
+        });
+        let scene = load();
+        let wanted = run(&engine, "region_of_wall", &scene, &of_wall, 1);
+        let directory = crate::harness::fresh_directory("region_of_variables");
+        let got = attempt_in(&engine, directory.clone(), &scene, &of_region, 1).succeeded();
+        let mut rest = of_region.clone();
+        rest.source = vec!["read_restart middle.restart".into()];
+        rest.pair.clear();
+        rest.runs = vec!["run 400".into()];
+        let rest = attempt_in(&engine, directory, &scene, &rest, 2).succeeded();
+        for (how, outcome) in [("whole", &got), ("restarted", &rest)] {
+            let (position, velocity) = largest_difference(outcome.last(), wanted.last());
+            println!("{name}, {how}: {position:.1e}, {velocity:.1e}");
+            assert!(position < bound && velocity < 1e3 * bound, "{name}, {how}");
         }
         assert!(largest_difference(wanted.last(), wanted.first()).0 > 1e-3);
     }

@@ -7,18 +7,35 @@ use crate::harness::{
     Scene,
 };
 
-const HALF: u64 = 150;
+const HALF: u64 = 120;
 
-/// Rates in the normal and the tangential force, of each kind.
-const LAWS: [&str; 7] = [
+/// Every normal law and damping, every tangential law and form of its displacement, what resists rolling and twisting, and the keywords.
+const LAWS: [&str; 22] = [
     "nfd 1e8 0.3 2e3 2e3",
-    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5",
+    VISCOUS,
     "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement total",
     "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement incremental",
-    "hertz 1e8 0.3 damping restitution 0.6 tangential mindlin 0.5",
+    "nfd 1e8 0.3 2e3 3e3 closure surface unloading first_order tangential mindlin 0.5 displacement total",
+    "nfd 1e8 0.3 2e3 3e3 closure brilliantov limit_force yes tangential tfd 0.5",
+    "nfd 1e8 0.3 2e3 2e3 unloading first_order limit_force yes",
+    "nfd 1e8 0.3 2e3 2e3 unloading ting limit_force yes conservative no",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 factors hale conservative no",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 rolling sds 1e5 0.1 0.1 twisting marshall",
+    "hertz 1e8 0.3",
     "hertz 1e8 0.3 tangential tfd 0.5",
+    "hertz 1e8 0.3 tangential mindlin 0.5 displacement incremental conservative no",
+    "hertz 1e8 0.3 damping relaxation 1e-5 tangential tfd 0.5",
+    "hertz 1e8 0.3 damping relaxation 1e-5 unloading first_order limit_force yes tangential mindlin 0.5",
+    "hertz 1e8 0.3 damping restitution 0.6 tangential mindlin 0.5",
+    "hertz 1e8 0.3 damping restitution 0.6 limit_force yes tangential tfd 0.5 displacement incremental",
+    "hertz 1e8 0.3 damping restitution 0.6 tangential mindlin 0.5 rolling sds 1e5 0.1 0.1 twisting sds 1 1e-4 1e-3",
+    "hertz 1e8 0.3 tangential mindlin 0.5 displacement total twisting marshall",
+    "lsd 2e4 3",
     "lsd 2e4 3 tangential linear 1.6e4 2 0.5",
+    "lsd 2e4 3 limit_force yes tangential linear 1.6e4 2 0.5 rolling sds 1e4 0.1 0.1 twisting marshall",
 ];
+
+const VISCOUS: &str = "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5";
 
 fn deck(law: &str) -> Deck {
     Deck {
@@ -43,54 +60,80 @@ fn apart(what: &str, a: &Outcome, b: &Outcome) -> f64 {
     positions.max(velocities)
 }
 
-#[test]
-fn both_versions_split_and_restarted_runs_go_on_under_viscous_laws() {
-    let engine = Engine::from_environment();
-    let scene = between_walls();
-    for (k, law) in LAWS.into_iter().enumerate() {
-        // Four ranks once each way: on a machine with fewer cores they wait for each other.
-        let ranks = match k {
-            0 => [1, 4],
-            1 => [4, 1],
-            _ if k % 2 == 0 => [1, 2],
-            _ => [2, 1],
-        };
-        let whole = Deck {
-            steps: 2 * HALF,
-            ..deck(law)
-        };
-        let whole = run(&engine, "step_velocities_whole", &scene, &whole, ranks[0]);
-        let touching = |outcome: &Outcome| {
-            let felt = |s: &&crate::harness::State| s.force != [0.0; 3];
-            outcome.last().states.iter().filter(felt).count()
-        };
-        let mut first = deck(law);
-        first.runs = vec![format!("run {HALF}"), "write_restart middle.restart".into()];
-        let first = run(&engine, "step_velocities_first", &scene, &first, ranks[0]);
-        assert!(
-            touching(&first) >= 6,
-            "only {} grains touch",
-            touching(&first)
-        );
+/// A run on one rank, one that is split on four, and restarts from one rank to four and from four to one are the same.
+fn goes_on(engine: &Engine, name: &str, scene: &Scene, deck: &Deck) {
+    let half = deck.steps;
+    let whole = Deck {
+        steps: 2 * half,
+        ..deck.clone()
+    };
+    let whole = run(engine, "step_velocities_whole", scene, &whole, 1);
+    let mut outcomes = vec![];
+    for ranks in [[1, 4], [4, 1]] {
+        let mut first = deck.clone();
+        first.runs = vec![format!("run {half}"), "write_restart middle.restart".into()];
+        let first = run(engine, "step_velocities_first", scene, &first, ranks[0]);
+        let felt = |s: &&crate::harness::State| s.force != [0.0; 3];
+        let touching = first.last().states.iter().filter(felt).count();
+        assert!(touching >= 6, "{name}: only {touching} grains touch");
         let second = Deck {
             pair: vec![],
             source: vec!["read_restart middle.restart".into()],
-            ..deck(law)
+            ..deck.clone()
         };
-        let restarted = attempt_in(&engine, first.directory, &scene, &second, ranks[1]);
+        let restarted = attempt_in(engine, first.directory, scene, &second, ranks[1]);
         assert!(restarted.success, "{}", last_lines(&restarted.output));
-        let mut two = deck(law);
+        outcomes.push((format!("restarted on {ranks:?} ranks"), restarted));
+    }
+    for ranks in [1, 4] {
+        let mut two = deck.clone();
         two.runs = vec![
-            format!("run {}", HALF - 50),
+            format!("run {}", half - 30),
             "run 0".into(),
-            format!("run {}", 50),
-            format!("run {HALF} every 70 NULL"),
+            "run 30".into(),
+            format!("run {half} every 70 NULL"),
         ];
-        let two = run(&engine, "step_velocities_split", &scene, &two, ranks[1]);
-        for (what, outcome) in [("restarted", &restarted), ("split", &two)] {
-            let gap = apart(&format!("{law}, {what}"), outcome, &whole);
-            assert!(gap < 1e-12, "{law}, {what}: {gap:e}");
-        }
+        let two = run(engine, "step_velocities_split", scene, &two, ranks);
+        outcomes.push((format!("split on {ranks} ranks"), two));
+    }
+    for (what, outcome) in outcomes {
+        let gap = apart(&format!("{name}, {what}"), &outcome, &whole);
+        assert!(gap < 1e-12, "{name}, {what}: {gap:e}");
+    }
+}
+
+#[test]
+fn both_versions_split_and_restarted_runs_go_on_under_every_law() {
+    let engine = Engine::from_environment();
+    for law in LAWS {
+        goes_on(&engine, law, &between_walls(), &deck(law));
+    }
+}
+
+/// Two kinds of grains whose pairs are mixed, beside walls with a material of their own.
+#[test]
+fn both_versions_split_and_restarted_runs_of_two_materials_go_on() {
+    let engine = Engine::from_environment();
+    let mut scene = between_walls();
+    scene.kinds = 2;
+    for (k, grain) in scene.grains.iter_mut().enumerate() {
+        grain.kind = 1 + k % 2;
+    }
+    for laws in [
+        [VISCOUS, "nfd 3e8 0.2 4e3 1e3 tangential tfd 0.2"],
+        [
+            "hertz 1e8 0.3 damping restitution 0.6 tangential mindlin 0.5 rolling sds 1e5 0.1 0.1",
+            "hertz 3e8 0.2 damping restitution 0.9 tangential mindlin 0.2 rolling sds 3e5 0 0.05",
+        ],
+    ] {
+        let mut deck = deck(laws[0]);
+        deck.pair = vec![
+            "pair_style gran/ellipsoid".into(),
+            format!("pair_coeff 1 1 {}", laws[0]),
+            format!("pair_coeff 2 2 {}", laws[1]),
+        ];
+        deck.fixes[0] = deck.fixes[0].replace("xplane", "material rigid xplane");
+        goes_on(&engine, &format!("{laws:?}"), &scene, &deck);
     }
 }
 
@@ -154,7 +197,7 @@ fn both_versions_elastic_motion_is_that_of_the_half_step() {
     let gap = apart("elastic", &step, &half);
     assert!(gap < 1e-12, "{gap:e}");
 
-    let viscous = LAWS[1];
+    let viscous = VISCOUS;
     let one = moved("groups_one", viscous, &["fix move all nve/ellipsoid"], 1);
     let groups = ["group a id 1:30", "group b subtract all a"];
     let of_two = [

@@ -11,50 +11,66 @@ use super::shapes::{
 pub const MODULUS: f64 = 1e7;
 pub const POISSON: f64 = 0.3;
 
-/// A wall: how deep a point lies in it, and the curvature of its surface nearby.
+/// A wall: where a grain touches it, and the curvature of its surface there.
 pub struct Wall {
     pub name: &'static str,
     /// Commands before the fix, and its words after the law.
     pub commands: Vec<String>,
     pub words: String,
-    /// Depth of a point in the wall; several surfaces act each by itself.
+    /// Several surfaces act each by itself.
     pub surfaces: Vec<Surface>,
 }
 
-type Depth = Box<dyn Fn(Vector) -> f64>;
-/// Curvature of the wall at the surface point nearest to a point, along a direction: positive where the wall bulges.
-type Bend = Box<dyn Fn(Vector, Vector) -> f64>;
+/// How deep a grain touches, its outward normal there, and its point that is deepest.
+pub type Contact = (f64, Vector, Vector);
+type Find = Box<dyn Fn(&Grain) -> Vec<Contact>>;
+/// Curvature of the wall at a point of it where it meets this outward normal of a grain, along a direction: positive where the wall bulges.
+type Bend = Box<dyn Fn(Vector, Vector, Vector) -> f64>;
 
 pub struct Surface {
-    depth: Depth,
-    bend: Bend,
+    pub find: Find,
+    pub bend: Bend,
 }
 
+/// From the depth of a point in the wall, and its curvature at a point along a direction.
 pub fn surface(
     depth: impl Fn(Vector) -> f64 + 'static,
     bend: impl Fn(Vector, Vector) -> f64 + 'static,
 ) -> Surface {
+    within(depth, bend, |_| true)
+}
+
+/// The part of a surface whose points are told.
+pub fn within(
+    depth: impl Fn(Vector) -> f64 + 'static,
+    bend: impl Fn(Vector, Vector) -> f64 + 'static,
+    is_there: impl Fn(Vector) -> bool + 'static,
+) -> Surface {
     Surface {
-        depth: Box::new(depth),
-        bend: Box::new(bend),
+        find: Box::new(move |g| {
+            let mut found = deepest(g, &depth);
+            found.retain(|(depth, n, point)| is_there(sub(*point, scale(*depth, *n))));
+            found
+        }),
+        bend: Box::new(move |p, _, t| bend(p, t)),
     }
 }
 
-fn grain_point(g: &Grain, w: Vector) -> Vector {
+pub fn grain_point(g: &Grain, w: Vector) -> Vector {
     let scaled = std::array::from_fn(|k| g.semi_axes[k] * w[k]);
     add(g.position, rotate(g.quaternion, scaled))
 }
 
 /// Depths and outward normals of the grain where it is locally deepest in a surface.
-pub fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
-    let depth = |w: Vector| (surface.depth)(grain_point(g, w));
+fn deepest(g: &Grain, depth: &dyn Fn(Vector) -> f64) -> Vec<Contact> {
+    let depth = |w: Vector| depth(grain_point(g, w));
     let (rows, columns) = (60i64, 120i64);
     let direction = |i: i64, j: i64| {
         let t = std::f64::consts::PI * (i as f64 + 0.5) / rows as f64;
         let p = std::f64::consts::TAU * j as f64 / columns as f64;
         [t.sin() * p.cos(), t.sin() * p.sin(), t.cos()]
     };
-    let mut found: Vec<(f64, Vector, Vector)> = vec![];
+    let mut found: Vec<Contact> = vec![];
     for i in 0..rows {
         for j in 0..columns {
             let here = depth(direction(i, j));
@@ -85,9 +101,7 @@ pub fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
                 let local = std::array::from_fn(|k| w[k] / g.semi_axes[k]);
                 let normal = unit(rotate(g.quaternion, local));
                 let point = grain_point(g, w);
-                let known = |c: &(f64, Vector, Vector)| {
-                    length(sub(c.2, point)) < 1e-4 * length(g.semi_axes)
-                };
+                let known = |c: &Contact| length(sub(c.2, point)) < 1e-4 * length(g.semi_axes);
                 if !found.iter().any(known) {
                     found.push((best, normal, point));
                 }
@@ -95,6 +109,10 @@ pub fn contacts(g: &Grain, surface: &Surface) -> Vec<(f64, Vector, Vector)> {
         }
     }
     found
+}
+
+fn contacts(g: &Grain, surface: &Surface) -> Vec<Contact> {
+    (surface.find)(g)
 }
 
 /// Elastic energy and number of contacts.
@@ -106,7 +124,7 @@ pub fn energy(g: &Grain, wall: &Wall) -> (f64, usize) {
             let (u, v) = tangents(n);
             let body = curvature(g.semi_axes, g.quaternion, n, u, v);
             let on_wall = sub(point, scale(depth, n));
-            let bend = |t: Vector| (surface.bend)(on_wall, t);
+            let bend = |t: Vector| (surface.bend)(on_wall, n, t);
             let (uu, vv) = (bend(u), bend(v));
             let diagonal = bend(unit(add(u, v)));
             let other = [uu, diagonal - 0.5 * (uu + vv), vv];
@@ -173,11 +191,20 @@ pub fn ball(sign: f64) -> Surface {
 }
 
 pub fn turned(q: Quaternion, of: Surface) -> Surface {
-    let Surface { depth, bend } = of;
-    surface(
-        move |p| depth(unrotate(q, p)),
-        move |p, t| bend(unrotate(q, p), unrotate(q, t)),
-    )
+    let Surface { find, bend } = of;
+    let back = [q[0], -q[1], -q[2], -q[3]];
+    Surface {
+        find: Box::new(move |g| {
+            let seen = Grain {
+                position: unrotate(q, g.position),
+                quaternion: normalise(compose(back, g.quaternion)),
+                ..g.clone()
+            };
+            let to_world = |(depth, n, p): Contact| (depth, rotate(q, n), rotate(q, p));
+            find(&seen).into_iter().map(to_world).collect()
+        }),
+        bend: Box::new(move |p, n, t| bend(unrotate(q, p), unrotate(q, n), unrotate(q, t))),
+    }
 }
 
 /// The words of a shape about the axis that `q` turns z to, of another length than 1.

@@ -32,7 +32,8 @@ pub fn fresh_directory(engine: &str, name: &str) -> PathBuf {
     directory
 }
 
-/// Runs `deck` in `directory` on `ranks` ranks of `program`; whether it succeeded, and everything it wrote on its streams.
+/// Runs `deck` in `directory` on `ranks` ranks of `program`; whether it succeeded, and everything it wrote on its streams. A program that
+/// a signal ends has crashed, which no test allows.
 pub fn execute(
     program: &Path,
     arguments: &[&str],
@@ -88,6 +89,13 @@ pub fn execute(
     };
     let text = String::from_utf8_lossy(&fs::read(directory.join("output")).unwrap()).into_owned();
     match status {
+        // Launchers of several ranks turn the signal of one into a status above 128.
+        Some(status) if status.code().is_none_or(|code| code > 128) => panic!(
+            "{} crashed in {} ({status}); its last words:\n{}",
+            program.display(),
+            directory.display(),
+            last_lines(&text)
+        ),
         Some(status) => (status.success(), text),
         None => panic!(
             "{} ran longer than {TIME_LIMIT:?} in {}; its last words:\n{}",
