@@ -267,7 +267,7 @@ pub fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
     [1.0f64, 2.0, 5.0, 30.0]
         .iter()
         .flat_map(|aspect| [*aspect; 2])
-        .map(|aspect| {
+        .map(|aspect| loop {
             let largest = 0.25;
             let axes = [largest, largest / aspect, largest / (0.5 * aspect).max(1.0)];
             // from a plane, not along it
@@ -306,7 +306,11 @@ pub fn touching_once(wall: &Wall, random: &mut Random) -> Vec<Grain> {
                     apart = middle;
                 }
             }
-            at(deep)
+            // Of a thin blade the grid may see nothing at the end: then another one.
+            let touching = at(deep);
+            if energy(&touching, wall).1 > 0 {
+                break touching;
+            }
         })
         .collect()
 }
