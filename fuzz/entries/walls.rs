@@ -230,6 +230,7 @@ impl Call<'_> {
             contact_count: 0,
             stiffness: 0.0,
             damping: 0.0,
+            crowded_particle: 0,
         };
         // SAFETY: the arrays are as long as the structs say, the histories as the wall says.
         let status = unsafe {

@@ -857,6 +857,9 @@ fn turn_block<S: Registers>(
     (turned, registers.and(good, are_usual(registers, shapes)))
 }
 
+/// One for the centres and one for the rotations.
+type TwoVectors<S> = [Vector3<Lanes<S>>; 2];
+
 /// [`extrapolate`] of a block; `factors` are half the time over the masses, and half the time.
 #[inline(always)]
 fn extrapolated<S: Registers>(
@@ -864,9 +867,9 @@ fn extrapolated<S: Registers>(
     extrapolation: &mut Extrapolation<'_>,
     (first, count): (usize, usize),
     writes: S::Mask,
-    (loads, velocities): ([Vector3<Lanes<S>>; 2], [Vector3<Lanes<S>>; 2]),
+    (loads, velocities): (TwoVectors<S>, TwoVectors<S>),
     factors: [Lanes<S>; 2],
-) -> [Vector3<Lanes<S>>; 2] {
+) -> TwoVectors<S> {
     let zero = Lanes::splat(registers, 0.0);
     let mut before = two_vectors(registers, extrapolation.loads_before, first, count);
     let were = before;

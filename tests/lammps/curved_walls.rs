@@ -173,6 +173,9 @@ fn thrown(wall: &Wall) -> (Vec<Grain>, f64) {
     (grains, 0.02 / speed)
 }
 
+/// Names and bytes of files beside a deck.
+type Files = Vec<(&'static str, Vec<u8>)>;
+
 /// Errors of the kinetic energies after an elastic bounce, over the energies before it.
 pub fn bounced(
     engine: &Engine,
@@ -227,8 +230,11 @@ fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 #[test]
 fn both_versions_elastic_bounces_keep_their_energy() {
     let engine = Engine::from_environment();
-    let mut all: Vec<(Wall, Vec<(&str, Vec<u8>)>)> =
-        walls().into_iter().map(|wall| (wall, vec![])).collect();
+    let no_files: Files = vec![];
+    let mut all: Vec<(Wall, Files)> = walls()
+        .into_iter()
+        .map(|wall| (wall, no_files.clone()))
+        .collect();
     let square: Vec<mesh_walls::Triangle> = mesh_walls::square(2, -1.0, 7)
         .into_iter()
         .map(|t| t.map(|[x, y, z]| [5.0 * x, 5.0 * y, z]))
