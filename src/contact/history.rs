@@ -15,8 +15,7 @@
 
 use super::forces::{ContactForces, Remembered};
 use super::ranges::{
-    LARGEST_COORDINATE, LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE,
-    LARGEST_TWIST,
+    LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE, LARGEST_TWIST,
 };
 use crate::force::memory::MOST_PARTS;
 use crate::vector::Vector3;
@@ -158,7 +157,7 @@ impl HistoryLayout {
             } else if *k >= self.resistance() {
                 LARGEST_DISPLACEMENT
             } else if self.is_rest(*k) {
-                return !(0.0..=LARGEST_COORDINATE).contains(&history[*k]);
+                return !(0.0..=LARGEST_DISPLACEMENT).contains(&history[*k]);
             } else if Some(*k) == self.energy {
                 LARGEST_TANGENTIAL_ENERGY
             } else if self.of_displacements {

@@ -45,6 +45,9 @@ const EXTREMES: [f64; 26] = [
     5e-324,
 ];
 
+/// Doubles of history of a contact, at most, under the laws here.
+const LONGEST: usize = 8;
+
 const DECKS: [&str; 7] = [
     "hertz 1e4 0.3",
     "hertz 1e4 0.3 damping restitution 0.5 tangential mindlin 0.5 displacement rescaled",
@@ -167,13 +170,13 @@ struct Count([usize; 2]);
 /// The outputs of a call for one contact: as they were after a failure, finite after success.
 struct One {
     touching: i32,
-    history: [f64; 7],
+    history: [f64; LONGEST],
     geometry: Untouched<EllgranContactGeometry>,
     force: Untouched<EllgranContactForce>,
 }
 
 impl One {
-    fn new(touching: i32, history: [f64; 7]) -> One {
+    fn new(touching: i32, history: [f64; LONGEST]) -> One {
         One {
             touching,
             history,
@@ -183,12 +186,18 @@ impl One {
     }
 
     #[track_caller]
-    fn check(mut self, status: i32, length: usize, given: (i32, [f64; 7]), what: &str) -> usize {
+    fn check(
+        mut self,
+        status: i32,
+        length: usize,
+        given: (i32, [f64; LONGEST]),
+        what: &str,
+    ) -> usize {
         if status != ELLGRAN_SUCCESS {
             assert_ne!(status, ELLGRAN_ERROR_PANIC, "{what}: {}", message());
             self.geometry.check();
             self.force.check();
-            let bits = |h: [f64; 7]| h.map(f64::to_bits);
+            let bits = |h: [f64; LONGEST]| h.map(f64::to_bits);
             assert_eq!(
                 (self.touching, bits(self.history)),
                 (given.0, bits(given.1)),
@@ -215,7 +224,7 @@ fn contact(
     laws: &Laws,
     [i, j]: &[EllgranBody; 2],
     step: &EllgranStep,
-    given: (i32, [f64; 7]),
+    given: (i32, [f64; LONGEST]),
     what: &str,
 ) -> (i32, usize) {
     let mut one = One::new(given.0, given.1);
@@ -240,7 +249,7 @@ fn contact_plane(
     i: &EllgranBody,
     plane: &EllgranPlane,
     step: &EllgranStep,
-    given: (i32, [f64; 7]),
+    given: (i32, [f64; LONGEST]),
     what: &str,
 ) -> (i32, usize) {
     let mut one = One::new(given.0, given.1);
@@ -269,7 +278,7 @@ const PLANE: EllgranPlane = EllgranPlane {
 };
 
 /// A contact that has lasted, of whatever layout.
-const LASTED: (i32, [f64; 7]) = (1, [1.0, 0.0, 0.0, 0.0, 1e-3, -1e-3, 10.0]);
+const LASTED: (i32, [f64; LONGEST]) = (1, [1.0, 0.0, 0.0, 0.0, 1e-3, -1e-3, 10.0, 0.0]);
 
 #[test]
 fn bodies_of_one_contact() {
@@ -278,7 +287,7 @@ fn bodies_of_one_contact() {
         let mut count = Count::default();
         spoiled(|name, x, which, bodies| {
             let what = format!("{deck}: {name} {x:e}");
-            for given in [(0, [0.0; 7]), LASTED] {
+            for given in [(0, [0.0; LONGEST]), LASTED] {
                 let (status, failed) = contact(&laws, &bodies, &STEP, given, &what);
                 check_message(status, x, which, &what);
                 count.0[failed] += 1;
@@ -354,7 +363,7 @@ fn directions_of_any_length() {
     let force = |plane: EllgranPlane, quaternion: [f64; 4]| {
         let mut body = pair_of(SHAPES[0])[0];
         body.quaternion = quaternion;
-        let mut one = One::new(0, [0.0; 7]);
+        let mut one = One::new(0, [0.0; LONGEST]);
         // SAFETY: all pointers are valid.
         ok(unsafe {
             ellgran_contact_plane(
@@ -633,7 +642,7 @@ fn contacts_at_the_ends_of_all_ranges() {
         let (deck, bodies, step) = anything(&mut random);
         let what = format!("{deck}: {bodies:?} {step:?}");
         let laws = Laws::new(&[&deck]);
-        let mut given = (0, [0.0; 7]);
+        let mut given = (0, [0.0; LONGEST]);
         for _ in 0..3 {
             let mut one = One::new(given.0, given.1);
             let (g, f) = (one.geometry.pointer(), one.force.pointer());
@@ -654,7 +663,8 @@ fn contacts_at_the_ends_of_all_ranges() {
             normal: random.vector(-1.0, 1.0),
             velocity: bodies[1].velocity,
         };
-        let (status, _) = contact_plane(&laws, &bodies[0], &plane, &step, (0, [0.0; 7]), &what);
+        let (status, _) =
+            contact_plane(&laws, &bodies[0], &plane, &step, (0, [0.0; LONGEST]), &what);
         assert_eq!(status, ELLGRAN_SUCCESS, "{}: {what}", message());
     }
     assert!(touching > 1000, "{touching}");
@@ -980,7 +990,7 @@ fn constants_of_the_laws() {
                 }
                 let laws = Laws(laws);
                 let what = format!("{deck}: {x:e}");
-                let (status, _) = contact(&laws, &bodies, &STEP, (0, [0.0; 7]), &what);
+                let (status, _) = contact(&laws, &bodies, &STEP, (0, [0.0; LONGEST]), &what);
                 assert_eq!(status, 0, "{what}: {}", message());
             }
         }
