@@ -290,11 +290,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- The most relaxing parts that two bodies have.
- */
-#define MOST_PARTS 3
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;
