@@ -280,9 +280,8 @@ impl OnDevice {
                 *other = own;
             }
             if self.of_step {
-                for c in 0..6 {
-                    let (own, other) = (changes[k][c], m.changes[k][c]);
-                    near(own, other, scales[1], 1e-15, "change", k);
+                for (own, other) in changes[k].iter().zip(m.changes[k]) {
+                    near(*own, other, scales[1], 1e-15, "change", k);
                 }
                 m.changes[k] = changes[k];
             }
