@@ -2316,12 +2316,15 @@ int32_t ellgran_wall_add_shape(struct EllgranWall *wall,
                                const struct EllgranWallShape *shape);
 
 /*
- Adds a shape to a wall that the words of a deck describe, those that follow `shape`:
+ Adds a shape to a wall that the words of a deck describe, those that follow `shape`: its name, then in any order
 
- ```text
- NAME [point x y z] [axis ax ay az] [radius r] [radii r1 r2] [bounds lo hi]
-      [ends none|open|closed none|open|closed] [side inside|outside|centre]
- ```
+ - `point x y z`
+ - `axis ax ay az`
+ - `radius r`
+ - `radii r1 r2`
+ - `bounds lo hi`
+ - `ends`, and for each of two ends `none`, `open` or `closed`
+ - `side`, and `inside`, `outside` or `centre`
 
  The fields of `EllgranWallShape` by their names; `axis` is z where it is not given. Reading ends at the first word that is none of these:
  `consumed` receives how many were read.
