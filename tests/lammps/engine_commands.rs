@@ -326,7 +326,7 @@ fn decomposition() -> Vec<Case> {
         Case { pair: "pair_style hybrid/scaled 0.5 gran/ellipsoid\npair_coeff * * gran/ellipsoid hertz 1e7 0.3", ..held("`pair_style hybrid/scaled`", "compute p all pair gran/ellipsoid\nthermo_style custom step pe c_p[1]", "run 0\nprint \"HELD $(pe:%.17g) $(0.5*c_p[1]:%.17g) 1e-12\"") },
         refused("`comm_modify group`", "group a id 1:9\natom_modify first a\ncomm_modify group a", &["comm_modify group", "ghost"]),
         Case { runs: "pair_write 1 1 10 r 0.001 0.02 table.txt key", ..refused("`pair_write`", "", &["pair_write", "distance of centres"]) },
-        refused("`kspace_style`", "kspace_style zero 1e-4", &["KSpace style zero"]),
+        refused("`kspace_style`", "kspace_style zero 1e-4", &["zero"]),
         Case { pair: "pair_style hybrid/overlay gran/ellipsoid lj/cut 0.01\npair_coeff * * gran/ellipsoid LAW\npair_coeff * * lj/cut 0 1", ..works("`pair_style hybrid`, `pair_style hybrid/overlay`") },
         held("`neigh_modify exclude`", "variable k0 equal $(ke(all):%.17g)\nneigh_modify exclude group all all", "run 60\nprint \"HELD $(ke(all):%.17g) ${k0} 1e-12\""),
         Case { after_data: "replicate 2 1 1", commands: "compute e all pe/atom\ngroup a id 1:27\ngroup b subtract all a\ncompute s a reduce sum c_e\ncompute t b reduce sum c_e\nthermo_style custom step pe c_s c_t", runs: "run 0\nprint \"HELD $(atoms) 54 0\"\nprint \"HELD $(c_s:%.17g) $(c_t:%.17g) 1e-9\"\nprint \"HELD $(c_s>0) 1 0\"", expected: Expected::Numbers, ..works("`replicate` before the first run") },
