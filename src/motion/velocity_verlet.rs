@@ -529,15 +529,16 @@ fn vectors<S: Registers>(
     Vector3::new(x, y, z)
 }
 
-/// The reverse of [`vectors`].
+/// The reverse of [`vectors`], where the mask is set; else what was there before.
 #[inline(always)]
 fn put_vectors<S: Registers>(
     registers: S,
-    v: Vector3<Lanes<S>>,
+    (mask, v, before): (S::Mask, Vector3<Lanes<S>>, Vector3<Lanes<S>>),
     array: &mut [[f64; 3]],
     first: usize,
     count: usize,
 ) {
+    let v = Vector3::select(mask, v, before);
     put_components(registers, [v.x, v.y, v.z], &mut array[first..], count);
 }
 
@@ -631,13 +632,7 @@ impl<B: Bodies> Turn<'_, '_, B> {
 
         let x_before = vectors(registers, a.positions, first, count);
         let x = v.scale_add(over_mass.constant(self.time_step), x_before);
-        put_vectors(
-            registers,
-            select3(writes, x, x_before),
-            a.positions,
-            first,
-            count,
-        );
+        put_vectors(registers, (writes, x, x_before), a.positions, first, count);
         let [v, l] = match &mut a.extrapolation {
             None => [v, l],
             Some(extrapolation) => extrapolated(
@@ -649,16 +644,10 @@ impl<B: Bodies> Turn<'_, '_, B> {
                 [over_mass, over_mass.constant(half)],
             ),
         };
+        put_vectors(registers, (writes, v, v_before), a.velocities, first, count);
         put_vectors(
             registers,
-            select3(writes, v, v_before),
-            a.velocities,
-            first,
-            count,
-        );
-        put_vectors(
-            registers,
-            select3(writes, l, l_before),
+            (writes, l, l_before),
             a.angular_momenta,
             first,
             count,
@@ -787,8 +776,8 @@ impl<B: Bodies> Stage for Spin<'_, '_, B> {
                 let (omega, sound) = spins(registers, self.arrays, &shapes, first, count);
                 let sound = registers.bits(sound) & moves;
                 let before = vectors(registers, self.found, first, count);
-                let omega = select3(registers.mask(sound), omega, before);
-                put_vectors(registers, omega, self.found, first, count);
+                let found = (registers.mask(sound), omega, before);
+                put_vectors(registers, found, self.found, first, count);
                 hard &= !sound;
             }
             while hard != 0 {
@@ -877,7 +866,7 @@ fn extrapolated<S: Registers>(
     let ratio = Lanes::select(known, zero.constant(extrapolation.step_ratio), zero);
     let (mut changes, mut found) = (velocities, velocities);
     for k in 0..2 {
-        before[k] = select3(known, before[k], loads[k]);
+        before[k] = Vector3::select(known, before[k], loads[k]);
         let steady = Lanes::select(loads[k].dot(before[k]).less(zero), zero, factors[k]);
         let load = (loads[k] - before[k]).scale_add(ratio, loads[k]);
         changes[k] = load * steady;
@@ -888,16 +877,16 @@ fn extrapolated<S: Registers>(
         loads
     } else {
         [
-            select3(writes, loads[0], were[0]),
-            select3(writes, loads[1], were[1]),
+            Vector3::select(writes, loads[0], were[0]),
+            Vector3::select(writes, loads[1], were[1]),
         ]
     };
     put_two_vectors(registers, now, extrapolation.loads_before, first, count);
     if !kept {
         let were = two_vectors(registers, extrapolation.changes, first, count);
         changes = [
-            select3(writes, changes[0], were[0]),
-            select3(writes, changes[1], were[1]),
+            Vector3::select(writes, changes[0], were[0]),
+            Vector3::select(writes, changes[1], were[1]),
         ];
     }
     put_two_vectors(registers, changes, extrapolation.changes, first, count);
@@ -966,23 +955,17 @@ fn kick_block<S: Registers, B: Bodies>(
             let were = two_vectors(registers, extrapolation.changes, first, count);
             let changes = [were[0] - f * over_mass, were[1] - t * half];
             let kept = [
-                select3(writes, changes[0], were[0]),
-                select3(writes, changes[1], were[1]),
+                Vector3::select(writes, changes[0], were[0]),
+                Vector3::select(writes, changes[1], were[1]),
             ];
             put_two_vectors(registers, kept, extrapolation.changes, first, count);
             [v_before - changes[0], l_before - changes[1]]
         }
     };
+    put_vectors(registers, (writes, v, v_before), a.velocities, first, count);
     put_vectors(
         registers,
-        select3(writes, v, v_before),
-        a.velocities,
-        first,
-        count,
-    );
-    put_vectors(
-        registers,
-        select3(writes, l, l_before),
+        (writes, l, l_before),
         a.angular_momenta,
         first,
         count,
@@ -993,20 +976,6 @@ fn kick_block<S: Registers, B: Bodies>(
         hard &= hard - 1;
         finish_step_of_body(a, first + lane, 2.0 * time);
     }
-}
-
-/// The first where the mask is set, else the second.
-#[inline(always)]
-fn select3<S: Registers>(
-    mask: S::Mask,
-    a: Vector3<Lanes<S>>,
-    b: Vector3<Lanes<S>>,
-) -> Vector3<Lanes<S>> {
-    Vector3::new(
-        Lanes::select(mask, a.x, b.x),
-        Lanes::select(mask, a.y, b.y),
-        Lanes::select(mask, a.z, b.z),
-    )
 }
 
 /// Spheres, and where the result is exact to rounding.
