@@ -526,10 +526,7 @@ void FixWallGranEllipsoid::min_post_force(int vflag)
 void FixWallGranEllipsoid::place_step_velocity_fix()
 {
   velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
-  if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
-  if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
-  fix_step_velocity = add_step_velocity(modify, std::string("ELLGRAN_STEP_VELOCITY_") + id);
-  id_step_velocity = fix_step_velocity->id;
+  fix_step_velocity = place_step_velocity(modify, fix_step_velocity, std::string("ELLGRAN_STEP_VELOCITY_") + id, id_step_velocity);
 }
 
 /* Called in every step and when forces are computed without a step: a step may have got another length or number. */

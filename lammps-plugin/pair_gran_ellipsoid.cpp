@@ -203,7 +203,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   follow_dissipation();
   // What acts on a ghost acts on its owner.
   if (work_wanted && force->newton_pair) {
-    const bool images_move = domain->deform_vremap != 0;
+    const bool images_move = domain->deform_vremap || (fix_step_velocity && fix_step_velocity->box_moves());
     if (images_move) image_powers = inelastic_powers(atom->nlocal + atom->nghost);
     comm->reverse_comm(this);
     if (images_move) {
@@ -334,6 +334,7 @@ void PairGranEllipsoid::add_following_half_step()
   step.advance_history = 1;
   EllgranParticles particles = atoms.view();
   if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
+  if (fix_step_velocity && fix_step_velocity->box_moves()) fix_step_velocity->replace_velocities(particles, false);
   if (ellgran_tally_following_half_step(&particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
   // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
@@ -347,11 +348,13 @@ void PairGranEllipsoid::add_following_half_step()
 std::array<double, 2> PairGranEllipsoid::inelastic_powers(int count) const
 {
   std::array<double, 2> powers{};
+  const bool found = fix_step_velocity && fix_step_velocity->box_moves();
   for (int i = 0; i < count; i++) {
     const double *const load = &inelastic_loads[static_cast<std::size_t>(i) * LOADS_PER_ATOM];
     for (int k = 0; k < 3; k++) {
-      powers[0] += load[k] * atom->v[i][k];
-      powers[1] += load[6 + k] * atom->v[i][k];
+      const double velocity = atom->v[i][k] + (found ? fix_step_velocity->found(i)[k] : 0.0);
+      powers[0] += load[k] * velocity;
+      powers[1] += load[6 + k] * velocity;
     }
   }
   return powers;
@@ -823,10 +826,7 @@ void PairGranEllipsoid::refuse_what_cannot_work()
 void PairGranEllipsoid::place_step_velocity_fix()
 {
   velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
-  if (fix_step_velocity && !modify->get_fix_by_id(id_step_velocity)) fix_step_velocity = nullptr;
-  if (fix_step_velocity || !FixEllgranStepVelocity::needed(modify)) return;
-  fix_step_velocity = add_step_velocity(modify, "ELLGRAN_STEP_VELOCITY_PAIR");
-  id_step_velocity = fix_step_velocity->id;
+  fix_step_velocity = place_step_velocity(modify, fix_step_velocity, "ELLGRAN_STEP_VELOCITY_PAIR", id_step_velocity);
 }
 
 void PairGranEllipsoid::find_mass_sources()

@@ -11,6 +11,7 @@ mod harness;
 
 use engines::shapes;
 
+mod changing_box;
 mod closed_forms;
 mod conservation;
 mod contact_or_not;

@@ -166,7 +166,8 @@ pub struct State {
     /// Of the library: another one may answer otherwise.
     pub version: String,
     pub seed: u64,
-    pub instruction_sets: Vec<String>,
+    /// How many of the pairs went through each instruction set: a run may go on on a machine that has others.
+    pub pairs_by_instruction_set: BTreeMap<String, u64>,
     /// Processor time so far, all threads together.
     pub seconds: f64,
     pub families: BTreeMap<String, Counts>,
@@ -177,13 +178,12 @@ impl State {
     /// Of the file, or a new one where there is none.
     ///
     /// # Errors
-    /// A file that is of another version, seed or machine.
+    /// A file that is of another version or seed.
     pub fn begin(file: &Path, seed: u64) -> Result<State, Box<dyn std::error::Error>> {
-        let sets = crate::support::list::instruction_sets();
         let new = State {
             version: env!("CARGO_PKG_VERSION").into(),
             seed,
-            instruction_sets: sets.map(|s| s.name().into()).collect(),
+            pairs_by_instruction_set: BTreeMap::new(),
             seconds: 0.0,
             families: BTreeMap::new(),
             refusals: super::refusals::Refusals::default(),
@@ -193,16 +193,12 @@ impl State {
         }
         let old: State = serde_json::from_str(&std::fs::read_to_string(file)?)
             .map_err(|e| format!("{} is not the state of a run: {e}", file.display()))?;
-        let same = old.version == new.version
-            && old.seed == new.seed
-            && old.instruction_sets == new.instruction_sets;
-        if !same {
+        if old.version != new.version || old.seed != new.seed {
             return Err(format!(
-                "{} is of version {}, seed {}, instruction sets {}: remove it, or name another file with --state",
+                "{} is of version {}, seed {}: remove it, or name another file with --state",
                 file.display(),
                 old.version,
-                old.seed,
-                old.instruction_sets.join(" ")
+                old.seed
             )
             .into());
         }
@@ -217,6 +213,14 @@ impl State {
         out.sync_all()?;
         std::fs::rename(next, file)?;
         Ok(())
+    }
+
+    /// So many more pairs went through each instruction set of this machine.
+    pub fn count_for_each_set(&mut self, pairs: u64) {
+        for set in crate::support::list::instruction_sets() {
+            let name = set.name().to_string();
+            *self.pairs_by_instruction_set.entry(name).or_default() += pairs;
+        }
     }
 
     pub fn pairs(&self) -> u64 {

@@ -90,6 +90,13 @@ def pairs_part(state, rows):
     )
 
 
+def instruction_sets(state, pairs):
+    """Those that all pairs went through, then the others with how many did: a run goes on on machines that have more, or fewer."""
+    by_set = state["pairs_by_instruction_set"]
+    order = sorted(by_set, key=lambda name: (-by_set[name], ["scalar", "baseline", "avx2", "avx512", "neon"].index(name)))
+    return ", ".join(name if by_set[name] == pairs else f"{name} {grouped(by_set[name])} of them" for name in order)
+
+
 def findings_part(state):
     """The findings, and known.md: what is known of them and of those of earlier runs, written by hand."""
     lines = []
@@ -193,7 +200,7 @@ def main():
     origin = json.loads((run / "origin.json").read_text())
     reference, stability = read_csv(run / "reference.csv"), read_csv(run / "stability.csv")
     rows = counts(state)
-    origin.update(seed=state["seed"], seconds=round(state["seconds"]), instruction_sets=state["instruction_sets"])
+    origin.update(seed=state["seed"], seconds=round(state["seconds"]), pairs_by_instruction_set=state["pairs_by_instruction_set"])
     write_csv(HERE / "counts.csv", rows, ["family", "blocks", *COUNTS])
     write_csv(HERE / "reference.csv", reference, list(reference[0]))
     write_csv(HERE / "stability.csv", stability, list(stability[0]))
@@ -202,7 +209,7 @@ def main():
     pairs = sum(row["pairs"] for row in rows)
     wrong = sum(row[key] for row in rows for key in WRONG)
     wrong_reference = sum(bool(row["wrong"]) for row in reference)
-    sets = ", ".join(state["instruction_sets"])
+    sets = instruction_sets(state, pairs)
     text = (
         "# Stiff and extreme\n\n"
         f"**Conclusion.** Of {grouped(pairs)} pairs made to be hard, through the neighbour-list path on each instruction set ({sets}), {grouped(wrong)} are wrong; of a sample of "

@@ -68,11 +68,13 @@ pub fn go_on(
                 })
             })
             .collect();
+        let done = state.pairs();
         let families = &mut state.families;
         for (family, part) in run_all(&jobs, threads) {
             let whole = families.entry(family.name().into()).or_default();
             whole.add(part);
         }
+        state.count_for_each_set(state.pairs() - done);
         if last_said.elapsed() > Duration::from_secs(5) {
             last_said = Instant::now();
             said(state, share);

@@ -67,6 +67,11 @@ fn a_run_goes_on_where_it_stopped() {
     let mut second = State::begin(&file, SEED).unwrap();
     assert_eq!(second.pairs(), first.pairs());
     ran(&mut second, 3_000);
+    let by_set = &second.pairs_by_instruction_set;
+    assert_eq!(by_set.len(), support::list::instruction_sets().count());
+    for (set, pairs) in by_set {
+        assert_eq!(*pairs, whole.pairs(), "{set}");
+    }
     for (name, counts) in &whole.families {
         let other = &second.families[name];
         assert_eq!(counts.pairs, other.pairs);

@@ -38,7 +38,7 @@ pub struct Options {
     /// What the pairs are drawn from; another one is another run, and needs another --state
     #[arg(long, default_value_t = 2013)]
     seed: u64,
-    /// Go on with the run that is stored in validation/stress, of the same instruction sets
+    /// Go on with the run that is stored in validation/stress, with the instruction sets of this machine
     #[arg(long, conflicts_with = "seed")]
     stored: bool,
     /// The directory that the run is kept in, and gone on from [default: stress-output in the checkout]

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Do contacts feel the displacement with which a changing box carries the grains and their images?
+//!
+//! LAMMPS tells no velocity for it with `fix deform ... remap x` or `none`, `fix nph/asphere` and `fix press/berendsen`.
+
+use crate::harness::{crowd, run, Deck, Engine, Frame, Grain, Scene};
+use crate::shapes::{length, scale, sub, Vector};
+
+const LAW: &str = "nfd 1e7 0.3 200 200 tangential tfd 0.5";
+const STEPS: u64 = 200;
+const TIME_STEP: f64 = 1e-5;
+
+/// Grains at rest in contact, in a periodic box.
+fn at_rest() -> Scene {
+    let mut scene = crowd(64);
+    for grain in &mut scene.grains {
+        grain.position = scale(0.85, grain.position);
+        grain.velocity = [0.0; 3];
+        grain.angular_momentum = [0.0; 3];
+    }
+    scene.high = scale(0.85, scene.high);
+    scene
+}
+
+/// Rates with which the edges of the box change, relative to the edge along the same axis, in the words of `fix deform`.
+struct Flow {
+    words: &'static str,
+    /// Along the diagonal: xx, yy, zz.
+    stretch: Vector,
+    /// yz, xz, xy: over the edge along the second axis.
+    shear: Vector,
+}
+
+impl Flow {
+    /// Velocity of a point of the box of the start that the flow carries along: constant.
+    fn velocity(&self, scene: &Scene, at: Vector) -> Vector {
+        let (from_low, from_middle): (Vector, Vector) = (
+            sub(at, scene.low),
+            std::array::from_fn(|k| at[k] - 0.5 * (scene.low[k] + scene.high[k])),
+        );
+        let [yz, xz, xy] = self.shear;
+        [
+            self.stretch[0] * from_middle[0] + xy * from_low[1] + xz * from_low[2],
+            self.stretch[1] * from_middle[1] + yz * from_low[2],
+            self.stretch[2] * from_middle[2],
+        ]
+    }
+}
+
+const FLOWS: [Flow; 5] = [
+
+    Flow {
+        words: "x erate -10",
+        stretch: [-10.0, 0.0, 0.0],
+        shear: [0.0; 3],
+    },
+    Flow {
+        words: "y erate -5 z erate 5",
+        stretch: [0.0, -5.0, 5.0],
+        shear: [0.0; 3],
+    },
+    Flow {
+        words: "xy erate 20",
+        stretch: [0.0; 3],
+        shear: [0.0, 0.0, 20.0],
+    },
+    // flipped at half of an edge
+    Flow {
+        words: "xy erate 300 x erate -20",
+        stretch: [-20.0, 0.0, 0.0],
+        shear: [0.0, 0.0, 300.0],
+    },
+    Flow {
+        words: "yz erate -290 xz erate 20",
+        stretch: [0.0; 3],
+        shear: [-290.0, 20.0, 0.0],
+    },
+];
+
+fn deck(steps: u64) -> Deck {
+    Deck {
+        integrate: false,
+        fixes: vec!["fix move all nve/noforce".into()],
+        time_step: TIME_STEP,
+        skin: 2e-3,
+        steps,
+        ..Deck::new(LAW)
+    }
+}
+
+fn largest(frame: &Frame, vector: fn(&crate::harness::State) -> Vector) -> f64 {
+    let sizes = frame.states.iter().map(|s| length(vector(s)));
+    sizes.fold(0.0, f64::max)
+}
+
+fn apart(one: &Frame, other: &Frame, vector: fn(&crate::harness::State) -> Vector) -> f64 {
+    let pairs = one.states.iter().zip(&other.states);
+    pairs
+        .map(|(a, b)| length(sub(vector(a), vector(b))))
+        .fold(0.0, f64::max)
+}
+
+/// Images in an open box, as many along each axis: what stands in the middle has all its neighbours, whatever the shear.
+const COPIES: [i32; 3] = [5, 5, 3];
+
+/// The grains with velocities of their own, in the middle of copies of themselves: no box takes part. The first grains are those
+/// that are copied.
+fn without_box(scene: &Scene, flow: &Flow) -> Scene {
+    let mut grains = vec![];
+    let range = |k: usize| -(COPIES[k] / 2)..=COPIES[k] / 2;
+    let mut cells: Vec<[i32; 3]> = range(0)
+        .flat_map(|x| range(1).flat_map(move |y| range(2).map(move |z| [x, y, z])))
+        .collect();
+    cells.sort_by_key(|cell| cell.iter().map(|n| n.abs()).sum::<i32>());
+    for cell in cells {
+        for grain in &scene.grains {
+            let mut copy = grain.clone();
+            for k in 0..3 {
+                copy.position[k] += f64::from(cell[k]) * (scene.high[k] - scene.low[k]);
+            }
+            copy.velocity = flow.velocity(scene, copy.position);
+            grains.push(copy);
+        }
+    }
+    Scene::open(1.0, grains)
+}
+
+/// The same affine motion twice: carried by the box, and by the grains' own velocities.
+#[test]
+fn both_versions_what_the_box_carries_is_as_good_as_a_velocity() {
+    let engine = Engine::from_environment();
+    let scene = at_rest();
+    for (k, flow) in FLOWS.iter().enumerate() {
+        let name = format!("box_none_{k}");
+        let own = run(&engine, &name, &without_box(&scene, flow), &deck(STEPS), 1);
+        let count = scene.grains.len();
+        let own = Frame {
+            step: STEPS,
+            states: own.last().states[..count].to_vec(),
+        };
+        for (ranks, newton) in [(1, true), (4, true), (2, false)] {
+            // the box carries the grains at the end of a step: forces see it one step later
+            let mut carried = deck(STEPS + 1);
+            carried.newton = newton;
+            carried.fixes.splice(
+                0..0,
+                [
+                    "change_box all triclinic".to_string(),
+                    format!("fix box all deform 1 {} remap x", flow.words),
+                ],
+            );
+            let name = format!("box_carries_{k}_{ranks}");
+            let carried = run(&engine, &name, &scene, &carried, ranks);
+            let carried = carried.last();
+            let force = apart(carried, &own, |s| s.force) / largest(&own, |s| s.force);
+            let torque = apart(carried, &own, |s| s.torque) / largest(&own, |s| s.torque);
+            println!(
+                "{}, {ranks} ranks: forces apart by {force:.1e}, torques by {torque:.1e}",
+                flow.words
+            );
+            // displacements of a step have lost so many digits of the positions that they are differences of
+            assert!(force < 1e-9 && torque < 1e-9, "{}", flow.words);
+        }
+    }
+}
+
+/// Two spheres in touch within the box, or across its boundary, whose line of centres is oblique to the axis of the change.
+fn touching(across: bool) -> Scene {
+    let radius = 1e-2;
+    let (cosine, sine) = (0.8, 0.6);
+    let along = [
+        0.995 * 2.0 * radius * cosine,
+        0.995 * 2.0 * radius * sine,
+        0.0,
+    ];
+    let first: Vector = if across { [0.094, 0.05, 0.05] } else { [0.04, 0.05, 0.05] };
+    let mut second: Vector = std::array::from_fn(|k| first[k] + along[k]);
+    if across {
+        second[0] -= 0.1;
+    }
+    let grains = [first, second].map(|at| Grain::new([radius; 3], at));
+    Scene::periodic([0.0; 3], [0.1; 3], grains.to_vec())
+}
+
+/// Friction that never slides and a memory of the displacement itself: it must be what the grains, or one of them and the image of
+/// the other, were carried past each other.
+#[test]
+fn both_versions_the_tangential_displacement_is_that_of_the_box() {
+    let engine = Engine::from_environment();
+    const MODULUS: f64 = 1e9;
+    // what changes the length along x, whether the grains go with it
+    let changes = [
+        ("fix box all deform 1 x erate -0.5 remap x", "", true),
+        ("fix box all deform 1 x erate -0.5 remap none", "", false),
+        (
+            "fix box all press/berendsen x 1e9 1e9 0.8 modulus 1e9",
+            "",
+            true,
+        ),
+        ("", "nph/asphere x 3e6 3e6 0.1 ptemp 1e20 fixedpoint 0.05 0.05 0.05", true),
+    ];
+    for (change, integrator, carries) in changes {
+        for across in [false, true] {
+            let mut deck = Deck::new(&format!(
+                "hertz {MODULUS:e} 0.3 tangential mindlin 1e6 displacement total"
+            ));
+            deck.integrate = false;
+            deck.fixes = if integrator.is_empty() {
+                vec!["fix move all nve/noforce".into(), change.into()]
+            } else {
+                // the barostat moves the box, and nothing else moves
+                vec![format!("fix move all {integrator}"), "fix still all freeze".into()]
+            };
+            deck.fixes.extend([
+                "compute slip all pair/local p20".into(),
+                "compute slips all reduce sum c_slip inputs local".into(),
+            ]);
+            deck.thermo_columns = "step lx c_slips".into();
+            deck.thermo_every = 400;
+            (deck.time_step, deck.steps, deck.skin) = (TIME_STEP, 400, 5e-3);
+            let outcome = run(&engine, "box_slip", &touching(across), &deck, 1);
+            let rows = outcome.thermo();
+            let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+            let (before, now) = (first["Lx"], last["Lx"]);
+            let way = if carries {
+                0.995 * 2e-2 * 0.8 * (now / before - 1.0)
+            } else if across {
+                now - before
+            } else {
+                0.0
+            };
+            let expected = (0.6 * way).abs();
+            let found = last["c_slips"];
+            println!(
+                "{change}{integrator}, across {across}: box by {:.1e}, {found:.4e} m, expected {expected:.4e}",
+                now / before - 1.0
+            );
+            assert!((now / before - 1.0).abs() > 1e-4, "the box stays");
+            // the line of centres turns by as much as the box changes
+            let allowed = 10.0 * (now / before - 1.0).abs() * expected + 1e-12;
+            assert!((found - expected).abs() < allowed, "{change}{integrator}");
+        }
+    }
+}
