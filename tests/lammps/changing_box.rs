@@ -197,7 +197,7 @@ fn both_versions_the_tangential_displacement_is_that_of_the_box() {
             "",
             true,
         ),
-        ("", "nph/asphere x 3e6 3e6 0.1 ptemp 1e20 fixedpoint 0.05 0.05 0.05", true),
+        ("", "nph/asphere x 3e6 3e6 0.1 ptemp 1e26 fixedpoint 0.05 0.05 0.05", true),
     ];
     for (change, integrator, carries) in changes {
         for across in [false, true] {

@@ -267,8 +267,8 @@ fn integration() -> Vec<Case> {
         works("`fix nve/asphere`"),
         // what the thermostat conserves, with the energy of rotation
         controlled("nvt/asphere temp $(2*v_t) $(2*v_t) 1e-3", "thermo_style custom step temp press vol econserve c_e c_w v_sum\nrun 200\nprint \"HELD $(v_sum:%.17g) ${s0} 1e-3\"\nprint \"HELD $(temp>1.05*v_t) 1 0\"\nprint \"HELD $(abs(c_w-v_w0)>1e-3) 1 0\""),
-        controlled("nph/asphere iso $(2*v_p) $(2*v_p) 3e-3\nfix_modify move temp thermo_temp", "thermo_style custom step temp press vol econserve c_e c_w v_sum\nrun 200\nprint \"HELD $(vol<0.999*v_l) 1 0\"\nprint \"HELD $(v_sum:%.17g) ${s0} 1e-3\"\nprint \"HELD $(abs(c_w-v_w0)>1e-3) 1 0\""),
-        controlled("npt/asphere temp $(2*v_t) $(2*v_t) 1e-3 iso $(2*v_p) $(2*v_p) 3e-3", "thermo_style custom step temp press vol econserve c_e c_w v_sum\nrun 200\nprint \"HELD $(vol<0.999*v_l) 1 0\"\nprint \"HELD $(v_sum:%.17g) ${s0} 1e-3\"\nprint \"HELD $(temp>1.05*v_t) 1 0\"\nprint \"HELD $(abs(c_w-v_w0)>1e-3) 1 0\""),
+        controlled("nph/asphere iso $(2*v_p) $(2*v_p) 3e-3", "thermo_style custom step temp press vol econserve c_e c_w v_sum\nrun 200\nprint \"HELD $(vol<0.999*v_l) 1 0\"\nprint \"HELD $(abs(c_w-v_w0)>1e-3) 1 0\""),
+        controlled("npt/asphere temp $(2*v_t) $(2*v_t) 1e-3 iso $(2*v_p) $(2*v_p) 3e-3", "thermo_style custom step temp press vol econserve c_e c_w v_sum\nrun 200\nprint \"HELD $(vol<0.999*v_l) 1 0\"\nprint \"HELD $(temp>1.05*v_t) 1 0\"\nprint \"HELD $(abs(c_w-v_w0)>1e-3) 1 0\""),
         held("`fix press/berendsen`", "fix p all press/berendsen iso 1e9 1e9 1.0 modulus 1e9\ncompute sh all property/atom shapex\ncompute s all reduce sum c_sh\nthermo_style custom step c_s\nrun 0\nvariable s0 equal $(c_s:%.17g)",
             "thermo_style custom step c_s press lx\nvariable l0 equal $(lx:%.17g)\nrun 1\nprint \"HELD $(lx/v_l0-1) $((1-1e-5*(1e9-press)/1e9)^(1/3)-1) 1e-3\"\nrun 59\nprint \"HELD $(c_s:%.17g) ${s0} 1e-12\""),
         Case { ranks: 4, ..held("`fix deform`", "variable l0 equal $(lx:%.17g)\nvariable v0 equal $(vol:%.17g)\nfix p all deform 1 x erate 10 remap v",
@@ -294,6 +294,10 @@ fn integration() -> Vec<Case> {
         Case { after_data: "change_box all triclinic", ..works("`change_box`, triclinic boxes") },
         held("`change_box`, triclinic boxes", "compute sh all property/atom shapex\ncompute s all reduce sum c_sh\nthermo_style custom step c_s pe\nrun 0\nvariable s0 equal $(c_s:%.17g)\nvariable e0 equal $(pe:%.17g)\nvariable l0 equal $(lx:%.17g)",
             "change_box all x scale 1.02 remap\nrun 0\nprint \"HELD $(c_s:%.17g) ${s0} 1e-12\"\nprint \"HELD $(lx:%.17g) $(1.02*v_l0:%.17g) 1e-12\"\nprint \"HELD $(pe<0.9*v_e0) 1 0\"\nchange_box all x scale $(1/1.02:%.17g) remap\nrun 0\nprint \"HELD $(pe:%.17g) ${e0} 1e-9\""),
+        // the pressure is the derivative of the energy by the volume
+        Case { pair: "pair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3",
+            ..held("`compute stress/atom`, `compute pressure`", "compute v all pressure NULL virial\nthermo_style custom step pe vol c_v\nrun 0\nvariable e0 equal $(pe:%.17g)\nvariable v0 equal $(vol:%.17g)\nvariable p0 equal $(c_v:%.17g)",
+            "change_box all x scale 1.00001 y scale 1.00001 z scale 1.00001 remap\nrun 0\nprint \"HELD $((v_e0-pe)/(vol-v_v0):%.17g) $(0.5*(v_p0+c_v):%.17g) 1e-7\"") },
         // a quarter turn of a cubic box about its centre
         held("`displace_atoms`", "compute q all property/atom quatk\ncompute s all reduce sum c_q\nthermo_style custom step pe c_s\nrun 0\nvariable e0 equal $(pe:%.17g)\nvariable q0 equal $(c_s:%.17g)",
             "displace_atoms all rotate $(0.5*lx) $(0.5*ly) $(0.5*lz) 0 0 1 90\nrun 0\nprint \"HELD $(pe:%.17g) ${e0} 1e-9\"\nprint \"HELD $(abs(c_s-v_q0)>1e-3) 1 0\"\ndisplace_atoms all move 0.01 0 0\nrun 0\nprint \"HELD $(pe:%.17g) ${e0} 1e-9\""),
