@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """Whole scenes to their end: a drum and a hopper of 5 000 ellipsoids. Does the balance of energies close, on one rank and four and over a
-restart in the middle; does the hopper discharge at the same rate in LAMMPS and LIGGGHTS?"""
+restart in the middle, of both; does the hopper discharge at the same rate in LAMMPS and LIGGGHTS?"""
 from __future__ import annotations
 
 import argparse
@@ -8,6 +8,7 @@ import os
 import subprocess
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
@@ -72,32 +73,44 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--grains", type=int, default=5000, help="of the drum; the hopper has as many, to a layer")
     parser.add_argument("--turns", type=float, default=0.5, help="of the drum")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     options = parser.parse_args()
     started = time.monotonic()
     lammps, liggghts = os.environ["ELLGRAN_LAMMPS"], os.environ["ELLGRAN_LIGGGHTS"]
     plugin = os.environ["ELLGRAN_LAMMPS_PLUGIN"]
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
         steps = round(options.turns * TURN / 500) * 500
         # As full a drum at any number of grains.
         drum = {"plugin": plugin, "grains": options.grains, "radius": f"{0.08 * (options.grains / 5000) ** 0.5:.6g}"}
-        drums: List[Dict[str, Any]] = []
-        for name, ranks in (("one rank", 1), ("four ranks", 4)):
-            drums += named(name, run(lammps, "drum.lmp", {**drum, "steps": steps, "restart": f"{scratch}/whole"}, DRUM, ranks))
-        half = steps // 1000 * 500
-        first = run(lammps, "drum.lmp", {**drum, "steps": half, "restart": f"{scratch}/half"}, DRUM)
-        again = {"continued": "yes", "from": f"{scratch}/half", "restart": f"{scratch}/end"}
-        second = run(lammps, "drum.lmp", {**drum, **again, "steps": steps}, DRUM)
-        drums += named("restarted", first[:-1] + second)
-        write_csv(HERE / "drum.csv", drums)
-
         stl = Path(scratch) / "hopper.stl"
         hopper_mesh(stl)
         # 177 grains a layer of the lattice.
         layers = max(1, round(options.grains / 177))
-        hopper = {"stl": stl, "top": f"{0.0055 + 0.006 * layers:.6g}", "fill": 15000, "flow": round(10 * options.grains)}
-        rows = named("LAMMPS", run(lammps, "hopper.lmp", {"plugin": plugin, **hopper}, HOPPER))
-        write_csv(HERE / "hopper.csv", rows)
-        write_csv(HERE / "hopper_liggghts.csv", run(liggghts, "hopper.lig", hopper, HOPPER[:3]))
+        hopper = {"stl": stl, "top": f"{0.0055 + 0.006 * layers:.6g}", "fill": 15000}
+        flow = round(10 * options.grains)
+
+        def whole(scene: str, values: Dict[str, Any], last: int, columns: Sequence[str], ranks: int) -> List[Dict[str, float]]:
+            return run(lammps, f"{scene}.lmp", {**values, "steps": last, "restart": f"{scratch}/{scene}.{ranks}"}, columns, ranks)
+
+        def restarted(scene: str, values: Dict[str, Any], half: int, last: int, columns: Sequence[str]) -> List[Dict[str, float]]:
+            first = run(lammps, f"{scene}.lmp", {**values, "steps": half, "restart": f"{scratch}/{scene}.half"}, columns)
+            again = {"continued": "yes", "from": f"{scratch}/{scene}.half", "restart": f"{scratch}/{scene}.end"}
+            return first[:-1] + run(lammps, f"{scene}.lmp", {**values, **again, "steps": last}, columns)
+
+        scenes = {}
+        for scene, values, half, last, columns in (
+            ("drum", drum, steps // 1000 * 500, steps, DRUM),
+            ("hopper", {"plugin": plugin, **hopper}, 15000 + flow // 2, 15000 + flow, HOPPER),
+        ):
+            scenes[scene] = {
+                "one rank": pool.submit(whole, scene, values, last, columns, 1),
+                "four ranks": pool.submit(whole, scene, values, last, columns, 4),
+                "restarted": pool.submit(restarted, scene, values, half, last, columns),
+            }
+        in_liggghts = pool.submit(run, liggghts, "hopper.lig", {**hopper, "flow": flow}, HOPPER[:3])
+        for scene, runs in scenes.items():
+            write_csv(HERE / f"{scene}.csv", [row for name, rows in runs.items() for row in named(name, rows.result())])
+        write_csv(HERE / "hopper_liggghts.csv", in_liggghts.result())
     words = "" if options.grains == 5000 and options.turns == 0.5 else f" -- --grains {options.grains} --turns {options.turns}"
     write_origin(HERE, started, command=f"cargo xtask validate scenes{words}", LAMMPS=os.environ["ELLGRAN_LAMMPS_VERSION"])
 

@@ -39,7 +39,9 @@ def main() -> None:
     drums = read_csv(HERE / "drum.csv")
     names = list(dict.fromkeys(row["run"] for row in drums))
     runs = {name: [row for row in drums if row["run"] == name] for name in names}
-    hopper = read_csv(HERE / "hopper.csv")
+    of_hopper = read_csv(HERE / "hopper.csv")
+    hopper_runs = {name: [row for row in of_hopper if row["run"] == name] for name in names}
+    hopper = hopper_runs[names[0]]
     hoppers = {"LAMMPS": hopper, "LIGGGHTS": read_csv(HERE / "hopper_liggghts.csv")}
 
     figure, plots = plt.subplots(1, 3, figsize=(14, 4.2))
@@ -61,8 +63,9 @@ def main() -> None:
     for colour, name in zip(COLOURS, names):
         rows = [row for row in runs[name] if dissipated(row) > 0.01 * dissipated(runs[name][-1])]
         plots[1].plot(column(rows, "step") * STEP, np.abs([row["left_over"] / dissipated(row) for row in rows]), color=colour, linewidth=1.2, label=f"drum, {name}")
-    rows = [row for row in hopper if dissipated(row) > 0.01 * dissipated(hopper[-1])]
-    plots[1].plot(column(rows, "step") * STEP, np.abs([row["left_over"] / dissipated(row) for row in rows]), color=COLOURS[3], linewidth=1.2, label="hopper")
+    for colour, name in zip(COLOURS, names):
+        rows = [row for row in hopper_runs[name] if dissipated(row) > 0.01 * dissipated(hopper_runs[name][-1])]
+        plots[1].plot(column(rows, "step") * STEP, np.abs([row["left_over"] / dissipated(row) for row in rows]), color=colour, linewidth=1.2, linestyle=":", label=f"hopper, {name}")
     plots[1].axhline(1e-3, color="#333333", linewidth=0.8, linestyle="--")
     plots[1].set(yscale="log", xlabel="time, s", ylabel="left over / dissipated", title="balance of energies")
     plots[1].legend()
@@ -72,7 +75,7 @@ def main() -> None:
         plots[2].plot(since, passed, color=colour, linewidth=1.2, label=f"{engine}: {rates[engine]:.0f} grains a second")
     plots[2].set(xlabel="time since the gate was taken away, s", ylabel="share that has left", title="hopper")
     plots[2].legend(loc="lower right")
-    worst = max(abs(rows[-1]["left_over"]) / dissipated(rows[-1]) for rows in [*runs.values(), hopper])
+    worst = max(abs(rows[-1]["left_over"]) / dissipated(rows[-1]) for rows in [*runs.values(), *hopper_runs.values()])
     # Two independent draws of about as many grains, which arrive in no order.
     apart = abs(rates["LAMMPS"] / rates["LIGGGHTS"] - 1)
     save(figure, HERE, f"The energies of whole scenes add up to {worst:.1e} of what is dissipated")
@@ -105,7 +108,7 @@ def main() -> None:
     parts = [
         f"The drum (`drum.lmp`): {grains} ellipsoids of aspect ratio 2.5, 8 mm long, in a cylinder that turns once in 1.57 s. The hopper (`hopper.lmp`, `hopper.lig`): {hopper[0]['grains']:.0f} "
         "ellipsoids of aspect ratio 1.43, 5 mm long, in a cylinder of radius 50 mm on a cone of 45° with an outlet of radius 20 mm, a mesh of 192 triangles. NFD and TFD, `fix nve/ellipsoid`, steps of 2e-5 s.",
-        "## Energies\n\n" + table(head, [*[cells(f"drum, {name}", rows) for name, rows in runs.items()], cells("hopper", hopper)]) + "\n"
+        "## Energies\n\n" + table(head, [*[cells(f"drum, {name}", rows) for name, rows in runs.items()], *[cells(f"hopper, {name}", rows) for name, rows in hopper_runs.items()]]) + "\n"
         "What is left over is the error of the time step. Grains collide in a disordered way, so that after a while runs on another number of ranks differ in each grain and agree in the mean: "
         + "; ".join(f"{name}: mean torque of the second half {mean[name]:.5f} ± {spread[name]:.5f} N m" for name in names)
         + (" (the restarted run's first half is the whole run's to the last digit)." if same == 0 else f" (first halves apart by {same:.1e} J of work)."),
@@ -114,6 +117,8 @@ def main() -> None:
             f"{engine}: {rates[engine]:.1f} grains a second ({rates[engine] * GRAIN:.4f} kg/s) between a tenth and a half of the {rows[0]['above']:.0f} grains, {rows[-1]['above']:.0f} left above the outlet"
             for engine, rows in hoppers.items()
         )
+        + ". In LAMMPS on other ranks: "
+        + "; ".join(f"{name} {discharge(rows)[2]:.1f} a second" for name, rows in hopper_runs.items() if name != names[0])
         + ". Positions at the start are the same in both engines, orientations are drawn by each.",
     ]
     write(HERE, "Whole scenes", conclusion, parts, ["drum.csv", "hopper.csv", "hopper_liggghts.csv"])
