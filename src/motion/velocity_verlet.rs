@@ -1039,6 +1039,20 @@ fn by_two_rotations<S: Registers>(
     (of_revolution(q, own_axis, angles), good)
 }
 
+/// Where one step of the expansion is exact to rounding.
+#[inline(always)]
+fn is_slow<S: Registers>(registers: S, omega: Vector3<Lanes<S>>, time: f64) -> S::Mask {
+    // One that is not a number is not less than anything, but may hide behind the larger of two: the sum shows it.
+    let largest = omega.x.abs().max(omega.y.abs()).max(omega.z.abs()) * time;
+    let sum = (omega.x.abs() + omega.y.abs() + omega.z.abs()) * time;
+    let limit = largest.constant(LARGEST_EXPANDED_TURN);
+    registers.and(largest.less(limit), sum.less(limit * 4.0))
+}
+
+/// Parts of a step that the lanes take one after the other where one of them turns too fast for the whole: most that turn too fast
+/// turn a little too fast.
+const PARTS_IN_LANES: usize = 4;
+
 /// A chunk of bodies with three different semi-axes, and where the result is exact to rounding.
 #[inline(always)]
 fn in_expansion<S: Registers>(
@@ -1050,14 +1064,25 @@ fn in_expansion<S: Registers>(
     time: f64,
 ) -> (Quaternion<Lanes<S>>, S::Mask) {
     let (inverse_moments, ratios) = moments(mass, a);
-    let axes = rotation_columns(q, mass.constant(2.0));
-    let omega = body_velocity(axes, momentum, inverse_moments);
-    // One that is not a number is not less than anything, but may hide behind the larger of two: the sum shows it.
-    let largest = omega.x.abs().max(omega.y.abs()).max(omega.z.abs()) * time;
-    let sum = (omega.x.abs() + omega.y.abs() + omega.z.abs()) * time;
-    let limit = mass.constant(LARGEST_EXPANDED_TURN);
-    let good = registers.and(largest.less(limit), sum.less(limit * 4.0));
-    (of_three_moments(q, omega, ratios, time), good)
+    // Every lane.
+    let all = mass.constant(0.0).less(mass.constant(1.0));
+    let (mut q, mut parts, mut good) = (q, 1, all);
+    let mut part = 0;
+    while part < parts {
+        let omega = body_velocity(
+            rotation_columns(q, mass.constant(2.0)),
+            momentum,
+            inverse_moments,
+        );
+        if part == 0 && !registers.all(is_slow(registers, omega, time)) {
+            parts = PARTS_IN_LANES;
+        }
+        let share = time / parts as f64;
+        good = registers.and(good, is_slow(registers, omega, share));
+        q = of_three_moments(q, omega, ratios, share);
+        part += 1;
+    }
+    (q, good)
 }
 
 /// Inverses of the moments of inertia of a solid ellipsoid, and `(I_y - I_z)/I_x` and so on, cyclically.

@@ -48,7 +48,6 @@ impl Flow {
 }
 
 const FLOWS: [Flow; 5] = [
-
     Flow {
         words: "x erate -10",
         stretch: [-10.0, 0.0, 0.0],
@@ -173,7 +172,11 @@ fn touching(across: bool) -> Scene {
         0.995 * 2.0 * radius * sine,
         0.0,
     ];
-    let first: Vector = if across { [0.094, 0.05, 0.05] } else { [0.04, 0.05, 0.05] };
+    let first: Vector = if across {
+        [0.094, 0.05, 0.05]
+    } else {
+        [0.04, 0.05, 0.05]
+    };
     let mut second: Vector = std::array::from_fn(|k| first[k] + along[k]);
     if across {
         second[0] -= 0.1;
@@ -197,7 +200,11 @@ fn both_versions_the_tangential_displacement_is_that_of_the_box() {
             "",
             true,
         ),
-        ("", "nph/asphere x 3e6 3e6 0.1 ptemp 1e26 fixedpoint 0.05 0.05 0.05", true),
+        (
+            "",
+            "nph/asphere x 3e6 3e6 0.1 ptemp 1e26 fixedpoint 0.05 0.05 0.05",
+            true,
+        ),
     ];
     for (change, integrator, carries) in changes {
         for across in [false, true] {
@@ -209,7 +216,10 @@ fn both_versions_the_tangential_displacement_is_that_of_the_box() {
                 vec!["fix move all nve/noforce".into(), change.into()]
             } else {
                 // the barostat moves the box, and nothing else moves
-                vec![format!("fix move all {integrator}"), "fix still all freeze".into()]
+                vec![
+                    format!("fix move all {integrator}"),
+                    "fix still all freeze".into(),
+                ]
             };
             deck.fixes.extend([
                 "compute slip all pair/local p20".into(),
