@@ -111,6 +111,10 @@ pub fn test(options: &Options) -> Result<()> {
     }
     steps.run("core, C and CMake consumers", || run_open(&mut core))?;
     if options.filter.is_none() {
+        steps.run("ten million steps of free rotation", || {
+            let one = "free_rotation::energy_has_no_drift_in_ten_million_steps";
+            run_open(cargo().args(["test", "--test", "theory", "--", "--ignored", one]))
+        })?;
         steps.run("bench, quick kernels", || {
             let output = tempfile::tempdir()?;
             bench::quick_kernels(output.path())
