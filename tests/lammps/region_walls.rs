@@ -160,11 +160,25 @@ fn rim(height: f64, radius: f64, admits: impl Fn(f64, f64) -> bool + 'static) ->
                 .filter(|n| place((-n[1]).atan2(-n[0])).0 > 0.999 * disc(*n))
                 .map(|n| contact(g, n, disc(n)))
                 .collect();
+            // From inside the rim acts where it is deepest in the grain, which may be at both ends of a needle. The depth is that of the
+            // tangent, which may pass through the grain beside the rim: at a contact the grain is deepest at the rim itself.
             let near = g.position[1].atan2(g.position[0]);
-            let (_, angle) = narrowed(&|a| -place(a).0, near - 0.5, near + 0.5);
-            let (depth, n, out) = place(angle);
-            if depth > 0.0 && out < -1e-6 && admits(out, -n[2]) {
-                found.push(contact(g, n, depth));
+            let (count, width) = (64, 1.0 / 64.0);
+            let at = |k: i32| near - 0.5 + f64::from(k) * width;
+            let depths: Vec<f64> = (0..=count).map(|k| place(at(k)).0).collect();
+            for k in 1..count {
+                let [before, here, after] = [-1, 0, 1].map(|m| depths[(k + m) as usize]);
+                if here < before || here <= after {
+                    continue;
+                }
+                let (_, angle) = narrowed(&|a| -place(a).0, at(k - 1), at(k + 1));
+                let (depth, n, out) = place(angle);
+                let c = contact(g, n, depth);
+                let ahead = dot(c.2, [-angle.sin(), angle.cos(), 0.0]);
+                let is_there = ahead.abs() < 1e-4 * largest(g);
+                if depth > 0.0 && out < -1e-6 && is_there && admits(out, -n[2]) {
+                    found.push(c);
+                }
             }
             found
         }),

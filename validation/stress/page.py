@@ -212,7 +212,7 @@ def main():
     sets = instruction_sets(state, pairs)
     text = (
         "# Stiff and extreme\n\n"
-        f"**Conclusion.** Of {grouped(pairs)} pairs made to be hard, through the neighbour-list path on each instruction set ({sets}), {grouped(wrong)} are wrong; of a sample of "
+        f"**Conclusion.** Of {grouped(pairs)} pairs made to be hard, through the neighbour-list path on each instruction set ({sets}), {grouped(wrong)} {"is" if wrong == 1 else "are"} wrong; of a sample of "
         f"{len(reference)}, with the worst, {wrong_reference} are wrong against 60 digits. Nothing hung: the slowest search took "
         f"{max(row['slowest_microseconds'] for row in rows) / 1000:.2g} ms.\n\n"
         "Each block of 64 pairs has a law of its own: Hertz, NFD or LSD with Young's modulus 1e3 to 1e13, friction 0 to 1e3, from no damping to relaxation times of 1e7 steps, all "

@@ -116,7 +116,7 @@ def main() -> None:
         "## What follows\n\n"
         "- What loads once is right. What `tfd` lacks is the loop of the way back.\n"
         "- Vibrated and cyclically sheared packings below sliding lose energy by micro-slip in the full problem, and not in `tfd`. Viscosity is all that damps them.\n"
-        "- A law that closes the gap keeps turning points (Mindlin and Deresiewicz 1953, in Jaeger's form). It is not in the library.\n"
+        "- A bed of springs, each with Coulomb's limit, closes the gap (Popov and Hess 2015, after Jaeger 1995): tried with 8 elements, whose history is 17 numbers a contact, its force is off by 0.7 % of mu F_n at most in the cycles up to 0.4, by 1.2 % in those up to 0.8 and by 3 % where it slides in between, and by 4 % at most with a changing normal force; what the cycles dissipate is right to 5 % but for the loaded deep, at worst 14 %; it creates none. Led in a circle it dissipates 0.7 to 0.85 of the full problem. `springs.py` prints that. It is not in the library yet.\n"
         "- Both `total` and `incremental` can be driven to give energy, `rescaled` could not: it stays the default of `tfd`.",
         "## What is left out\n\nTwisting about the normal, unequal materials (whose shear changes the pressure), rolling.",
     ]
