@@ -114,8 +114,8 @@ fn without_box(scene: &Scene, flow: &Flow) -> Scene {
     for cell in cells {
         for grain in &scene.grains {
             let mut copy = grain.clone();
-            for k in 0..3 {
-                copy.position[k] += f64::from(cell[k]) * (scene.high[k] - scene.low[k]);
+            for (k, images) in cell.iter().enumerate() {
+                copy.position[k] += f64::from(*images) * (scene.high[k] - scene.low[k]);
             }
             copy.velocity = flow.velocity(scene, copy.position);
             grains.push(copy);
