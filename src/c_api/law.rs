@@ -454,7 +454,8 @@ pub unsafe extern "C" fn ellgran_laws_history_length(laws: *const EllgranLaws) -
 
 /// Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 for NULL and without friction, unless something
 /// resists rolling or twisting.
-/// It is the displacement xi with `displacement total`, else the force that it would give without slip.
+/// It is the displacement xi with `displacement total`, the force of all springs with `displacement hysteretic`, else the force
+/// that there would be without slip.
 ///
 /// # Safety
 /// `laws` is NULL or valid.

@@ -574,7 +574,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 /// of `history`.
 ///
 /// `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
-/// keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
+/// keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default) or `hysteretic`, else 3. The first three
 /// change sign when the two bodies are exchanged.
 ///
 /// # Safety
@@ -664,8 +664,14 @@ fn wrong_memory(layout: &HistoryLayout, memory: &[f64]) -> Option<usize> {
     layout.first_wrong(&history).map(|(place, _)| place - at)
 }
 
-/// Refuses a law whose normal force has a memory.
+/// Refuses a law whose normal force has a memory, and one with springs of partial slip.
 fn without_memory(law: &PairLaw) -> Result<(), Failure> {
+    if law.kinds.tangential.has_springs() {
+        return Err(Failure::new(
+            ELLGRAN_ERROR_LAW,
+            "the tangential force has no springs in stages: give 'displacement rescaled'",
+        ));
+    }
     if law.kinds.normal.memory == 0 {
         return Ok(());
     }
@@ -751,6 +757,7 @@ unsafe fn with_history(
         memory: Vector3::new(memory[0], memory[1], memory[2]),
         energy: memory.get(3).copied().unwrap_or(0.0),
         rests: [0.0; MOST_PARTS],
+        springs: None,
     };
     let f = compute(contact, law, friction, &step, &mut history).map_err(|r| staged.hale(r))?;
     let result = force_of(None, &f);

@@ -8,7 +8,8 @@ use crate::force::conservative::{
 use crate::force::contact_begin::begin_factor;
 use crate::force::memory::{normal_force_with_memory, Approach, ForceWithMemory, MOST_PARTS};
 use crate::force::{
-    normal_force, tangential_force, Factors, LawConstants, LawKinds, TangentialForce,
+    force_of_springs, normal_force, tangential_force, Factors, LawConstants, LawKinds, Springs,
+    TangentialForce, SPRINGS,
 };
 use crate::geometry::curvature::inverse_weingarten;
 use crate::real::Real;
@@ -601,7 +602,8 @@ fn time_in_contact<T: Real>(x: &Contact<T>, motion: &Motion<T>, remembered: &Rem
 ///
 /// `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the kernel has at all; `kinds` decides within them. `RATE`
 /// must be on where velocities are needed: any damping, friction, or powers asked for. `WALL` takes `j` as a
-/// half-space.
+/// half-space. `springs` are those that are remembered of `displacement hysteretic`, world frame, zeros where the contact begins;
+/// written. `None` where no law of the scene has such.
 #[inline(always)]
 pub fn contact_forces<
     T: Real,
@@ -616,6 +618,7 @@ pub fn contact_forces<
     curvature: Symmetric2<T>,
     x: &Contact<T>,
     remembered: &Remembered<T>,
+    springs: Option<&mut Springs<Vector3<T>, T>>,
 ) -> ContactForces<T> {
     let zero = x.penetration.constant(0.0);
     let motion = if RATE {
@@ -723,26 +726,62 @@ pub fn contact_forces<
             let way = motion.rate * time;
             increment = increment * kinds.tangential.mean_stiffness(x.penetration, way);
         }
-        let t: TangentialForce<T> = tangential_force(
-            &kinds.tangential,
-            &c.tangential,
-            (normal.force, normal.stiffness),
-            factors,
-            curvature,
-            turn.carry(x, remembered.memory),
-            remembered.energy,
-            // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
-            // step before.
-            zero.less(remembered.time),
-            increment,
-            match x.begin_time {
-                Some(time) => {
-                    let begin = kinds.tangential.begin();
-                    velocity_at_step * begin_factor(begin, x.penetration, rate, time)
+        let velocity_of_viscous = match x.begin_time {
+            Some(time) => {
+                let begin = kinds.tangential.begin();
+                velocity_at_step * begin_factor(begin, x.penetration, rate, time)
+            }
+            None => velocity_at_step,
+        };
+        // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
+        // step before.
+        let passes = zero.less(remembered.time);
+        let of_normal = (normal.force, normal.stiffness);
+        let memory = turn.carry(x, remembered.memory);
+        let t: TangentialForce<T> = match springs {
+            Some(springs) if kinds.tangential.has_springs() => {
+                let mut bed = Springs {
+                    forces: [memory; SPRINGS],
+                    reference: springs.reference,
+                    penetration: springs.penetration,
+                };
+                for (carried, force) in bed.forces.iter_mut().zip(&springs.forces) {
+                    *carried = turn.carry(x, *force);
                 }
-                None => velocity_at_step,
-            },
-        );
+                let t = force_of_springs(
+                    &kinds.tangential,
+                    &c.tangential,
+                    of_normal,
+                    factors,
+                    curvature,
+                    x.penetration,
+                    &mut bed,
+                    memory,
+                    remembered.energy,
+                    passes,
+                    increment,
+                    velocity_of_viscous,
+                );
+                for (force, carried) in springs.forces.iter_mut().zip(&bed.forces) {
+                    *force = x.tangent.vector(*carried);
+                }
+                springs.reference = bed.reference;
+                springs.penetration = bed.penetration;
+                t
+            }
+            _ => tangential_force(
+                &kinds.tangential,
+                &c.tangential,
+                of_normal,
+                factors,
+                curvature,
+                memory,
+                remembered.energy,
+                passes,
+                increment,
+                velocity_of_viscous,
+            ),
+        };
         load.add_tangential::<WALL>(t.force, r_i, r_j);
         result.tangential_force = x.tangent.vector(t.force);
         result.memory = x.tangent.vector(t.memory);

@@ -4,21 +4,38 @@
 //! ```text
 //! [ normal x y z ]         cached normal, from i to j        unless the scene is told to go without
 //! [ memory x y z ]         xi or zeta, world frame           with friction
-//! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled`
+//! [ energy ]               elastic energy of the memory      with friction and `displacement rescaled` or `hysteretic`
 //! [ rest ... ]             penetrations of rest              with `viscosity memory`, one of each relaxing part
+//! [ springs 8 x y z ]      forces of springs, world frame    with friction and `displacement hysteretic`
+//! [ reference, d ]         penetrations: of the grid of the springs, and of the last step; with these
 //! [ way x y z ]            way of rolling, world frame       with `rolling`
 //! [ torque, angle ]        that the twist holds              with `twisting`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory, and the same of rolling and
-//! twisting and of rest. Where there are such there is room for a memory too, with friction or without.
+//! twisting, of rest and of the two penetrations of springs. Where there are such there is room for a memory too, with friction or
+//! without.
 
 use super::forces::{ContactForces, Remembered};
 use super::ranges::{
     LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE, LARGEST_TWIST,
 };
 use crate::force::memory::MOST_PARTS;
+use crate::force::{Springs, SPRINGS};
 use crate::vector::Vector3;
+
+/// Doubles of the springs of partial slip: a force of each in the world frame, the penetration of reference, that of the last step.
+pub(crate) const SPRING_NUMBERS: usize = 3 * SPRINGS + 2;
+
+/// Springs of partial slip, world frame.
+pub type RememberedSprings = Springs<Vector3>;
+
+/// Springs of a contact that begins.
+pub(crate) const NO_SPRINGS: RememberedSprings = Springs {
+    forces: [Vector3::ZERO; SPRINGS],
+    reference: 0.0,
+    penetration: 0.0,
+};
 
 /// Time step and whether the history is advanced.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +69,8 @@ pub struct Remembers {
     pub energy: bool,
     /// Penetrations of rest of the relaxing parts of the normal force: how many.
     pub rests: usize,
+    /// Springs of partial slip.
+    pub springs: bool,
     /// The way of rolling.
     pub rolling: bool,
     /// Torque and angle of the twist.
@@ -71,6 +90,8 @@ pub struct HistoryLayout {
     pub rests: Option<usize>,
     /// How many they are.
     pub rest_count: usize,
+    /// Where the springs of partial slip stand.
+    pub springs: Option<usize>,
     /// Where the way of rolling stands.
     pub rolling: Option<usize>,
     /// Where the torque and the angle of the twist stand.
@@ -83,7 +104,7 @@ pub struct HistoryLayout {
 
 impl HistoryLayout {
     /// Doubles per contact of the longest layout.
-    pub(crate) const LONGEST: usize = 15;
+    pub(crate) const LONGEST: usize = 15 + SPRING_NUMBERS;
 
     /// The layout for a scene.
     pub fn new(remembers: Remembers) -> Self {
@@ -99,6 +120,7 @@ impl HistoryLayout {
         let memory = take(remembers.tangential, 3);
         let energy = take(remembers.tangential && remembers.energy, 1);
         let rests = take(remembers.rests > 0, remembers.rests);
+        let springs = take(remembers.tangential && remembers.springs, SPRING_NUMBERS);
         let rolling = take(remembers.rolling, 3);
         let twisting = take(remembers.twisting, 2);
         HistoryLayout {
@@ -107,6 +129,7 @@ impl HistoryLayout {
             energy,
             rests,
             rest_count: remembers.rests,
+            springs,
             rolling,
             twisting,
             length,
@@ -121,6 +144,7 @@ impl HistoryLayout {
             tangential: self.memory.is_some(),
             energy: self.energy.is_some(),
             rests: self.rest_count,
+            springs: self.springs.is_some(),
             rolling: self.rolling.is_some(),
             twisting: self.twisting.is_some(),
         }
@@ -130,6 +154,45 @@ impl HistoryLayout {
     fn is_rest(&self, place: usize) -> bool {
         self.rests
             .is_some_and(|at| (at..at + self.rest_count).contains(&place))
+    }
+
+    /// Whether a place is one of the forces of springs.
+    fn is_spring_force(&self, place: usize) -> bool {
+        self.springs
+            .is_some_and(|at| (at..at + 3 * SPRINGS).contains(&place))
+    }
+
+    /// Whether a place is one of the two penetrations of springs.
+    fn is_spring_penetration(&self, place: usize) -> bool {
+        self.springs
+            .is_some_and(|at| (at + 3 * SPRINGS..at + SPRING_NUMBERS).contains(&place))
+    }
+
+    /// The springs of a history; `None` where the layout has no room for them.
+    #[inline(always)]
+    pub(crate) fn springs_of(&self, history: &[f64]) -> Option<RememberedSprings> {
+        let numbers = &history[self.springs?..][..SPRING_NUMBERS];
+        let mut springs = NO_SPRINGS;
+        for (force, n) in springs.forces.iter_mut().zip(numbers.chunks_exact(3)) {
+            *force = Vector3::new(n[0], n[1], n[2]);
+        }
+        springs.reference = numbers[3 * SPRINGS];
+        springs.penetration = numbers[3 * SPRINGS + 1];
+        Some(springs)
+    }
+
+    /// Writes them.
+    #[inline(always)]
+    pub(crate) fn write_springs(&self, history: &mut [f64], springs: Option<&RememberedSprings>) {
+        let (Some(at), Some(springs)) = (self.springs, springs) else {
+            return;
+        };
+        let numbers = &mut history[at..at + SPRING_NUMBERS];
+        for (n, force) in numbers.chunks_exact_mut(3).zip(&springs.forces) {
+            n.copy_from_slice(&force.to_array());
+        }
+        numbers[3 * SPRINGS] = springs.reference;
+        numbers[3 * SPRINGS + 1] = springs.penetration;
     }
 
     /// The tangential memory of a history and its energy; zeros where the layout has no room for them.
@@ -156,7 +219,9 @@ impl HistoryLayout {
                 LARGEST_TWIST
             } else if *k >= self.resistance() {
                 LARGEST_DISPLACEMENT
-            } else if self.is_rest(*k) {
+            } else if self.is_spring_force(*k) {
+                LARGEST_TANGENTIAL_FORCE
+            } else if self.is_rest(*k) || self.is_spring_penetration(*k) {
                 return !(0.0..=LARGEST_DISPLACEMENT).contains(&history[*k]);
             } else if Some(*k) == self.energy {
                 LARGEST_TANGENTIAL_ENERGY
@@ -180,7 +245,10 @@ impl HistoryLayout {
             .zip(&source[..self.length])
             .enumerate()
         {
-            let the_same = Some(k) == self.energy || self.is_rest(k) || k >= self.resistance();
+            let the_same = Some(k) == self.energy
+                || self.is_rest(k)
+                || self.is_spring_penetration(k)
+                || k >= self.resistance();
             *t = if the_same { *s } else { -s };
         }
     }

@@ -33,7 +33,7 @@ pub struct Features {
     pub viscous: bool,
     /// The conservative law's additional terms.
     pub conservative: bool,
-    /// Relaxing parts of the normal force, which are remembered.
+    /// Relaxing parts of the normal force, or springs of partial slip: a history that only the kernels with records have room for.
     pub memory: bool,
     /// A term that reads masses.
     pub mass: bool,
@@ -51,7 +51,7 @@ impl Features {
             resistance: any(&|l| l.resistance.any()),
             viscous: any(&|l| l.kinds.normal.relaxation || l.kinds.normal.restitution),
             conservative: any(&|l| l.kinds.conservative),
-            memory: any(&|l| l.kinds.normal.memory > 0),
+            memory: any(&|l| l.kinds.normal.memory > 0 || l.kinds.tangential.has_springs()),
             mass: any(&|l| l.kinds.normal.restitution),
             hale: any(&|l| l.kinds.hale),
         }
@@ -119,17 +119,19 @@ impl Laws {
             };
             table.iter().any(some)
         };
-        let rescaled = remembers(Displacement::Rescaled);
+        let hysteretic = remembers(Displacement::Hysteretic);
+        let energy = remembers(Displacement::Rescaled) || hysteretic;
         let some = |f: &dyn Fn(&PairLaw) -> bool| table.iter().any(f);
         let mut layout = HistoryLayout::new(Remembers {
             normal: cached_normal,
             tangential: features.friction,
-            energy: rescaled,
+            energy,
             rests: table
                 .iter()
                 .map(|l| l.kinds.normal.memory as usize)
                 .max()
                 .unwrap_or(0),
+            springs: hysteretic,
             rolling: some(&|l| l.resistance.rolling != RollingResistance::None),
             twisting: some(&|l| l.resistance.twisting != TwistingResistance::None),
         });

@@ -4,7 +4,7 @@
 
 use super::couple::{couple, Couple, TurningContact};
 use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
-use super::history::{recall, remember, HistoryLayout, Step};
+use super::history::{recall, remember, HistoryLayout, Step, NO_SPRINGS};
 use super::particle::{effective_mass, Particle};
 use crate::force::{hertz_factors, Factors, PairLaw};
 use crate::geometry::{search, ContactSearch, Ellipsoid, Outcome, Support};
@@ -250,6 +250,10 @@ pub fn through_law<
         begin_time: x.changes.map(|_| step.time_step),
         ..*x
     };
+    let mut springs = layout.springs_of(history);
+    if !touched {
+        springs = springs.map(|_| NO_SPRINGS);
+    }
     let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, WALL>(
         &law.kinds,
         &law.constants,
@@ -257,8 +261,10 @@ pub fn through_law<
         x.curvature(),
         x,
         &remembered,
+        springs.as_mut(),
     );
     remember(layout, history, x.normal, &f);
+    layout.write_springs(history, springs.as_ref());
     f
 }
 

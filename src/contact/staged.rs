@@ -3,7 +3,7 @@
 //! user combine them. The same functions as in one call, so that both give the same numbers.
 
 use super::forces::{contact_forces, Contact, ContactForces, Remembered};
-use super::history::Step;
+use super::history::{RememberedSprings, Step, NO_SPRINGS};
 use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
 use super::particle::Particle;
 use super::turning_normal::{along_and_across, TurningNormal};
@@ -46,6 +46,8 @@ pub struct StagedHistory {
     pub energy: f64,
     /// Penetrations of rest, of `viscosity memory`; written.
     pub rests: [f64; MOST_PARTS],
+    /// Springs of partial slip, of `displacement hysteretic`; written. `None` where no law has such.
+    pub springs: Option<RememberedSprings>,
 }
 
 /// A contact whose geometry is known.
@@ -187,7 +189,7 @@ impl StagedContact {
             ..self.x
         };
         let nothing = Remembered::nothing(false, x.normal);
-        let mut f = self.forces::<false>(&law, &x, &nothing)?;
+        let mut f = self.forces::<false>(&law, &x, &nothing, None)?;
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
@@ -272,7 +274,10 @@ impl StagedContact {
             rests: Some(rests),
             ..Remembered::of(history.touched, x.normal, last, step.elapsed())
         };
-        let f = self.forces::<true>(law, &x, &remembered)?;
+        if !history.touched {
+            history.springs = history.springs.map(|_| NO_SPRINGS);
+        }
+        let f = self.forces::<true>(law, &x, &remembered, history.springs.as_mut())?;
         history.memory = f.memory;
         history.energy = f.tangential_energy;
         history.rests = f.rests;
@@ -284,16 +289,17 @@ impl StagedContact {
         law: &PairLaw,
         x: &Contact,
         remembered: &Remembered,
+        springs: Option<&mut RememberedSprings>,
     ) -> Result<ContactForces, HaleRatio> {
         let factors = checked_factors(law, self.curvature)?;
         let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);
         Ok(if self.is_wall() {
             contact_forces::<f64, FRICTION, true, true, true>(
-                kinds, constants, &factors, m, x, remembered,
+                kinds, constants, &factors, m, x, remembered, springs,
             )
         } else {
             contact_forces::<f64, FRICTION, true, true, false>(
-                kinds, constants, &factors, m, x, remembered,
+                kinds, constants, &factors, m, x, remembered, springs,
             )
         })
     }

@@ -507,7 +507,7 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
             contact.begin_time = Some(Lanes::splat(registers, step.time_step));
         }
         let forces = contact_forces::<Lanes<S>, true, true, true, true>(
-            kinds, constants, &factors, curvature, &contact, remembered,
+            kinds, constants, &factors, curvature, &contact, remembered, None,
         );
         AtSurface {
             contact,

@@ -13,6 +13,7 @@ pub mod memory;
 pub mod normal;
 pub mod parameters;
 pub mod rolling;
+pub mod spring_bed;
 #[cfg(feature = "std")]
 pub mod syntax;
 pub mod tangential;
@@ -28,6 +29,7 @@ pub use memory::MemoryConstants;
 pub use normal::{normal_force, NormalConstants, NormalForce, NormalKinds};
 pub use parameters::{FactorForm, LawParameters, Normal, ParameterError};
 pub use rolling::{rolling_force, Rolling, RollingConstants, RollingForce};
+pub use spring_bed::{force_of_springs, Springs, SPRINGS};
 pub use tangential::{
     tangential_force, tangential_stiffness, Displacement, Tangential, TangentialConstants,
     TangentialForce, TangentialKinds,

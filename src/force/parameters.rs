@@ -453,6 +453,14 @@ impl LawParameters {
                 words_of(Normal::has_material)
             ));
         }
+        if self.displacement == Displacement::Hysteretic && self.tangential != Tangential::Tfd {
+            return Err(format!(
+                "displacement {} goes with 'tangential {}', whose partial slip it follows back; not with '{}'",
+                self.displacement.word(),
+                Tangential::Tfd.word(),
+                self.tangential.word()
+            ));
+        }
         if self.normal == Normal::Nfd
             && self.closure == Closure::Brilliantov
             && self.poissons_ratio == 0.0

@@ -61,6 +61,9 @@ choices! {
         /// it took, as with the stiffness while the contact shrinks: no cycle creates energy. The same as `total` while the
         /// normal force is steady. The default.
         Rescaled = 2, "rescaled", ELLGRAN_DISPLACEMENT_RESCALED, [];
+        /// The tangential forces of eight springs with a Coulomb limit each are remembered: partial slip with its loop, that is with
+        /// the energy that it dissipates below the limit of the whole contact. No cycle creates energy. Only with `tfd`.
+        Hysteretic = 3, "hysteretic", ELLGRAN_DISPLACEMENT_HYSTERETIC, [];
     }
 }
 
@@ -122,7 +125,7 @@ impl TangentialKinds {
         }
         let before = ((penetration - way) / penetration).max(zero);
         let before = match self.displacement {
-            Displacement::Rescaled => before.min(one),
+            Displacement::Rescaled | Displacement::Hysteretic => before.min(one),
             // Where the step ends the contact the force has vanished.
             _ => before.min(one * 1e6),
         };
@@ -139,6 +142,12 @@ impl TangentialKinds {
             Begin::Jump
         }
     }
+    /// Whether springs of partial slip are remembered ([`super::spring_bed`]).
+    #[inline(always)]
+    pub fn has_springs(&self) -> bool {
+        self.any() && matches!(self.displacement, Displacement::Hysteretic)
+    }
+
     /// Whether there is a tangential force.
     #[inline(always)]
     pub fn any(&self) -> bool {
@@ -148,7 +157,11 @@ impl TangentialKinds {
     /// Whether a cycle of normal and tangential displacement can give work: the stiffness changes with the contact, and
     /// what is remembered is not reduced.
     pub fn can_create_energy(&self) -> bool {
-        self.law.needs_material() && self.displacement != Displacement::Rescaled && !self.viscous
+        let creates = match self.displacement {
+            Displacement::Total | Displacement::Incremental => true,
+            Displacement::Rescaled | Displacement::Hysteretic => false,
+        };
+        self.law.needs_material() && creates && !self.viscous
     }
 }
 
@@ -188,6 +201,7 @@ pub fn describe(kinds: &TangentialKinds, c: &TangentialConstants) -> String {
         Displacement::Total => " displacement total",
         Displacement::Incremental => " displacement incremental",
         Displacement::Rescaled => "",
+        Displacement::Hysteretic => " displacement hysteretic",
     }
 }
 
@@ -198,11 +212,12 @@ pub struct TangentialForce<T = f64> {
     pub force: Vector2<T>,
     /// What of it the tangential displacement makes, without the viscous part: `force` itself where that is none.
     pub elastic_force: Vector2<T>,
-    /// What is remembered, in the tangent basis: `xi` (length) for `displacement total`, `zeta` (force) otherwise.
+    /// What is remembered, in the tangent basis: `xi` (length) for `displacement total`, the force of all springs for `hysteretic`,
+    /// `zeta` (force) otherwise.
     pub memory: Vector2<T>,
     /// Tangential displacement that the elastic part stands for, in the tangent basis, length.
     pub displacement: Vector2<T>,
-    /// Elastic energy of what is remembered; `displacement rescaled` remembers it too.
+    /// Elastic energy of what is remembered; `displacement rescaled` and `hysteretic` remember it too.
     pub elastic_energy: T,
 }
 

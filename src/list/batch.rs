@@ -11,11 +11,12 @@ use crate::contact::forces::{
     contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
     Surface,
 };
+use crate::contact::history::SPRING_NUMBERS;
 use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
 use crate::contact::particle::mass_of_inverse;
 use crate::force::memory::MOST_PARTS;
-use crate::force::{Factors, LawKinds, PairLaw};
+use crate::force::{Factors, LawKinds, PairLaw, Springs, SPRINGS};
 use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
@@ -243,6 +244,13 @@ pub(super) fn run<
     } else {
         Remembered::nothing(registers.no_lane(), found.normal)
     };
+    // A scene whose laws have such is computed by the kernel that records.
+    let springs_before = if FRICTION && RECORD {
+        springs(registers, numbers, registers.mask(u32::from(bits.touching)))
+    } else {
+        None
+    };
+    let mut springs = springs_before;
     let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
         kinds,
         &constants,
@@ -250,6 +258,7 @@ pub(super) fn run<
         curvature,
         &x,
         &remembered,
+        springs.as_mut(),
     );
 
     // Lanes without a pair of their own go along; nothing of them is used.
@@ -270,6 +279,9 @@ pub(super) fn run<
         &x,
         &f,
     );
+    if let (Some(before), Some(now)) = (springs_before, springs) {
+        remember_springs(numbers, (touching, hard), &before, &now);
+    }
     if RECORD {
         record(registers, &x, curvature, &f, lines);
     }
@@ -410,6 +422,62 @@ fn rests<S: Registers>(
         }
     }
     rests
+}
+
+/// Springs of partial slip in lanes, world frame.
+type LaneSprings<S> = Springs<Vector3<Lanes<S>>, Lanes<S>>;
+
+/// The springs that are remembered of pairs that go on, where the layout has such.
+#[inline(always)]
+fn springs<S: Registers>(
+    registers: S,
+    numbers: &Numbers<'_>,
+    continues: S::Mask,
+) -> Option<LaneSprings<S>> {
+    let at = numbers.layout.springs?;
+    let zero = Lanes::splat(registers, 0.0);
+    let null = Vector3::new(zero, zero, zero);
+    let mut forces = [null; SPRINGS];
+    for (k, force) in forces.iter_mut().enumerate() {
+        *force = select3(continues, vector(registers, numbers, at + 3 * k), null);
+    }
+    let [reference, penetration] = [0, 1].map(|k| number(registers, numbers, at + 3 * SPRINGS + k));
+    Some(Springs {
+        forces,
+        reference: Lanes::select(continues, reference, zero),
+        penetration: Lanes::select(continues, penetration, zero),
+    })
+}
+
+/// Writes them; of a hard pair those before.
+#[inline(always)]
+fn remember_springs<S: Registers>(
+    numbers: &mut Numbers<'_>,
+    (touching, hard): (S::Mask, S::Mask),
+    before: &LaneSprings<S>,
+    now: &LaneSprings<S>,
+) {
+    let Some(at) = numbers.layout.springs else {
+        return;
+    };
+    let zero = now.reference.constant(0.0);
+    let null = Vector3::new(zero, zero, zero);
+    for k in 0..SPRINGS {
+        let force = select3(touching, now.forces[k], null);
+        put_vector(numbers, at + 3 * k, select3(hard, before.forces[k], force));
+    }
+    let penetrations = [
+        (before.reference, now.reference),
+        (before.penetration, now.penetration),
+    ];
+    for (k, (before, now)) in penetrations.into_iter().enumerate() {
+        let now = Lanes::select(touching, now, zero);
+        put_number(
+            numbers,
+            at + 3 * SPRINGS + k,
+            Lanes::select(hard, before, now),
+        );
+    }
 }
 
 /// Adds forces and torques of the touching pairs to the sums of their particles; the forces on `j`.
@@ -600,6 +668,11 @@ fn all_apart<S: Registers, const FRICTION: bool>(
             }
             if let Some(at) = numbers.layout.rests {
                 for k in 0..numbers.layout.rest_count {
+                    put_number(numbers, at + k, zero);
+                }
+            }
+            if let Some(at) = numbers.layout.springs {
+                for k in 0..SPRING_NUMBERS {
                     put_number(numbers, at + k, zero);
                 }
             }

@@ -226,15 +226,15 @@ impl<'i> Forces<'_, 'i, '_> {
             }
             let (c, history) = found.with_history(index);
             let last = c.last_normal.map(|normal| {
-                let was = recalled(self.of_laws, c, history);
+                let (memory, energy) = self.of_laws.tangential(history);
                 LastContact {
                     normal: if normal.is_unit() {
                         normal
                     } else {
                         -c.surface.normal
                     },
-                    memory: was.memory,
-                    energy: was.energy,
+                    memory,
+                    energy,
                 }
             });
             let mass = effective_mass(i);
@@ -326,9 +326,11 @@ impl<'i> Forces<'_, 'i, '_> {
             memory,
             energy,
             rests,
+            springs,
             ..
         } = &remembered;
         write_history(self.of_laws, c, (*memory, *energy, rests), history);
+        self.of_laws.write_springs(history, springs.as_ref());
         self.add(c, &mut f, contact.penetration(), couple.as_ref());
     }
 
@@ -429,8 +431,11 @@ impl<'i> Forces<'_, 'i, '_> {
 /// Whether the lanes have all terms of a law.
 pub(super) fn works_in_lanes(set: InstructionSet, law: &PairLaw) -> bool {
     let without_friction = law.kinds.tangential.any() && !(law.constants.tangential.friction > 0.0);
-    let one_at_a_time =
-        law.kinds.hale || law.resistance.any() || law.kinds.normal.memory > 0 || without_friction;
+    let one_at_a_time = law.kinds.hale
+        || law.resistance.any()
+        || law.kinds.normal.memory > 0
+        || law.kinds.tangential.has_springs()
+        || without_friction;
     set != InstructionSet::Scalar && !one_at_a_time
 }
 
@@ -494,6 +499,7 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Staged
             }
             rests
         },
+        springs: layout.springs_of(history),
     }
 }
 

@@ -80,6 +80,8 @@ fn both_versions_restart_in_the_middle_of_contacts() {
         ("tfd 0.5", [4, 1], false),
         ("mindlin 0.5 displacement incremental", [1, 1], true),
         ("tfd 0.5 displacement total", [1, 1], true),
+        ("tfd 0.5 displacement hysteretic", [1, 1], true),
+        ("tfd 0.5 displacement hysteretic", [4, 1], false),
     ] {
         let law = format!("hertz 1e8 0.3 tangential {tangential}");
         let whole = run(

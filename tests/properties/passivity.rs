@@ -76,6 +76,8 @@ fn rescaled_displacement_never_gains() {
     for words in [
         "tangential mindlin MU displacement rescaled",
         "tangential tfd MU displacement rescaled",
+        "tangential tfd MU displacement hysteretic",
+        "damping relaxation TAU tangential tfd MU displacement hysteretic",
         "damping relaxation TAU tangential mindlin MU displacement rescaled",
         "damping relaxation TAU tangential tfd MU displacement rescaled",
         "damping restitution 0.7 tangential mindlin MU displacement rescaled",

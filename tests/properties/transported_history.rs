@@ -83,6 +83,7 @@ fn a_rigidly_turning_pair_keeps_its_tangential_force_co_rotating() {
         "mindlin 10 displacement incremental",
         "mindlin 10 displacement rescaled",
         "tfd 10 displacement total",
+        "tfd 10 displacement hysteretic",
     ] {
         let laws = laws(&[&format!("hertz 1e6 0.3 tangential {words}")]);
         let mut worst = [0.0f64; 2];

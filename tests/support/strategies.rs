@@ -121,6 +121,8 @@ pub fn deck() -> impl Strategy<Value = &'static str> {
         "hertz 1e5 0.2 damping relaxation 1e-3 tangential tfd 0.5",
         "nfd 1e5 0.3 30 50 tangential tfd 0.3",
         "nfd 1e5 0.3 30 50 tangential tfd 0.3 displacement incremental unloading first_order",
+        "hertz 1e5 0.3 tangential tfd 0.3 displacement hysteretic",
+        "nfd 1e5 0.3 30 500 viscosity memory tangential tfd 0.4 displacement hysteretic rolling sds 1e3 0.5 0.1",
         "nfd 1e5 0.4 30 50 closure surface tangential mindlin 0.3 displacement total",
         "nfd 1e5 0.4 30 50 closure brilliantov tangential tfd 0.3 displacement rescaled",
         "lsd 1e3 3 tangential linear 800 2 0.3",

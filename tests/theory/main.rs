@@ -26,6 +26,7 @@ mod relative_curvature;
 mod restitution;
 mod rolling_and_twisting;
 mod sphere_on_plane;
+mod spring_bed;
 mod stable_step;
 mod tangential_rebound;
 mod velocities_of_the_step;

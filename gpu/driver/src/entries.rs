@@ -71,6 +71,9 @@ impl Terms {
         if features.resistance || layout.rolling.is_some() || layout.twisting.is_some() {
             return fail("no kernel resists rolling or twisting");
         }
+        if layout.springs.is_some() {
+            return fail("no kernel has `displacement hysteretic`");
+        }
         if features.memory || layout.rests.is_some() {
             return fail("no kernel has `viscosity memory`");
         }

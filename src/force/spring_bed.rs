@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Partial slip with its loop: a bed of springs with Coulomb's limit, `displacement hysteretic` (docs/theory.md, section 4.1).
+//!
+//! A contact of penetration `d` with the normal force `N(d)` is a bed of independent springs (Jaeger 1995; Popov and Hess 2015). The
+//! spring that begins to carry at the penetration `z` has the normal stiffness `N''(z) dz`, a tangential stiffness in proportion, and
+//! slides where its tangential force is `mu` times its own normal force. At a steady normal force the sum is the curve of Cattaneo and
+//! Mindlin for loading, and Masing's curves for unloading and reloading; where normal and tangential displacement change at once it is
+//! what Jaeger found for any history.
+//!
+//! Here the springs between two edges are one element: a spring and a slider. The edges are `(k/8)^(4/3)` of a reference penetration,
+//! by which the corners of the curve are equally far from it at its begin and at its end. The reference is that of first touch, times
+//! `2^(4/3)` as often as the contact outgrows it: the edges of the new grid are edges of the old one, and two elements become one. A
+//! contact that shrank until two elements are left divides them again. So four to eight elements carry.
+//!
+//! No cycle gives work: each element is a spring whose force is reduced with its stiffness, merging and dividing elements creates no
+//! energy, and what all hold is never more than was remembered and the work done on them.
+
+use super::hertz_factors::Factors;
+use super::tangential::{compliance_matrix, TangentialConstants, TangentialForce, TangentialKinds};
+use crate::real::Real;
+use crate::vector::{Symmetric2, Vector2};
+
+/// Elements of a contact.
+pub const SPRINGS: usize = 8;
+
+/// `(k/8)^(2/3)`: roots of the edges over that of the reference penetration.
+const EDGES: [f64; SPRINGS + 1] = [
+    0.0,
+    0.25,
+    0.396_850_262_992_049_9,
+    0.520_020_955_762_976,
+    0.629_960_524_947_436_6,
+    0.731_004_434_553_216_5,
+    0.825_481_812_223_656_7,
+    0.914_826_427_505_742_8,
+    1.0,
+];
+
+/// By how much the reference penetration grows: `2^(4/3)`, which takes the edge `2 k` to where `k` was.
+const GROWTH: f64 = 2.519_842_099_789_746_3;
+
+/// How often it grows or falls in one step at most. After three times all that was there is in the first element.
+const MOST_GROWTHS: usize = 3;
+const MOST_FALLS: usize = 2;
+
+/// What is remembered of the bed; vectors in the tangent basis or in the world frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Springs<V, T = f64> {
+    /// Force of each element, the first of which begins to carry first. Of the sign of the memory of the other laws: `-1` times
+    /// the force on body `j`.
+    pub forces: [V; SPRINGS],
+    /// The reference penetration; 0 where nothing is remembered.
+    pub reference: T,
+    /// The penetration at the last step.
+    pub penetration: T,
+}
+
+/// Shares of the elements in stiffness and in normal force; their sums are 1.
+struct Shares<T> {
+    stiffness: [T; SPRINGS],
+    load: [T; SPRINGS],
+}
+
+impl<T: Real> Shares<T> {
+    /// At a penetration that is at most the reference. With `r^2 = z/d` at an edge `z`, the elements up to it have the shares `r` in
+    /// the stiffness and `(3 r - r^3)/2` in the normal force.
+    #[inline(always)]
+    fn of(reference: T, penetration: T) -> Self {
+        let zero = penetration.constant(0.0);
+        let one = penetration.constant(1.0);
+        let least = (reference * 1e-12).max(penetration.constant(1e-300));
+        let scale = (reference / penetration.max(least)).sqrt();
+        let (mut stiffness, mut load) = ([zero; SPRINGS], [zero; SPRINGS]);
+        let (mut inner, mut carried) = (zero, zero);
+        for k in 0..SPRINGS {
+            let outer = if k + 1 == SPRINGS {
+                one
+            } else {
+                (scale * EDGES[k + 1]).min(one)
+            };
+            let carries = outer * (outer * outer).negative_multiply_add(one * 0.5, one * 1.5);
+            stiffness[k] = outer - inner;
+            load[k] = carries - carried;
+            (inner, carried) = (outer, carries);
+        }
+        Shares { stiffness, load }
+    }
+}
+
+#[inline(always)]
+fn select<T: Real>(mask: T::Mask, a: Vector2<T>, b: Vector2<T>) -> Vector2<T> {
+    Vector2::new(T::select(mask, a.u, b.u), T::select(mask, a.v, b.v))
+}
+
+/// Least share that is divided by. An element of less carries nothing.
+const LEAST_SHARE: f64 = 1e-30;
+
+impl<T: Real> Springs<Vector2<T>, T> {
+    /// The bed of a contact of this penetration, before it is moved: what left the contact has taken its force with it. Returns the
+    /// shares of its elements.
+    #[inline(always)]
+    fn follow(&mut self, penetration: T) -> Shares<T> {
+        let zero = penetration.constant(0.0);
+        let one = penetration.constant(1.0);
+        let none = Vector2::new(zero, zero);
+        let reference = T::select(zero.less(self.reference), self.reference, penetration);
+        let before = T::select(zero.less(self.penetration), self.penetration, penetration);
+        let (mut forces, mut reference) = (self.forces, reference);
+        for _ in 0..MOST_GROWTHS {
+            let outgrown = reference.less(penetration);
+            for k in 0..SPRINGS {
+                let two = if 2 * k < SPRINGS {
+                    forces[2 * k] + forces[2 * k + 1]
+                } else {
+                    none
+                };
+                forces[k] = select(outgrown, two, forces[k]);
+            }
+            reference = T::select(outgrown, reference * GROWTH, reference);
+        }
+        reference = reference.max(penetration);
+
+        let was = Shares::of(reference, before);
+        let mut now = Shares::of(reference, penetration);
+        // The stiffness of an element goes with its share and the root of the penetration.
+        let stiffer = (penetration / before.max(penetration * 1e-12)).sqrt();
+        for k in 0..SPRINGS {
+            let kept = now.stiffness[k] * stiffer / was.stiffness[k].max(one * LEAST_SHARE);
+            forces[k] = forces[k] * kept.min(one);
+        }
+
+        for _ in 0..MOST_FALLS {
+            // Only the first two elements carry.
+            let shrank = (penetration * (GROWTH * GROWTH)).less(reference);
+            let finer = T::select(shrank, reference * (1.0 / GROWTH), reference);
+            let shares = Shares::of(finer, penetration);
+            let old = forces;
+            for k in 0..SPRINGS / 2 {
+                let both = shares.stiffness[2 * k] + shares.stiffness[2 * k + 1];
+                let inner =
+                    old[k] * (shares.stiffness[2 * k] / both.max(one * LEAST_SHARE)).min(one);
+                forces[2 * k] = select(shrank, inner, old[2 * k]);
+                forces[2 * k + 1] = select(shrank, old[k] + inner * -one, old[2 * k + 1]);
+            }
+            reference = finer;
+            now = shares;
+        }
+        *self = Springs {
+            forces,
+            reference,
+            penetration,
+        };
+        now
+    }
+
+    /// Elastic energy of the elements: each is a spring with its share of the stiffness.
+    #[inline(always)]
+    fn energy(&self, compliance: Symmetric2<T>, shares: &Shares<T>) -> T {
+        let mut energy = self.penetration.constant(0.0);
+        for k in 0..SPRINGS {
+            let f = self.forces[k];
+            let share = shares.stiffness[k].max(self.penetration.constant(LEAST_SHARE));
+            energy = energy + f.dot(compliance.apply(f)) * 0.5 / share;
+        }
+        energy
+    }
+
+    #[inline(always)]
+    fn force(&self) -> Vector2<T> {
+        let mut sum = self.forces[0];
+        for f in &self.forces[1..] {
+            sum = sum + *f;
+        }
+        sum
+    }
+}
+
+/// Tangential force of `displacement hysteretic`; the arguments are those of [`tangential_force`](super::tangential_force), and
+///
+/// - `penetration` > 0;
+/// - `memory`: the sum of the remembered forces, returned where no time passes;
+/// - `springs`: what is remembered, in the tangent basis; written.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub fn force_of_springs<T: Real>(
+    kinds: &TangentialKinds,
+    c: &TangentialConstants<T>,
+    (normal_force, normal_stiffness): (T, T),
+    factors: &Factors<T>,
+    curvature: Symmetric2<T>,
+    penetration: T,
+    springs: &mut Springs<Vector2<T>, T>,
+    memory: Vector2<T>,
+    remembered_energy: T,
+    passes: T::Mask,
+    increment: Vector2<T>,
+    velocity: Vector2<T>,
+) -> TangentialForce<T> {
+    let zero = normal_force.constant(0.0);
+    let one = normal_force.constant(1.0);
+    let tiny = normal_force.constant(1e-300);
+    let least = normal_force.constant(1e-290);
+    let limit = c.friction * normal_force.max(zero);
+    let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
+    let kappa_inverse = kappa.adjugate() * kappa.determinant().reciprocal();
+    let stiffness = kappa_inverse * normal_stiffness;
+    let compliance = kappa * normal_stiffness.max(tiny).reciprocal();
+
+    let mut bed = *springs;
+    let shares = bed.follow(penetration);
+    // The contact of now may hold more at these forces than it took: its ellipse turned or changed.
+    let ratio = remembered_energy / bed.energy(compliance, &shares).max(tiny);
+    let ratio = T::select(passes, ratio.min(one).max(zero), one);
+    let moved = stiffness.apply(increment);
+    let mut sticking = zero;
+    for k in 0..SPRINGS {
+        let trial = moved.scale_add(shares.stiffness[k], bed.forces[k] * ratio);
+        let carries = limit * shares.load[k];
+        let square = trial.dot(trial);
+        let inverse = square.max(least).reciprocal_sqrt();
+        let size = square * inverse;
+        let over = carries.less(size);
+        bed.forces[k] = trial * T::select(over, carries * inverse, one);
+        // One that slides is on its limit but for rounding, at the next evaluation too.
+        let sticks = size.less(carries * (1.0 - 1e-9));
+        sticking = sticking + T::select(sticks, shares.stiffness[k], zero);
+    }
+    let elastic = bed.force();
+    let mut force = elastic;
+    if kinds.viscous {
+        let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
+        let viscous = kappa_inverse.apply(tau.apply(kappa_inverse.apply(velocity)))
+            * (normal_stiffness * sticking);
+        force = force + viscous;
+        let square = force.dot(force);
+        let inverse = square.max(least).reciprocal_sqrt();
+        force = force * T::select(limit.less(square * inverse), limit * inverse, one);
+    }
+    let energy = bed.energy(compliance, &shares);
+    for k in 0..SPRINGS {
+        springs.forces[k] = select(passes, bed.forces[k], springs.forces[k]);
+    }
+    springs.reference = T::select(passes, bed.reference, springs.reference);
+    springs.penetration = T::select(passes, penetration, springs.penetration);
+    TangentialForce {
+        force: force * -one,
+        elastic_force: elastic * -one,
+        memory: select(passes, elastic, memory),
+        displacement: compliance.apply(elastic),
+        elastic_energy: T::select(passes, energy, remembered_energy),
+    }
+}

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `displacement hysteretic`: a bed of springs with Coulomb's limit (docs/theory.md, section 4.1). First loading against Cattaneo's and
+//! Mindlin's curve, unloading and reloading against Masing's, Mindlin's and Deresiewicz' loss of a cycle, and what no history may do.
+
+use crate::support::random::Stream;
+use crate::support::scene::pair_law;
+use ellgran::force::hertz_factors::exact;
+use ellgran::force::syntax::parse;
+use ellgran::force::{force_of_springs, normal_force, PairLaw, Springs, TangentialForce, SPRINGS};
+use ellgran::vector::{Symmetric2, Vector2};
+
+const DEPTH: f64 = 2e-3;
+const FRICTION: f64 = 0.4;
+const NU: f64 = 0.3;
+const NONE: Vector2 = Vector2 { u: 0.0, v: 0.0 };
+
+/// One contact, moved by hand.
+struct Moved {
+    law: PairLaw,
+    curvature: Symmetric2,
+    springs: Springs<Vector2>,
+    memory: Vector2,
+    energy: f64,
+    /// Work done on the contact.
+    work: f64,
+    force: Vector2,
+}
+
+impl Moved {
+    fn new(words: &str, curvature: Symmetric2) -> Moved {
+        Moved {
+            law: pair_law(&format!(
+                "{words} tangential tfd {FRICTION} displacement hysteretic"
+            )),
+            curvature,
+            springs: Springs {
+                forces: [NONE; SPRINGS],
+                reference: 0.0,
+                penetration: 0.0,
+            },
+            memory: NONE,
+            energy: 0.0,
+            work: 0.0,
+            force: NONE,
+        }
+    }
+
+    fn normal_force(&self, depth: f64) -> (f64, f64) {
+        let (law, m) = (&self.law, self.curvature);
+        let factors = exact(m.trace(), m.determinant(), true);
+        let (kinds, constants) = (&law.kinds.normal, &law.constants.normal);
+        let n = normal_force(kinds, constants, depth, 0.0, m.determinant(), &factors, 1.0);
+        (n.force, n.stiffness)
+    }
+
+    fn evaluate(
+        &mut self,
+        depth: f64,
+        by: Vector2,
+        velocity: Vector2,
+        passes: bool,
+    ) -> TangentialForce {
+        let m = self.curvature;
+        force_of_springs(
+            &self.law.kinds.tangential,
+            &self.law.constants.tangential,
+            self.normal_force(depth),
+            &exact(m.trace(), m.determinant(), true),
+            m,
+            depth,
+            &mut self.springs,
+            self.memory,
+            self.energy,
+            passes,
+            by,
+            velocity,
+        )
+    }
+
+    fn by(&mut self, depth: f64, by: Vector2) -> TangentialForce {
+        let t = self.evaluate(depth, by, NONE, true);
+        self.work -= 0.5 * (self.force + t.force).dot(by);
+        (self.memory, self.energy, self.force) = (t.memory, t.elastic_energy, t.force);
+        t
+    }
+}
+
+/// Force over Coulomb's limit by displacement over that of sliding.
+fn cattaneo_mindlin(s: f64) -> f64 {
+    1.0 - (1.0 - s.clamp(0.0, 1.0)).powf(1.5)
+}
+
+/// The limit of the force and the displacement at which a circular contact of equal spheres slides.
+fn scales(moved: &Moved) -> (f64, f64) {
+    let sliding = FRICTION * (2.0 - NU) / (2.0 * (1.0 - NU)) * DEPTH;
+    (FRICTION * moved.normal_force(DEPTH).0, sliding)
+}
+
+/// The contact came to its depth from first touch at any depth: where its grid is best, where it is worst, and between.
+fn touched_at() -> impl Iterator<Item = f64> {
+    (0..8).map(|k| DEPTH / 2f64.powf(k as f64 / 6.0))
+}
+
+#[test]
+fn first_loading_is_the_curve_of_cattaneo_and_mindlin() {
+    let mut worst: f64 = 0.0;
+    for first in touched_at() {
+        let mut moved = Moved::new("hertz 1e6 0.3", Symmetric2::new(1.0, 0.0, 1.0));
+        let (limit, sliding) = scales(&moved);
+        moved.by(first, NONE);
+        moved.by(DEPTH, NONE);
+        let steps = 200;
+        for k in 1..=steps {
+            let t = moved.by(
+                DEPTH,
+                Vector2::new(0.6, 0.8) * (1.5 * sliding / steps as f64),
+            );
+            let s = 1.5 * k as f64 / steps as f64;
+            let got = -(t.force.dot(Vector2::new(0.6, 0.8))) / limit;
+            worst = worst.max((got - cattaneo_mindlin(s)).abs());
+            assert!(got <= 1.0 + 1e-14);
+            if s > 1.0 + 1e-6 {
+                assert!((got - 1.0).abs() < 1e-13, "{s}: {got}");
+            }
+        }
+    }
+    println!("first loading off by {worst:.4} of the limit");
+    assert!(worst < 0.011 && worst > 1e-4, "{worst}");
+}
+
+/// Out, back and out again below sliding: each branch is twice the curve of first loading at half the way.
+#[test]
+fn a_cycle_has_the_loop_of_mindlin_and_deresiewicz() {
+    let (mut worst, mut worst_loss): (f64, f64) = (0.0, 0.0);
+    for first in touched_at() {
+        for amplitude in [0.3, 0.6, 0.9] {
+            let mut moved = Moved::new("hertz 1e6 0.3", Symmetric2::new(1.0, 0.0, 1.0));
+            let (limit, sliding) = scales(&moved);
+            moved.by(first, NONE);
+            moved.by(DEPTH, NONE);
+            let steps = 400;
+            let direction = Vector2::new(-0.8, 0.6);
+            let mut go = |from: f64, to: f64, branch: &dyn Fn(f64) -> f64| {
+                let before = moved.work;
+                for k in 1..=steps {
+                    let s = from + (to - from) * k as f64 / steps as f64;
+                    let step = direction * ((to - from) * sliding / steps as f64);
+                    let got = -(moved.by(DEPTH, step).force.dot(direction)) / limit;
+                    worst = worst.max((got - branch(s)).abs());
+                }
+                moved.work - before
+            };
+            let a = amplitude;
+            let top = cattaneo_mindlin(a);
+            go(0.0, a, &cattaneo_mindlin);
+            let down = |s: f64| top - 2.0 * cattaneo_mindlin(0.5 * (a - s));
+            let up = |s: f64| -top + 2.0 * cattaneo_mindlin(0.5 * (a + s));
+            let lost = go(a, -a, &down) + go(-a, a, &up);
+            let integral = |of: &dyn Fn(f64) -> f64| {
+                (0..4000)
+                    .map(|k| of(-a + 2.0 * a * (k as f64 + 0.5) / 4000.0))
+                    .sum::<f64>()
+                    * (2.0 * a / 4000.0)
+            };
+            let wanted = (integral(&up) - integral(&down)) * limit * sliding;
+            let off = (lost - wanted).abs() / wanted;
+            // Near the begin of slip there is one element that slides or none.
+            worst_loss = worst_loss.max(if a < 0.5 { off / 4.0 } else { off });
+            println!(
+                "touched at {:.2}, amplitude {a}: lost {:.4} of what is to be lost",
+                first / DEPTH,
+                lost / wanted
+            );
+        }
+    }
+    println!("branches off by {worst:.4} of the limit");
+    assert!(worst < 0.018 && worst_loss < 0.08, "{worst} {worst_loss}");
+}
+
+/// Whatever is done to it, a contact gives back no more than was put in.
+#[test]
+fn no_history_gives_work() {
+    let mut stream = Stream::new(8);
+    let mut least = f64::INFINITY;
+    for number in 0..60 {
+        let ratio = stream.log_uniform(1.0, 100.0);
+        let words = ["hertz 1e6 0.3", "nfd 1e6 0.3 30 20"][number % 2];
+        let mut moved = Moved::new(words, Symmetric2::new(1.0, 0.0, ratio));
+        let (limit, sliding) = scales(&moved);
+        let mut depth = DEPTH;
+        moved.by(depth, NONE);
+        for step in 0..400 {
+            if step % 2 == 0 {
+                // The work of a change of penetration is normal.
+                depth = (depth * stream.log_uniform(0.5, 2.0)).clamp(1e-4 * DEPTH, 4.0 * DEPTH);
+                if step % 50 == 0 {
+                    let turn = stream.uniform(0.0, 3.0);
+                    let (sin, cos) = turn.sin_cos();
+                    moved.curvature = Symmetric2::new(
+                        cos * cos + ratio * sin * sin,
+                        (1.0 - ratio) * sin * cos,
+                        sin * sin + ratio * cos * cos,
+                    );
+                }
+                moved.by(depth, NONE);
+            } else {
+                let by = Vector2::new(stream.uniform(-1.0, 1.0), stream.uniform(-1.0, 1.0));
+                moved.by(depth, by * (0.5 * sliding));
+            }
+            assert!(moved.energy >= 0.0);
+            least = least.min((moved.work - moved.energy) / (limit * sliding));
+            let of = moved.springs;
+            let carries: f64 = of.forces.iter().map(|f| f.dot(*f).sqrt()).sum();
+            let now = FRICTION * moved.normal_force(depth).0;
+            assert!(carries <= now * (1.0 + 1e-12), "{carries} {now}");
+            assert!(of.reference >= of.penetration);
+        }
+    }
+    println!("least of work less energy {least:.1e}");
+    assert!(least > -1e-12, "{least:e}");
+}
+
+#[test]
+fn nothing_changes_where_no_time_passes() {
+    for words in ["hertz 1e6 0.3", "nfd 1e6 0.3 30 20"] {
+        let mut moved = Moved::new(words, Symmetric2::new(80.0, 10.0, 300.0));
+        let (_, sliding) = scales(&moved);
+        let velocity = Vector2::new(0.3, 0.1);
+        for k in 0..40 {
+            let by = Vector2::new(0.05, 0.02) * (sliding * if k < 25 { 1.0 } else { -1.0 });
+            let depth = DEPTH * (1.0 + 0.02 * f64::from(k));
+            let before = (moved.springs, moved.memory, moved.energy);
+            let t = moved.evaluate(depth, by, velocity, true);
+            (moved.memory, moved.energy) = (t.memory, t.elastic_energy);
+            let now = moved.springs;
+            let again = moved.evaluate(depth, NONE, velocity, false);
+            let apart = again.force - t.force;
+            let size = FRICTION * moved.normal_force(depth).0;
+            assert!(
+                apart.dot(apart).sqrt() < 1e-13 * size,
+                "step {k}: {apart:?}"
+            );
+            assert_eq!(again.memory, t.memory);
+            assert_eq!(again.elastic_energy, t.elastic_energy);
+            assert_eq!(moved.springs.forces, now.forces);
+            assert!(before.0.forces != now.forces);
+        }
+    }
+}
+
+/// A contact that shrank until few elements are left divides them: a cycle at the small penetration has its loop again.
+#[test]
+fn a_contact_that_shrank_has_a_loop_of_its_own() {
+    let mut moved = Moved::new("hertz 1e6 0.3", Symmetric2::new(1.0, 0.0, 1.0));
+    let (limit, sliding) = scales(&moved);
+    moved.by(1e3 * DEPTH, NONE);
+    for k in (0..60).rev() {
+        moved.by(DEPTH * 1e3f64.powf(f64::from(k) / 59.0), NONE);
+    }
+    assert!(moved.springs.reference < 6.4 * DEPTH);
+    let mut worst: f64 = 0.0;
+    for k in 1..=100 {
+        let t = moved.by(DEPTH, Vector2::new(0.01 * sliding, 0.0));
+        worst = worst.max((-t.force.u / limit - cattaneo_mindlin(0.01 * f64::from(k))).abs());
+    }
+    println!("off by {worst:.4} of the limit");
+    assert!(worst < 0.03, "{worst}");
+}
+
+#[test]
+fn it_goes_with_tfd_alone() {
+    for words in ["mindlin 0.5", "none"] {
+        let words: Vec<&str> = ["hertz", "1e6", "0.3", "tangential"]
+            .into_iter()
+            .chain(words.split(' '))
+            .chain(["displacement", "hysteretic"])
+            .collect();
+        let message = parse(&words).unwrap_err().to_string();
+        assert!(
+            message.contains("displacement hysteretic goes with 'tangential tfd'"),
+            "{message}"
+        );
+    }
+    let law = pair_law("hertz 1e6 0.3 tangential tfd 0.5 displacement hysteretic");
+    assert!(law.describe().contains("displacement hysteretic"));
+    assert!(!law.can_create_energy());
+}
