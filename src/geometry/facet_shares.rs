@@ -197,12 +197,14 @@ pub fn share<'a>(
     if memory.lines.is_empty() {
         return Share::WHOLE;
     }
-    cut(memory);
+    if !cut(memory) {
+        return Share::NONE;
+    }
     remaining(&Anisotropy::new(body, own, &frame), memory)
 }
 
-/// Finds what the lines leave of each other and which arcs of the circle they take.
-fn cut(memory: &mut ShareMemory) {
+/// Finds what the lines leave of each other and which arcs of the circle they take; false if they leave nothing of the disc.
+fn cut(memory: &mut ShareMemory) -> bool {
     let ShareMemory { lines, arcs, .. } = memory;
     let mut kept = 0;
     for next in 0..lines.len() {
@@ -227,13 +229,19 @@ fn cut(memory: &mut ShareMemory) {
                 still += 1;
             }
         }
+        let is_left = line.from < line.to;
+        if kept > 0 && still == 0 && !is_left {
+            // None of them has a part in the border of what is left, which is not the whole disc: that is nothing.
+            return false;
+        }
         kept = still;
-        if line.from < line.to {
+        if is_left {
             lines[kept] = line;
             kept += 1;
         }
     }
     lines.truncate(kept);
+    true
 }
 
 impl Line {

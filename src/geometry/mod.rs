@@ -7,6 +7,8 @@ pub(crate) mod box_tree;
 pub mod cone;
 pub mod contact_search;
 pub(crate) mod convex_body;
+#[cfg(feature = "std")]
+pub(crate) mod convex_corner;
 pub mod curvature;
 pub mod ellipsoid;
 #[cfg(feature = "std")]

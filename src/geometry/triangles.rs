@@ -17,11 +17,16 @@
 //!
 //! The time goes with `n log n` of the triangles near the body: what meets at a place is asked of a tree of boxes.
 //!
-//! What is not continuous: where convex edges lie within the same overlap as folds. A face beyond a fold is there taken as
-//! going on beyond its convex edges, and an edge that shares the overlap with a face is taken to hold its normal in the
-//! gradient of the shares.
+//! At a corner where convex edges meet concave ones, as in a saddle, a face or an edge does not end where its triangles do. There
+//! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
+//! share, and a face beyond a fold ends at the line of its convex edges.
+//!
+//! What is not continuous: where two such corners, or such a corner and another edge, lie within one overlap, and by a few per cent
+//! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
+//! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 
 use super::box_tree::{BoxTree, Extent};
+use super::convex_corner::{self, Support as CornerSupport};
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
@@ -71,8 +76,13 @@ pub struct TriangleSearch {
     sections: Vec<Section>,
     /// A candidate and another that cuts its contact.
     cuts: Vec<[usize; 2]>,
+    corner: CornerMemory,
     memory: ShareMemory,
 }
+
+/// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
+/// it acts by its convex pieces, and it should do so before it matters.
+pub(crate) const REACH: f64 = 1.02;
 
 /// Sine of an angle that is taken as zero: far above the rounding of a normal from corners, far below an angle of a real mesh.
 const TOLERANCE: f64 = 1e-9;
@@ -116,6 +126,36 @@ pub(crate) struct Near {
     plane: usize,
 }
 
+/// Memory for a corner at which triangles meet.
+#[derive(Clone, Debug, Default)]
+struct CornerMemory {
+    /// Which of `near` meet there.
+    meeting: Vec<usize>,
+    bounds: Vec<Bound>,
+    pieces: Vec<Piece>,
+    /// Those of one piece: which bounds, and their normals out of it.
+    members: Vec<usize>,
+    normals: Vec<Vector3>,
+}
+
+/// A plane of triangles that meet at a corner.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    normal: Vector3,
+    /// Which of `near`'s planes it is.
+    plane: usize,
+}
+
+/// A convex part of what lies behind the triangles that meet at a corner.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Which bounds, and which of them with the normal turned.
+    bounds: u64,
+    turned: u64,
+    /// One of `near` on it.
+    near: usize,
+}
+
 /// A plane that supports the body.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -151,7 +191,7 @@ impl TriangleSearch {
         if let Some(mut alone) = self.lone_face(body, meeting) {
             alone.point = alone.point + centre;
             self.contacts.push(alone);
-        } else {
+        } else if (self.near.iter()).any(|t| body.support(-t.normal).h > t.distance) {
             self.all_contacts(body, centre, meeting);
         }
     }
@@ -165,6 +205,7 @@ impl TriangleSearch {
             self.edges(body, k, meeting);
             self.corners(body, k, meeting);
         }
+        self.mixed_corners(body, meeting);
         self.keep_one_of_each(meeting);
         self.find_cuts(body, meeting);
         let mut cuts = &self.cuts[..];
@@ -201,13 +242,13 @@ impl TriangleSearch {
             Vector3::new(0.0, 1.0, 0.0),
             Vector3::new(0.0, 0.0, 1.0),
         ]
-        .map(|e| body.support(e).h + meeting);
+        .map(|e| REACH * body.support(e).h + meeting);
         let own = Extent {
             low: reach.map(|x| -x),
             high: reach,
         };
         // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
-        let ball = body.bounding_radius() + 2.0 * INSIDE * meeting;
+        let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
         for (index, t) in all.iter().enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
@@ -510,6 +551,220 @@ impl TriangleSearch {
         }
     }
 
+    /// The corners at which convex edges meet concave ones. What lies behind the triangles there is the union of convex pieces, each
+    /// the part behind the planes of one triangle and of all that it lies behind; and the body's support by each piece is continuous
+    /// as it moves. So are the shares of the supports, whichever the pieces are.
+    fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
+        let mut memory = core::mem::take(&mut self.corner);
+        for k in 0..self.near.len() {
+            for apex in self.near[k].corners {
+                let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
+                if unit.norm_squared() < REACH * REACH
+                    && self.gather_corner(k, apex, meeting, &mut memory)
+                {
+                    self.act_at_corner(body, apex, &mut memory);
+                }
+            }
+        }
+        self.corner = memory;
+    }
+
+    /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
+    /// if an earlier triangle has this corner as well.
+    fn gather_corner(
+        &self,
+        own: usize,
+        apex: Vector3,
+        meeting: f64,
+        memory: &mut CornerMemory,
+    ) -> bool {
+        let CornerMemory {
+            meeting: all,
+            bounds,
+            pieces,
+            ..
+        } = memory;
+        all.clear();
+        bounds.clear();
+        pieces.clear();
+        let mut is_first = true;
+        let place = Extent::about(apex.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            is_first = k >= own || !q.corners.contains(&apex);
+            if is_first && q.has(apex, meeting) {
+                all.push(k);
+            }
+            is_first
+        });
+        if !is_first {
+            return false;
+        }
+        all.sort_unstable();
+        for &k in all.iter() {
+            let t = &self.near[k];
+            if bounds.iter().all(|b| b.plane != t.plane) {
+                bounds.push(Bound {
+                    normal: t.normal,
+                    plane: t.plane,
+                });
+            }
+        }
+        if bounds.len() < 2 || bounds.len() > 64 {
+            return false;
+        }
+        for &k in all.iter() {
+            let t = &self.near[k];
+            if self.is_hidden(k, apex, meeting) {
+                continue;
+            }
+            let mut piece = Piece {
+                bounds: 0,
+                turned: 0,
+                near: k,
+            };
+            for (m, b) in bounds.iter().enumerate() {
+                let bit = 1u64 << m;
+                if b.plane == t.plane {
+                    piece.bounds |= bit;
+                    continue;
+                }
+                let [before, behind] = sides(b.normal, apex, &t.corners);
+                if before && behind {
+                    continue;
+                }
+                if !before {
+                    piece.bounds |= bit;
+                } else {
+                    // a neighbour of which the body's centre is on the other side
+                    let shares = |q: &Near| {
+                        t.corners
+                            .iter()
+                            .any(|z| *z != apex && q.corners.contains(z))
+                    };
+                    let mut others = all
+                        .iter()
+                        .map(|q| &self.near[*q])
+                        .filter(|q| q.plane == b.plane);
+                    if others.any(|q| shares(q) && !sides(t.normal, apex, &q.corners)[0]) {
+                        piece.bounds |= bit;
+                        piece.turned |= bit;
+                    }
+                }
+            }
+            pieces.push(piece);
+        }
+        // of two of which one lies within the other, the larger one is enough
+        let mut kept = 0;
+        for k in 0..pieces.len() {
+            let p = pieces[k];
+            let is_within = |q: &Piece| q.bounds & !p.bounds == 0;
+            let is_larger = |q: &Piece| is_within(q) && q.bounds != p.bounds;
+            if !pieces[k..].iter().any(is_larger) && !pieces[..kept].iter().any(is_within) {
+                pieces[kept] = p;
+                kept += 1;
+            }
+        }
+        pieces.truncate(kept);
+        kept > 1 && pieces.iter().any(|p| p.bounds.count_ones() > 1)
+    }
+
+    /// Puts the supports of a corner's convex pieces in the place of what the triangles' planes say.
+    fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3, memory: &mut CornerMemory) {
+        let CornerMemory {
+            meeting: all,
+            bounds,
+            pieces,
+            members,
+            normals,
+        } = memory;
+        // the planes that act, by bound
+        let mut acting = 0u64;
+        for piece in pieces.iter() {
+            normals.clear();
+            members.clear();
+            members.extend((0..bounds.len()).filter(|m| piece.bounds >> m & 1 == 1));
+            normals.extend(members.iter().map(|&m| {
+                if piece.turned >> m & 1 == 1 {
+                    -bounds[m].normal
+                } else {
+                    bounds[m].normal
+                }
+            }));
+            let Some(support) = convex_corner::support(body, apex, normals) else {
+                continue;
+            };
+            match support {
+                CornerSupport::Plane(m) => acting |= 1 << members[m],
+                CornerSupport::Line {
+                    along,
+                    normal,
+                    foot,
+                } => {
+                    let penetration = body.support(normal).h - normal.dot(apex);
+                    // beyond the other end of the triangles' own edge it is for the corner there to say
+                    let way = foot - apex;
+                    let is_beyond = all.iter().any(|&q| {
+                        self.near[q].corners.iter().any(|z| {
+                            let side = *z - apex;
+                            let ahead = side.dot(way);
+                            side.cross(along).norm() <= TOLERANCE * side.norm()
+                                && ahead > 0.0
+                                && ahead >= side.norm_squared()
+                        })
+                    });
+                    if !is_beyond {
+                        self.candidates.push(Candidate {
+                            plane: SupportingPlane {
+                                point: foot,
+                                normal: -normal,
+                            },
+                            foot,
+                            penetration,
+                            triangle: self.near[piece.near].index,
+                            feature: Feature::Edge(along),
+                            over: true,
+                            near: piece.near,
+                        });
+                    }
+                }
+                CornerSupport::Apex { normal } => {
+                    let penetration = body.support(normal).h - normal.dot(apex);
+                    self.add_point(-normal, apex, penetration, Feature::Corner, piece.near);
+                }
+            }
+        }
+        for (m, bound) in bounds.iter().enumerate() {
+            let known = self.of_plane[bound.plane];
+            if acting >> m & 1 == 0 {
+                if known != NOTHING && !self.candidates[known].over {
+                    self.candidates[known].triangle = NOTHING;
+                }
+            } else if known == NOTHING {
+                let Some(&k) = all.iter().find(|&&k| self.near[k].plane == bound.plane) else {
+                    continue;
+                };
+                let t = &self.near[k];
+                let support = body.support(-t.normal);
+                let penetration = support.h - t.distance;
+                let foot = support.point + t.normal * penetration;
+                self.of_plane[bound.plane] = self.candidates.len();
+                self.candidates.push(Candidate {
+                    plane: SupportingPlane {
+                        point: apex,
+                        normal: t.normal,
+                    },
+                    foot,
+                    penetration,
+                    triangle: t.index,
+                    feature: Feature::Face,
+                    over: false,
+                    near: k,
+                });
+            }
+        }
+    }
+
     /// An edge or a corner that touches.
     fn add_point(
         &mut self,
@@ -533,7 +788,8 @@ impl TriangleSearch {
     /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
     /// triangles have in common.
     fn keep_one_of_each(&mut self, meeting: f64) {
-        if self.candidates.iter().all(|c| c.feature == Feature::Face) {
+        let is_whole = |c: &Candidate| c.feature == Feature::Face && c.triangle != NOTHING;
+        if self.candidates.iter().all(is_whole) {
             return;
         }
         let reach = 3.0 * meeting;
@@ -625,6 +881,19 @@ fn first_of(near: &mut [Near], mut k: usize) -> usize {
         k = next;
     }
     k
+}
+
+/// Whether a triangle comes before a plane through a point of it, and behind it.
+fn sides(normal: Vector3, point: Vector3, corners: &Triangle) -> [bool; 2] {
+    let mut found = [false; 2];
+    for z in corners {
+        let way = *z - point;
+        let height = normal.dot(way);
+        let least = TOLERANCE * way.norm() + f64::MIN_POSITIVE;
+        found[0] |= height > least;
+        found[1] |= height < -least;
+    }
+    found
 }
 
 /// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.

@@ -7,7 +7,7 @@ use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::{BoxTree, Extent};
-use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
+use crate::geometry::triangles::{Feature, Triangle, TriangleContact, REACH};
 use crate::geometry::Plane;
 use crate::message::Numbers;
 use crate::vector::Vector3;
@@ -176,14 +176,14 @@ impl Shape for Mesh {
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         let body = grain.body;
-        // A little more than the body's own box: triangles that meet within a hundred-thousandth of its size count as joined.
+        // More than the body's own box: corners act from a little outside, and triangles that meet within a hundred-thousandth of its size count as joined.
         let margin = 1e-4 * body.smallest_semi_axis();
         let reach = [
             Vector3::new(1.0, 0.0, 0.0),
             Vector3::new(0.0, 1.0, 0.0),
             Vector3::new(0.0, 0.0, 1.0),
         ]
-        .map(|e| body.support(e).h + margin);
+        .map(|e| REACH * body.support(e).h + margin);
         let c = grain.centre.to_array();
         let extent = Extent {
             low: core::array::from_fn(|k| c[k] - reach[k]),

@@ -17,14 +17,14 @@ use ellgran::vector::{Tangent, Vector3};
 
 /// What a wall does to a body.
 #[derive(Clone, Copy, Debug)]
-struct Felt {
-    energy: f64,
-    force: Vector,
-    torque: Vector,
-    contacts: usize,
+pub struct Felt {
+    pub energy: f64,
+    pub force: Vector,
+    pub torque: Vector,
+    pub contacts: usize,
 }
 
-fn law() -> Laws {
+pub fn law() -> Laws {
     laws(&["hertz 1e7 0.3 conservative yes"])
 }
 
@@ -61,7 +61,7 @@ fn flat(point: Vector3, normal: Vector3, share: Share) -> WallSurface {
     }
 }
 
-fn on_triangles(laws: &Laws, b: &Body, triangles: &[Triangle]) -> Felt {
+pub fn on_triangles(laws: &Laws, b: &Body, triangles: &[Triangle]) -> Felt {
     let i = prepare_body(b, None).unwrap();
     let mut search = TriangleSearch::default();
     search.touch(&i.body, i.position, triangles);
@@ -96,7 +96,7 @@ fn on_plane(laws: &Laws, b: &Body) -> Felt {
     )
 }
 
-fn support(semi_axes: [f64; 3], turn: Rotation, direction: Vector) -> Vector {
+pub fn support(semi_axes: [f64; 3], turn: Rotation, direction: Vector) -> Vector {
     let b = body(semi_axes, Vector::zeros(), turn);
     let i = prepare_body(&b, None).unwrap();
     vector(i.body.support(plain(direction)).point)
@@ -108,7 +108,7 @@ fn over(semi_axes: [f64; 3], turn: Rotation, [x, y]: [f64; 2], depth: f64) -> Bo
     body(semi_axes, Vector::new(x - s.x, y - s.y, -s.z - depth), turn)
 }
 
-fn point(x: f64, y: f64, z: f64) -> Vector3 {
+pub fn point(x: f64, y: f64, z: f64) -> Vector3 {
     Vector3::new(x, y, z)
 }
 
@@ -329,7 +329,7 @@ fn a_contact_crosses_a_fold_of_any_angle_without_a_jump() {
     }
 }
 
-fn turned(b: &Body, axis: usize, by: f64) -> Body {
+pub fn turned(b: &Body, axis: usize, by: f64) -> Body {
     let mut b = *b;
     b.quaternion =
         quaternion(Rotation::from_scaled_axis(Vector::ith(axis, by)) * rotation(b.quaternion));

@@ -17,6 +17,7 @@ mod first_touch;
 mod gap;
 mod global_minimum;
 mod lone_contacts;
+mod mesh_corners;
 mod momentum;
 mod near_walls;
 mod passivity;

@@ -98,6 +98,8 @@ fn deepest(g: &Grain, depth: &dyn Fn(Vector) -> f64) -> Vec<Contact> {
                 }
             }
             if best > 0.0 {
+                w = polished(&depth, w);
+                best = depth(w);
                 let local = std::array::from_fn(|k| w[k] / g.semi_axes[k]);
                 let normal = unit(rotate(g.quaternion, local));
                 let point = grain_point(g, w);
@@ -109,6 +111,37 @@ fn deepest(g: &Grain, depth: &dyn Fn(Vector) -> f64) -> Vec<Contact> {
         }
     }
     found
+}
+
+/// The place of a maximum by Newton's method from near it: the values alone tell it to the root of their rounding, of which a slender
+/// grain's curvature there makes far more.
+fn polished(depth: &dyn Fn(Vector) -> f64, start: Vector) -> Vector {
+    let h = 1e-3;
+    let mut w = start;
+    for _ in 0..3 {
+        let (u, v) = tangents(w);
+        let at = |s: f64, t: f64| depth(unit(add(w, add(scale(s, u), scale(t, v)))));
+        // differences of fourth order
+        let slope = |f: &dyn Fn(f64) -> f64| {
+            (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
+        };
+        let (p, q) = (slope(&|s| at(s, 0.0)), slope(&|t| at(0.0, t)));
+        let here = at(0.0, 0.0);
+        let uu = (at(h, 0.0) + at(-h, 0.0) - 2.0 * here) / (h * h);
+        let vv = (at(0.0, h) + at(0.0, -h) - 2.0 * here) / (h * h);
+        let uv = (at(h, h) + at(-h, -h) - at(h, -h) - at(-h, h)) / (4.0 * h * h);
+        let determinant = uu * vv - uv * uv;
+        let step = [
+            (uv * q - vv * p) / determinant,
+            (uv * p - uu * q) / determinant,
+        ];
+        // a wall that is not smooth there, or no maximum
+        if !(determinant > 0.0 && uu < 0.0 && step[0].hypot(step[1]) < 1e-4) {
+            return start;
+        }
+        w = unit(add(w, add(scale(step[0], u), scale(step[1], v))));
+    }
+    w
 }
 
 fn contacts(g: &Grain, surface: &Surface) -> Vec<Contact> {
@@ -136,9 +169,11 @@ pub fn energy(g: &Grain, wall: &Wall) -> (f64, usize) {
     (sum, count)
 }
 
-/// Force and torque by central differences of fourth order. The rounding of a slender grain's depth asks for a wide step.
+/// Force and torque by central differences of fourth order. The rounding of a slender grain's depth asks for a wide step, which must
+/// be small beside the grain's least radius as well, where it is deep.
 pub fn reference(g: &Grain, wall: &Wall, depth: f64) -> (Vector, Vector) {
-    let h = 0.05 * depth;
+    let smallest = g.semi_axes.iter().copied().fold(f64::INFINITY, f64::min);
+    let h = 0.05 * depth.min(0.05 * smallest);
     let largest = g.semi_axes.iter().copied().fold(0.0, f64::max);
     let slope = |change: &dyn Fn(f64) -> Grain, h: f64| {
         let difference = |h: f64| energy(&change(h), wall).0 - energy(&change(-h), wall).0;
