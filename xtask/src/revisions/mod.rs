@@ -114,6 +114,12 @@ fn definitions(header: &str) -> Result<Vec<&'static str>> {
     } else if !header.contains("ellgran_wall_histories_length(") {
         definitions.push("-Dellgran_wall_histories_length=ellgran_wall_memory_length");
     }
+    let particles = header
+        .split_once("typedef struct EllgranParticles {")
+        .and_then(|(_, rest)| rest.split_once("} EllgranParticles;"));
+    if particles.is_some_and(|(fields, _)| fields.contains(" unchanged;")) {
+        definitions.push("-DPARTICLES_HAVE_UNCHANGED");
+    }
     Ok(definitions)
 }
 
@@ -221,7 +227,7 @@ mod tests {
         assert!(names.contains(&"-Dtypes=kinds"));
         assert!(names.contains(&"-Dellgran_wall_histories_length=ellgran_wall_memory_length"));
         let now = fs::read_to_string(workspace::root().join("include/ellgran.h")).unwrap();
-        assert!(definitions(&now).unwrap().is_empty());
+        assert_eq!(definitions(&now).unwrap(), ["-DPARTICLES_HAVE_UNCHANGED"]);
         assert!(definitions("int32_t kind;").is_err());
     }
 }

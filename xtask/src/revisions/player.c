@@ -11,7 +11,7 @@
  *     processor time of the calls in them, ns.
  *
  * scene.rs writes the scenes. The motion is computed here, so that it is the same in each revision. WITHOUT_WALLS is defined
- * where the interface has no ellgran_wall_add_shape; fields with other names are renamed on the command line.
+ * where the interface has no ellgran_wall_add_shape, PARTICLES_HAVE_UNCHANGED where EllgranParticles have such a field; fields with other names are renamed on the command line.
  */
 #define _POSIX_C_SOURCE 199309L
 
@@ -309,6 +309,9 @@ static void compute(Scene *scene, const Frame *frame, int keep_history, EllgranT
     check(ellgran_compute_pairs(scene->laws, scene->workspace, &particles, &list, &scene->step, tallies));
   }
 #ifndef WITHOUT_WALLS
+#ifdef PARTICLES_HAVE_UNCHANGED
+  particles.unchanged = scene->steps_done > 0;
+#endif
   if (scene->wall_type > 0) {
     EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
     check(ellgran_compute_wall(scene->laws, scene->workspace, scene->wall, &particles, NULL, 1,
@@ -505,6 +508,7 @@ static void answer(Scene *scene)
       const Frame *frame = &scene->frames[(size_t) scene->steps_done % scene->frame_count];
       double start;
       if (scene->cold) {
+        check(ellgran_forget_history(scene->workspace));
         memset(scene->touching, 0, scene->pair_count * sizeof(int32_t));
         memset(scene->histories, 0, scene->pair_count * scene->history_length * sizeof(double));
       }
