@@ -45,6 +45,7 @@ mod setup;
 #[allow(dead_code)]
 #[path = "../../tests/support/shapes.rs"]
 mod shapes;
+mod shown;
 mod site;
 mod stress;
 mod tarball;
