@@ -96,7 +96,7 @@ std::string EllgranStepLimits::excess() const
                        "stable: grains will gain energy and be lost: reduce the time step, the stiffness or the damping",
                        dt, critical.time, critical.i, critical.j);
   if (STEPS_OF_A_COLLISION * dt > collision.time)
-    return fmt::format("a collision of types {} and {} at the speeds of now takes {:.4g}, fewer than {} time steps of "
+    return fmt::format("a collision of types {} and {} at the present speeds takes {:.4g}, fewer than {} time steps of "
                        "{:.4g}: reduce the time step to {:.4g}",
                        collision.i, collision.j, collision.time, STEPS_OF_A_COLLISION, dt,
                        collision.time / STEPS_OF_A_COLLISION);

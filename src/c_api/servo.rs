@@ -19,7 +19,7 @@ pub struct EllgranServo {
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,
-    /// State, written: the part of the velocity that does not come from the error of now.
+    /// State, written: the part of the velocity that does not come from the present error.
     pub steady_velocity: f64,
     /// State, written: the velocity in its direction with which the wall moves in the next step.
     pub velocity: f64,

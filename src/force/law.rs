@@ -68,7 +68,7 @@ pub enum TwistingResistance {
     /// Nothing.
     #[default]
     None,
-    /// `marshall`: that of the tangential law and the contact ellipse of now.
+    /// `marshall`: that of the tangential law and the present contact ellipse.
     OfContactEllipse,
     /// `sds`: these constants.
     Given(TwistSpring),

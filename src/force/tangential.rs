@@ -20,7 +20,7 @@
 //! the energy `E` that it holds (`E = zeta.C zeta` times a function of `s`), and never lets `E` grow by more than the work
 //! of the tangential force, so that no cycle gives work:
 //!
-//! - Where the contact of now would hold more at the same `zeta` (it shrinks, its ellipse turns or changes, a viscous normal
+//! - Where the present contact would hold more at the same `zeta` (it shrinks, its ellipse turns or changes, a viscous normal
 //!   force widens the cone), `zeta` is reduced by the ratio of the energies: without slip on a circle, by the ratio of the
 //!   stiffnesses (R.D. Elata, J.G. Berryman, Mech. Mater. 24 (1996) 229).
 //! - Under partial slip on an ellipse `F` along `zeta` is no gradient: turning `zeta` towards the more compliant direction
@@ -50,7 +50,7 @@ choices! {
 
     /// What is kept of the tangential displacement while the contact grows and shrinks.
     Displacement {
-        /// The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
+        /// The tangential displacement since first touch is remembered, and the force is that at the present stiffness: the
         /// published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
         /// while it is deep.
         Total = 0, "total", ELLGRAN_DISPLACEMENT_TOTAL, [];
@@ -65,7 +65,7 @@ choices! {
 }
 
 impl Tangential {
-    /// Whether it takes its stiffness from the elastic constants of the material, and from the contact ellipse of now.
+    /// Whether it takes its stiffness from the elastic constants of the material, and from the present contact ellipse.
     #[inline(always)]
     pub fn needs_material(self) -> bool {
         match self {
@@ -208,8 +208,8 @@ pub struct TangentialForce<T = f64> {
 
 /// Tangential force.
 ///
-/// - `normal_force`, `normal_stiffness`: those of the contact of now ([`super::NormalForce`]).
-/// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_energy`: its elastic energy at the
+/// - `normal_force`, `normal_stiffness`: those of the present contact ([`super::NormalForce`]).
+/// - `memory`: what is remembered, carried into the present tangent basis; `remembered_energy`: its elastic energy at the
 ///   last step (only `displacement rescaled`; 0 for a new contact).
 /// - `passes`: whether time passes. Where none does, as when a run starts, nothing slips and nothing is given up: memory and
 ///   energy stay.

@@ -63,7 +63,7 @@ pub struct BodyArrays<'a, B: Bodies> {
 }
 
 /// What takes velocities and angular momenta from the half step to the end of the step, where the next forces are computed:
-/// from the accelerations `a` of now and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
+/// from the present accelerations `a` and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
 /// step to that one; nothing where `a` has turned against `a'`.
 ///
 /// The forces then depend on velocities that are right to the second order, and the step stays explicit. The velocities
@@ -75,7 +75,7 @@ pub struct Extrapolation<'a> {
     /// Written by [`start_step`]: what velocities and angular momenta have more than those of the half step; by
     /// [`finish_step`]: what those that the forces were computed with had more than those of the end of the step.
     pub changes: &'a mut [[f64; 6]],
-    /// Forces and torques of the step before; overwritten by those of now. Not known where the first is infinite: those of
+    /// Forces and torques of the step before; overwritten by the present ones. Not known where the first is infinite: those of
     /// now then stand for them, which is right for what moves freely before it touches.
     pub loads_before: &'a mut [[f64; 6]],
     /// This step over the one before.
@@ -218,7 +218,7 @@ pub fn finish_step_of_body<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, 
     }
 }
 
-/// The angular velocities, world frame, that go with the angular momenta and attitudes of now, of the bodies that move; the
+/// The angular velocities, world frame, that go with the present angular momenta and attitudes, of the bodies that move; the
 /// others' are left as they are.
 ///
 /// # Errors

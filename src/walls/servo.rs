@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! With which velocity a wall keeps the force with which it presses on the particles.
 //!
-//! The wall moves along one direction with the velocity `u = e g + w`, `e` the target less the force of now. With `K` and `C` the
+//! The wall moves along one direction with the velocity `u = e g + w`, `e` the target less the present force. With `K` and `C` the
 //! stiffness and the damping of all contacts of the wall, a step of velocity `u` changes the force by `(K dt + C) u` at most:
 //! what is behind the particles that touch can only give way further. `g = gain/(K dt + C)` therefore takes away at most the share
 //! `gain` of `e` in each step, and no gain below 1 makes the force swing from step to step. The second part, `w`, sums up
@@ -20,7 +20,7 @@ pub struct Servo {
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,
-    /// `w` of this module: the part of the velocity that does not come from the error of now.
+    /// `w` of this module: the part of the velocity that does not come from the present error.
     pub steady_velocity: f64,
     /// Velocity in the direction in which it presses, for the next step.
     pub velocity: f64,
