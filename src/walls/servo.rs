@@ -12,6 +12,22 @@
 //! target: it takes energy out of any swinging of the particles, and gives none to it.
 
 /// The settings of a servo, and its state between steps.
+///
+/// # Example
+/// ```
+/// use ellgran::walls::{Servo, ServoLoad};
+///
+/// // A plate on a spring of 1 kN/m, pressed until it feels 5 N. It approaches at 1 cm/s where it touches nothing.
+/// let mut plate = Servo { target: 5.0, gain: 0.1, largest_speed: 0.01, steady_velocity: 0.0, velocity: 0.0 };
+/// let (mut way, time_step) = (0.0, 1e-4);
+/// plate.follow(&ServoLoad { force: 0.0, stiffness: 0.0, damping: 0.0 }, time_step);
+/// assert_eq!(plate.velocity, 0.01);
+/// for _ in 0..10_000 {
+///     plate.follow(&ServoLoad { force: 1e3 * way, stiffness: 1e3, damping: 0.0 }, time_step);
+///     way += plate.velocity * time_step;
+/// }
+/// assert!((1e3 * way - 5.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Servo {
     /// Force with which the wall is to press, 0 or more.

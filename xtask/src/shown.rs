@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which public items of the Rust interface does no example show? Examples are the doc tests of `src`, the Rust of README.md, and
 //! examples/rust. An item is shown where its name is in the code of one: a function or type by its name, a method as `.name` or
-//! `Type::name`, an associated constant as `Type::NAME`.
+//! `Type::name`, an associated constant as `Type::NAME`. A type is also shown where a function that is shown takes or gives it, or
+//! where it is a public field of a type that is shown.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,12 +14,43 @@ use syn::{Attribute, ImplItem, Item, Meta, UseTree, Visibility};
 use crate::progress::say;
 use crate::workspace;
 
-/// Modules that no user of the Rust interface needs: the C interface, which the header documents and examples/c show, and what the
-/// numbers in lanes are made of.
-const NOT_FOR_USERS: [&str; 4] = ["c_api", "real", "simd::lanes", "simd::registers"];
-
-/// Items that stay without an example, with the reason.
-const EXCEPTIONS: &[(&str, &str)] = &[];
+/// Modules and items without an example, and why users do without.
+const NOT_FOR_USERS: &[(&str, &str)] = &[
+    (
+        "c_api",
+        "the C interface: its header documents it, examples/c show it",
+    ),
+    (
+        "real",
+        "what the numbers in lanes can do: for laws, docs/how-to-add-a-law.md",
+    ),
+    ("simd::lanes", "the same numbers over registers"),
+    (
+        "simd::registers",
+        "what an instruction set gives: docs/how-to-add-an-instruction-set.md",
+    ),
+    (
+        "contact::forces",
+        "the law in lanes: `one_contact`, lists and walls call it",
+    ),
+    ("contact::lane_search", "the search in lanes: lists call it"),
+    ("contact::pair", "what `one_contact` is made of"),
+    ("geometry::convex_body", "what the searches ask of a body"),
+    ("geometry::spheroid", "the body of the lanes for spheroids"),
+    (
+        "geometry::small_motion",
+        "how long candidates of lists and walls stay valid",
+    ),
+    ("list::records", "particles as the lanes load them"),
+    (
+        "walls::lane_pass",
+        "what a call for a wall does in lanes, which `is_taken_in_lanes` tells",
+    ),
+    (
+        "walls::shape",
+        "what a new shape answers: docs/how-to-add-a-wall.md",
+    ),
+];
 
 /// Fails where a public item is in no example.
 pub fn check() -> Result<()> {
@@ -50,6 +82,8 @@ struct Shown {
     path: String,
     /// One of these is in the code.
     by: Vec<String>,
+    /// The types that come with it: those of its signature or of its public fields.
+    with: BTreeSet<String>,
 }
 
 #[derive(Default)]
@@ -70,6 +104,7 @@ impl Interface {
         let methods = std::mem::take(&mut interface.methods).into_iter();
         let of_types = methods.filter(|(name, _)| types.contains(name));
         interface.items.extend(of_types.map(|(_, item)| item));
+        interface.items.retain(|item| is_for_users(&item.path));
         Ok(interface)
     }
 
@@ -97,9 +132,6 @@ impl Interface {
         names: Option<&BTreeSet<String>>,
     ) -> Result<()> {
         let path = module.join("::");
-        let for_users = !NOT_FOR_USERS
-            .iter()
-            .any(|one| path == *one || path.starts_with(&format!("{one}::")));
         let exported: Vec<_> = items
             .iter()
             .filter_map(|item| match item {
@@ -124,7 +156,7 @@ impl Interface {
                     self.examples += &code_of(&i.attrs);
                     if let syn::Type::Path(of) = &*i.self_ty {
                         let of = of.path.segments.last().map(|s| s.ident.to_string());
-                        self.methods_of(&of.unwrap_or_default(), &i.items, &path, for_users);
+                        self.methods_of(&of.unwrap_or_default(), &i.items, &path);
                     }
                     continue;
                 }
@@ -132,7 +164,7 @@ impl Interface {
             };
             self.examples += &code_of(attributes);
             let public = is_public(visibility) && !is_hidden(attributes);
-            if !public || !for_users || names.is_some_and(|names| !names.contains(&name)) {
+            if !public || names.is_some_and(|names| !names.contains(&name)) {
                 continue;
             }
             if is_type {
@@ -141,6 +173,13 @@ impl Interface {
             self.items.push(Shown {
                 path: format!("{path}::{name}"),
                 by: vec![name],
+                with: match item {
+                    Item::Fn(i) => words(&i.sig),
+                    Item::Struct(i) => public_fields(i),
+                    Item::Enum(i) => words(&i.variants),
+                    Item::Type(i) => words(&i.ty),
+                    _ => BTreeSet::new(),
+                },
             });
         }
         Ok(())
@@ -183,15 +222,19 @@ impl Interface {
         self.file(&file, &directory.join(&name), &inner, from_above.as_ref())
     }
 
-    fn methods_of(&mut self, of: &str, items: &[ImplItem], path: &str, for_users: bool) {
+    fn methods_of(&mut self, of: &str, items: &[ImplItem], path: &str) {
         for item in items {
             let (attributes, visibility, name, method) = match item {
                 ImplItem::Fn(i) => (&i.attrs, &i.vis, &i.sig.ident, i.sig.receiver().is_some()),
                 ImplItem::Const(i) => (&i.attrs, &i.vis, &i.ident, false),
                 _ => continue,
             };
+            let with = match item {
+                ImplItem::Fn(i) => words(&i.sig),
+                _ => BTreeSet::new(),
+            };
             self.examples += &code_of(attributes);
-            if !is_public(visibility) || is_hidden(attributes) || !for_users {
+            if !is_public(visibility) || is_hidden(attributes) {
                 continue;
             }
             let mut by = vec![format!("{of}::{name}")];
@@ -199,24 +242,52 @@ impl Interface {
                 by.push(format!(".{name}"));
             }
             let path = format!("{path}::{of}::{name}");
-            self.methods.push((of.to_string(), Shown { path, by }));
+            self.methods
+                .push((of.to_string(), Shown { path, by, with }));
         }
     }
 
     /// The items that a code does not have.
     fn not_in(&self, code: &str) -> Vec<String> {
-        let excepted = |path: &str| EXCEPTIONS.iter().any(|(one, _)| *one == path);
-        let mut missing: Vec<String> = self
-            .items
-            .iter()
-            .filter(|item| !item.by.iter().any(|name| has(code, name)))
-            .filter(|item| !excepted(&item.path))
-            .map(|item| item.path.clone())
-            .collect();
-        missing.sort();
-        missing.dedup();
-        missing
+        let named = |item: &Shown| item.by.iter().any(|name| has(code, name));
+        let mut shown: Vec<bool> = self.items.iter().map(named).collect();
+        // The types that come with what is shown, and those that come with these.
+        loop {
+            let known = self.items.iter().zip(&shown).filter(|(_, shown)| **shown);
+            let come: BTreeSet<&String> = known.flat_map(|(item, _)| &item.with).collect();
+            let comes = |item: &Shown| !item.by[0].contains("::") && come.contains(&item.by[0]);
+            let before = shown.clone();
+            for (shown, item) in shown.iter_mut().zip(&self.items) {
+                *shown |= comes(item);
+            }
+            if shown == before {
+                break;
+            }
+        }
+        let missing = self.items.iter().zip(&shown).filter(|(_, shown)| !**shown);
+        let missing: BTreeSet<String> = missing.map(|(item, _)| item.path.clone()).collect();
+        missing.into_iter().collect()
     }
+}
+
+/// The identifiers of a piece of source.
+fn words(of: &impl quote::ToTokens) -> BTreeSet<String> {
+    let text = of.to_token_stream().to_string();
+    let separates = |c: char| !(c.is_alphanumeric() || c == '_');
+    text.split(separates)
+        .filter(|word| word.starts_with(char::is_uppercase))
+        .map(str::to_owned)
+        .collect()
+}
+
+fn public_fields(item: &syn::ItemStruct) -> BTreeSet<String> {
+    let fields = item.fields.iter().filter(|field| is_public(&field.vis));
+    fields.flat_map(|field| words(&field.ty)).collect()
+}
+
+fn is_for_users(path: &str) -> bool {
+    let within = |of: &str| path == of || path.starts_with(&format!("{of}::"));
+    !NOT_FOR_USERS.iter().any(|(one, _)| within(one))
 }
 
 /// Whether a name is there as a whole word.
@@ -351,6 +422,13 @@ mod tests {
             "pub fn f(x: i32) {}\npub fn g() {}\npub(crate) fn h() {}\n",
         );
         assert_eq!(missing(&[("lib.rs", shown), file]), ["::B::other", "a::g"]);
+    }
+
+    #[test]
+    fn a_type_is_shown_with_what_takes_or_has_it() {
+        let lib = "/// ```\n/// f();\n/// ```\npub fn f() -> Result<A, E> {}\npub struct A { pub b: B, c: C }\npub struct B;\npub struct C;\n\
+                   pub enum E { One(D) }\npub struct D;\nimpl D { pub fn d(&self) {} }";
+        assert_eq!(missing(&[("lib.rs", lib)]), ["::C", "::D::d"]);
     }
 
     #[test]
