@@ -47,6 +47,26 @@ const NOT_FOR_USERS: &[(&str, &str)] = &[
         "what a call for a wall does in lanes, which `is_taken_in_lanes` tells",
     ),
     (
+        "geometry::ellipsoid::AxesInBody",
+        "an ellipsoid in the frame of a contact, for the searches",
+    ),
+    (
+        "list::workspace::Workspace::prepare_chosen_records",
+        "for a wall in lanes",
+    ),
+    (
+        "list::workspace::Workspace::chosen_records",
+        "for a wall in lanes",
+    ),
+    (
+        "walls::motion::Motion::seen_from_wall",
+        "a step of a wall in its own frame: `compute_wall` takes it",
+    ),
+    (
+        "walls::motion::Motion::surface_to_world",
+        "the way back from that frame",
+    ),
+    (
         "walls::shape",
         "what a new shape answers: docs/how-to-add-a-wall.md",
     ),
