@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 use std::ptr::{null, null_mut};
 
+use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::law::*;
 use ellgran::c_api::solid::*;
 use ellgran::c_api::staged::*;
@@ -148,7 +149,7 @@ fn angular_momenta_and_mean_angular_velocities() {
             "angular_velocity",
         );
         let zero = [0.0; 4];
-        for (to, time, word) in [(zero.as_ptr(), 1.0, "to = 0 0 0 0"), (b, 0.0, "time = 0")] {
+        for (to, time, word) in [(zero.as_ptr(), 1.0, "to = (0 0 0 0)"), (b, 0.0, "time = 0")] {
             fails(
                 ellgran_mean_angular_velocity(a, to, time, f),
                 ELLGRAN_ERROR_ARGUMENT,
