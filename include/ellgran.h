@@ -2567,6 +2567,29 @@ int32_t ellgran_moments_of_inertia(size_t count,
                                    double *moments);
 
 /*
+ Angular momentum of a solid ellipsoid with `angular_velocity`, 3 doubles each, both in the world frame. Semi-axes, quaternion and
+ mass are those of `body`; its own angular velocity is not used.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_angular_momentum(const struct EllgranBody *body,
+                                 const double *angular_velocity,
+                                 double *angular_momentum);
+
+/*
+ The steady angular velocity, world frame, that turns a body from one quaternion (w, x, y, z) to another within `time` > 0, by the
+ shorter way: `from` and `to` are 4 doubles each, of any length but zero, `angular_velocity` 3 doubles.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_mean_angular_velocity(const double *from,
+                                      const double *to,
+                                      double time,
+                                      double *angular_velocity);
+
+/*
  Adds what the touching pairs of a neighbour list contribute to a bound of the stable step of their particles to `sums`,
  [count][ELLGRAN_STEP_SUMS_LENGTH], and what is extreme among them to `extremes`, which may be NULL.
 
@@ -2846,6 +2869,23 @@ int32_t ellgran_collision(const struct EllgranLaws *laws,
                           double speed,
                           double *time,
                           double *penetration);
+
+/*
+ Limits of the time step by contacts of two grains that meet at `speed` >= 0, flat side on flat side, where a contact is stiffest,
+ before any contact is known: how long their collision takes to `collision_time` (INFINITY at speed 0), and the largest time step
+ at which velocity Verlet is stable for a contact of theirs to `critical_step`, at the deepest overlap of that collision, of 1 % of
+ the smaller least semi-axis at least and of a quarter of the distance of the centres at most. Places, rotations and velocities of
+ the bodies are not used, but must be in their ranges. Both are INFINITY for two fixed bodies.
+
+ # Safety
+ The pointers are NULL or valid.
+ */
+int32_t ellgran_two_grain_limits(const struct EllgranLaws *laws,
+                                 const struct EllgranBody *i,
+                                 const struct EllgranBody *j,
+                                 double speed,
+                                 double *collision_time,
+                                 double *critical_step);
 
 /*
  Rayleigh's time of a grain: the time in which a surface wave travels from pole to pole of a sphere whose radius is the

@@ -24,7 +24,7 @@ ComputeEnergyEllipsoid::ComputeEnergyEllipsoid(LAMMPS *lmp, int narg, char **arg
 {
   if (narg > 3) error->all(FLERR, "{} {}: unexpected word '{}': the syntax is '{}'", CALLER, id, arg[3], SYNTAX);
   if (igroup != 0)
-    error->all(FLERR, "{} {}: group {} must be all: what other grains do to those of a group is not known: {}", CALLER, id, arg[1],
+    error->all(FLERR, "{} {}: group {} must be all: the work of other grains on those of a group is not known: {}", CALLER, id, arg[1],
                SYNTAX);
   EllgranAtoms(lmp, std::string(CALLER) + " " + id).require_atom_style();
 

@@ -64,7 +64,7 @@ class EllgranAtoms : protected Pointers {
 
   /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
   /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom). Velocity and
-  /// angular momentum are those given, or the atom's own of now for nullptr.
+  /// angular momentum are those given, or the atom's present ones for nullptr.
   [[nodiscard]] EllgranBody body(int i, double contact_mass, const double *velocity = nullptr,
                                  const double *angular_momentum = nullptr) const;
 

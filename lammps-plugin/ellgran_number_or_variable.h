@@ -28,7 +28,7 @@ class NumberOrVariable {
   /// Stops with a message if the variable is not there or not of equal style: for `Fix::init`.
   void require_variable(LAMMPS *lmp) const;
 
-  /// The value of now. A variable is evaluated: all ranks call it, between `clearstep_compute` and `addstep_compute`.
+  /// The present value. A variable is evaluated: all ranks call it, between `clearstep_compute` and `addstep_compute`.
   [[nodiscard]] double value(LAMMPS *lmp) const;
 
  private:

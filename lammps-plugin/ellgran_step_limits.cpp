@@ -22,9 +22,6 @@ constexpr double NONE = std::numeric_limits<double>::infinity();
 // Fewer steps than these in a collision do not resolve it.
 constexpr double STEPS_OF_A_COLLISION = 10.0;
 
-// Stability is asked for at the overlap of the fastest collision, at this share of the smaller grain's least semi-axis at least.
-constexpr double LEAST_OVERLAP = 0.01;
-
 }    // namespace
 
 EllgranStepLimits::EllgranStepLimits(LAMMPS *lmp, const std::string &caller_name) :
@@ -61,24 +58,13 @@ void EllgranStepLimits::find(const EllgranAtoms &atoms, const EllgranLaws *laws,
     const EllgranBody &one = grains[i];
     if (one.mass == 0.0) continue;
     for (int j = i; j <= ntypes; j++) {
-      EllgranBody other = grains[j];
+      const EllgranBody &other = grains[j];
       const std::size_t pair = static_cast<std::size_t>(i - 1) * ntypes + (j - 1);
       if (other.mass == 0.0 || !used[pair]) continue;
-      // Flat side on flat side, where a contact is stiffest.
-      const double reach = one.semi_axes[2] + other.semi_axes[2];
-      double overlap = LEAST_OVERLAP * std::min(one.semi_axes[2], other.semi_axes[2]);
-      other.position[2] = reach - overlap;
-      if (speed > 0.0) {
-        double time = 0.0, penetration = 0.0;
-        if (!is_defined(ellgran_collision(laws, &one, &other, 2.0 * speed, &time, &penetration))) continue;
-        lower(collision, time, i, j);
-        // Deeper than a quarter of the grain no law holds.
-        overlap = std::min(std::max(overlap, penetration), 0.25 * reach);
-        other.position[2] = reach - overlap;
-      }
-      EllgranContactStiffness stiffness = ELLGRAN_INIT(EllgranContactStiffness);
-      if (!is_defined(ellgran_contact_stiffness(laws, &one, &other, &stiffness))) continue;
-      lower(critical, stiffness.critical_step, i, j);
+      double time = NONE, step = NONE;
+      if (!is_defined(ellgran_two_grain_limits(laws, &one, &other, 2.0 * speed, &time, &step))) continue;
+      lower(collision, time, i, j);
+      lower(critical, step, i, j);
     }
     const std::size_t own = static_cast<std::size_t>(i - 1) * (ntypes + 1);
     if (!used[own]) continue;
@@ -110,7 +96,7 @@ std::string EllgranStepLimits::excess() const
                        "stable: grains will gain energy and be lost: reduce the time step, the stiffness or the damping",
                        dt, critical.time, critical.i, critical.j);
   if (STEPS_OF_A_COLLISION * dt > collision.time)
-    return fmt::format("a collision of types {} and {} at the speeds of now takes {:.4g}, fewer than {} time steps of "
+    return fmt::format("a collision of types {} and {} at the present speeds takes {:.4g}, fewer than {} time steps of "
                        "{:.4g}: reduce the time step to {:.4g}",
                        collision.i, collision.j, collision.time, STEPS_OF_A_COLLISION, dt,
                        collision.time / STEPS_OF_A_COLLISION);

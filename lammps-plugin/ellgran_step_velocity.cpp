@@ -8,7 +8,6 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
-#include "math_extra.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -34,34 +33,6 @@ constexpr int EDGES[6] = {Fix::BOX_CHANGE_X,  Fix::BOX_CHANGE_Y,  Fix::BOX_CHANG
 constexpr int ALL_EDGES = Fix::BOX_CHANGE_SIZE | Fix::BOX_CHANGE_SHAPE;
 
 constexpr int DIFFERENCES = 6, STARTS = 10, EXCHANGED = DIFFERENCES + 3;
-
-// Angular velocity, world frame, of the rotation from one orientation to another within a time.
-void angular_velocity_between(const double *from, const double *to, double time, double *omega)
-{
-  double back[4] = {from[0], -from[1], -from[2], -from[3]}, turn[4];
-  double end[4] = {to[0], to[1], to[2], to[3]};
-  MathExtra::quatquat(end, back, turn);
-  if (turn[0] < 0.0)
-    for (double &component : turn) component = -component;
-  const double sine = std::sqrt(turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3]);
-  const double scale = (sine > 0.0) ? 2.0 * std::atan2(sine, turn[0]) / (sine * time) : 0.0;
-  for (int k = 0; k < 3; k++) omega[k] = scale * turn[1 + k];
-}
-
-// Angular momentum of a solid ellipsoid that spins with omega, both in the world frame.
-void angular_momentum_of(const EllgranBody &body, double mass, double *omega, double *momentum)
-{
-  double quaternion[4], rotation[3][3], own[3];
-  std::copy_n(body.quaternion, 4, quaternion);
-  MathExtra::qnormalize(quaternion);
-  MathExtra::quat_to_mat(quaternion, rotation);
-  MathExtra::transpose_matvec(rotation, omega, own);
-  // The body was prepared with these semi-axes: they are in their range.
-  double moments[3] = {0.0, 0.0, 0.0};
-  ellgran_moments_of_inertia(1, body.semi_axes, &mass, moments);
-  for (int k = 0; k < 3; k++) own[k] *= moments[k];
-  MathExtra::matvec(rotation, own, momentum);
-}
 
 double square(const double *v)
 {
@@ -119,6 +90,11 @@ void FixEllgranStepVelocity::setup(int)
   end_of_step();
 }
 
+void FixEllgranStepVelocity::check(int32_t status) const
+{
+  if (status != ELLGRAN_SUCCESS) error->one(FLERR, "Fix move or rigid: {}", ellgran_last_error());
+}
+
 void FixEllgranStepVelocity::store_start(int i)
 {
   if (!moving_edges) std::copy_n(atom->x[i], 3, start[i]);
@@ -174,9 +150,9 @@ void FixEllgranStepVelocity::post_integrate()
     const EllgranBody body = atoms.body(i, atom->rmass[i]);
     if (!rigid && std::equal(body.quaternion, body.quaternion + 4, start[i] + 6)) continue;
     double omega[3];
-    angular_velocity_between(start[i] + 6, body.quaternion, time, omega);
+    check(ellgran_mean_angular_velocity(start[i] + 6, body.quaternion, time, omega));
     for (int k = 0; k < 3; k++) omega[k] -= body.angular_velocity[k];
-    angular_momentum_of(body, atom->rmass[i], omega, found + 3);
+    check(ellgran_angular_momentum(&body, omega, found + 3));
   }
 }
 

@@ -79,6 +79,7 @@ class FixEllgranStepVelocity : public Fix {
   std::vector<double> velocities, angular_momenta, changes;
 
   void store_start(int i);
+  void check(int32_t status) const;
   void follow_flip();
   void follow_images();
   void keep_velocities_of_step(EllgranParticles &particles, int count);

@@ -88,7 +88,7 @@ class FixWallGranEllipsoid : public Fix {
   double rotation_point[3], rotation_axis[3];
   std::unique_ptr<WallServo> servo;    // nullptr: none
 
-  // Motion by variables: how far it went, the values of now, and the mean ones over the last step
+  // Motion by variables: how far it went, the present values, and the mean ones over the last step
   double varied_displacement[3], varied_angle;
   double velocity_now[3], rate_now;
   double mean_velocity[3], mean_rate;

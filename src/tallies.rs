@@ -1,5 +1,36 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums over contacts that an engine may ask for: energies, virial, counts.
+//!
+//! # Example
+//! ```
+//! use ellgran::tallies::{GrainSums, InelasticLoad, Tallies};
+//! use ellgran::vector::Vector3;
+//!
+//! // A ball that slides to the right at 1 m/s; friction of 2 N on it, to the left, for half a step of 1 ms.
+//! let load = InelasticLoad {
+//!     tangential_force: [-2.0, 0.0, 0.0],
+//!     ..InelasticLoad::default()
+//! };
+//! assert!(!load.is_zero());
+//! assert_eq!(load.powers([1.0, 0.0, 0.0], [0.0; 3]), [0.0, -2.0]);
+//! let mut tallies = Tallies::default();
+//! tallies.add_half_step(0.5e-3, [(0, &load)], |_| ([1.0, 0.0, 0.0], [0.0; 3]));
+//! assert!((tallies.frictional_dissipation() - 1e-3).abs() < 1e-18);
+//! // Where a body answers torques by its inertia, what acts on it is replaced by what it feels.
+//! let mut turned = InelasticLoad { tangential_torque: [0.0, 0.0, 4.0], ..load };
+//! turned.respond(|torque| torque * 0.5);
+//! assert_eq!(turned.tangential_torque, [0.0, 0.0, 2.0]);
+//!
+//! // Fabric and stress of a grain of radius 1 cm that is pressed from both sides along x with 3 N.
+//! let mut sums = GrainSums::default();
+//! for side in [-1.0, 1.0] {
+//!     let normal = Vector3::new(side, 0.0, 0.0);
+//!     sums.touching += 1.0;
+//!     sums.add(normal, normal * 0.01, normal * -3.0);
+//! }
+//! assert_eq!((sums.touching, sums.fabric[0]), (2.0, 2.0));
+//! assert!((sums.stress[0] + 0.06).abs() < 1e-15);
+//! ```
 
 use crate::vector::Vector3;
 

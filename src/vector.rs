@@ -3,6 +3,42 @@
 //!
 //! Small own types rather than nalgebra: they are generic over lanes ([`Real`]), and the static library that a user
 //! may link with LAMMPS (GPL-2.0-only) then contains no Apache-2.0-only code.
+//!
+//! # Example
+//! ```
+//! use ellgran::vector::{Symmetric2, Tangent, Vector2, Vector3};
+//!
+//! // Curvatures of a saddle (1/m) in a basis of its tangent plane, and the direction of the smaller one.
+//! let normal = Vector3::new(0.0, 0.0, 2.0).direction().expect("a vector with a direction");
+//! assert!(normal.is_unit() && normal.is_finite());
+//! let basis = Tangent::new(normal);
+//! assert!((basis.u.cross(basis.v) - normal).norm() < 1e-15);
+//! let curvature = Symmetric2::new(3.0, 1.0, -1.0);
+//! let (small, large, direction) = curvature.eigen();
+//! assert!((small + large - curvature.trace()).abs() < 1e-14);
+//! assert!((small * large - curvature.determinant()).abs() < 1e-14);
+//! let stretched = curvature.apply(direction);
+//! assert!(stretched.scale_add(1.0, direction * -small).dot(direction).abs() < 1e-14);
+//! assert!((curvature.shifted(2.0).trace() - 6.0).abs() < 1e-15);
+//!
+//! // The inverse is the adjugate over the determinant.
+//! let back = curvature.adjugate().apply(stretched) * (1.0 / curvature.determinant());
+//! assert!((back.u - direction.u).abs() < 1e-14 && (back.v - direction.v).abs() < 1e-14);
+//!
+//! // To the world and back; a basis that begins with a given direction.
+//! let in_world = basis.vector(direction);
+//! let components = basis.components(in_world);
+//! assert!((components.dot(direction) - 1.0).abs() < 1e-14);
+//! let along = Tangent::towards(Vector3::new(1.0, 0.0, 5.0), normal);
+//! assert!((along.u - Vector3::new(1.0, 0.0, 0.0)).norm() < 1e-15);
+//! assert_eq!(along.components(Vector3::new(2.0, 0.0, 7.0)), Vector2::new(2.0, 0.0));
+//!
+//! let (a, b) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, 5.0, 6.0));
+//! assert_eq!(a.componentwise(b), Vector3::new(4.0, 10.0, 18.0));
+//! assert_eq!(a.scale_add(2.0, b), Vector3::new(6.0, 9.0, 12.0));
+//! assert_eq!(Vector3::select(a.dot(b) > 0.0, a, b), a);
+//! assert!((b.normalised().norm_squared() - 1.0).abs() < 1e-15);
+//! ```
 
 #[cfg(not(feature = "std"))]
 use crate::real::Functions;

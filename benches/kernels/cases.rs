@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The laws that are timed, each with what it leaves out of the full one.
-
-use ellgran::contact::Laws;
-use ellgran::force::syntax::parse;
-use ellgran::force::LawParameters;
+//! The laws that are timed, each with what it leaves out of the full one. Words and numbers alone, as [`super::packing`].
 
 pub struct Case {
     pub name: &'static str,
@@ -79,34 +75,24 @@ const fn case(name: &'static str, law: &'static str) -> Case {
 }
 
 impl Case {
-    pub fn types(&self) -> usize {
-        self.materials
+    /// The words of each type; the pairs of unlike types are mixed from these.
+    pub fn words(&self) -> Vec<String> {
+        let softer = |k: usize| 1.0 / (1.0 + 0.1 * k as f64);
+        let others = (1..self.materials).map(|k| {
+            format!(
+                "nfd {} 0.3 {} 50 tangential tfd {}",
+                1e7 * softer(k),
+                50.0 * softer(k),
+                0.5 * (1.0 + 0.02 * k as f64)
+            )
+        });
+        std::iter::once(self.law.to_string())
+            .chain(others)
+            .collect()
     }
 
     /// Spheres need no normal from the last step.
-    pub fn laws(&self) -> Laws {
-        let one = |words: &str| -> LawParameters {
-            let words: Vec<&str> = words.split(' ').collect();
-            parse(&words).expect("a law of the table").0
-        };
-        // The pairs of unlike types are mixed from these.
-        let table: Vec<Option<LawParameters>> = (0..self.materials * self.materials)
-            .map(|place| {
-                let (k, other) = (place / self.materials, place % self.materials);
-                (k == other).then(|| match k {
-                    0 => one(self.law),
-                    _ => {
-                        let (softer, drier) = (1.0 / (1.0 + 0.1 * k as f64), 1.0 + 0.02 * k as f64);
-                        one(&format!(
-                            "nfd {} 0.3 {} 50 tangential tfd {}",
-                            1e7 * softer,
-                            50.0 * softer,
-                            0.5 * drier
-                        ))
-                    }
-                })
-            })
-            .collect();
-        Laws::new(self.types(), &table, self.semi_axes != SPHERE).expect("a law of the table")
+    pub fn normals_are_kept(&self) -> bool {
+        self.semi_axes != SPHERE
     }
 }

@@ -6,6 +6,8 @@
 
 mod cases;
 mod clock;
+mod layer;
+mod packing;
 mod scene;
 mod walls;
 
@@ -17,6 +19,7 @@ use std::time::Duration;
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion};
 use ellgran::contact::{one_contact, Laws, Step};
 use ellgran::force::hertz_factors;
+use ellgran::force::syntax::parse;
 use ellgran::list::Accumulators;
 use ellgran::list::{compute_pairs, Workspace};
 use ellgran::simd::InstructionSet;
@@ -24,16 +27,13 @@ use ellgran::tallies::Tallies;
 
 use cases::{Case, CASES};
 use clock::{since, Clock};
-use scene::{Random, Rows, Scene, TIME_STEP};
+use packing::{Random, APART, DENSE, TIME_STEP};
+use scene::{Rows, Scene};
 
 const STEP: Step = Step {
     time_step: TIME_STEP,
     advance_history: true,
 };
-/// Spacing of touching neighbours, 2 where nothing overlaps.
-const DENSE: f64 = 1.98;
-/// Spacing at which bounding spheres overlap and grains do not.
-const APART: f64 = 2.1;
 /// Steps before anything is timed: the contacts are those of a run that goes on.
 const WARM_UP_STEPS: usize = 32;
 
@@ -155,11 +155,22 @@ fn timed(steps: u64, mut step: impl FnMut() -> Duration) -> Duration {
     (0..steps).map(|_| step()).sum()
 }
 
+fn laws_of(case: &Case) -> Laws {
+    let words = case.words();
+    let types = words.len();
+    let mut table = vec![None; types * types];
+    for (k, words) in words.iter().enumerate() {
+        let words: Vec<&str> = words.split(' ').collect();
+        table[k * (types + 1)] = Some(parse(&words).expect("a law of the table").0);
+    }
+    Laws::new(types, &table, case.normals_are_kept()).expect("a law of the table")
+}
+
 /// The whole list, by law and instruction set.
 fn laws(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     for case in CASES {
-        let scene = LazyCell::new(|| Scene::new(case.semi_axes, DENSE, case.types()));
-        let laws = case.laws();
+        let scene = LazyCell::new(|| Scene::new(case.semi_axes, DENSE, case.words().len()));
+        let laws = laws_of(case);
         let mut group = criterion.benchmark_group(format!("pairs, {}", case.name));
         for set in instruction_sets() {
             // Made when it is timed: a filter on the command line leaves the others alone.
@@ -178,7 +189,7 @@ fn laws(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 /// Pairs that do not touch: all those in reach, with and without a normal from the last step.
 fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
-    let laws = full.laws();
+    let laws = laws_of(full);
     for (name, spacing, cold) in [
         ("rejected, cached normal", APART, false),
         ("rejected, cold start", APART, true),
@@ -208,7 +219,7 @@ fn searches(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 /// What is made of every particle once a step.
 fn preparation(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
-    let laws = full.laws();
+    let laws = laws_of(full);
     let scene = Scene::new(full.semi_axes, DENSE, 1);
     let mut run = Run::new(&scene, &laws, false, InstructionSet::widest());
     facts.push(run.fact("preparation of particles".into()));
@@ -230,7 +241,7 @@ fn preparation(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 /// One contact at a time, for the touching pairs of the packing.
 fn one_by_one(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
-    let laws = full.laws();
+    let laws = laws_of(full);
     let scene = Scene::new(full.semi_axes, DENSE, 1);
     let mut run = Run::new(&scene, &laws, false, InstructionSet::Scalar);
     let mut fact = run.fact("one contact at a time".into());
@@ -280,8 +291,8 @@ fn one_by_one(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
 /// Grains on walls, and far from them.
 fn grains_and_walls(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
     let full: &Case = &CASES[0];
-    let laws = full.laws();
-    for case in walls::CASES {
+    let laws = laws_of(full);
+    for case in layer::CASES {
         let mut run = None;
         criterion.bench_function(case.name, |b| {
             let run =

@@ -4,7 +4,6 @@
 use std::time::Duration;
 
 use ellgran::contact::{Laws, Step};
-use ellgran::geometry::Ellipsoid;
 use ellgran::list::{ParticleArrays, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
@@ -14,124 +13,36 @@ use ellgran::walls::{
 };
 
 use crate::clock::{since, Clock};
-use crate::scene::Random;
+use crate::layer::{grains, Case, Surface, VELOCITY};
 
-/// Distance of neighbours: they do not touch each other.
-const SPACING: f64 = 5.0;
-const DEPTH: f64 = 0.02;
-/// Sides of the triangles of a coarse mesh, and of one whose triangles are as large as grains.
-const COARSE: f64 = 2.0 * SPACING;
-const FINE: f64 = 2.0;
-
-/// Surfaces on which a square layer of grains lies, in the plane `z = 0` and about the origin.
-#[derive(Clone, Copy)]
-pub enum Surface {
-    Plane,
-    /// Lying, of this radius, grains inside: they touch where it is lowest.
-    Cylinder(f64),
-    /// Squares along a side, and the side of each: two triangles a square.
-    Mesh(usize, f64),
-}
-
-impl Surface {
-    fn wall(self) -> Wall {
-        let mut wall = Wall::new();
-        let shape = |radius: f64, point: Vector3, axis: Vector3| ShapeParameters {
-            point,
-            axis,
-            radii: [radius, 0.0],
-            bounds: [f64::NEG_INFINITY, f64::INFINITY],
-            ends: [End::None; 2],
-            side: Side::Inside,
-        };
-        match self {
-            Surface::Plane => {
-                let up = Vector3::new(0.0, 0.0, 1.0);
-                wall.add_shape("plane", &shape(0.0, Vector3::ZERO, up))
-            }
-            Surface::Cylinder(radius) => {
-                let (axis, middle) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, radius));
-                wall.add_shape("cylinder", &shape(radius, middle, axis))
-            }
-            Surface::Mesh(squares, side) => {
-                let at = |k: usize| side * (k as f64 - 0.5 * squares as f64);
-                let corner = |i: usize, j: usize| Vector3::new(at(i), at(j), 0.0);
-                let triangles = (0..squares * squares)
-                    .flat_map(|k| {
-                        let (i, j) = (k % squares, k / squares);
-                        let [a, b] = [corner(i, j), corner(i + 1, j)];
-                        let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
-                        [[a, b, c], [a, c, d]]
-                    })
-                    .collect();
-                Mesh::new(triangles).map(|mesh| wall.add_mesh(mesh))
-            }
+fn wall(surface: Surface) -> Wall {
+    let mut wall = Wall::new();
+    let shape = |radius: f64, point: Vector3, axis: Vector3| ShapeParameters {
+        point,
+        axis,
+        radii: [radius, 0.0],
+        bounds: [f64::NEG_INFINITY, f64::INFINITY],
+        ends: [End::None; 2],
+        side: Side::Inside,
+    };
+    match surface {
+        Surface::Plane => {
+            let up = Vector3::new(0.0, 0.0, 1.0);
+            wall.add_shape("plane", &shape(0.0, Vector3::ZERO, up))
         }
-        .expect("a surface of the table");
-        wall
-    }
-
-    /// Height of the surface.
-    fn height(self, y: f64) -> f64 {
-        match self {
-            Surface::Cylinder(radius) => radius - (radius * radius - y * y).sqrt(),
-            _ => 0.0,
+        Surface::Cylinder(radius) => {
+            let (axis, middle) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, radius));
+            wall.add_shape("cylinder", &shape(radius, middle, axis))
+        }
+        Surface::Mesh(..) => {
+            let triangles = surface.triangles().into_iter();
+            Mesh::new(triangles.map(|t| t.map(Vector3::from_array)).collect())
+                .map(|mesh| wall.add_mesh(mesh))
         }
     }
+    .expect("a surface of the table");
+    wall
 }
-
-/// What is timed: a surface, grains along a side of the layer, and whether they lie on it or far above.
-pub struct Case {
-    pub name: &'static str,
-    pub surface: Surface,
-    side: usize,
-    far: bool,
-}
-
-const fn case(name: &'static str, surface: Surface, side: usize, far: bool) -> Case {
-    Case {
-        name,
-        surface,
-        side,
-        far,
-    }
-}
-
-pub const CASES: &[Case] = &[
-    case("wall, plane", Surface::Plane, 12, false),
-    case("wall, cylinder", Surface::Cylinder(300.0), 12, false),
-    case(
-        "wall, mesh of 98 triangles",
-        Surface::Mesh(7, COARSE),
-        12,
-        false,
-    ),
-    case(
-        "wall, mesh of 100352 triangles",
-        Surface::Mesh(224, COARSE),
-        12,
-        false,
-    ),
-    case(
-        "wall, mesh of triangles as large as grains",
-        Surface::Mesh(224, FINE),
-        12,
-        false,
-    ),
-    case("wall, far from a plane", Surface::Plane, 256, true),
-    case(
-        "wall, far from a cylinder",
-        Surface::Cylinder(3000.0),
-        256,
-        true,
-    ),
-    case(
-        "wall, far from a mesh of 100352 triangles",
-        Surface::Mesh(224, COARSE),
-        256,
-        true,
-    ),
-];
 
 pub struct Run<'a> {
     laws: &'a Laws,
@@ -151,23 +62,9 @@ pub struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub fn new(case: &Case, semi_axes: [f64; 3], laws: &'a Laws, step: &'a Step) -> Self {
-        let wall = case.surface.wall();
-        let count = case.side * case.side;
-        let mut random = Random::new(11);
-        let mut quaternions = Vec::with_capacity(count);
-        let mut positions = Vec::with_capacity(count);
-        for k in 0..count {
-            let q: [f64; 4] = core::array::from_fn(|_| 2.0 * random.unit() - 1.0);
-            let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let q = q.map(|x| x / size);
-            let body = Ellipsoid::new(semi_axes, q).expect("an ellipsoid");
-            let reach = body.support(Vector3::new(0.0, 0.0, -1.0)).point.z;
-            let place = |n: usize| SPACING * (n as f64 - 0.5 * (case.side - 1) as f64);
-            let (x, y) = (place(k % case.side), place(k / case.side));
-            let above = if case.far { 10.0 * SPACING } else { -DEPTH };
-            positions.push([x, y, case.surface.height(y) - reach + above]);
-            quaternions.push(q);
-        }
+        let wall = wall(case.surface);
+        let (positions, quaternions) = grains(case, semi_axes);
+        let count = positions.len();
         let length = wall.histories(laws).length();
         let mut run = Run {
             laws,
@@ -176,7 +73,7 @@ impl<'a> Run<'a> {
             workspace: Workspace::new(InstructionSet::widest()),
             semi_axes,
             positions,
-            velocities: vec![[1e-3, 2e-3, -1e-3]; count],
+            velocities: vec![VELOCITY; count],
             quaternions,
             types: vec![1; count],
             histories: vec![0.0; count * length],

@@ -34,7 +34,7 @@ class FixNVEEllipsoid : public Fix {
   virtual void pre_force(int);
   virtual void final_integrate();
 
-  // Lends the library the velocities that the forces of now see, or those that the last forces saw, and what they have more than
+  // Lends the library the velocities that the present forces see, or those that the last forces saw, and what they have more than
   // those of the half step; nothing where all grains leave the velocities of the half step to the forces.
   static void lend_velocities(class LAMMPS *lmp, EllgranParticles &particles);
 

@@ -46,7 +46,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   virtual int pack_restart(int particle, double *buffer);
   virtual void unpack_restart(int particle, int place);
 
-  // what the contacts of now contribute to the bound of the stable step, after forces were computed; whether there is a model nfd
+  // what the present contacts contribute to the bound of the stable step, after forces were computed; whether there is a model nfd
   void add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes);
   const EllgranLaws *laws_with_friction() const;
   bool has_laws() const;

@@ -45,13 +45,13 @@ pub struct EllgranFoundWallContact {
     pub particle: usize,
     /// Index of the wall's part.
     pub part: usize,
-    /// Index of the triangle of that part that stands for the contact; 0 where it has none.
+    /// Index of the triangle of that part that represents the contact; 0 where it has none.
     pub triangle: usize,
     /// The point of the surface that lies deepest in the particle, world frame.
     pub point: [f64; 3],
     /// Velocity of the surface there.
     pub velocity: [f64; 3],
-    /// 1 if the contact goes on from one of the last step.
+    /// 1 if the contact existed at the last step.
     pub touched: i32,
     /// 1 if it begins anew in each step, since the histories have no room for as many contacts of one particle.
     pub is_forgotten: i32,
@@ -64,7 +64,7 @@ pub struct EllgranFoundWallContact {
 
 growing!(EllgranFoundWallContact);
 
-/// Lends triangles to a wall in place of those before. Together they are one surface, that acts to both sides, as that of
+/// Lends triangles to a wall in place of those before. Together they are one surface that acts to both sides, as that of
 /// `ellgran_wall_add_triangles`. They are copied; all are described in the place where the wall has not yet moved.
 ///
 /// # Safety
@@ -117,8 +117,8 @@ pub unsafe extern "C" fn ellgran_wall_found_histories_length(
 }
 
 /// Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
-/// computes forces. `ellgran_wall_found` tells of each, `ellgran_staged_found` prepares it for the force,
-/// and `ellgran_remember_wall_contacts` writes what their histories have become.
+/// computes forces. Then `ellgran_wall_found` describes each of them, `ellgran_staged_found` prepares it for the force, and
+/// `ellgran_remember_wall_contacts` writes the histories.
 ///
 /// Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
 /// `ellgran_compute_wall`. `histories` is [owned_count][`ellgran_wall_found_histories_length`] (NULL if that is 0), set to 0 by the caller
@@ -266,8 +266,8 @@ pub unsafe extern "C" fn ellgran_staged_found(
     })
 }
 
-/// Writes to `histories` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
-/// are those of that call. Of particles that do not touch nothing is remembered any more.
+/// Writes the histories of the contacts that were found last, as the contact model has changed them, to `histories`. The particles, `masks`
+/// and `group_mask` are those of that call. The histories of particles that do not touch become 0.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `histories` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.

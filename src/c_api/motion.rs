@@ -62,9 +62,9 @@ pub struct EllgranMotion {
     /// sum of velocities and changes is what the last forces were computed with.
     pub velocity_changes: *mut f64,
     /// Forces and torques of the step before, [count][6]; read and written by `ellgran_start_step` with `velocity_changes`.
-    /// Where the first component of a body is INFINITY they are not known: the forces of now stand for them.
+    /// Where the first component of a body is INFINITY they are not known: the present forces stand for them.
     pub loads_before: *mut f64,
-    /// Time step of the step before, for the extrapolation; 0: the same as that of now.
+    /// Time step of the step before, for the extrapolation; 0: the same as the present one.
     pub time_step_before: f64,
 }
 
@@ -307,7 +307,7 @@ pub unsafe extern "C" fn ellgran_finish_step(
     })
 }
 
-/// Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
+/// Angular velocities, world frame, that go with the present angular momenta and quaternions, for an engine that keeps both:
 /// `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
 ///
 /// An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a

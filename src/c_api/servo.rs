@@ -19,7 +19,7 @@ pub struct EllgranServo {
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,
-    /// State, written: the part of the velocity that does not come from the error of now.
+    /// State, written: the part of the velocity that does not come from the present error.
     pub steady_velocity: f64,
     /// State, written: the velocity in its direction with which the wall moves in the next step.
     pub velocity: f64,
@@ -30,7 +30,7 @@ growing!(EllgranServo);
 /// The velocity for the next step of a wall that keeps a force.
 ///
 /// `force` is that with which the wall presses in its direction, minus the component of `EllgranWallLoad.force` along it; `stiffness`
-/// and `damping` those of `EllgranWallLoad`; all three summed over ranks. The gain is in units of these: a step corrects the
+/// and `damping` those of `EllgranWallLoad`; all three summed over ranks. The gain is relative to these: a step corrects the
 /// share `gain` of the error, if what is behind the particles that touch does not give way, and the force does not overshoot from
 /// step to step whatever the material, the number of contacts and the time step. A wall that must go on moving keeps its force
 /// without an error. A wall that touches nothing approaches with `largest_speed`, or stays with a target of 0.

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Volume and moments of inertia of solid ellipsoids.
+//! Volume, moments of inertia and rotation of solid ellipsoids.
 
-use super::status::{at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_PARTICLE};
-use crate::contact::particle::describe;
+use super::contact::EllgranBody;
+use super::growing::given;
+use super::status::{
+    at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
+    ELLGRAN_ERROR_PARTICLE,
+};
+use crate::contact::particle::{angular_momentum, describe};
 use crate::geometry::Ellipsoid;
+use crate::message::Numbers;
+use crate::motion::mean_angular_velocity;
+use crate::vector::Vector3;
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
@@ -69,6 +77,74 @@ pub unsafe extern "C" fn ellgran_moments_of_inertia(
             let solid = solid(k, semi_axes[k])?;
             *own = solid.moments_of_inertia(masses[k]).to_array();
         }
+        Ok(())
+    })
+}
+
+/// Angular momentum of a solid ellipsoid with `angular_velocity`, 3 doubles each, both in the world frame. Semi-axes, quaternion and
+/// mass are those of `body`; its own angular velocity is not used.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_angular_momentum(
+    body: *const EllgranBody,
+    angular_velocity: *const f64,
+    angular_momentum: *mut f64,
+) -> i32 {
+    at_border("ellgran_angular_momentum", || {
+        // Any type is right.
+        // SAFETY: promised by the caller, for all of this function.
+        let body = unsafe { given(body, "body") }?;
+        let solid = body.to_core(Some(usize::MAX))?;
+        let omega = angular_velocity.cast::<[f64; 3]>();
+        // SAFETY: `angular_velocity` is NULL or has three doubles, by this function's safety section.
+        let omega = unsafe { required(omega, "angular_velocity") }?;
+        // SAFETY: `angular_momentum` is NULL or has three doubles, by this function's safety section.
+        let found =
+            unsafe { required_mut(angular_momentum.cast::<[f64; 3]>(), "angular_momentum") }?;
+        let omega = Vector3::from_array(*omega);
+        *found = self::angular_momentum(&solid.body, body.mass, omega).to_array();
+        Ok(())
+    })
+}
+
+/// The steady angular velocity, world frame, that turns a body from one quaternion (w, x, y, z) to another within `time` > 0, by the
+/// shorter way: `from` and `to` are 4 doubles each, of any length but zero, `angular_velocity` 3 doubles.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_mean_angular_velocity(
+    from: *const f64,
+    to: *const f64,
+    time: f64,
+    angular_velocity: *mut f64,
+) -> i32 {
+    at_border("ellgran_mean_angular_velocity", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let from = unsafe { required(from.cast::<[f64; 4]>(), "from") }?;
+        // SAFETY: `to` is NULL or has four doubles, by this function's safety section.
+        let to = unsafe { required(to.cast::<[f64; 4]>(), "to") }?;
+        // SAFETY: `angular_velocity` is NULL or has three doubles, by this function's safety section.
+        let found =
+            unsafe { required_mut(angular_velocity.cast::<[f64; 3]>(), "angular_velocity") }?;
+        let invalid = |what: String| Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what));
+        for (name, quaternion) in [("from", from), ("to", to)] {
+            let square: f64 = quaternion.iter().map(|c| c * c).sum();
+            if !(square > 0.0 && square.is_finite()) {
+                let numbers = Numbers(quaternion);
+                return invalid(format!(
+                    "{name} = {numbers} must be a quaternion of finite length, not zero"
+                ));
+            }
+        }
+        if !(time > 0.0 && time.is_finite()) {
+            return invalid(format!(
+                "time = {time} must be a finite number greater than 0"
+            ));
+        }
+        *found = mean_angular_velocity(*from, *to, time).to_array();
         Ok(())
     })
 }

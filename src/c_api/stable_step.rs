@@ -165,10 +165,10 @@ impl<'a> Masses<'a> {
 /// Zero the sums before the first call for a step; those of several lists and of walls add. With `newton` = 1 add the sums of ghosts to
 /// those of their owners; with `newton` = 0 ignore them. Then ask `ellgran_stable_step`.
 ///
-/// `masses` are needed: they are those of the inertia, with that of a solid ellipsoid. INFINITY there or in `contact_masses` makes a particle
-/// fixed; other `contact_masses` are read by the law alone: of a particle in a rigid body its own mass counts here, which is safe, since to move as
-/// one makes no body faster. Forces, histories and the step are not read. This call allocates in its first use of a workspace; do not
-/// take one that keeps histories of a list.
+/// `masses` are needed: each particle moves as a solid ellipsoid of this mass. INFINITY in `masses` or in `contact_masses` makes a particle
+/// fixed. Other `contact_masses` are read by the law alone. So a particle in a rigid body counts here with its own mass, which is safe: the
+/// rigid body is slower. Forces, histories and the step are not read. The call allocates when a workspace is used for the first time;
+/// do not use one that keeps histories of a list.
 ///
 /// # Safety
 /// The pointers are NULL or valid; the arrays are as `EllgranParticles`, `EllgranNeighbourList` and this comment state.
@@ -223,7 +223,7 @@ pub unsafe extern "C" fn ellgran_add_pairs_to_step_sums(
 
 /// The same for the contacts with a wall that `ellgran_find_wall_contacts` found in the last call with this workspace and these particles.
 /// `wall_types` has the type of the wall at each of them, [ellgran_wall_found_count]; `sums` are those of the owned particles,
-/// [owned_count][ELLGRAN_STEP_SUMS_LENGTH]. The wall moves as it is made to, whatever presses on it.
+/// [owned_count][ELLGRAN_STEP_SUMS_LENGTH]. The motion of the wall is prescribed: forces do not change it.
 ///
 /// # Safety
 /// The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.

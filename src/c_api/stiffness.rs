@@ -6,7 +6,9 @@ use super::growing::{given, growing, Output};
 use super::law::{EllgranLawParameters, EllgranLaws};
 use super::particles::hale_failure;
 use super::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
-use crate::contact::stability::{collision, contact_stiffness, rayleigh_time, ContactStiffness};
+use crate::contact::stability::{
+    collision, contact_stiffness, rayleigh_time, two_grain_limits, ContactStiffness,
+};
 
 /// Springs and dashpots that are equivalent to a contact for small motions about its present state. Where the bodies do not
 /// touch, all are zero and the critical step is INFINITY.
@@ -113,6 +115,48 @@ pub unsafe extern "C" fn ellgran_collision(
         if let Some(penetration) = unsafe { penetration.as_mut() } {
             *penetration = found.penetration;
         }
+        Ok(())
+    })
+}
+
+/// Limits of the time step by contacts of two grains that meet at `speed` >= 0, flat side on flat side, where a contact is stiffest,
+/// before any contact is known: how long their collision takes to `collision_time` (INFINITY at speed 0), and the largest time step
+/// at which velocity Verlet is stable for a contact of theirs to `critical_step`, at the deepest overlap of that collision, of 1 % of
+/// the smaller least semi-axis at least and of a quarter of the distance of the centres at most. Places, rotations and velocities of
+/// the bodies are not used, but must be in their ranges. Both are INFINITY for two fixed bodies.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_two_grain_limits(
+    laws: *const EllgranLaws,
+    i: *const EllgranBody,
+    j: *const EllgranBody,
+    speed: f64,
+    collision_time: *mut f64,
+    critical_step: *mut f64,
+) -> i32 {
+    at_border("ellgran_two_grain_limits", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let laws = &unsafe { required(laws, "laws") }?.laws;
+        // SAFETY: `i` and `j` are NULL or valid for reads, by this function's safety section.
+        let (bi, bj) = unsafe { (given(i, "i")?, given(j, "j")?) };
+        let types = Some(laws.types());
+        let (i, j) = (bi.to_core(types)?, bj.to_core(types)?);
+        // SAFETY: `collision_time` is NULL or valid for writes, and not aliased, by this function's safety section.
+        let collision_time = unsafe { required_mut(collision_time, "collision_time") }?;
+        // SAFETY: `critical_step` is NULL or valid for writes, and not aliased, by this function's safety section.
+        let critical_step = unsafe { required_mut(critical_step, "critical_step") }?;
+        if !(speed >= 0.0 && speed.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("speed = {speed} must be 0 or greater"),
+            ));
+        }
+        let found = two_grain_limits(laws, [&i, &j], speed)
+            .map_err(|e| hale_failure(bi.identifier, Some(bj.identifier), e.0))?;
+        *collision_time = found.collision;
+        *critical_step = found.critical_step;
         Ok(())
     })
 }

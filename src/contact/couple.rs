@@ -122,7 +122,7 @@ impl TurningSprings {
     }
 }
 
-/// What resists the twist, for `marshall` from the contact ellipse of now.
+/// What resists the twist, for `marshall` from the present contact ellipse.
 fn twist_spring(
     law: &PairLaw,
     penetration: f64,

@@ -152,7 +152,7 @@ impl<T: Real> Contact<T> {
 pub struct Remembered<T: Real = f64> {
     /// Whether the pair touched at the last step too.
     pub continued: T::Mask,
-    /// The normal at the last step (that of now where it is not known).
+    /// The normal at the last step (the present one where it is not known).
     pub normal: Vector3<T>,
     /// Tangential memory, world frame.
     pub memory: Vector3<T>,
@@ -224,7 +224,7 @@ pub struct ContactForces<T = f64> {
     pub relaxed_energy: T,
     /// Tangential displacement, world frame.
     pub displacement: Vector3<T>,
-    /// Normal stiffness `dF_H/d(delta)` at the contact area of now.
+    /// Normal stiffness `dF_H/d(delta)` at the present contact area.
     pub stiffness: T,
     /// Rate of penetration, positive while the bodies approach.
     pub rate: T,
@@ -570,7 +570,7 @@ impl<T: Real> Turn<T> {
         half_before.scale_add(-along, relative.tangential)
     }
 
-    /// The tangential memory of the last step, in the tangent basis of now: it turns with the normal and with the pair's spin
+    /// The tangential memory of the last step, in the present tangent basis: it turns with the normal and with the pair's spin
     /// about it, and keeps its length.
     #[inline(always)]
     fn carry(&self, x: &Contact<T>, memory: Vector3<T>) -> Vector2<T> {

@@ -1,5 +1,54 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The laws between all types of a scene, resolved before the run.
+//!
+//! # Example
+//! ```
+//! use ellgran::contact::history::Remembers;
+//! use ellgran::contact::{ranges, HistoryLayout, Laws, Step};
+//! use ellgran::force::syntax::parse;
+//!
+//! let words = "hertz 1e7 0.3 damping restitution 0.8 tangential tfd 0.5 displacement incremental";
+//! let (parameters, _) = parse(&words.split(' ').collect::<Vec<_>>())?;
+//! let laws = Laws::new(1, &[Some(parameters)], true)?;
+//! assert!(laws.features().friction && laws.features().mass);
+//! let harder = laws.with_restitution(&[0.95])?;
+//! assert!(harder.get(1, 1).constants.normal.restitution < laws.get(1, 1).constants.normal.restitution);
+//! // Without viscosity, a tangential displacement that is kept in all cases can create energy.
+//! let (elastic, _) = parse(&"hertz 1e7 0.3 tangential tfd 0.5 displacement incremental".split(' ').collect::<Vec<_>>())?;
+//! assert_eq!(Laws::new(1, &[Some(elastic)], true)?.creates_energy(), Some((1, 1)));
+//!
+//! // Normal, force and energy of 3, 3 and 1 doubles.
+//! let remembers = Remembers {
+//!     normal: true,
+//!     tangential: true,
+//!     energy: true,
+//!     rests: 0,
+//!     rolling: false,
+//!     twisting: false,
+//! };
+//! assert_eq!(HistoryLayout::new(remembers).length, 7);
+//! // A history is written for (i, j); that of (j, i) has the opposite normal.
+//! let layout = laws.layout();
+//! let mut history = vec![0.0; layout.length];
+//! let normal = layout.normal.expect("normals are kept");
+//! history[normal..normal + 3].copy_from_slice(&[0.0, 0.0, 1.0]);
+//! let mut other = history.clone();
+//! layout.swap(&history, &mut other);
+//! assert_eq!(other[normal + 2], -1.0);
+//! // A number that no step can have left is found.
+//! let memory = layout.memory.expect("there is friction");
+//! history[memory] = f64::NAN;
+//! assert_eq!(layout.first_wrong(&history).map(|(place, _)| place), Some(memory));
+//!
+//! // Time passes for the histories in a step, not where forces are only looked at.
+//! let mut step = Step { time_step: 1e-6, advance_history: true };
+//! assert_eq!(step.elapsed(), 1e-6);
+//! step.advance_history = false;
+//! assert_eq!(step.elapsed(), 0.0);
+//! assert!(step.time_step < ranges::LONGEST_TIME_STEP);
+//! assert!(ranges::is_mass(1e-5) && !ranges::is_mass(0.5 * ranges::LEAST_MASS) && !ranges::is_mass(2.0 * ranges::LARGEST_MASS));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::history::{HistoryLayout, Remembers};
 use crate::force::parameters::LARGEST_CONSTANT;

@@ -1,6 +1,50 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact at a time: geometry, force, torques, history in and out. The same functions as the neighbour list's, so
 //! that both give the same numbers.
+//!
+//! # Example
+//! ```
+//! use ellgran::contact::one_contact::one_contact_or_gap;
+//! use ellgran::contact::stability::{rayleigh_time, ContactStiffness};
+//! use ellgran::contact::{prepare_body, Body, Laws, Step};
+//!
+//! let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+//! let laws = Laws::new(1, &[Some(parameters)], true)?;
+//! let step = Step { time_step: 1e-6, advance_history: true };
+//! // Grains of semi-axes 2, 1, 1 mm side by side, their long axes along x (m, kg).
+//! let grain = |z: f64| Body {
+//!     position: [0.0, 0.0, z],
+//!     quaternion: [1.0, 0.0, 0.0, 0.0],
+//!     semi_axes: [2e-3, 1e-3, 1e-3],
+//!     velocity: [0.0; 3],
+//!     angular_velocity: [0.0; 3],
+//!     mass: 2e-5,
+//!     particle_type: 1,
+//!     identifier: 1,
+//! };
+//! let prepared = |z: f64| prepare_body(&grain(z), Some(laws.types()));
+//! let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
+//! let (geometry, forces) =
+//!     one_contact_or_gap(&laws, &prepared(0.0)?, &prepared(2.1e-3)?, &step, &mut touching, &mut history)
+//!         .expect("exact factors");
+//! assert!(forces.is_none() && (geometry.penetration + 0.1e-3).abs() < 1e-15);
+//! let (geometry, forces) =
+//!     one_contact_or_gap(&laws, &prepared(0.0)?, &prepared(1.99e-3)?, &step, &mut touching, &mut history)
+//!         .expect("exact factors");
+//! assert!(touching && forces.is_some_and(|forces| forces.force.z > 0.0));
+//! // A = 1/(2 4 mm) + 1/(2 4 mm), B = 1/(2 1 mm) + 1/(2 1 mm): the ellipse is longer along the grains.
+//! assert!((geometry.curvature_a - 250.0).abs() < 1e-9 && (geometry.curvature_b - 1000.0).abs() < 1e-9);
+//! let [a, b] = geometry.contact_semi_axes();
+//! assert!(a > b && geometry.major_direction.x.abs() > 0.999);
+//! // Grains that are apart have no springs.
+//! assert_eq!(ContactStiffness::NONE.critical_step, f64::INFINITY);
+//! // Rayleigh's time, of a wave around the least semi-axis of the solid grain.
+//! let density = 2e-5 / (4.0 / 3.0 * core::f64::consts::PI * 2e-9);
+//! let shear_modulus = 1e7 / 2.6;
+//! let time = core::f64::consts::PI * 1e-3 * f64::sqrt(density / shear_modulus) / (0.1631 * 0.3 + 0.8766);
+//! assert!((rayleigh_time(&parameters, &prepared(0.0)?) / time - 1.0).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::forces::{relative_curvature_matrix, ContactForces};
 use super::history::{cached_normal, forget, Step};

@@ -162,6 +162,12 @@ pub fn angular_velocity(body: &Ellipsoid, mass: f64, l: Vector3) -> Vector3 {
     response_to_torque(body, mass)(l)
 }
 
+/// Angular momentum of a solid ellipsoid with angular velocity `omega`, both in the world frame.
+pub fn angular_momentum(body: &Ellipsoid, mass: f64, omega: Vector3) -> Vector3 {
+    let inertia = body.moments_of_inertia(mass);
+    body.to_world(inertia.componentwise(body.to_body(omega)))
+}
+
 /// The inverse inertia of a solid ellipsoid of this mass, as a function of a torque or an angular momentum, world frame.
 pub(crate) fn response_to_torque(body: &Ellipsoid, mass: f64) -> impl Fn(Vector3) -> Vector3 + '_ {
     let five_over_mass = 5.0 / mass;

@@ -5,6 +5,56 @@
 //! ([`crate::force::parameters`]) they are such that no product in the search and in the law leaves the range of double
 //! precision: what is within them has a force. They hold grains of any material in any units of length, mass and time that are
 //! within nine powers of ten of a metre, a kilogram and a second.
+//!
+//! # Example
+//! ```
+//! use ellgran::contact::ranges::{
+//!     LARGEST_COORDINATE, LARGEST_DISPLACEMENT, LARGEST_TANGENTIAL_ENERGY, LARGEST_TANGENTIAL_FORCE, LARGEST_TWIST,
+//!     LARGEST_VELOCITY,
+//! };
+//! use ellgran::contact::{prepare_body, Body, Laws};
+//! use ellgran::force::parameters::{LARGEST_CONSTANT, LEAST_CONSTANT, LONGEST_RELAXATION_TIME};
+//! use ellgran::force::syntax::parse;
+//!
+//! // A body that has left the range of coordinates or velocities is refused, before a force overflows.
+//! let body = |x: f64, v: f64| Body {
+//!     position: [x, 0.0, 0.0],
+//!     quaternion: [1.0, 0.0, 0.0, 0.0],
+//!     semi_axes: [1.0; 3],
+//!     velocity: [v, 0.0, 0.0],
+//!     angular_velocity: [0.0; 3],
+//!     mass: 1.0,
+//!     particle_type: 1,
+//!     identifier: 1,
+//! };
+//! assert!(prepare_body(&body(LARGEST_COORDINATE, LARGEST_VELOCITY), None).is_ok());
+//! assert!(prepare_body(&body(2.0 * LARGEST_COORDINATE, 0.0), None).is_err());
+//! assert!(prepare_body(&body(0.0, 2.0 * LARGEST_VELOCITY), None).is_err());
+//!
+//! // So is a history that no step can have left, as of a damaged restart file.
+//! let refused = |words: &str, place: usize, value: f64| -> Result<bool, Box<dyn std::error::Error>> {
+//!     let (parameters, _) = parse(&words.split(' ').collect::<Vec<_>>())?;
+//!     let layout = Laws::new(1, &[Some(parameters)], false)?.layout();
+//!     let mut history = vec![0.0; layout.length];
+//!     history[place] = value;
+//!     Ok(layout.first_wrong(&history).is_some())
+//! };
+//! // Without normals these begin with the memory: a force, then its energy; or a displacement; or a torque and an angle.
+//! let rescaled = "hertz 1e7 0.3 tangential tfd 0.5";
+//! assert!(refused(rescaled, 0, 2.0 * LARGEST_TANGENTIAL_FORCE)? && !refused(rescaled, 0, 1.0)?);
+//! assert!(refused(rescaled, 3, 2.0 * LARGEST_TANGENTIAL_ENERGY)?);
+//! let total = "hertz 1e7 0.3 tangential tfd 0.5 displacement total";
+//! assert!(refused(total, 0, 2.0 * LARGEST_DISPLACEMENT)?);
+//! let twisting = "hertz 1e7 0.3 twisting sds 1e-2 0 1e-4";
+//! assert!(refused(twisting, 0, 2.0 * LARGEST_TWIST)?);
+//!
+//! // And constants of a law.
+//! let modulus = |e: f64| parse(&["hertz", &e.to_string(), "0.3"]);
+//! assert!(modulus(0.5 * LEAST_CONSTANT).is_err() && modulus(2.0 * LARGEST_CONSTANT).is_err());
+//! let relaxation = (2.0 * LONGEST_RELAXATION_TIME).to_string();
+//! assert!(parse(&["hertz", "1e7", "0.3", "damping", "relaxation", &relaxation]).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;

@@ -10,7 +10,7 @@ pub use crate::force::normal::Collision;
 use crate::force::normal::NormalForce;
 use crate::force::{normal_force, tangential_stiffness, Factors, LawParameters, PairLaw};
 use crate::geometry::contact_search::closest;
-use crate::geometry::relative_curvature;
+use crate::geometry::{relative_curvature, Ellipsoid};
 use crate::vector::{Symmetric2, Vector3};
 
 /// The springs and dashpots that a contact consists of for small motions about where it is.
@@ -409,6 +409,95 @@ pub fn collision(
     let stiffness = at_rest(law, &factors, &x, m, 1.0).stiffness;
     let formula = law.kinds.normal.formula;
     Ok(formula.collision(stiffness, inverse_mass, speed))
+}
+
+/// Limits of the time step by contacts of two grains, before any contact is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoGrainLimits {
+    /// How long their shortest collision takes, time; infinite at speed 0 and for two fixed bodies.
+    pub collision: f64,
+    /// The largest time step at which velocity Verlet is stable for a contact of theirs; infinite for two fixed bodies.
+    pub critical_step: f64,
+}
+
+/// Overlap at which stability is asked for, over the smaller of the two least semi-axes: at least this.
+const LEAST_OVERLAP: f64 = 0.01;
+
+/// Overlap over the distance of the centres, at most: deeper no law holds.
+const LARGEST_OVERLAP: f64 = 0.25;
+
+/// The limits of two grains that meet at this speed >= 0, flat side on flat side, where a contact is stiffest. Their places, attitudes
+/// and velocities are not read. Stability is asked for at the deepest overlap of that collision, of 1 % of the smaller least semi-axis
+/// at least and of a quarter of the distance of the centres at most.
+///
+/// # Errors
+/// Only with `factors hale`.
+///
+/// # Example
+/// Two glass beads of 1 mm radius that meet at 1 m/s (SI units): the time of Hertz' collision, and a step that is a small part of it.
+/// ```
+/// use ellgran::contact::stability::two_grain_limits;
+/// use ellgran::contact::{prepare_body, Body, Laws};
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "6e10", "0.22"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let bead = Body {
+///     position: [0.0; 3],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [1e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1.05e-5,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let bead = prepare_body(&bead, Some(1))?;
+/// let limits = two_grain_limits(&laws, [&bead, &bead], 1.0).expect("exact factors");
+/// let (modulus, radius, mass) = (0.5 * 6e10 / (1.0 - 0.22f64.powi(2)), 0.5e-3f64, 0.525e-5f64);
+/// let hertz = 2.8683 * (mass * mass / (radius * modulus * modulus)).powf(0.2);
+/// assert!((limits.collision / hertz - 1.0).abs() < 1e-3);
+/// assert!(limits.critical_step < limits.collision);
+/// assert_eq!(two_grain_limits(&laws, [&bead, &bead], 0.0).expect("exact factors").collision, f64::INFINITY);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn two_grain_limits(
+    laws: &Laws,
+    grains: [&Particle; 2],
+    speed: f64,
+) -> Result<TwoGrainLimits, HaleRatio> {
+    let [one, other] = grains.map(lying);
+    let [a, b] = [one.body.semi_axes.z, other.body.semi_axes.z];
+    let apart_by = |overlap: f64| Particle {
+        position: Vector3::new(0.0, 0.0, a + b - overlap),
+        ..other
+    };
+    let mut overlap = LEAST_OVERLAP * a.min(b);
+    let mut time = f64::INFINITY;
+    if speed > 0.0 {
+        let found = collision(laws, &one, &apart_by(overlap), speed)?;
+        time = found.time;
+        overlap = overlap
+            .max(found.penetration)
+            .min(LARGEST_OVERLAP * (a + b));
+    }
+    let stiffness = contact_stiffness(laws, &one, &apart_by(overlap))?;
+    Ok(TwoGrainLimits {
+        collision: time,
+        critical_step: stiffness.unwrap_or(ContactStiffness::NONE).critical_step,
+    })
+}
+
+/// The grain at the origin, its least semi-axis along z and its largest along x.
+fn lying(grain: &Particle) -> Particle {
+    let Vector3 { x, y, z } = grain.body.semi_axes;
+    let (low, high) = (x.min(y), x.max(y));
+    let semi_axes = [high.max(z), low.max(high.min(z)), low.min(z)];
+    let body = Ellipsoid::new(semi_axes, [1.0, 0.0, 0.0, 0.0]);
+    Particle {
+        position: Vector3::ZERO,
+        body: body.expect("the semi-axes of an ellipsoid, in another order"),
+        ..*grain
+    }
 }
 
 /// Rayleigh's time of a grain, `pi r sqrt(rho/G)/(0.1631 nu + 0.8766)`: how long a surface wave takes from pole to pole of a

@@ -17,6 +17,61 @@
 //!
 //! What both leave out: the rotation of the normal and the turning of the lever arms, smaller by the penetration over the radii of
 //! curvature; that the stiffness grows with the penetration; and that a sliding contact hands on a change of the normal force sideways.
+//!
+//! # Example
+//! ```
+//! use ellgran::contact::stable_step::{least_stable_step, ContactExtremes, StepContact, SUMS};
+//! use ellgran::contact::staged::{StagedContact, WallSurface};
+//! use ellgran::contact::{prepare_body, Body, Laws};
+//! use ellgran::geometry::facet_shares::Share;
+//! use ellgran::vector::Vector3;
+//!
+//! let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+//! let laws = Laws::new(1, &[Some(parameters)], true)?;
+//! let law = laws.get(1, 1);
+//! let ball = |z: f64| Body {
+//!     position: [0.0, 0.0, z],
+//!     quaternion: [1.0, 0.0, 0.0, 0.0],
+//!     semi_axes: [1e-3; 3],
+//!     velocity: [0.0; 3],
+//!     angular_velocity: [0.0; 3],
+//!     mass: 1e-5,
+//!     particle_type: 1,
+//!     identifier: 1,
+//! };
+//! // A column of two balls of 10 mg on a floor, each contact 10 um deep (m, kg, s).
+//! let lower = prepare_body(&ball(0.99e-3), Some(1))?;
+//! let upper = prepare_body(&ball(2.98e-3), Some(1))?;
+//! let pair = StepContact::of_pair(law, [&lower, &upper], [1e5, 1e5]).expect("exact factors").expect("they touch");
+//! let floor = WallSurface {
+//!     point: Vector3::ZERO,
+//!     normal: Vector3::new(0.0, 0.0, 1.0),
+//!     direction: Vector3::new(1.0, 0.0, 0.0),
+//!     curvatures: [0.0; 2],
+//!     turning_radii: [f64::INFINITY; 2],
+//!     velocity: Vector3::ZERO,
+//!     share: Share::WHOLE,
+//! };
+//! let staged = StagedContact::of_wall(&lower, &floor).expect("it touches");
+//! let wall = StepContact::of_wall(law, &lower, &staged, 1e5, 1e-5).expect("exact factors");
+//! let mut sums = [[0.0; SUMS]; 2];
+//! pair.add_to_first(&mut sums[0]);
+//! pair.add_to_second(&mut sums[1]);
+//! wall.add_to_first(&mut sums[0]);
+//! // The lower one has two contacts, and the shorter step.
+//! let (step, body) = least_stable_step(&sums);
+//! assert_eq!(body, Some(0));
+//! // At most 2/omega of its spring to the floor alone, k = 2 E* sqrt(R delta).
+//! let stiffness = 2.0 * law.effective_modulus() * (1e-3f64 * 1e-5).sqrt();
+//! assert!(step < 2.0 / (stiffness * 1e5).sqrt());
+//! let mut extremes = ContactExtremes::default();
+//! extremes.add(&pair, [1, 2], [1, 1]);
+//! extremes.add(&wall, [1, 0], [1, 1]);
+//! // Both are as deep: 1 % of the radius.
+//! assert_eq!(extremes.touching, 2);
+//! assert!((extremes.deepest.0 - 0.01).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::forces::Contact;
 use super::pair::{contact_of, HaleRatio, Pair};

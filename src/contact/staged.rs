@@ -1,6 +1,68 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One contact in stages - geometry, normal force, tangential force - for engines that keep the three apart and let a
 //! user combine them. The same functions as in one call, so that both give the same numbers.
+//!
+//! # Example
+//! ```
+//! use ellgran::contact::staged::{StagedContact, StagedHistory, WallSurface};
+//! use ellgran::contact::{prepare_body, Body, Laws, Step};
+//! use ellgran::geometry::facet_shares::Share;
+//! use ellgran::vector::Vector3;
+//!
+//! let words = ["hertz", "1e7", "0.3", "tangential", "mindlin", "0.5"];
+//! let (parameters, _) = ellgran::force::syntax::parse(&words)?;
+//! let laws = Laws::new(1, &[Some(parameters)], true)?;
+//! let law = laws.get(1, 1);
+//! let ball = |z: f64| Body {
+//!     position: [0.0, 0.0, z],
+//!     quaternion: [1.0, 0.0, 0.0, 0.0],
+//!     semi_axes: [1e-3; 3],
+//!     velocity: [0.0; 3],
+//!     angular_velocity: [0.0; 3],
+//!     mass: 1e-5,
+//!     particle_type: 1,
+//!     identifier: 1,
+//! };
+//! let lower = prepare_body(&ball(0.0), Some(1))?;
+//! let upper = prepare_body(&ball(1.99e-3), Some(1))?;
+//! let (mut normal, mut found) = (Vector3::ZERO, None);
+//! StagedContact::of_pair(&lower, &upper, &mut normal, &mut found);
+//! let contact = found.expect("they touch");
+//! assert!(!contact.is_wall() && (contact.penetration() - 1e-5).abs() < 1e-15);
+//! assert!((contact.normal() - normal).norm() < 1e-15);
+//! assert!((contact.contact_point(Vector3::ZERO, 0.5).z - 0.995e-3).abs() < 1e-15);
+//! // R* = R/2; the circle in which the spheres intersect has the area 2 pi R* delta.
+//! let radius = contact.equivalent_radius();
+//! assert!((radius - 0.5e-3).abs() < 1e-12);
+//! assert!((contact.section_area() / (2.0 * core::f64::consts::PI * radius * 1e-5) - 1.0).abs() < 1e-9);
+//! // For laws of spheres: 4/3 E* sqrt(R delta), 8 G* sqrt(R delta).
+//! let [in_normal, tangential] = contact.circular_stiffness(law);
+//! let a = (radius * 1e-5).sqrt();
+//! assert!((in_normal / (4.0 / 3.0 * law.effective_modulus() * a) - 1.0).abs() < 1e-9);
+//! assert!((tangential / (8.0 * law.effective_shear_modulus() * a) - 1.0).abs() < 1e-9);
+//! let step = Step { time_step: 1e-6, advance_history: true };
+//! let alone = contact.normal_force(law, 0.5e-5, step.time_step).expect("exact factors");
+//! assert!((alone.normal_force / (in_normal * 1e-5) - 1.0).abs() < 1e-9);
+//! let new = || StagedHistory { touched: false, normal, memory: Vector3::ZERO, energy: 0.0, rests: [0.0; 3] };
+//! let both = contact.whole_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
+//! let sheared = contact.tangential_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
+//! assert_eq!(both.normal_force, alone.normal_force);
+//! assert_eq!(sheared.tangential_force, both.tangential_force);
+//!
+//! // The same ball on a floor.
+//! let floor = WallSurface {
+//!     point: Vector3::new(0.0, 0.0, -0.99e-3),
+//!     normal: Vector3::new(0.0, 0.0, 1.0),
+//!     direction: Vector3::new(1.0, 0.0, 0.0),
+//!     curvatures: [0.0; 2],
+//!     turning_radii: [f64::INFINITY; 2],
+//!     velocity: Vector3::ZERO,
+//!     share: Share::WHOLE,
+//! };
+//! let on_floor = StagedContact::of_wall(&lower, &floor).expect("it touches");
+//! assert!(on_floor.is_wall() && (on_floor.equivalent_radius() - 1e-3).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::forces::{contact_forces, Contact, ContactForces, Remembered};
 use super::history::{RememberedSprings, Step, NO_SPRINGS};

@@ -3,6 +3,18 @@
 //! the constants that follow the word.
 
 /// One of the values that a keyword can have.
+///
+/// # Example
+/// ```
+/// use ellgran::force::{Choice, Normal};
+///
+/// // The laws of a deck, with the constants that follow each word.
+/// let words: Vec<&str> = Normal::ALL.iter().map(|normal| normal.word()).collect();
+/// assert_eq!(words, ["hertz", "nfd", "lsd"]);
+/// assert_eq!(Normal::Hertz.constants(), ["youngs_modulus", "poissons_ratio"]);
+/// assert_eq!(Normal::of_word("nfd"), Some(Normal::Nfd));
+/// assert_eq!(Normal::of_number(Normal::Lsd.number()), Some(Normal::Lsd));
+/// ```
 pub trait Choice: Copy + 'static {
     /// All values.
     const ALL: &'static [Self];

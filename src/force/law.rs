@@ -1,5 +1,58 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A law resolved before the run: which terms it has, and the constants of a pair of types.
+//!
+//! # Example
+//! ```
+//! use ellgran::force::damping::{normal_relaxation_time, restitution_coefficient, tangential_relaxation_numbers};
+//! use ellgran::force::syntax::parse;
+//! use ellgran::force::{Closure, Material, PairLaw};
+//!
+//! // Viscoelastic grains: E = 10 MPa, nu = 0.3, viscosities of 1 ms times E1 and E2, friction 0.5.
+//! let material = Material {
+//!     youngs_modulus: 1e7,
+//!     poissons_ratio: 0.3,
+//!     shear_viscosity: 1e-3 * 1e7 / 1.3,
+//!     bulk_viscosity: 1e-3 * 1e7 / 1.2,
+//! };
+//! assert!((material.shear_modulus() / 3.846e6 - 1.0).abs() < 1e-3);
+//! assert!((material.shear_relaxation_time() - 1e-3).abs() < 1e-15);
+//! assert!((material.bulk_relaxation_time() - 1e-3).abs() < 1e-15);
+//! assert!((material.normal_compliance() - 0.91e-7).abs() < 1e-20);
+//! // Where both relaxation times are the same, each closure gives that time, and so does the tangential direction.
+//! for closure in [Closure::Energy, Closure::Surface, Closure::Brilliantov] {
+//!     assert!((normal_relaxation_time(&material, closure) - 1e-3).abs() < 1e-12, "{closure:?}");
+//! }
+//! let (t0, t1) = tangential_relaxation_numbers(&material, Closure::Energy);
+//! assert!((t0 - 1e-3).abs() < 1e-15 && (t1 - 0.3e-3).abs() < 1e-15);
+//!
+//! let words = format!(
+//!     "nfd 1e7 0.3 {} {} tangential tfd 0.5",
+//!     material.shear_viscosity, material.bulk_viscosity
+//! );
+//! let (parameters, _) = parse(&words.split(' ').collect::<Vec<_>>())?;
+//! let law = PairLaw::resolve(&parameters, &parameters)?;
+//! assert!((law.effective_modulus() - 0.5 / material.normal_compliance()).abs() < 1e-6);
+//! // G* = G/(2 (2 - nu)) of two bodies of one material.
+//! let effective_shear_modulus = material.shear_modulus() / (2.0 * (2.0 - 0.3));
+//! assert!((law.effective_shear_modulus() / effective_shear_modulus - 1.0).abs() < 1e-14);
+//! assert!((law.normal_relaxation_time() - 1e-3).abs() < 1e-12);
+//! assert!((law.tangential_relaxation_time() - 1e-3).abs() < 1e-12);
+//! assert!(!law.can_create_energy() && law.describe().contains("tfd"));
+//! // Bounds for a contact whose normal stiffness is 100 N/m: the tangential one is at most (2 - 2 nu)/(2 - nu) of it on a circle.
+//! let (stiffness, damping) = law.largest_springs(100.0, 1e-3);
+//! assert!(stiffness >= 100.0 && damping >= 0.1);
+//! assert!(!law.resistance.any());
+//!
+//! // Elastic grains whose impacts are damped to a coefficient of restitution.
+//! let (parameters, _) = parse(&["hertz", "1e7", "0.3", "damping", "restitution", "0.8"])?;
+//! let mut law = PairLaw::resolve(&parameters, &parameters)?;
+//! law.set_restitution(0.9)?;
+//! assert!(law.set_restitution(1.5).is_err());
+//! // Without the cut-off: e = exp(-pi z/sqrt(1 - z^2)), z = alpha/sqrt(5).
+//! let z = restitution_coefficient(0.9, false) / 5.0f64.sqrt();
+//! assert!(((-core::f64::consts::PI * z / (1.0 - z * z).sqrt()).exp() - 0.9).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::damping::{restitution_coefficient, Damping, Viscosity};
 use super::memory::{relaxation, MemoryConstants};
@@ -68,7 +121,7 @@ pub enum TwistingResistance {
     /// Nothing.
     #[default]
     None,
-    /// `marshall`: that of the tangential law and the contact ellipse of now.
+    /// `marshall`: that of the tangential law and the present contact ellipse.
     OfContactEllipse,
     /// `sds`: these constants.
     Given(TwistSpring),

@@ -15,6 +15,28 @@
 //! is taken as a foundation of such elements side by side, as many as make Hertz' force, of which each lets go when its own force is zero: that is
 //! Ting's receding contact (1966), were the whole distribution of their states known. Here that of a part is the one that it would have
 //! at rest at `b`. Such a foundation has an energy, so no path takes more out of it than went in.
+//!
+//! # Example
+//! ```
+//! use ellgran::force::memory::{Part, MOST_PARTS};
+//! use ellgran::force::syntax::parse;
+//! use ellgran::force::PairLaw;
+//!
+//! // A Kelvin-Voigt solid has one relaxing part beside its spring and its dashpot.
+//! let words = ["nfd", "1e7", "0.3", "2e3", "2e3", "viscosity", "memory"];
+//! let (parameters, _) = parse(&words)?;
+//! let law = PairLaw::resolve(&parameters, &parameters)?;
+//! let memory = &law.constants.memory;
+//! let count = law.kinds.normal.memory as usize;
+//! assert!(count >= 1 && count <= MOST_PARTS);
+//! let parts: [Part; MOST_PARTS] = memory.parts();
+//! let added: f64 = parts[..count].iter().map(|part| part.ratio / part.rate).sum();
+//! assert!((memory.relaxing_time() / added - 1.0).abs() < 1e-14);
+//! // In a step of any length it resists as its spring does at most, of this part of the static one.
+//! let (spring, dashpot) = memory.springs_and_dashpots(count);
+//! assert!((spring / (parts[0].share * parts[0].ratio) - 1.0).abs() < 1e-14 && dashpot == 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::choice::resolved_constants;
 use super::hertz_factors::Factors;

@@ -57,7 +57,7 @@ pub struct RollingForce {
 
 /// The force that resists rolling.
 ///
-/// - `way`: what is remembered, carried into the tangent basis of now; `increment`: what the contact travelled in this step.
+/// - `way`: what is remembered, carried into the present tangent basis; `increment`: what the contact travelled in this step.
 /// - `velocity`: the rolling velocity, of which the viscous part is made.
 /// - `passes`: whether time passes. Where none does, as when a run starts, nothing is given up.
 pub fn rolling_force(

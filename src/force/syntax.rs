@@ -162,6 +162,23 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
 ///
 /// # Errors
 /// A word that is missing, not a number or out of range, or a law without a material (`lsd`).
+///
+/// # Example
+/// ```
+/// use ellgran::force::syntax::{parse, parse_wall_material};
+/// use ellgran::force::PairLaw;
+///
+/// // Soft grains (10 MPa) on steel (200 GPa), and on a rigid wall.
+/// let (grain, _) = parse(&["hertz", "1e7", "0.3"])?;
+/// let (steel, read) = parse_wall_material(&grain, &["material", "2e11", "0.3"])?;
+/// let (rigid, _) = parse_wall_material(&grain, &["material", "rigid"])?;
+/// assert_eq!(read, 3);
+/// let modulus = |wall| Ok::<f64, ellgran::force::ParameterError>(PairLaw::resolve(&grain, wall)?.effective_modulus());
+/// let of_grain = 1e7 / (1.0 - 0.3 * 0.3);
+/// assert!((modulus(&rigid)? / of_grain - 1.0).abs() < 1e-14);
+/// assert!((modulus(&steel)? / of_grain - 1.0 / (1.0 + 1e7 / 2e11)).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn parse_wall_material(
     grain: &LawParameters,
     words: &[&str],

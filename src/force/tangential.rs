@@ -20,12 +20,68 @@
 //! the energy `E` that it holds (`E = zeta.C zeta` times a function of `s`), and never lets `E` grow by more than the work
 //! of the tangential force, so that no cycle gives work:
 //!
-//! - Where the contact of now would hold more at the same `zeta` (it shrinks, its ellipse turns or changes, a viscous normal
+//! - Where the present contact would hold more at the same `zeta` (it shrinks, its ellipse turns or changes, a viscous normal
 //!   force widens the cone), `zeta` is reduced by the ratio of the energies: without slip on a circle, by the ratio of the
 //!   stiffnesses (R.D. Elata, J.G. Berryman, Mech. Mater. 24 (1996) 229).
 //! - Under partial slip on an ellipse `F` along `zeta` is no gradient: turning `zeta` towards the more compliant direction
 //!   takes `(2 w - f) |zeta|^2/2 dc` less work than `E` grows, with `f = |F|/|zeta|`, `E = w zeta.C zeta` and `c` the
 //!   compliance along `zeta`. The energy that is remembered falls by so much. A displacement along one line loses nothing.
+//!
+//! # Example
+//! ```
+//! use ellgran::force::syntax::parse;
+//! use ellgran::force::tangential::{largest_tangential_stiffness, tangential_stiffness};
+//! use ellgran::force::twisting::{mean_radius, squared_semi_axes};
+//! use ellgran::force::{
+//!     normal_force, rolling_force, tangential_force, twisting_torque, PairLaw, RollingResistance, TwistSpring,
+//! };
+//! use ellgran::force::hertz_factors::exact;
+//! use ellgran::vector::{Symmetric2, Vector2};
+//!
+//! let words = "hertz 1e7 0.3 tangential mindlin 0.5 rolling sds 1e3 0 0.1 twisting marshall";
+//! let (parameters, _) = parse(&words.split(' ').collect::<Vec<_>>())?;
+//! let law = PairLaw::resolve(&parameters, &parameters)?;
+//! let (kinds, constants) = (&law.kinds, &law.constants);
+//!
+//! // Two spheres of 1 mm radius, A = B = 1/R, 1 um deep: Hertz' force with R* = R/2.
+//! let (radius, penetration) = (1e-3f64, 1e-6f64);
+//! let curvature = Symmetric2::new(1.0 / radius, 0.0, 1.0 / radius);
+//! let factors = exact(curvature.trace(), curvature.determinant(), true);
+//! let normal = normal_force(&kinds.normal, &constants.normal, penetration, 0.0, curvature.determinant(), &factors, 1e-5);
+//! let hertz = 4.0 / 3.0 * law.effective_modulus() * (0.5 * radius).sqrt() * penetration.powf(1.5);
+//! assert!((normal.force / hertz - 1.0).abs() < 1e-12);
+//! assert!((normal.elastic_energy / (0.4 * hertz * penetration) - 1.0).abs() < 1e-12);
+//!
+//! // Displaced by 1 nm without slip: 8 G* a, in all directions.
+//! let a = (0.5 * radius * penetration).sqrt();
+//! let stiffness = 8.0 * law.effective_shear_modulus() * a;
+//! let (springs, _) = tangential_stiffness(&kinds.tangential, &constants.tangential, normal.stiffness, &factors, curvature);
+//! assert!((springs.uu / stiffness - 1.0).abs() < 1e-9 && (springs.vv / stiffness - 1.0).abs() < 1e-9);
+//! let (bound, _) = largest_tangential_stiffness(&kinds.tangential, &constants.tangential, normal.stiffness);
+//! assert!(bound >= springs.uu * (1.0 - 1e-12));
+//! let way = Vector2::new(1e-9, 0.0);
+//! let sheared = tangential_force(
+//!     &kinds.tangential, &constants.tangential, (normal.force, normal.stiffness), &factors, curvature,
+//!     Vector2::new(0.0, 0.0), 0.0, true, way, Vector2::new(0.0, 0.0),
+//! );
+//! assert!((sheared.force.u / (-stiffness * 1e-9) - 1.0).abs() < 1e-9);
+//! assert!(kinds.tangential.any() && !kinds.tangential.can_create_energy());
+//!
+//! // Rolled by 1 mm: the spring of 1 kN/m is cut off at 0.1 F_n.
+//! let RollingResistance::Given(rolling) = law.resistance.rolling else { panic!("rolling sds") };
+//! let rolled = rolling_force(&rolling, normal.force, Vector2::new(0.0, 0.0), Vector2::new(1e-3, 0.0), Vector2::new(0.0, 0.0), true);
+//! assert!((rolled.force.u.abs() / (0.1 * normal.force) - 1.0).abs() < 1e-12);
+//!
+//! // Twisted by 1e-6 rad without slip: k a^2/2 of a circle, with its tangential stiffness k and the radius a. The lever of friction is 2 a/3.
+//! let squares = squared_semi_axes(penetration, factors.sigma, curvature);
+//! assert!((squares.uu / (a * a) - 1.0).abs() < 1e-9);
+//! assert!((mean_radius(squares) / (2.0 / 3.0 * a) - 1.0).abs() < 1e-9);
+//! let spring = TwistSpring::of_contact_ellipse(&kinds.tangential, &constants.tangential, penetration, normal.stiffness, &factors, curvature);
+//! assert!((spring.stiffness / (0.5 * stiffness * a * a) - 1.0).abs() < 1e-9);
+//! let twisted = twisting_torque(&spring, normal.force, [0.0; 2], 1e-6, 0.0, true);
+//! assert!((twisted.torque / (-1e-6 * spring.stiffness) - 1.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::choice::{choices, resolved_constants, Choice};
 use super::contact_begin::Begin;
@@ -50,7 +106,7 @@ choices! {
 
     /// What is kept of the tangential displacement while the contact grows and shrinks.
     Displacement {
-        /// The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
+        /// The tangential displacement since first touch is remembered, and the force is that at the present stiffness: the
         /// published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
         /// while it is deep.
         Total = 0, "total", ELLGRAN_DISPLACEMENT_TOTAL, [];
@@ -68,7 +124,7 @@ choices! {
 }
 
 impl Tangential {
-    /// Whether it takes its stiffness from the elastic constants of the material, and from the contact ellipse of now.
+    /// Whether it takes its stiffness from the elastic constants of the material, and from the present contact ellipse.
     #[inline(always)]
     pub fn needs_material(self) -> bool {
         match self {
@@ -223,8 +279,8 @@ pub struct TangentialForce<T = f64> {
 
 /// Tangential force.
 ///
-/// - `normal_force`, `normal_stiffness`: those of the contact of now ([`super::NormalForce`]).
-/// - `memory`: what is remembered, carried into the tangent basis of now; `remembered_energy`: its elastic energy at the
+/// - `normal_force`, `normal_stiffness`: those of the present contact ([`super::NormalForce`]).
+/// - `memory`: what is remembered, carried into the present tangent basis; `remembered_energy`: its elastic energy at the
 ///   last step (only `displacement rescaled`; 0 for a new contact).
 /// - `passes`: whether time passes. Where none does, as when a run starts, nothing slips and nothing is given up: memory and
 ///   energy stay.

@@ -5,6 +5,26 @@
 //! angle. From within, the depth behind the tangent plane along `u` is `n.x + h(n) - c R`, `R` the radius at the cone's point
 //! and `x` the centre from there; each of its maxima above 0 is a contact: a needle across the axis has two. From without, the
 //! separation `n.x - h(n) - c R` has one maximum, as for any two convex bodies.
+//!
+//! # Example
+//! ```
+//! use ellgran::geometry::cone::{touch_cone, Cone};
+//! use ellgran::geometry::Ellipsoid;
+//! use ellgran::vector::Vector3;
+//!
+//! // A ball of radius 1 cm in a pipe of radius 10 cm about z, 0.1 mm deep in its wall (m).
+//! let pipe = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), 0.1);
+//! let ball = Ellipsoid::new([0.01; 3], [1.0, 0.0, 0.0, 0.0]).expect("an ellipsoid");
+//! let centre = Vector3::new(0.0901, 0.0, 0.3);
+//! assert!(pipe.has_within(centre));
+//! let mut contacts = Vec::new();
+//! touch_cone(&ball, centre, &pipe, true, |contact| contacts.push(contact));
+//! assert_eq!(contacts.len(), 1);
+//! let contact = &contacts[0];
+//! assert!((contact.point - Vector3::new(0.1, 0.0, 0.3)).norm() < 1e-12);
+//! assert!((contact.normal - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-12);
+//! assert!((contact.along - 0.3).abs() < 1e-12);
+//! ```
 
 use super::convex_body::{ConvexBody, SquaredSupport};
 use super::ellipsoid::Ellipsoid;

@@ -586,6 +586,19 @@ pub fn search(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) 
 
 /// Like [`search`], but follows a separated pair to the plane of widest separation: penetration < 0 is minus the gap,
 /// and the supports give the closest points.
+///
+/// # Example
+/// ```
+/// use ellgran::geometry::contact_search::closest;
+/// use ellgran::geometry::Ellipsoid;
+/// use ellgran::vector::Vector3;
+///
+/// // Two spheres of radius 1 m whose centres are 2.5 m apart: a gap of 0.5 m is a penetration of -0.5 m.
+/// let sphere = Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).expect("an ellipsoid");
+/// let found = closest(&sphere, &sphere, Vector3::new(0.0, 2.5, 0.0), None);
+/// assert!((found.penetration + 0.5).abs() < 1e-14);
+/// assert!((found.normal - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-14);
+/// ```
 pub fn closest(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, start: Option<Vector3>) -> ContactSearch {
     match search(i, j, d, start) {
         Outcome::Touching(found) => found,

@@ -4,6 +4,48 @@
 //! With `R` the rotation from body to world and `D = diag(a1, a2, a3)` the semi-axes, the shape matrix is
 //! `S = R D^2 R^T`. It is never formed: `h = |D R^T n|` and `S n / h = R D (D R^T n) / h` have an error of the order
 //! of rounding times the largest semi-axis, while the formed matrix loses a factor of the aspect ratio more.
+//!
+//! # Example
+//! ```
+//! use ellgran::geometry::ellipsoid::{LARGEST_ASPECT_RATIO, LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
+//! use ellgran::geometry::{Ellipsoid, ShapeError};
+//! use ellgran::vector::{Tangent, Vector3};
+//!
+//! // A grain of 2 x 1 x 1 mm (semi-axes in m), turned by 90 degrees about z: its long axis lies along y.
+//! let turn = [0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()];
+//! let grain = Ellipsoid::new([2e-3, 1e-3, 1e-3], turn).expect("an ellipsoid");
+//! let volume = 4.0 / 3.0 * core::f64::consts::PI * 2e-9;
+//! assert!((grain.volume() / volume - 1.0).abs() < 1e-14);
+//! // Moments about the body axes, m (b^2 + c^2)/5, of 10 mg (kg m^2).
+//! let inertia = grain.moments_of_inertia(1e-5);
+//! assert!((inertia.x / (1e-5 * 2e-6 / 5.0) - 1.0).abs() < 1e-14);
+//! assert!((grain.squares_across().y / 5e-6 - 1.0).abs() < 1e-14);
+//! assert_eq!((grain.bounding_radius(), grain.smallest_semi_axis()), (2e-3, 1e-3));
+//! assert!(!grain.is_sphere());
+//! let long_axis = grain.to_world(Vector3::new(1.0, 0.0, 0.0));
+//! assert!((long_axis - Vector3::new(0.0, 1.0, 0.0)).norm() < 1e-15);
+//! assert!((grain.to_body(long_axis).x - 1.0).abs() < 1e-15);
+//!
+//! // The tip: 2 mm from the centre, curvature a/b^2 in all directions, radius of curvature 0.5 mm.
+//! let n = Vector3::new(0.0, 1.0, 0.0);
+//! let tip = grain.support(n);
+//! assert!((tip.h / 2e-3 - 1.0).abs() < 1e-14 && (tip.point - n * 2e-3).norm() < 1e-17);
+//! let curvature = grain.weingarten(&tip, &Tangent::new(n));
+//! assert!((curvature.uu / 2e3 - 1.0).abs() < 1e-13 && (curvature.vv / 2e3 - 1.0).abs() < 1e-13);
+//! assert!((grain.inscribed_radius(&tip) / 0.5e-3 - 1.0).abs() < 1e-13);
+//! // det V = h^4/(a1 a2 a3)^2.
+//! let determinant = tip.h.powi(4) / grain.shape_determinant();
+//! assert!((curvature.determinant() / determinant - 1.0).abs() < 1e-13);
+//!
+//! // What can be no grain.
+//! for (semi_axes, wrong) in [
+//!     ([0.5 * LEAST_SEMI_AXIS; 3], ShapeError::SemiAxis(0.5 * LEAST_SEMI_AXIS)),
+//!     ([2.0 * LARGEST_SEMI_AXIS; 3], ShapeError::SemiAxis(2.0 * LARGEST_SEMI_AXIS)),
+//!     ([4.0 * LARGEST_ASPECT_RATIO, 1.0, 1.0], ShapeError::AspectRatio(4.0 * LARGEST_ASPECT_RATIO)),
+//! ] {
+//!     assert_eq!(Ellipsoid::new(semi_axes, turn).unwrap_err(), wrong);
+//! }
+//! ```
 
 use super::convex_body::{ConvexBody, SquaredSupport, SupportInFrame};
 use crate::real::Real;

@@ -24,6 +24,41 @@
 //! What is not continuous: where two such corners, or such a corner and another edge, lie within one overlap, and by a few per cent
 //! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
+//!
+//! # Example
+//! ```
+//! use ellgran::geometry::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
+//! use ellgran::geometry::triangles::{barycentric_weights, Feature, TriangleSearch};
+//! use ellgran::geometry::Ellipsoid;
+//! use ellgran::vector::Vector3;
+//!
+//! // A ball of radius 1 m, 1 cm deep in a triangle of the floor.
+//! let ball = Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).expect("an ellipsoid");
+//! let centre = Vector3::new(0.0, 0.0, 0.99);
+//! let floor = [
+//!     Vector3::new(-3.0, -3.0, 0.0),
+//!     Vector3::new(3.0, -3.0, 0.0),
+//!     Vector3::new(0.0, 6.0, 0.0),
+//! ];
+//! let mut search = TriangleSearch::default();
+//! search.touch(&ball, centre, &[floor]);
+//! let [contact] = search.contacts() else { panic!("one contact") };
+//! assert_eq!(contact.feature, Feature::Face);
+//! assert!((contact.penetration - 0.01).abs() < 1e-14);
+//! assert!((contact.normal - Vector3::new(0.0, 0.0, 1.0)).norm() < 1e-14);
+//! assert_eq!(contact.share.value, Share::WHOLE.value);
+//! // It lies in the middle of the triangle.
+//! let weights = barycentric_weights(&floor, contact.point);
+//! assert!(weights.iter().all(|weight| (weight - 1.0 / 3.0).abs() < 1e-14));
+//!
+//! // In a right angle of two planes each cuts nothing of the other's contact while the overlaps are apart.
+//! let up = SupportingPlane { point: contact.point - centre, normal: Vector3::new(0.0, 0.0, 1.0) };
+//! let side = SupportingPlane { point: Vector3::new(0.99, 0.0, 0.0), normal: Vector3::new(-1.0, 0.0, 0.0) };
+//! let sections = [up, side].map(|plane| Section::new(&ball, &plane));
+//! assert!(!sections[0].is_cut_by(&sections[1]));
+//! let whole = share(&ball, &sections[0], sections[1..].iter(), &mut ShareMemory::default());
+//! assert_eq!(whole.value, 1.0);
+//! ```
 
 use super::box_tree::{BoxTree, Extent};
 use super::convex_corner::{self, Support as CornerSupport};

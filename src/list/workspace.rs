@@ -13,6 +13,104 @@ use crate::contact::Laws;
 use crate::simd::{InstructionSet, Line};
 
 /// Memory that one thread of calls keeps from step to step; grows only when the number of particles or of pairs does.
+///
+/// # Example
+/// ```
+/// use ellgran::contact::stable_step::{least_stable_step, ContactExtremes, SUMS};
+/// use ellgran::contact::{Laws, Step};
+/// use ellgran::list::{
+///     add_pairs_to_step_sums, compute_pairs, Accumulators, Entries, NeighbourRow, NeighbourRows, ParticleArrays,
+///     Rotation, Workspace,
+/// };
+/// use ellgran::simd::InstructionSet;
+/// use ellgran::tallies::GrainSums;
+/// use ellgran::vector::Vector3;
+///
+/// // A list of one row: ball 0 has the neighbours 1 and 2.
+/// struct Row {
+///     neighbours: [i32; 2],
+///     touching: [i32; 2],
+///     history: Vec<f64>,
+/// }
+/// impl NeighbourRows for Row {
+///     fn count(&self) -> usize {
+///         1
+///     }
+///     fn row(&mut self, _: usize) -> NeighbourRow<'_> {
+///         NeighbourRow {
+///             central: 0,
+///             neighbours: &self.neighbours,
+///             touching: &mut self.touching,
+///             history: &mut self.history,
+///         }
+///     }
+///     fn pair(&mut self, _: usize, entry: usize) -> (Option<&mut i32>, &mut [f64]) {
+///         let length = self.history.len() / 2;
+///         (Some(&mut self.touching[entry]), &mut self.history[entry * length..(entry + 1) * length])
+///     }
+///     fn entries(&self) -> Entries {
+///         Entries::PLAIN
+///     }
+/// }
+/// assert_eq!(Entries::PLAIN.index(7), Some(7));
+///
+/// // Three balls of 1 cm radius in a row along x, each 0.1 mm deep in the next (m, kg).
+/// let words = ["hertz", "1e7", "0.3", "tangential", "mindlin", "0.5"];
+/// let (parameters, _) = ellgran::force::syntax::parse(&words)?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let positions = [[0.0; 3], [-0.0199, 0.0, 0.0], [0.0199, 0.0, 0.0]];
+/// let particles = ParticleArrays {
+///     owned: 3,
+///     positions: &positions,
+///     velocities: &[[0.0; 3]; 3],
+///     rotation: Rotation::Velocity(&[[0.0; 3]; 3]),
+///     of_step: false,
+///     changes: &[],
+///     contact_masses: &[1e-2; 3],
+///     types: &[1; 3],
+///     shape: |_: usize| Some(([0.01; 3], [1.0, 0.0, 0.0, 0.0])),
+///     identifier: |k| k as i64 + 1,
+/// };
+/// let mut rows = Row { neighbours: [1, 2], touching: [0; 2], history: vec![0.0; 2 * laws.layout().length] };
+/// let mut workspace = Workspace::new(InstructionSet::choose()?);
+/// workspace.keeps_history = true;
+/// workspace.records_contacts = true;
+/// workspace.prepare_for_pairs(&particles, &laws, false)?;
+/// let (mut forces, mut torques) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+/// let mut accumulators =
+///     Accumulators { forces: &mut forces, torques: &mut torques, reaction_below: 3, owned: 3 };
+/// let step = Step { time_step: 1e-6, advance_history: true };
+/// compute_pairs(&laws, &mut workspace, &mut rows, &step, &mut accumulators, None).expect("a valid list");
+///
+/// // The contacts as they acted, and what they add up to for each ball.
+/// assert_eq!(workspace.contacts.as_slice().len(), 2);
+/// let second = workspace.contacts.find(2, 0).expect("they touch");
+/// assert!((workspace.contacts.as_slice()[second].geometry.penetration - 1e-4).abs() < 1e-12);
+/// let mut sums = [GrainSums::default(); 3];
+/// workspace.contacts.add_to_grain_sums(|k| Vector3::from_array(positions[k]), |_| true, &mut sums);
+/// assert_eq!((sums[0].touching, sums[1].touching, sums[0].fabric[0]), (2.0, 1.0, 2.0));
+///
+/// // Histories are kept in the workspace until they are asked for.
+/// assert!(workspace.has_unwritten_history() && workspace.bytes() > 0);
+/// assert_eq!(workspace.kept_history_length(), laws.layout().length);
+/// assert_eq!(workspace.kept_pairs().count(), 2);
+/// workspace.write_history(&mut rows);
+/// assert_eq!(rows.touching, [1, 1]);
+/// assert!(!workspace.has_unwritten_history());
+/// workspace.forget_list();
+///
+/// // The time step that the contacts allow: the middle ball has two of them.
+/// workspace.prepare(&particles, laws.types())?;
+/// let (mut step_sums, mut extremes) = ([[0.0; SUMS]; 3], ContactExtremes::default());
+/// add_pairs_to_step_sums(&laws, workspace.particles(), &|_| 1e2, &|k| k as i64 + 1, &mut rows, &mut step_sums, &mut extremes)
+///     .expect("a valid list");
+/// assert_eq!((least_stable_step(&step_sums).1, extremes.touching), (Some(0), 2));
+/// workspace.prepare_chosen(&particles, laws.types(), &[2])?;
+/// assert_eq!(workspace.particles().len(), 1);
+/// workspace.contacts.clear();
+/// workspace.clear();
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Workspace {
     particles: Vec<Particle>,

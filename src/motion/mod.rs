@@ -3,8 +3,10 @@
 //! (docs/theory.md, section 8).
 
 mod free_rotation;
+mod mean_rotation;
 mod velocity_verlet;
 
+pub use mean_rotation::mean_angular_velocity;
 pub use velocity_verlet::{
     angular_velocities, finish_step, start_step, Bodies, BodyArrays, Extrapolation, MotionError,
     Selection,

@@ -63,7 +63,7 @@ pub struct BodyArrays<'a, B: Bodies> {
 }
 
 /// What takes velocities and angular momenta from the half step to the end of the step, where the next forces are computed:
-/// from the accelerations `a` of now and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
+/// from the present accelerations `a` and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
 /// step to that one; nothing where `a` has turned against `a'`.
 ///
 /// The forces then depend on velocities that are right to the second order, and the step stays explicit. The velocities
@@ -75,8 +75,8 @@ pub struct Extrapolation<'a> {
     /// Written by [`start_step`]: what velocities and angular momenta have more than those of the half step; by
     /// [`finish_step`]: what those that the forces were computed with had more than those of the end of the step.
     pub changes: &'a mut [[f64; 6]],
-    /// Forces and torques of the step before; overwritten by those of now. Not known where the first is infinite: those of
-    /// now then stand for them, which is right for what moves freely before it touches.
+    /// Forces and torques of the step before; overwritten by the present ones. Not known where the first is infinite: the
+    /// present ones then stand for them, which is right for what moves freely before it touches.
     pub loads_before: &'a mut [[f64; 6]],
     /// This step over the one before.
     pub step_ratio: f64,
@@ -218,11 +218,54 @@ pub fn finish_step_of_body<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, 
     }
 }
 
-/// The angular velocities, world frame, that go with the angular momenta and attitudes of now, of the bodies that move; the
+/// The angular velocities, world frame, that go with the present angular momenta and attitudes, of the bodies that move; the
 /// others' are left as they are.
 ///
 /// # Errors
 /// The first body that is no ellipsoid, whose quaternion has no length, or whose semi-axes or mass are out of range.
+///
+/// # Example
+/// ```
+/// use ellgran::motion::{angular_velocities, finish_step, start_step, Bodies, BodyArrays, Extrapolation, Selection};
+/// use ellgran::simd::InstructionSet;
+///
+/// struct Disc([f64; 4]);
+/// impl Bodies for Disc {
+///     fn shape(&self, _: usize) -> Option<([f64; 3], [f64; 4])> {
+///         Some(([1.0, 1.0, 0.5], self.0))
+///     }
+///     fn turn(&mut self, _: usize, quaternion: [f64; 4]) {
+///         self.0 = quaternion;
+///     }
+/// }
+///
+/// // A disc of 5 kg falls at 10 m/s^2 and spins at 3 rad/s about its axis: moment of inertia m (a^2 + b^2)/5 = 2.
+/// let (mut changes, mut loads_before) = ([[0.0; 6]], [[f64::INFINITY; 6]]);
+/// let mut disc = BodyArrays {
+///     positions: &mut [[0.0; 3]],
+///     velocities: &mut [[0.0; 3]],
+///     angular_momenta: &mut [[0.0, 0.0, 6.0]],
+///     forces: &[[0.0, 0.0, -50.0]],
+///     torques: &[[0.0; 3]],
+///     masses: &[5.0],
+///     bodies: Disc([1.0, 0.0, 0.0, 0.0]),
+///     extrapolation: Some(Extrapolation {
+///         changes: &mut changes,
+///         loads_before: &mut loads_before,
+///         step_ratio: 1.0,
+///     }),
+/// };
+/// let (all, set) = (Selection { groups: &[], bits: 0 }, InstructionSet::choose()?);
+/// let mut spins = [[0.0; 3]];
+/// angular_velocities(set, &mut disc, all, &mut spins).expect("an ellipsoid");
+/// assert!((spins[0][2] - 3.0).abs() < 1e-15);
+/// // The velocity that forces see is that of the end of the step: 0.1 s, 1 m/s.
+/// start_step(set, &mut disc, all, 0.1).expect("it can be moved");
+/// assert!((disc.velocities[0][2] + 1.0).abs() < 1e-15);
+/// finish_step(set, &mut disc, all, 0.1);
+/// assert!((disc.velocities[0][2] + 1.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn angular_velocities<B: Bodies>(
     set: InstructionSet,
     arrays: &mut BodyArrays<'_, B>,

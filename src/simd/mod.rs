@@ -36,6 +36,15 @@ pub use lanes::Lanes;
 pub use registers::{Line, Registers, MOST_LANES};
 
 /// The environment variable that forces a choice: the name of a set.
+///
+/// # Example
+/// ```
+/// use ellgran::simd::{InstructionSet, ENVIRONMENT_VARIABLE};
+///
+/// std::env::set_var(ENVIRONMENT_VARIABLE, "scalar");
+/// assert_eq!(InstructionSet::choose()?, InstructionSet::Scalar);
+/// # Ok::<(), String>(())
+/// ```
 pub const ENVIRONMENT_VARIABLE: &str = "ELLGRAN_INSTRUCTION_SET";
 
 // The sets that not every machine of a target has: the name, the target, and the type of pulp that proves that the machine has

@@ -182,7 +182,7 @@ impl WallHistoryLayout {
     }
 
     /// What a contact with a part that a particle touches in one place at most goes on from: the normal of the last step, and the
-    /// history; `None` for a new contact. `normal` is that of now, from the particle into the wall.
+    /// history; `None` for a new contact. `normal` is the present one, from the particle into the wall.
     #[inline(always)]
     pub(super) fn record_of<'h>(
         &self,

@@ -17,6 +17,29 @@ use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 
 /// Pose and motion of a wall.
+///
+/// # Example
+/// ```
+/// use ellgran::vector::Vector3;
+/// use ellgran::walls::Motion;
+///
+/// // A drum that has turned by 90 degrees about z through (1, 0, 0), at 2 rad/s.
+/// let drum = Motion {
+///     origin: Vector3::new(1.0, 0.0, 0.0),
+///     axes: Motion::axes_of([0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()]),
+///     angular_velocity: Vector3::new(0.0, 0.0, 2.0),
+///     ..Motion::REST
+/// };
+/// assert!(Motion::REST.is_none() && !drum.is_none());
+/// assert_eq!(drum.centre(), Vector3::new(1.0, 0.0, 0.0));
+/// // The mark that was at (2, 0, 0) is at (1, 1, 0), and moves to the left.
+/// let mark = drum.point_to_world(Vector3::new(2.0, 0.0, 0.0));
+/// assert!((mark - Vector3::new(1.0, 1.0, 0.0)).norm() < 1e-15);
+/// assert!((drum.point_to_wall(mark) - Vector3::new(2.0, 0.0, 0.0)).norm() < 1e-15);
+/// assert!((drum.velocity_at(mark) - Vector3::new(-2.0, 0.0, 0.0)).norm() < 1e-14);
+/// let along = Vector3::new(0.0, 1.0, 0.0);
+/// assert!((drum.to_world(drum.to_wall(along)) - along).norm() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// The point about which the wall has turned, where it was when the wall's shapes were described.

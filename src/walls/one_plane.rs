@@ -53,6 +53,42 @@ pub fn geometry_with_plane(i: &Particle, wall: &MovingPlane, share_i: f64) -> On
 ///
 /// # Errors
 /// Only with `factors hale`, before anything is written.
+///
+/// # Example
+/// ```
+/// use ellgran::contact::{prepare_body, Body, Laws, Step};
+/// use ellgran::geometry::Plane;
+/// use ellgran::vector::Vector3;
+/// use ellgran::walls::{geometry_with_plane, one_contact_with_plane, MovingPlane};
+///
+/// // A ball of 1 mm radius, 10 um deep in a floor.
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// let ball = Body {
+///     position: [0.0, 0.0, 0.99e-3],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [1e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1e-5,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// let ball = prepare_body(&ball, Some(1))?;
+/// let floor = MovingPlane {
+///     plane: Plane { point: Vector3::ZERO, normal: Vector3::new(0.0, 0.0, 1.0) },
+///     velocity: Vector3::ZERO,
+/// };
+/// assert!((geometry_with_plane(&ball, &floor, 0.5).penetration - 1e-5).abs() < 1e-15);
+/// let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);
+/// let step = Step { time_step: 1e-6, advance_history: true };
+/// let (_, forces) = one_contact_with_plane(&laws, &ball, &floor, 1, &step, &mut touching, &mut history)
+///     .expect("exact factors")
+///     .expect("they touch");
+/// let hertz = 4.0 / 3.0 * laws.get(1, 1).effective_modulus() * 1e-3f64.sqrt() * 1e-5f64.powf(1.5);
+/// assert!((forces.normal_force / hertz - 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn one_contact_with_plane(
     laws: &Laws,
     i: &Particle,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! With which velocity a wall keeps the force with which it presses on the particles.
 //!
-//! The wall moves along one direction with the velocity `u = e g + w`, `e` the target less the force of now. With `K` and `C` the
+//! The wall moves along one direction with the velocity `u = e g + w`, `e` the target less the present force. With `K` and `C` the
 //! stiffness and the damping of all contacts of the wall, a step of velocity `u` changes the force by `(K dt + C) u` at most:
 //! what is behind the particles that touch can only give way further. `g = gain/(K dt + C)` therefore takes away at most the share
 //! `gain` of `e` in each step, and no gain below 1 makes the force swing from step to step. The second part, `w`, sums up
@@ -12,6 +12,22 @@
 //! target: it takes energy out of any swinging of the particles, and gives none to it.
 
 /// The settings of a servo, and its state between steps.
+///
+/// # Example
+/// ```
+/// use ellgran::walls::{Servo, ServoLoad};
+///
+/// // A plate on a spring of 1 kN/m, pressed until it feels 5 N. It approaches at 1 cm/s where it touches nothing.
+/// let mut plate = Servo { target: 5.0, gain: 0.1, largest_speed: 0.01, steady_velocity: 0.0, velocity: 0.0 };
+/// let (mut way, time_step) = (0.0, 1e-4);
+/// plate.follow(&ServoLoad { force: 0.0, stiffness: 0.0, damping: 0.0 }, time_step);
+/// assert_eq!(plate.velocity, 0.01);
+/// for _ in 0..10_000 {
+///     plate.follow(&ServoLoad { force: 1e3 * way, stiffness: 1e3, damping: 0.0 }, time_step);
+///     way += plate.velocity * time_step;
+/// }
+/// assert!((1e3 * way - 5.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Servo {
     /// Force with which the wall is to press, 0 or more.
@@ -20,7 +36,7 @@ pub struct Servo {
     pub gain: f64,
     /// Largest speed of the wall, above 0.
     pub largest_speed: f64,
-    /// `w` of this module: the part of the velocity that does not come from the error of now.
+    /// `w` of this module: the part of the velocity that does not come from the present error.
     pub steady_velocity: f64,
     /// Velocity in the direction in which it presses, for the next step.
     pub velocity: f64,

@@ -2,6 +2,11 @@
 //! The words of a deck that describe a shape of a wall.
 
 /// What follows the word `shape`.
+///
+/// # Example
+/// ```
+/// assert!(ellgran::walls::SHAPE_SYNTAX.starts_with("shape NAME [point x y z]"));
+/// ```
 pub const SHAPE_SYNTAX: &str =
     "shape NAME [point x y z] [axis ax ay az] [radius r] [radii r1 r2] [bounds lo hi] \
      [ends none|open|closed none|open|closed] [side inside|outside|centre]";

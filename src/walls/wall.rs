@@ -14,6 +14,85 @@ use crate::geometry::triangles::Triangle;
 use crate::vector::Vector3;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
+///
+/// # Example
+/// ```
+/// use ellgran::contact::{prepare_body, Body, Laws, Step};
+/// use ellgran::simd::InstructionSet;
+/// use ellgran::tallies::Tallies;
+/// use ellgran::vector::Vector3;
+/// use ellgran::walls::{compute_wall, write_triangle_loads, Mesh, Motion, Wall, WallInput, WallOutput};
+///
+/// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3", "tangential", "tfd", "0.5"])?;
+/// let laws = Laws::new(1, &[Some(parameters)], true)?;
+/// // A plate of two triangles in the plane z = 0, which moves up at 1 cm/s and has come 1 mm so far (m, s).
+/// let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+/// let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+/// let mesh = Mesh::new(vec![[a, b, c], [a, c, d]])?;
+/// assert_eq!(mesh.triangle_count(), 2);
+/// let mut wall = Wall::new();
+/// wall.add_mesh(mesh);
+/// assert_eq!((wall.part_count(), wall.triangles().count()), (1, 2));
+/// wall.records_contacts = true;
+/// wall.records_triangles = true;
+/// wall.keeps_inelastic_loads = true;
+/// let motion = Motion {
+///     displacement: Vector3::new(0.0, 0.0, 1e-3),
+///     velocity: Vector3::new(0.0, 0.0, 0.01),
+///     ..Motion::REST
+/// };
+/// let ball = Body {
+///     position: [0.3, -0.2, 10.99e-3],
+///     quaternion: [1.0, 0.0, 0.0, 0.0],
+///     semi_axes: [10e-3; 3],
+///     velocity: [0.0; 3],
+///     angular_velocity: [0.0; 3],
+///     mass: 1e-2,
+///     particle_type: 1,
+///     identifier: 1,
+/// };
+/// wall.find_near(&motion, 1, |_| Some((Vector3::from_array(ball.position), 10e-3)));
+/// // In later steps of the same particles their positions are enough.
+/// assert_eq!(wall.find_near_again(&motion, &[ball.position]), Some(&[0][..]));
+/// assert_eq!(wall.near(), [0]);
+/// let layout = wall.histories(&laws);
+/// let mut histories = vec![0.0; layout.length()];
+/// wall.check_histories(layout, Some(&laws.layout()), &histories).expect("zeros: nothing is remembered");
+/// let (mut forces, mut torques) = ([[0.0; 3]], [[0.0; 3]]);
+/// let input = WallInput {
+///     laws: &laws,
+///     wall_type: 1,
+///     near: &[prepare_body(&ball, Some(1))?],
+///     motion: &motion,
+///     step: &Step { time_step: 1e-6, advance_history: true },
+///     instruction_set: InstructionSet::widest(),
+/// };
+/// let mut output =
+///     WallOutput { acts_on: &|_| true, histories: &mut histories, forces: &mut forces, torques: &mut torques };
+/// let mut tallies = Tallies::default();
+/// let load = compute_wall(&mut wall, &input, &mut output, Some(&mut tallies)).expect("exact factors");
+/// assert_eq!(load.contacts, 1);
+/// assert!(layout.used(&histories) > 0);
+/// // The power of the ball on the wall is its force times the wall's velocity.
+/// assert!((load.power - load.force.z * 0.01).abs() < 1e-12 * load.power.abs());
+/// assert!((wall.part_forces()[0] - load.force).norm() < 1e-12 * load.force.norm());
+/// let [contact] = wall.contacts() else { panic!("one contact was recorded") };
+/// assert!((contact.penetration - 1e-5).abs() < 1e-12 && contact.part == 0);
+/// let loads = wall.triangle_loads();
+/// assert!((loads.iter().map(|t| t.force.z).sum::<f64>() / load.force.z - 1.0).abs() < 1e-12);
+/// // Each grain that touched, with what acted on it beside the gradient of the elastic energy; here nothing yet.
+/// let [touched] = wall.touching_loads() else { panic!("one grain touched") };
+/// assert!(touched.particle == 0 && touched.load.is_zero());
+/// wall.touching_loads_mut()[0].load.respond(|torque| torque * 0.5);
+///
+/// // For ParaView, where the plate is now.
+/// let file = std::env::temp_dir().join(format!("ellgran plate {}.vtk", std::process::id()));
+/// let triangles: Vec<_> = wall.triangles().copied().collect();
+/// write_triangle_loads(&file, &triangles, &motion, wall.triangle_loads())?;
+/// assert!(std::fs::read_to_string(&file)?.contains("POLYGONS"));
+/// std::fs::remove_file(file)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Wall {
     pub(super) parts: Vec<Box<dyn Shape>>,
@@ -331,6 +410,58 @@ impl Wall {
 
     /// Finds the contacts of the particles that may touch, and what each goes on from. `histories` are read alone, and have been
     /// checked ([`Wall::check_histories`]).
+    ///
+    /// # Example
+    /// ```
+    /// use ellgran::contact::stable_step::{least_stable_step, ContactExtremes, SUMS};
+    /// use ellgran::contact::{prepare_body, Body, Laws, Step};
+    /// use ellgran::vector::Vector3;
+    /// use ellgran::walls::{Frame, Motion, Places, Wall, WallMasses};
+    ///
+    /// // An engine that computes forces itself: the library finds the contacts, and keeps 2 doubles of each.
+    /// let mut wall = Wall::new();
+    /// let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+    /// let floor = [corner(-3.0, -3.0), corner(3.0, -3.0), corner(0.0, 6.0)];
+    /// // The triangle is the engine's own: it is lent for this step, and particle 0 is near it.
+    /// wall.lent_triangles().set([floor].into_iter(), std::iter::empty(), &[0, 1], &[0])?;
+    /// let ball = Body {
+    ///     position: [0.0, 0.0, 0.99],
+    ///     quaternion: [1.0, 0.0, 0.0, 0.0],
+    ///     semi_axes: [1.0; 3],
+    ///     velocity: [0.0; 3],
+    ///     angular_velocity: [0.0; 3],
+    ///     mass: 1.0,
+    ///     particle_type: 1,
+    ///     identifier: 1,
+    /// };
+    /// wall.find_near(&Motion::REST, 1, |_| Some((Vector3::from_array(ball.position), 1.0)));
+    /// let layout = wall.histories_of(2);
+    /// let mut histories = vec![0.0; layout.length()];
+    /// let step = Step { time_step: 1e-6, advance_history: true };
+    /// let near = [prepare_body(&ball, None)?];
+    /// let places = Places { near: &near, motion: &Motion::REST, step: &step, frame: Frame::World };
+    /// wall.find_contacts(&places, layout, &histories);
+    /// let [contact] = wall.found().all() else { panic!("one contact") };
+    /// assert_eq!((contact.particle, contact.last_normal), (0, None));
+    /// assert_eq!(wall.found().histories_length(), layout.length());
+    /// assert!(wall.found().crowded().is_none());
+    /// assert!((wall.found().staged()[0].contact.penetration() - 0.01).abs() < 1e-14);
+    /// // What the contact adds to the bound of the time step.
+    /// let (parameters, _) = ellgran::force::syntax::parse(&["hertz", "1e7", "0.3"])?;
+    /// let laws = Laws::new(1, &[Some(parameters)], true)?;
+    /// let (mut sums, mut extremes) = ([[0.0; SUMS]], ContactExtremes::default());
+    /// let masses = WallMasses { inverse_mass: 1.0, effective_mass: 1.0 };
+    /// wall.add_to_step_sums(&laws, &near, &|_| 1, &|_| masses, &|k| k as i64 + 1, &mut sums, &mut extremes)
+    ///     .expect("exact factors");
+    /// assert!(least_stable_step(&sums).0 < f64::INFINITY);
+    /// wall.found_mut().history(0).copy_from_slice(&[7.0, 8.0]);
+    /// wall.found().remember(&mut histories, &|_| true);
+    /// // In the next step the contact goes on from that.
+    /// wall.find_contacts(&places, layout, &histories);
+    /// assert!(wall.found().all()[0].last_normal.is_some());
+    /// assert_eq!(wall.found_mut().history(0), [7.0, 8.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn find_contacts(
         &mut self,
         places: &Places<'_>,

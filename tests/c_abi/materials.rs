@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 use std::ptr::{null, null_mut};
 
+use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::law::*;
 use ellgran::c_api::solid::*;
 use ellgran::c_api::staged::*;
@@ -103,6 +104,59 @@ fn volumes_and_moments_of_inertia() {
         is_null(ellgran_moments_of_inertia(2, a, n, null_mut()), "moments");
     }
     assert_eq!(volumes, before);
+}
+
+/// A turned ellipsoid: L = R I R^T omega, and the library's own inverse of that.
+#[test]
+fn angular_momenta_and_mean_angular_velocities() {
+    let half = 0.5f64.sqrt();
+    // 90 degrees about z: the body's x axis lies along y.
+    let body = EllgranBody {
+        quaternion: [half, 0.0, 0.0, half],
+        semi_axes: [3.0, 2.0, 1.0],
+        mass: 10.0,
+        ..sphere_at(0.0)
+    };
+    let (omega, mut momentum) = ([1.0, 2.0, 3.0], [0.0; 3]);
+    // SAFETY: pointers are NULL or valid, for three or four doubles.
+    unsafe {
+        let l = momentum.as_mut_ptr();
+        ok(ellgran_angular_momentum(&body, omega.as_ptr(), l));
+        // Moments 10, 20, 26 about the body axes; about the world's x axis that of y.
+        for (got, wanted) in momentum.iter().zip([20.0, 20.0, 78.0]) {
+            close(*got, wanted);
+        }
+        is_null(ellgran_angular_momentum(null(), omega.as_ptr(), l), "body");
+        is_null(
+            ellgran_angular_momentum(&body, null(), l),
+            "angular_velocity",
+        );
+        is_null(
+            ellgran_angular_momentum(&body, omega.as_ptr(), null_mut()),
+            "angular_momentum",
+        );
+
+        let (from, to) = ([1.0, 0.0, 0.0, 0.0], [-half, 0.0, 0.0, -half]);
+        let mut found = [0.0; 3];
+        let (a, b, f) = (from.as_ptr(), to.as_ptr(), found.as_mut_ptr());
+        ok(ellgran_mean_angular_velocity(a, b, 2.0, f));
+        close(found[2], 0.25 * PI);
+        assert_eq!([found[0].abs(), found[1].abs()], [0.0; 2]);
+        is_null(ellgran_mean_angular_velocity(null(), b, 2.0, f), "from");
+        is_null(ellgran_mean_angular_velocity(a, null(), 2.0, f), "to");
+        is_null(
+            ellgran_mean_angular_velocity(a, b, 2.0, null_mut()),
+            "angular_velocity",
+        );
+        let zero = [0.0; 4];
+        for (to, time, word) in [(zero.as_ptr(), 1.0, "to = (0 0 0 0)"), (b, 0.0, "time = 0")] {
+            fails(
+                ellgran_mean_angular_velocity(a, to, time, f),
+                ELLGRAN_ERROR_ARGUMENT,
+                &[word],
+            );
+        }
+    }
 }
 
 #[test]

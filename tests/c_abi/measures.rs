@@ -3,6 +3,7 @@
 
 use std::ptr::{null, null_mut};
 
+use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::status::*;
 use ellgran::c_api::stiffness::*;
 use ellgran::c_api::without_history::*;
@@ -135,6 +136,105 @@ fn wrong_pairs_are_named() {
         );
     }
     out.check();
+}
+
+/// What single calls give for the grains flat side on flat side, however they lie when they are given.
+#[test]
+fn limits_of_two_grains() {
+    let laws = Laws::new(&DECKS);
+    let lying = |semi_axes: [f64; 3], particle_type: i32| EllgranBody {
+        semi_axes,
+        particle_type,
+        ..sphere_at(0.0)
+    };
+    let (i, mut j) = (lying([2.0, 1.5, 1.0], 1), lying([1.2, 1.0, 0.8], 2));
+    let (mut time, mut deepest) = (0.0, 0.0);
+    let mut out = Untouched::<EllgranContactStiffness>::sized();
+    let turned = EllgranBody {
+        position: [7.0, 8.0, 9.0],
+        quaternion: [0.3, 0.4, -0.5, 0.6],
+        semi_axes: [1.0, 2.0, 1.5],
+        ..i
+    };
+    let other = EllgranBody {
+        semi_axes: [0.8, 1.2, 1.0],
+        ..j
+    };
+    let limits = |speed: f64| {
+        let (mut collision, mut critical) = (0.0, 0.0);
+        // SAFETY: all pointers are valid.
+        ok(unsafe {
+            ellgran_two_grain_limits(
+                laws.0,
+                &turned,
+                &other,
+                speed,
+                &mut collision,
+                &mut critical,
+            )
+        });
+        [collision, critical]
+    };
+    // SAFETY: all pointers are valid; the struct is written on success.
+    unsafe {
+        for (speed, least) in [(1e-3, 0.008), (0.5, 0.0)] {
+            j.position = [0.0, 0.0, 1.79];
+            let d = &mut deepest;
+            ok(ellgran_collision(laws.0, &i, &j, speed, &mut time, d));
+            assert!(deepest < 0.45 && (deepest > 0.008) == (least == 0.0));
+            j.position[2] = 1.8 - deepest.max(0.008);
+            ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
+            let critical = (*out.pointer()).critical_step;
+            for (got, wanted) in limits(speed).into_iter().zip([time, critical]) {
+                assert!((got / wanted - 1.0).abs() < 1e-9, "{speed}: {got} {wanted}");
+            }
+        }
+        // No law holds deeper than a quarter of the distance.
+        j.position[2] = 0.75 * 1.8;
+        ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
+        let critical = (*out.pointer()).critical_step;
+        assert!((limits(1e6)[1] / critical - 1.0).abs() < 1e-9);
+        // At rest the least overlap serves.
+        j.position[2] = 1.8 - 0.008;
+        ok(ellgran_contact_stiffness(laws.0, &i, &j, out.pointer()));
+        let critical = (*out.pointer()).critical_step;
+        let [collision, found] = limits(0.0);
+        assert_eq!(collision, f64::INFINITY);
+        assert!((found / critical - 1.0).abs() < 1e-9);
+
+        let (mut t, mut c) = (0.0, 0.0);
+        for speed in [-1.0, f64::NAN, f64::INFINITY] {
+            fails(
+                ellgran_two_grain_limits(laws.0, &i, &j, speed, &mut t, &mut c),
+                ELLGRAN_ERROR_ARGUMENT,
+                &["speed", &speed.to_string()],
+            );
+        }
+        for (status, word) in [
+            (
+                ellgran_two_grain_limits(null(), &i, &j, 1.0, &mut t, &mut c),
+                "laws",
+            ),
+            (
+                ellgran_two_grain_limits(laws.0, null(), &j, 1.0, &mut t, &mut c),
+                "i",
+            ),
+            (
+                ellgran_two_grain_limits(laws.0, &i, null(), 1.0, &mut t, &mut c),
+                "j",
+            ),
+            (
+                ellgran_two_grain_limits(laws.0, &i, &j, 1.0, null_mut(), &mut c),
+                "collision_time",
+            ),
+            (
+                ellgran_two_grain_limits(laws.0, &i, &j, 1.0, &mut t, null_mut()),
+                "critical_step",
+            ),
+        ] {
+            assert_eq!(status, ELLGRAN_ERROR_NULL_POINTER, "{word}");
+        }
+    }
 }
 
 #[test]

@@ -100,7 +100,7 @@ pub struct Motion<'a> {
     pub gravity: Vector,
     /// Which velocities viscous forces see.
     pub velocities: Velocities,
-    /// The contact of now.
+    /// The present contact.
     pub felt: Option<Felt>,
     /// Forces and torques of the step before, where they are known.
     before: Option<[(Vector, Vector); 2]>,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """The bed of independent springs with Coulomb's limit of `displacement hysteretic` against the stored curves, written a second time.
 
-Popov and Hess 2015 (doi:10.1007/978-3-642-53876-6), Jaeger 1995 (doi:10.1007/BF00787910): the spring that comes to carry at overlap z
+Popov and Hess 2015 (doi:10.1007/978-3-642-53876-6), Jaeger 1995 (Arch. Appl. Mech. 65, 478-487): the spring that comes to carry at overlap z
 has normal stiffness N''(z) dz, tangential stiffness proportional to it, and slides at mu times its own normal force. Here the springs
 between two edges are one element. Edges go with the power 4/3 of their number up to a reference overlap, which grows by 2^(4/3) (elements
 merged in pairs) when the overlap outgrows it. Units: overlap and normal force 1 and mu N = 1 at the largest overlap, displacement 1 at its sliding as a whole.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Collisions by finite elements: the elements against closed forms and other elements, the stored results against those of now."""
+"""Collisions by finite elements: the elements against closed forms and other elements, the stored results against present ones."""
 import numpy as np
 import pytest
 from scipy.optimize import brentq

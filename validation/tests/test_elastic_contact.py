@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The elastic law against its stored comparison, and against coarse boundary and finite elements of now."""
+"""The elastic law against its stored comparison, and against new coarse boundary and finite elements."""
 import numpy as np
 from stored import read_csv
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The viscous normal law against its stored comparison, and against the exact memory of now."""
+"""The viscous normal law against its stored comparison, and against a new computation of the exact memory."""
 import numpy as np
 import pytest
 from stored import read_csv

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The release library, its header, and its pkg-config and CMake files, put where C and C++ projects look for them.
 
-mod prefix;
+pub mod prefix;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

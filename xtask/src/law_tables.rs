@@ -31,6 +31,37 @@ pub fn c_items(root: &Path) -> Result<String> {
     Ok(items)
 }
 
+/// The words of all choices of all families, without `none`.
+#[cfg(test)]
+pub fn words(root: &Path) -> Result<Vec<String>> {
+    let mut words = Vec::new();
+    for name in [
+        "parameters.rs",
+        "damping.rs",
+        "tangential.rs",
+        "rolling.rs",
+        "twisting.rs",
+    ] {
+        let text = fs::read_to_string(root.join("src/force").join(name))?;
+        let tokens = text
+            .parse()
+            .map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+        for choice in rows(group_after(&tokens, &["choices", "!"])?) {
+            let Some(TokenTree::Group(table)) = choice.tokens.last() else {
+                bail!("a choice without a table");
+            };
+            for row in rows(table.stream()) {
+                let [_, _, _, _, word, ..] = &row.tokens[..] else {
+                    bail!("a row without a word");
+                };
+                words.push(word.to_string().trim_matches('"').to_string());
+            }
+        }
+    }
+    words.retain(|word| word != "none");
+    Ok(words)
+}
+
 /// The content of the braces that follow these tokens.
 fn group_after(tokens: &TokenStream, before: &[&str]) -> Result<TokenStream> {
     let tokens: Vec<TokenTree> = tokens.clone().into_iter().collect();

@@ -37,6 +37,7 @@ mod python_environment;
 mod python_interface;
 mod release;
 mod report;
+mod revisions;
 mod rooms;
 mod rust_target;
 mod sanitize;
@@ -44,6 +45,7 @@ mod setup;
 #[allow(dead_code)]
 #[path = "../../tests/support/shapes.rs"]
 mod shapes;
+mod shown;
 mod site;
 mod stress;
 mod tarball;
@@ -99,6 +101,9 @@ enum Task {
     Demo(demo::Options),
     /// Measure speed: kernels, scenes beside the built-in styles, ranks and sizes
     Bench(bench::Options),
+    /// Where colliding grains end, under each law, at each wall, on each instruction set: digests, or the difference from another
+    /// revision
+    Trajectories(revisions::trajectories::Options),
     /// Error against run time: Hertz factors, contact search, whole force, time step
     Report(report::Options),
     /// Hold the theory against boundary and finite elements, and packings against what is published: results, pages and pictures from
@@ -170,6 +175,7 @@ fn run(task: Task) -> Result<()> {
         Task::Release(options) => release::release(&options)?,
         Task::Demo(options) => demo::demo(&options)?,
         Task::Bench(options) => bench::bench(&options)?,
+        Task::Trajectories(options) => revisions::trajectories::trajectories(&options)?,
         Task::Report(options) => report::report(&options)?,
         Task::Validate(options) => validate::validate(&options)?,
         Task::Stress(options) => stress::stress(&options)?,

@@ -192,7 +192,7 @@ fn lines<'a>(names: impl IntoIterator<Item = &'a String>) -> String {
     names.into_iter().map(|name| format!("{name}\n")).collect()
 }
 
-/// What became of the mutants of the sources of now.
+/// What became of the mutants of the present sources.
 struct Stored {
     by_outcome: BTreeMap<&'static str, BTreeSet<String>>,
 }

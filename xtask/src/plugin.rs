@@ -10,6 +10,7 @@ use anyhow::{bail, Context, Result};
 use crate::lammps::Source;
 use crate::library::library;
 use crate::process::{ninja, run_logged};
+use crate::revisions::Revision;
 use crate::{cache, setup, workspace};
 
 /// Needs the engine's headers only, not its binary.
@@ -28,30 +29,65 @@ pub fn for_headers(
     library: &Path,
     definitions: &[(&str, PathBuf)],
 ) -> Result<PathBuf> {
-    let root = workspace::root();
     let build = workspace::target_directory()?
         .join("lammps-plugin")
         .join(name);
-    let source = root.join("lammps-plugin");
+    let sources = workspace::root();
+    let from = From {
+        sources: &sources,
+        library,
+        headers,
+    };
+    built(&from, &build, name, title, definitions)
+}
+
+/// The same of another revision, beside its library in the cache.
+pub fn of_revision(lammps: &Source, revision: &Revision) -> Result<PathBuf> {
+    let headers = lammps.src();
+    let from = From {
+        sources: &revision.sources,
+        library: &revision.library,
+        headers: &headers,
+    };
+    let build = revision.sources.join("plugin").join(&lammps.name);
+    let title = format!("Building the plugin of {}", revision.name);
+    built(&from, &build, &lammps.name, &title, &[])
+}
+
+/// What a plugin is built from: the directory of `lammps-plugin` and `include`, the core, and the engine's headers.
+struct From<'a> {
+    sources: &'a Path,
+    library: &'a Path,
+    headers: &'a Path,
+}
+
+fn built(
+    from: &From,
+    build: &Path,
+    name: &str,
+    title: &str,
+    definitions: &[(&str, PathBuf)],
+) -> Result<PathBuf> {
+    let source = from.sources.join("lammps-plugin");
     let _lock = cache::lock(&format!("lammps-plugin-{name}"))?;
-    forget_other_sources(&build, &source)?;
-    std::fs::create_dir_all(&build)?;
+    forget_other_sources(build, &source)?;
+    std::fs::create_dir_all(build)?;
     let mut configure = Command::new("cmake");
     configure
         .arg("-S")
         .arg(&source)
         .arg("-B")
-        .arg(&build)
+        .arg(build)
         .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
-        .arg(define("LAMMPS_SOURCE_DIR", headers))
-        .arg(define("ELLGRAN_LIBRARY", library))
-        .arg(define("ELLGRAN_INCLUDE_DIR", &root.join("include")));
+        .arg(define("LAMMPS_SOURCE_DIR", from.headers))
+        .arg(define("ELLGRAN_LIBRARY", from.library))
+        .arg(define("ELLGRAN_INCLUDE_DIR", &from.sources.join("include")));
     for (name, value) in definitions {
         configure.arg(define(name, value));
     }
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("the plugin cannot be configured")?;
-    ninja(&build, &[], title).context("the plugin cannot be built")?;
+    ninja(build, &[], title).context("the plugin cannot be built")?;
     let plugin = build.join("ellgranplugin.so");
     if !plugin.is_file() {
         bail!("the build left no {}", plugin.display());

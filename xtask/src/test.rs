@@ -13,7 +13,8 @@ use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
     aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, liggghts, mpi,
-    other_systems, plugin, python, report, rooms, rust_target, setup, site, validate, vtk, wheel,
+    other_systems, plugin, python, report, rooms, rust_target, setup, shown, site, validate, vtk,
+    wheel,
 };
 
 #[derive(clap::Args)]
@@ -96,6 +97,7 @@ pub fn test(options: &Options) -> Result<()> {
         })?;
         steps.run("C header", || header::header(true))?;
         steps.run("rooms", rooms::check)?;
+        steps.run("examples of public items", shown::check)?;
         steps.run("kernels for GPUs", gpu::check_sources)?;
         documentation_site(steps)?;
     }

@@ -21,7 +21,7 @@ pub struct Options {
     /// Make page and picture of the stored results alone, in seconds
     #[arg(long)]
     page: bool,
-    /// Hold the stored results against coarse computations of now, in seconds, and write nothing
+    /// Hold the stored results against new coarse computations, in seconds, and write nothing
     #[arg(long, conflicts_with_all = ["comparison", "page"])]
     check: bool,
     /// Words for the program of the comparison: `packings -- --grains 1000 --realisations 3`, or `packings -- --go-on`
@@ -133,7 +133,7 @@ pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> 
     Ok(())
 }
 
-/// The stored results against the law of now and coarse computations.
+/// The stored results against the present law and coarse computations.
 pub fn check(environment: Environment) -> Result<()> {
     process::run_open(
         Programs::with(environment)?

@@ -84,7 +84,7 @@ pub struct EllgranGpuMotion {
     pub velocity_changes: *mut f64,
     /// As of `EllgranMotion`: forces and torques of the step before, [count][6]; read and written with `velocity_changes`.
     pub loads_before: *mut f64,
-    /// As of `EllgranMotion`: time step of the step before; 0: that of now.
+    /// As of `EllgranMotion`: time step of the step before; 0: the present one.
     pub time_step_before: f64,
 }
 

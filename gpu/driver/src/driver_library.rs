@@ -440,7 +440,7 @@ impl Driver {
         Ok(Function(function))
     }
 
-    /// Memory on the device of the context of now.
+    /// Memory on the device of the present context.
     pub fn allocate(&self, bytes: usize) -> Result<u64, Failure> {
         let mut address = 0;
         // SAFETY: a number is written.

@@ -200,7 +200,7 @@ impl Scene {
         self.device.driver().clear(at, 1, stream)
     }
 
-    /// The list of now, if these grains are those that it was made with.
+    /// The present list, if these grains are those that it was made with.
     fn listed_for(&self, g: &EllgranGpuGrains) -> Result<Listed, Failure> {
         let Some(listed) = self.listed else {
             return argument("there is no list yet: call ellgran_gpu_new_list first");
@@ -529,7 +529,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Prepares the grains of now, and selects candidates anew where one has moved by half of the margin.
+    /// Prepares the present grains, and selects candidates anew where one has moved by half of the margin.
     ///
     /// # Errors
     /// What is wrong with the arguments; a status of a GPU.

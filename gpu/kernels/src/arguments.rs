@@ -244,9 +244,9 @@ pub struct FileArguments<M: Memory> {
 /// Of `ellgran_carry_pairs`: from the list before to a new one.
 #[repr(C)]
 pub struct CarryPairsArguments<M: Memory> {
-    /// Identifiers of all grains of now.
+    /// Identifiers of all present grains.
     pub identifiers: M::Shared<i32>,
-    /// Rows of now.
+    /// Present rows.
     pub starts: M::Shared<u32>,
     /// Their neighbours.
     pub neighbours: M::Shared<u32>,
@@ -260,7 +260,7 @@ pub struct CarryPairsArguments<M: Memory> {
     pub states_before: M::Shared<u32>,
     /// Their histories.
     pub histories_before: M::Shared<f64>,
-    /// Written: identifiers of the neighbours of now.
+    /// Written: identifiers of the present neighbours.
     pub partners: M::Parts<i32>,
     /// Written.
     pub states: M::Parts<u32>,
@@ -277,7 +277,7 @@ pub struct CarryPairsArguments<M: Memory> {
 /// Of `ellgran_carry_wall`: the histories of one wall.
 #[repr(C)]
 pub struct CarryWallArguments<M: Memory> {
-    /// Identifiers of the grains of now.
+    /// Identifiers of the present grains.
     pub identifiers: M::Shared<i32>,
     /// Where grains were in the list before.
     pub slots: M::Shared<AtomicU64>,

@@ -9,7 +9,7 @@
 //! - [`contacts`]: force and torque of one grain's contacts, and their histories.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
-//! - [`poses`]: has a grain moved too far for the candidates of now.
+//! - [`poses`]: has a grain moved too far for the present candidates.
 //! - [`pair_memory`]: histories go from one neighbour list to the next.
 //! - [`arguments`]: what each entry is called with.
 //!

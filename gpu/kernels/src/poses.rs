@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Whether a grain has moved too far for the candidates of now.
+//! Whether a grain has moved too far for the present candidates.
 
 use ellgran::geometry::small_motion::{
     allowed_turn, allowed_turn_per_margin, allowed_way, way_and_turn,

@@ -4,6 +4,33 @@
 //! The natural variable of the fitted functions is `w = ln((A+B)^2/(4AB))`; up to B/A = 10 a variable without a logarithm
 //! takes half as long. See `fit_coefficients.rs` and its generator `validation/hertz_factors/fit.py`. Precision: 1e-15
 //! relative up to B/A = 10, 1e-14 to 6.5e5 (sigma 1e-12), 1e-13 by iteration beyond (checked to B/A = 1e8).
+//!
+//! # Example
+//! ```
+//! use ellgran::force::elliptic_integrals::{carlson_rd, ellipse_integrals};
+//! use ellgran::force::hertz_factors::{contact_ellipse, exact, fit_variable, fitted, fitted_near, hale, hale_f1, near_variable};
+//!
+//! // Relative curvatures A = 1/m and B = 4/m: the fit, and its shorter form up to B/A = 10, against the iteration.
+//! let (trace, determinant) = (5.0, 4.0);
+//! let ellipse = contact_ellipse(4.0);
+//! let phi = ellipse.f2.powf(-1.5);
+//! let factors = exact(trace, determinant, true);
+//! assert!((factors.phi / phi - 1.0).abs() < 1e-12);
+//! let whole = fitted(fit_variable(trace, determinant), true);
+//! let near = fitted_near(near_variable(trace, determinant), true);
+//! assert!((whole.phi / phi - 1.0).abs() < 1e-12 && (near.phi / phi - 1.0).abs() < 1e-12);
+//! // Hale's closed form is off by less than a per cent here.
+//! let published = hale(trace, determinant, false).expect("B/A is below 25178");
+//! assert!((published.phi / phi - 1.0).abs() < 1e-2);
+//! assert!((hale_f1(4.0) / ellipse.f1 - 1.0).abs() < 2e-2);
+//!
+//! // The integrals of the ellipse of axis ratio k give the ratio back: B/A = Bl/(D k^2).
+//! let k = ellipse.axis_ratio;
+//! let integrals = ellipse_integrals(k);
+//! assert!((integrals.d - carlson_rd(0.0, k * k, 1.0) / 3.0).abs() < 1e-15);
+//! assert!((integrals.k - integrals.d - integrals.bl).abs() < 1e-14);
+//! assert!((integrals.bl / (integrals.d * k * k) - 4.0).abs() < 1e-12);
+//! ```
 
 mod fit_coefficients;
 

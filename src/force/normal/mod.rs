@@ -104,7 +104,7 @@ pub struct NormalForce<T = f64> {
     pub force: T,
     /// Its elastic part `F_H(delta)`.
     pub elastic: T,
-    /// `dF_H/d(delta)` at the contact area of now (smaller than that of `delta` while a viscous contact recedes): the
+    /// `dF_H/d(delta)` at the present contact area (smaller than that of `delta` while a viscous contact recedes): the
     /// inverse `1/C_n` of the normal compliance, force/length.
     pub stiffness: T,
     /// Elastic energy at fixed curvature, `(2/5) F_H delta` (`kn delta^2/2` for the linear spring).

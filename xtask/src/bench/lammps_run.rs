@@ -10,6 +10,7 @@ use crate::process::{find_program, output_of};
 use crate::progress::say;
 use crate::{lammps, mpi, plugin, workspace};
 
+#[derive(Clone)]
 pub struct Lammps {
     pub binary: PathBuf,
     pub plugin: PathBuf,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Speed: kernels, scenes in LAMMPS and LIGGGHTS beside the built-in styles, ranks and sizes; tables, CSV and pictures.
 
+mod against;
 mod bars;
 pub mod contender;
 mod force_error;
@@ -41,6 +42,10 @@ pub struct Options {
     /// Only this engine's pair styles in the scenes [default: both; packings are always made by LAMMPS]
     #[arg(long)]
     engine: Option<Engine>,
+    /// Kernels and scenes in turns with this revision (any name that git knows), which is built in the cache when it is asked for the
+    /// first time: the ratio of the times, and its scatter
+    #[arg(long)]
+    against: Option<String>,
     /// Where tables, CSV and pictures go [default: bench-output in the checkout]
     #[arg(long)]
     output: Option<PathBuf>,
@@ -82,14 +87,15 @@ pub fn bench(options: &Options) -> Result<()> {
         Some(output) => output.clone(),
         None => workspace::root().join("bench-output"),
     };
-    run(
-        &output,
-        &Choice {
-            quick: options.quick,
-            only: &options.scene,
-            engine: options.engine,
-        },
-    )
+    let choice = Choice {
+        quick: options.quick,
+        only: &options.scene,
+        engine: options.engine,
+    };
+    match &options.against {
+        Some(revision) => against::run(&output, &choice, revision),
+        None => run(&output, &choice),
+    }
 }
 
 /// The kernels alone, shortly: for the tests.

@@ -251,6 +251,20 @@ fn run_once(
     timing(&output)
 }
 
+/// What times a scene's pairs once, with the engines that it is given: nanoseconds a step. `engines` make the packing.
+pub fn pair_time<'a>(
+    engines: &Engines,
+    scene: &'a Scene,
+    contender: Contender,
+    seconds: f64,
+) -> Result<impl Fn(&Engines) -> Result<f64> + 'a> {
+    let inputs = Inputs::prepare(engines, scene)?;
+    Ok(move |engines: &Engines| {
+        let timing = run_once(engines, scene, &inputs, (contender, false), seconds)?;
+        Ok(1e9 * timing.pair / timing.steps)
+    })
+}
+
 pub fn run(engines: &Engines, scene: &Scene, effort: &Effort) -> Result<Vec<Row>> {
     let inputs = Inputs::prepare(engines, scene)?;
     let list = contenders(engines, scene);

@@ -55,16 +55,16 @@ pub fn gpu(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Whether the committed PTX is of the sources of now. Needs no nightly.
+/// Whether the committed PTX is of the present sources. Needs no nightly.
 pub fn check_sources() -> Result<()> {
     let committed = fs::read_to_string(root().join(PTX)).with_context(|| format!("no {PTX}"))?;
     if !committed.starts_with(&head(&sources::hash()?)) {
         bail!(
-            "{PTX} is not of the sources of now: run `cargo xtask gpu`, which takes some minutes and installs the nightly that \
+            "{PTX} is not of the present sources: run `cargo xtask gpu`, which takes some minutes and installs the nightly that \
              gpu/ptx/rust-toolchain.toml names"
         );
     }
-    say(format!("{PTX} is of the sources of now"));
+    say(format!("{PTX} is of the present sources"));
     Ok(())
 }
 

@@ -29,7 +29,7 @@ pub unsafe extern "C" fn ellgran_gpu_start_step(
     })
 }
 
-/// Starts the preparation of the grains of now for the forces of a step. Candidates are selected anew where a grain has moved by half
+/// Starts the preparation of the present grains for the forces of a step. Candidates are selected anew where a grain has moved by half
 /// of the list's margin, which the GPU finds by itself.
 ///
 /// # Safety

@@ -275,7 +275,7 @@ impl Scene {
         finish_step(set, &mut self.arrays(), ALL, TIME_STEP);
     }
 
-    /// The forces of now; `unchanged` says that the lists are those of the last call.
+    /// The present forces; `unchanged` says that the lists are those of the last call.
     pub fn forces_in_lanes(&mut self, laws: &Laws, lists: &mut Lists, unchanged: bool) {
         let m = &self.motion;
         let arrays = ParticleArrays {
