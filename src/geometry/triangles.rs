@@ -670,6 +670,18 @@ impl TriangleSearch {
             }
             pieces.push(piece);
         }
+        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
+        let rises = |p: &Piece, q: &Piece| {
+            let (t, q) = (&self.near[p.near], &self.near[q.near]);
+            sides(t.normal, apex, &q.corners)[0]
+        };
+        let is_concave = |k: usize| {
+            let p = &pieces[k];
+            pieces[..k].iter().any(|q| rises(p, q) && rises(q, p))
+        };
+        if !(1..pieces.len()).any(is_concave) {
+            return false;
+        }
         // of two of which one lies within the other, the larger one is enough
         let mut kept = 0;
         for k in 0..pieces.len() {
