@@ -140,7 +140,7 @@ template <typename Type> inline Type init()
 #define ELLGRAN_TANGENTIAL_LINEAR 3
 
 /*
- The tangential displacement since first touch is remembered, and the force is that at the stiffness of now: the
+ The tangential displacement since first touch is remembered, and the force is that at the present stiffness: the
  published form. It can create energy: what was loaded while the contact was shallow gives more when it is unloaded
  while it is deep.
  */
@@ -741,7 +741,7 @@ typedef struct EllgranFoundWallContact {
    */
   size_t part;
   /*
-   Index of the triangle of that part that stands for the contact; 0 where it has none.
+   Index of the triangle of that part that represents the contact; 0 where it has none.
    */
   size_t triangle;
   /*
@@ -753,7 +753,7 @@ typedef struct EllgranFoundWallContact {
    */
   double velocity[3];
   /*
-   1 if the contact goes on from one of the last step.
+   1 if the contact existed at the last step.
    */
   int32_t touched;
   /*
@@ -1182,11 +1182,11 @@ typedef struct EllgranMotion {
   double *velocity_changes;
   /*
    Forces and torques of the step before, [count][6]; read and written by `ellgran_start_step` with `velocity_changes`.
-   Where the first component of a body is INFINITY they are not known: the forces of now stand for them.
+   Where the first component of a body is INFINITY they are not known: the present forces stand for them.
    */
   double *loads_before;
   /*
-   Time step of the step before, for the extrapolation; 0: the same as that of now.
+   Time step of the step before, for the extrapolation; 0: the same as the present one.
    */
   double time_step_before;
 } EllgranMotion;
@@ -1529,7 +1529,7 @@ typedef struct EllgranServo {
    */
   double largest_speed;
   /*
-   State, written: the part of the velocity that does not come from the error of now.
+   State, written: the part of the velocity that does not come from the present error.
    */
   double steady_velocity;
   /*
@@ -1773,7 +1773,7 @@ int32_t ellgran_contact_plane(const struct EllgranLaws *laws,
                               struct EllgranContactForce *force);
 
 /*
- Lends triangles to a wall in place of those before. Together they are one surface, that acts to both sides, as that of
+ Lends triangles to a wall in place of those before. Together they are one surface that acts to both sides, as that of
  `ellgran_wall_add_triangles`. They are copied; all are described in the place where the wall has not yet moved.
 
  # Safety
@@ -1794,8 +1794,8 @@ size_t ellgran_wall_found_histories_length(const struct EllgranWall *wall,
 
 /*
  Finds the contacts of all owned particles with a wall, and what is remembered of each: what `ellgran_compute_wall` does before it
- computes forces. `ellgran_wall_found` tells of each, `ellgran_staged_found` prepares it for the force,
- and `ellgran_remember_wall_contacts` writes what their histories have become.
+ computes forces. Then `ellgran_wall_found` describes each of them, `ellgran_staged_found` prepares it for the force, and
+ `ellgran_remember_wall_contacts` writes the histories.
 
  Masses and forces of the particles are not read; types are any from 1. `masks`, `group_mask` and `motion` are those of
  `ellgran_compute_wall`. `histories` is [owned_count][`ellgran_wall_found_histories_length`] (NULL if that is 0), set to 0 by the caller
@@ -1845,8 +1845,8 @@ int32_t ellgran_staged_found(struct EllgranStagedContact *staged,
                              struct EllgranStagedGeometry *geometry);
 
 /*
- Writes to `histories` what the histories of the contacts that were found last have become. The particles, `masks` and `group_mask`
- are those of that call. Of particles that do not touch nothing is remembered any more.
+ Writes the histories of the contacts that were found last, as the contact model has changed them, to `histories`. The particles, `masks`
+ and `group_mask` are those of that call. The histories of particles that do not touch become 0.
 
  # Safety
  The pointers are NULL or valid; `histories` has `owned_count` times as many doubles as in `ellgran_find_wall_contacts`.
@@ -2152,7 +2152,7 @@ int32_t ellgran_finish_step(const struct EllgranWorkspace *workspace,
                             double time_step);
 
 /*
- Angular velocities, world frame, that go with the angular momenta and quaternions of now, for an engine that keeps both:
+ Angular velocities, world frame, that go with the present angular momenta and quaternions, for an engine that keeps both:
  `angular_velocities` is [count][3], and overlaps with no array of `motion`. Those of bodies that do not move are left as they are.
 
  An error names the body: it is no ellipsoid, a semi-axis is out of range, its quaternion has no length, or its mass is not a
@@ -2530,7 +2530,7 @@ int32_t ellgran_wall_write_triangle_loads(const struct EllgranWall *wall,
  The velocity for the next step of a wall that keeps a force.
 
  `force` is that with which the wall presses in its direction, minus the component of `EllgranWallLoad.force` along it; `stiffness`
- and `damping` those of `EllgranWallLoad`; all three summed over ranks. The gain is in units of these: a step corrects the
+ and `damping` those of `EllgranWallLoad`; all three summed over ranks. The gain is relative to these: a step corrects the
  share `gain` of the error, if what is behind the particles that touch does not give way, and the force does not overshoot from
  step to step whatever the material, the number of contacts and the time step. A wall that must go on moving keeps its force
  without an error. A wall that touches nothing approaches with `largest_speed`, or stays with a target of 0.
@@ -2596,10 +2596,10 @@ int32_t ellgran_mean_angular_velocity(const double *from,
  Zero the sums before the first call for a step; those of several lists and of walls add. With `newton` = 1 add the sums of ghosts to
  those of their owners; with `newton` = 0 ignore them. Then ask `ellgran_stable_step`.
 
- `masses` are needed: they are those of the inertia, with that of a solid ellipsoid. INFINITY there or in `contact_masses` makes a particle
- fixed; other `contact_masses` are read by the law alone: of a particle in a rigid body its own mass counts here, which is safe, since to move as
- one makes no body faster. Forces, histories and the step are not read. This call allocates in its first use of a workspace; do not
- take one that keeps histories of a list.
+ `masses` are needed: each particle moves as a solid ellipsoid of this mass. INFINITY in `masses` or in `contact_masses` makes a particle
+ fixed. Other `contact_masses` are read by the law alone. So a particle in a rigid body counts here with its own mass, which is safe: the
+ rigid body is slower. Forces, histories and the step are not read. The call allocates when a workspace is used for the first time;
+ do not use one that keeps histories of a list.
 
  # Safety
  The pointers are NULL or valid; the arrays are as `EllgranParticles`, `EllgranNeighbourList` and this comment state.
@@ -2614,7 +2614,7 @@ int32_t ellgran_add_pairs_to_step_sums(const struct EllgranLaws *laws,
 /*
  The same for the contacts with a wall that `ellgran_find_wall_contacts` found in the last call with this workspace and these particles.
  `wall_types` has the type of the wall at each of them, [ellgran_wall_found_count]; `sums` are those of the owned particles,
- [owned_count][ELLGRAN_STEP_SUMS_LENGTH]. The wall moves as it is made to, whatever presses on it.
+ [owned_count][ELLGRAN_STEP_SUMS_LENGTH]. The motion of the wall is prescribed: forces do not change it.
 
  # Safety
  The pointers are NULL or valid; the arrays are as stated here and in `EllgranParticles`.

@@ -296,7 +296,7 @@ typedef struct EllgranGpuMotion {
    */
   double *loads_before;
   /*
-   As of `EllgranMotion`: time step of the step before; 0: that of now.
+   As of `EllgranMotion`: time step of the step before; 0: the present one.
    */
   double time_step_before;
 } EllgranGpuMotion;
@@ -438,7 +438,7 @@ int32_t ellgran_gpu_start_step(struct EllgranGpuScene *scene,
                                void *stream);
 
 /*
- Starts the preparation of the grains of now for the forces of a step. Candidates are selected anew where a grain has moved by half
+ Starts the preparation of the present grains for the forces of a step. Candidates are selected anew where a grain has moved by half
  of the list's margin, which the GPU finds by itself.
 
  # Safety

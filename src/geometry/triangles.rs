@@ -21,7 +21,7 @@
 //! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
 //! share, and a face beyond a fold ends at the line of its convex edges.
 //!
-//! What is not continuous: where two such corners, or such a corner and another edge, lie within one overlap, and by a few per cent
+//! What is not continuous: where several such corners lie within one overlap, of which more than `MOST_MIXED` act as faces and edges alone, and by a few per cent
 //! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!
@@ -118,6 +118,10 @@ pub struct TriangleSearch {
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
 /// it acts by its convex pieces, and it should do so before it matters.
 pub(crate) const REACH: f64 = 1.02;
+
+/// Corners at which convex and concave edges meet, within reach of one body, at most: of a curved surface of many small triangles the
+/// pieces of more would reach far beyond their places.
+const MOST_MIXED: usize = 3;
 
 /// Sine of an angle that is taken as zero: far above the rounding of a normal from corners, far below an angle of a real mesh.
 const TOLERANCE: f64 = 1e-9;
@@ -591,14 +595,26 @@ impl TriangleSearch {
     /// as it moves. So are the shares of the supports, whichever the pieces are.
     fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
         let mut memory = core::mem::take(&mut self.corner);
+        let mut found = [(0, Vector3::ZERO); MOST_MIXED];
+        let mut count = 0;
         for k in 0..self.near.len() {
             for apex in self.near[k].corners {
                 let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
                 if unit.norm_squared() < REACH * REACH
                     && self.gather_corner(k, apex, meeting, &mut memory)
                 {
-                    self.act_at_corner(body, apex, &mut memory);
+                    if count == MOST_MIXED {
+                        self.corner = memory;
+                        return;
+                    }
+                    found[count] = (k, apex);
+                    count += 1;
                 }
+            }
+        }
+        for &(k, apex) in &found[..count] {
+            if self.gather_corner(k, apex, meeting, &mut memory) {
+                self.act_at_corner(body, apex, &mut memory);
             }
         }
         self.corner = memory;
@@ -688,6 +704,18 @@ impl TriangleSearch {
                 }
             }
             pieces.push(piece);
+        }
+        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
+        let rises = |p: &Piece, q: &Piece| {
+            let (t, q) = (&self.near[p.near], &self.near[q.near]);
+            sides(t.normal, apex, &q.corners)[0]
+        };
+        let is_concave = |k: usize| {
+            let p = &pieces[k];
+            pieces[..k].iter().any(|q| rises(p, q) && rises(q, p))
+        };
+        if !(1..pieces.len()).any(is_concave) {
+            return false;
         }
         // of two of which one lies within the other, the larger one is enough
         let mut kept = 0;

@@ -53,7 +53,6 @@ mod size_ratio;
 mod spheres;
 mod tangential_force;
 mod tangential_motion;
-mod tiled_and_changed;
 mod time_step;
 mod too_new;
 mod velocities_in_company;

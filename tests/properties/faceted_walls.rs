@@ -24,7 +24,7 @@ pub struct Felt {
     pub contacts: usize,
 }
 
-pub fn law() -> Laws {
+fn law() -> Laws {
     laws(&["hertz 1e7 0.3 conservative yes"])
 }
 
