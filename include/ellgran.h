@@ -160,6 +160,12 @@ template <typename Type> inline Type init()
 #define ELLGRAN_DISPLACEMENT_RESCALED 2
 
 /*
+ The tangential forces of eight springs with a Coulomb limit each are remembered: partial slip with its loop, that is with
+ the energy that it dissipates below the limit of the whole contact. No cycle creates energy. Only with `tfd`.
+ */
+#define ELLGRAN_DISPLACEMENT_HYSTERETIC 3
+
+/*
  Nothing resists rolling.
  */
 #define ELLGRAN_ROLLING_NONE 0
@@ -288,6 +294,11 @@ template <typename Type> inline Type init()
  A field that is added at the end of a struct does not raise it.
  */
 #define ELLGRAN_ABI_VERSION 1
+
+/*
+ Elements of a contact.
+ */
+#define SPRINGS 8
 
 /*
  The laws between all types of a scene. Opaque, immutable.
@@ -2010,7 +2021,8 @@ int32_t ellgran_laws_history_length(const struct EllgranLaws *laws);
 /*
  Where in a contact's history the tangential memory (3 doubles, world frame) stands; -1 for NULL and without friction, unless something
  resists rolling or twisting.
- It is the displacement xi with `displacement total`, else the force that it would give without slip.
+ It is the displacement xi with `displacement total`, the force of all springs with `displacement hysteretic`, else the force
+ that there would be without slip.
 
  # Safety
  `laws` is NULL or valid.
@@ -2796,7 +2808,7 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
  of `history`.
 
  `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
- keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default), else 3. The first three
+ keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default) or `hysteretic`, else 3. The first three
  change sign when the two bodies are exchanged.
 
  # Safety

@@ -27,11 +27,8 @@ use crate::vector::Vector3;
 /// Doubles of the springs of partial slip: a force of each in the world frame, the penetration of reference, that of the last step.
 pub(crate) const SPRING_NUMBERS: usize = 3 * SPRINGS + 2;
 
-/// Springs of partial slip, world frame.
-pub type RememberedSprings = Springs<Vector3>;
-
 /// Springs of a contact that begins.
-pub(crate) const NO_SPRINGS: RememberedSprings = Springs {
+pub(crate) const NO_SPRINGS: Springs<Vector3> = Springs {
     forces: [Vector3::ZERO; SPRINGS],
     reference: 0.0,
     penetration: 0.0,
@@ -170,7 +167,7 @@ impl HistoryLayout {
 
     /// The springs of a history; `None` where the layout has no room for them.
     #[inline(always)]
-    pub(crate) fn springs_of(&self, history: &[f64]) -> Option<RememberedSprings> {
+    pub(crate) fn springs_of(&self, history: &[f64]) -> Option<Springs<Vector3>> {
         let numbers = &history[self.springs?..][..SPRING_NUMBERS];
         let mut springs = NO_SPRINGS;
         for (force, n) in springs.forces.iter_mut().zip(numbers.chunks_exact(3)) {
@@ -183,7 +180,7 @@ impl HistoryLayout {
 
     /// Writes them.
     #[inline(always)]
-    pub(crate) fn write_springs(&self, history: &mut [f64], springs: Option<&RememberedSprings>) {
+    pub(crate) fn write_springs(&self, history: &mut [f64], springs: Option<&Springs<Vector3>>) {
         let (Some(at), Some(springs)) = (self.springs, springs) else {
             return;
         };

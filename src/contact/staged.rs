@@ -65,13 +65,13 @@
 //! ```
 
 use super::forces::{contact_forces, Contact, ContactForces, Remembered};
-use super::history::{RememberedSprings, Step, NO_SPRINGS};
+use super::history::{Step, NO_SPRINGS};
 use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
 use super::particle::Particle;
 use super::turning_normal::{along_and_across, TurningNormal};
 use crate::force::hertz_factors;
 use crate::force::memory::MOST_PARTS;
-use crate::force::{PairLaw, Tangential};
+use crate::force::{PairLaw, Springs, Tangential};
 use crate::geometry::facet_shares::Share;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
@@ -109,7 +109,7 @@ pub struct StagedHistory {
     /// Penetrations of rest, of `viscosity memory`; written.
     pub rests: [f64; MOST_PARTS],
     /// Springs of partial slip, of `displacement hysteretic`; written. `None` where no law has such.
-    pub springs: Option<RememberedSprings>,
+    pub springs: Option<Springs<Vector3>>,
 }
 
 /// A contact whose geometry is known.
@@ -351,7 +351,7 @@ impl StagedContact {
         law: &PairLaw,
         x: &Contact,
         remembered: &Remembered,
-        springs: Option<&mut RememberedSprings>,
+        springs: Option<&mut Springs<Vector3>>,
     ) -> Result<ContactForces, HaleRatio> {
         let factors = checked_factors(law, self.curvature)?;
         let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);

@@ -108,13 +108,12 @@ impl<T: Real> Springs<Vector2<T>, T> {
         let (mut forces, mut reference) = (self.forces, reference);
         for _ in 0..MOST_GROWTHS {
             let outgrown = reference.less(penetration);
-            for k in 0..SPRINGS {
-                let two = if 2 * k < SPRINGS {
-                    forces[2 * k] + forces[2 * k + 1]
-                } else {
-                    none
-                };
-                forces[k] = select(outgrown, two, forces[k]);
+            let mut merged = [none; SPRINGS];
+            for (both, two) in merged.iter_mut().zip(forces.chunks_exact(2)) {
+                *both = two[0] + two[1];
+            }
+            for (force, both) in forces.iter_mut().zip(merged) {
+                *force = select(outgrown, both, *force);
             }
             reference = T::select(outgrown, reference * GROWTH, reference);
         }
@@ -124,9 +123,11 @@ impl<T: Real> Springs<Vector2<T>, T> {
         let mut now = Shares::of(reference, penetration);
         // The stiffness of an element goes with its share and the root of the penetration.
         let stiffer = (penetration / before.max(penetration * 1e-12)).sqrt();
-        for k in 0..SPRINGS {
-            let kept = now.stiffness[k] * stiffer / was.stiffness[k].max(one * LEAST_SHARE);
-            forces[k] = forces[k] * kept.min(one);
+        for ((force, share), share_before) in
+            forces.iter_mut().zip(now.stiffness).zip(was.stiffness)
+        {
+            let kept = share * stiffer / share_before.max(one * LEAST_SHARE);
+            *force = *force * kept.min(one);
         }
 
         for _ in 0..MOST_FALLS {
