@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Corners of a mesh at which any number of convex and concave edges meet: does a grain of any shape pass them on any way without a
-//! jump of its force and torque?
+//! jump of its force and torque? Under the law that takes the curvature as fixed: the other's moment by the curvature ends where an edge's normal
+//! stops turning, of which up to 1 % of the force comes at any edge or corner of an ellipsoid.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -178,7 +179,7 @@ fn passed(laws: &Laws, stream: &mut Stream, rays: &[[f64; 2]], is_ball: bool) ->
 /// Two ridges and two valleys at any angles. What is left of a change in 4e-10 of the way is rounding and the root of the way.
 #[test]
 fn a_grain_passes_a_saddle_without_a_jump() {
-    let laws = laws(&["hertz 1e7 0.3"]);
+    let laws = laws(&["hertz 1e7 0.3 conservative no"]);
     let mut stream = Stream::new(67);
     let (mut worst, mut ways) = (0.0f64, 0);
     for case in 0..600 {
@@ -206,7 +207,7 @@ fn a_grain_passes_a_saddle_without_a_jump() {
 /// comes into reach (`geometry/triangles.rs`).
 #[test]
 fn a_grain_passes_any_corner_on_any_way() {
-    let laws = laws(&["hertz 1e7 0.3"]);
+    let laws = laws(&["hertz 1e7 0.3 conservative no"]);
     let mut stream = Stream::new(61);
     let mut left: [Vec<f64>; 3] = Default::default();
     for case in 0..1500 {
