@@ -7,6 +7,7 @@ use crate::support::scene::{
 };
 use crate::support::strategies::{deck, touching_pair, turn, vector};
 use ellgran::contact::{Body, Laws};
+use ellgran::force::SPRINGS;
 use proptest::prelude::*;
 
 fn carried(b: &Body, turn: &Rotation, shift: &Vector, drift: &Vector) -> Body {
@@ -23,9 +24,14 @@ fn carried(b: &Body, turn: &Rotation, shift: &Vector, drift: &Vector) -> Body {
 fn carried_memory(laws: &Laws, m: &Memory, turn: &Rotation) -> Memory {
     let mut m = m.clone();
     let layout = laws.layout();
+    let springs = layout
+        .springs
+        .into_iter()
+        .flat_map(|at| (0..SPRINGS).map(move |k| at + 3 * k));
     for at in [layout.normal, layout.memory, layout.rolling]
         .into_iter()
         .flatten()
+        .chain(springs)
     {
         let v = turn * Vector::new(m.history[at], m.history[at + 1], m.history[at + 2]);
         m.history[at..at + 3].copy_from_slice(&plain(v).to_array());
