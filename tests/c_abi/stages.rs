@@ -303,6 +303,12 @@ fn values_of_the_stages() {
             ELLGRAN_ERROR_LAW,
             &["viscosity first_order"],
         );
+        let with_springs = Laws::new(&["hertz 1e4 0.3 tangential tfd 0.4 displacement hysteretic"]);
+        fails(
+            call(with_springs.0, 1, 1, 0.4, &STEP),
+            ELLGRAN_ERROR_LAW,
+            &["displacement rescaled"],
+        );
     }
     geometry.check();
     force.check();

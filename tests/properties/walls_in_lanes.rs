@@ -342,6 +342,10 @@ fn every_instruction_set_gives_the_numbers_of_one_contact_at_a_time() {
             "with what resists rolling",
             laws(&["hertz 1e3 0.3 tangential mindlin 0.5 rolling sds 30 0.3 0.5"]),
         ),
+        (
+            "springs of partial slip",
+            laws(&["nfd 1e3 0.3 0.5 0.5 tangential tfd 0.5 displacement hysteretic"]),
+        ),
     ];
     let mut stream = Stream::new(17);
     for (surface, mut wall) in surfaces() {

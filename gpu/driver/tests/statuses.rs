@@ -199,6 +199,10 @@ fn laws_without_a_kernel() {
             ("hertz 1e7 0.3 factors hale conservative no", "hale"),
             ("nfd 1e7 0.3 10 10 viscosity memory", "viscosity memory"),
             (
+                "hertz 1e7 0.3 tangential tfd 0.5 displacement hysteretic",
+                "displacement hysteretic",
+            ),
+            (
                 "hertz 1e7 0.3 tangential mindlin 0.5 rolling sds 1e3 1 0.1",
                 "rolling",
             ),

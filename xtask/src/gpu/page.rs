@@ -133,7 +133,7 @@ identifier and the value.
 | `ELLGRAN_GPU_ERROR_ASSEMBLER` | report it, with the words of the driver's assembler in the message |
 | `ELLGRAN_GPU_ERROR_MEMORY` | fewer grains, or a larger GPU |
 | `ELLGRAN_GPU_ERROR_KERNEL` | a list or an array has changed, or is shorter than was said; the process must begin anew |
-| `ELLGRAN_GPU_ERROR_LAWS` | `factors hale`, `viscosity memory`, `rolling`, `twisting`: use the host |
+| `ELLGRAN_GPU_ERROR_LAWS` | `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`: use the host |
 | `ELLGRAN_GPU_ERROR_POINTER` | an array of the host was given: copy it to the GPU |
 
 A complete program, [gpu_two_grains.c](../examples/c/gpu_two_grains.c):
@@ -180,7 +180,7 @@ pub fn page(figures: &Figures) -> String {
          - Each pair is computed twice. Both threads put the grain with the lower identifier first, so they find the same force to the last bit.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
          every safeguard. That kernel needs 18 kB of memory a thread.\n\
-         - `factors hale`, `viscosity memory`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\n\
+         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\n\
          `cargo test -p ellgran-kernels` runs the kernels on the host, index by index, and compares loads and histories with the \
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \
          compares them. `cargo xtask test` compares the hash of the sources alone, which needs no nightly.\n\n",
