@@ -181,6 +181,42 @@ impl<T: Real> Springs<Vector2<T>, T> {
 /// - `penetration` > 0;
 /// - `memory`: the sum of the remembered forces, returned where no time passes;
 /// - `springs`: what is remembered, in the tangent basis; written.
+///
+/// # Example
+/// Two balls of radius 1 cm, 10 micrometres deep in one another, slide by two micrometres and one back: there the force is less than on the
+/// way out, though nothing slid as a whole (SI units).
+/// ```
+/// use ellgran::force::syntax::parse;
+/// use ellgran::force::{force_of_springs, hertz_factors, normal_force, PairLaw, Springs, SPRINGS};
+/// use ellgran::vector::{Symmetric2, Vector2};
+///
+/// let words = "hertz 1e7 0.3 tangential tfd 0.5 displacement hysteretic";
+/// let (parameters, _) = parse(&words.split(' ').collect::<Vec<_>>())?;
+/// let law = PairLaw::resolve(&parameters, &parameters)?;
+/// let (kinds, constants) = (&law.kinds, &law.constants);
+/// let curvature = Symmetric2::new(100.0, 0.0, 100.0);
+/// let factors = hertz_factors::exact(curvature.trace(), curvature.determinant(), true);
+/// let (depth, det) = (1e-5, curvature.determinant());
+/// let n = normal_force(&kinds.normal, &constants.normal, depth, 0.0, det, &factors, 1.0);
+///
+/// let none = Vector2::new(0.0, 0.0);
+/// let mut springs = Springs { forces: [none; SPRINGS], reference: 0.0, penetration: 0.0 };
+/// let (mut memory, mut energy) = (none, 0.0);
+/// let mut slide = |by: f64| {
+///     let t = force_of_springs(
+///         &kinds.tangential, &constants.tangential, (n.force, n.stiffness), &factors, curvature, depth,
+///         &mut springs, memory, energy, true, Vector2::new(by, 0.0), none,
+///     );
+///     (memory, energy) = (t.memory, t.elastic_energy);
+///     -t.force.u
+/// };
+/// let out = slide(1e-6);
+/// let farthest = slide(1e-6);
+/// let back = slide(-1e-6);
+/// assert!(farthest < 0.5 * n.force);
+/// assert!(0.0 < back && back < 0.98 * out);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 pub fn force_of_springs<T: Real>(

@@ -200,7 +200,7 @@ impl TangentialKinds {
     }
     /// Whether springs of partial slip are remembered ([`super::spring_bed`]).
     #[inline(always)]
-    pub fn has_springs(&self) -> bool {
+    pub(crate) fn has_springs(&self) -> bool {
         self.any() && matches!(self.displacement, Displacement::Hysteretic)
     }
 

@@ -3,7 +3,7 @@
 
 use super::ellipsoid::Ellipsoid;
 use super::interior_point::nearest_normal;
-use super::triangles::nearest_across;
+use super::nearest_line::nearest_across;
 use crate::vector::Vector3;
 
 /// What of a convex corner supports a body.

@@ -18,6 +18,8 @@ pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
 #[cfg(feature = "std")]
 pub(crate) mod interior_point;
+#[cfg(feature = "std")]
+pub(crate) mod nearest_line;
 pub mod plane;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]

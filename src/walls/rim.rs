@@ -8,7 +8,7 @@
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
-use crate::geometry::triangles::nearest_across;
+use crate::geometry::nearest_line::nearest_across;
 use crate::geometry::Ellipsoid;
 use crate::vector::{Tangent, Vector3};
 

@@ -39,6 +39,7 @@ mod other_builds;
 mod outputs;
 mod packings;
 mod pages;
+mod partial_slip;
 mod plane_motion;
 mod plugin_file;
 mod readme;
