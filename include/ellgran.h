@@ -296,11 +296,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- Elements of a contact.
- */
-#define SPRINGS 8
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;
