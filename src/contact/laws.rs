@@ -23,6 +23,7 @@
 //!     tangential: true,
 //!     energy: true,
 //!     rests: 0,
+//!     springs: false,
 //!     rolling: false,
 //!     twisting: false,
 //! };

@@ -43,7 +43,7 @@
 //! let step = Step { time_step: 1e-6, advance_history: true };
 //! let alone = contact.normal_force(law, 0.5e-5, step.time_step).expect("exact factors");
 //! assert!((alone.normal_force / (in_normal * 1e-5) - 1.0).abs() < 1e-9);
-//! let new = || StagedHistory { touched: false, normal, memory: Vector3::ZERO, energy: 0.0, rests: [0.0; 3] };
+//! let new = || StagedHistory { touched: false, normal, memory: Vector3::ZERO, energy: 0.0, rests: [0.0; 3], springs: None };
 //! let both = contact.whole_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
 //! let sheared = contact.tangential_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
 //! assert_eq!(both.normal_force, alone.normal_force);

@@ -61,12 +61,17 @@ const HERTZ: &str = "hertz 1e7 0.3";
 const LSD: &str = "lsd 5e3 0.5";
 
 /// Laws: a name, and the words after a normal law. A test sees that every word of every table of src/force is in one of them.
-const LAWS: [(&str, &str, &str); 28] = [
+const LAWS: [(&str, &str, &str); 29] = [
     ("nfd", NFD, ""),
     ("nfd, tfd", NFD, "tangential tfd 0.5"),
     ("nfd, mindlin", NFD, "tangential mindlin 0.5"),
     ("nfd, linear", NFD, "tangential linear 4e3 0.2 0.5"),
     ("nfd, total", NFD, "tangential tfd 0.5 displacement total"),
+    (
+        "nfd, hysteretic",
+        NFD,
+        "tangential tfd 0.5 displacement hysteretic",
+    ),
     (
         "nfd, incremental",
         NFD,
