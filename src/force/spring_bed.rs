@@ -16,7 +16,9 @@
 //! energy, and what all hold is never more than was remembered and the work done on them.
 
 use super::hertz_factors::Factors;
-use super::tangential::{compliance_matrix, TangentialConstants, TangentialForce, TangentialKinds};
+use super::tangential::{
+    within, TangentialConstants, TangentialForce, TangentialKinds, WithoutSlip,
+};
 use crate::real::Real;
 use crate::vector::{Symmetric2, Vector2};
 
@@ -238,17 +240,15 @@ pub fn force_of_springs<T: Real>(
     let tiny = normal_force.constant(1e-300);
     let least = normal_force.constant(1e-290);
     let limit = c.friction * normal_force.max(zero);
-    let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
-    let kappa_inverse = kappa.adjugate() * kappa.determinant().reciprocal();
-    let stiffness = kappa_inverse * normal_stiffness;
-    let compliance = kappa * normal_stiffness.max(tiny).reciprocal();
+    let without_slip = WithoutSlip::of_ellipse(c, factors, curvature, normal_stiffness);
+    let compliance = without_slip.compliance;
 
     let mut bed = *springs;
     let shares = bed.follow(penetration);
-    // The contact of now may hold more at these forces than it took: its ellipse turned or changed.
+    // The present contact may hold more at these forces than it took: its ellipse turned or changed.
     let ratio = remembered_energy / bed.energy(compliance, &shares).max(tiny);
     let ratio = T::select(passes, ratio.min(one).max(zero), one);
-    let moved = stiffness.apply(increment);
+    let moved = without_slip.stiffness.apply(increment);
     let mut sticking = zero;
     for k in 0..SPRINGS {
         let trial = moved.scale_add(shares.stiffness[k], bed.forces[k] * ratio);
@@ -265,13 +265,10 @@ pub fn force_of_springs<T: Real>(
     let elastic = bed.force();
     let mut force = elastic;
     if kinds.viscous {
-        let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
-        let viscous = kappa_inverse.apply(tau.apply(kappa_inverse.apply(velocity)))
-            * (normal_stiffness * sticking);
-        force = force + viscous;
-        let square = force.dot(force);
-        let inverse = square.max(least).reciprocal_sqrt();
-        force = force * T::select(limit.less(square * inverse), limit * inverse, one);
+        let sticking_stiffness = normal_stiffness * sticking;
+        let viscous =
+            without_slip.viscous_force(c, factors, curvature, sticking_stiffness, velocity);
+        force = within(limit, force + viscous);
     }
     let energy = bed.energy(compliance, &shares);
     for k in 0..SPRINGS {

@@ -277,7 +277,61 @@ pub struct TangentialForce<T = f64> {
     pub elastic_energy: T,
 }
 
-/// Tangential force.
+/// What an elliptical contact has where nothing slips, in the tangent basis.
+#[derive(Clone, Copy)]
+pub(super) struct WithoutSlip<T> {
+    /// Stiffness matrix `C^-1`.
+    pub stiffness: Symmetric2<T>,
+    /// Its inverse.
+    pub compliance: Symmetric2<T>,
+    /// The stiffness matrix over the normal stiffness.
+    kappa_inverse: Symmetric2<T>,
+}
+
+impl<T: Real> WithoutSlip<T> {
+    #[inline(always)]
+    pub fn of_ellipse(
+        c: &TangentialConstants<T>,
+        factors: &Factors<T>,
+        curvature: Symmetric2<T>,
+        normal_stiffness: T,
+    ) -> Self {
+        let tiny = normal_stiffness.constant(1e-300);
+        let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
+        let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
+        WithoutSlip {
+            stiffness: inverse * normal_stiffness,
+            compliance: kappa * normal_stiffness.max(tiny).reciprocal(),
+            kappa_inverse: inverse,
+        }
+    }
+
+    /// `C^-1 A_t v_t`; of the normal stiffness that share which sticks.
+    #[inline(always)]
+    pub fn viscous_force(
+        &self,
+        c: &TangentialConstants<T>,
+        factors: &Factors<T>,
+        curvature: Symmetric2<T>,
+        sticking_stiffness: T,
+        velocity: Vector2<T>,
+    ) -> Vector2<T> {
+        let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
+        let strained = tau.apply(self.kappa_inverse.apply(velocity));
+        self.kappa_inverse.apply(strained) * sticking_stiffness
+    }
+}
+
+/// A force of at most this size in its direction.
+#[inline(always)]
+pub(super) fn within<T: Real>(limit: T, force: Vector2<T>) -> Vector2<T> {
+    let one = limit.constant(1.0);
+    let square = force.dot(force);
+    let inverse = square.max(limit.constant(1e-290)).reciprocal_sqrt();
+    force * T::select(limit.less(square * inverse), limit * inverse, one)
+}
+
+/// Tangential force of all laws but `displacement hysteretic`, which [`super::force_of_springs`] has.
 ///
 /// - `normal_force`, `normal_stiffness`: those of the present contact ([`super::NormalForce`]).
 /// - `memory`: what is remembered, carried into the present tangent basis; `remembered_energy`: its elastic energy at the
@@ -307,25 +361,23 @@ pub fn tangential_force<T: Real>(
     let least = normal_force.constant(1e-290);
     let limit = c.friction * normal_force.max(zero);
 
-    // Stiffness matrix C^-1 and its inverse, and the compliance's viscous companion.
     let linear = !kinds.law.needs_material();
-    let (stiffness, compliance, kappa_inverse) = if linear {
+    let without_slip = if linear {
         let k = c.stiffness;
         let inverse = one / k.max(tiny);
-        (
-            Symmetric2::new(k, zero, k),
-            Symmetric2::new(inverse, zero, inverse),
-            Symmetric2::new(one, zero, one),
-        )
+        WithoutSlip {
+            stiffness: Symmetric2::new(k, zero, k),
+            compliance: Symmetric2::new(inverse, zero, inverse),
+            kappa_inverse: Symmetric2::new(one, zero, one),
+        }
     } else {
-        let kappa = compliance_matrix(c.kappa0, c.kappa1, factors.sigma, curvature);
-        let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
-        (
-            inverse * normal_stiffness,
-            kappa * normal_stiffness.max(tiny).reciprocal(),
-            inverse,
-        )
+        WithoutSlip::of_ellipse(c, factors, curvature, normal_stiffness)
     };
+    let WithoutSlip {
+        stiffness,
+        compliance,
+        ..
+    } = without_slip;
 
     let law = kinds.law;
     let most = match law.sliding() {
@@ -362,14 +414,9 @@ pub fn tangential_force<T: Real>(
         let viscous = if linear {
             velocity * c.damping
         } else {
-            let tau = compliance_matrix(c.tau0, c.tau1, factors.sigma, curvature);
-            kappa_inverse.apply(tau.apply(kappa_inverse.apply(velocity)))
-                * (normal_stiffness * root)
+            without_slip.viscous_force(c, factors, curvature, normal_stiffness * root, velocity)
         };
-        force = force + viscous;
-        let square = force.dot(force);
-        let inverse = square.max(least).reciprocal_sqrt();
-        force = force * T::select(limit.less(square * inverse), limit * inverse, one);
+        force = within(limit, force + viscous);
     }
     let displacement = match kinds.displacement {
         // What zeta was made of, clipped with it.

@@ -87,16 +87,7 @@ pub(super) fn run(output: &Path, choice: &Choice, revision: &str) -> Result<()> 
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
-    if let Some(unknown) = choice
-        .only
-        .iter()
-        .find(|name| !names.contains(&name.as_str()))
-    {
-        bail!(
-            "--scene {unknown}: with --against there are {}",
-            names.join(", ")
-        );
-    }
+    choice.refuse_unknown_scenes(&names, "those that --against has")?;
     if choice
         .engine
         .is_some_and(|engine| engine != super::Engine::Lammps)

@@ -65,6 +65,17 @@ struct Choice<'a> {
     engine: Option<Engine>,
 }
 
+impl Choice<'_> {
+    /// An error for a scene that is none of these, which are those `when`.
+    fn refuse_unknown_scenes(&self, names: &[&str], when: &str) -> Result<()> {
+        let known = |name: &&String| names.contains(&name.as_str());
+        match self.only.iter().find(|name| !known(name)) {
+            Some(unknown) => bail!("--scene {unknown}: there are {} ({when})", names.join(", ")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// How long measurements take.
 pub struct Effort {
     pub quick: bool,
@@ -240,16 +251,7 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
-    if let Some(unknown) = choice
-        .only
-        .iter()
-        .find(|name| !names.contains(&name.as_str()))
-    {
-        bail!(
-            "--scene {unknown}: there are {} (others with or without --quick)",
-            names.join(", ")
-        );
-    }
+    choice.refuse_unknown_scenes(&names, "others with or without --quick")?;
     let named = |name: &str| choice.only.iter().any(|one| one == name);
     let wanted = |name: &str| choice.only.is_empty() || named(name);
     fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
