@@ -48,9 +48,12 @@ impl Run {
 }
 
 /// Runs of each engine whose means are compared: the first from the deck's start, the others from starts in which each grain is moved by up to
-/// [`MOVED`], less than what the engines themselves set apart until chaos begins.
+/// [`MOVED`].
 const RUNS: usize = 6;
-const MOVED: f64 = 1e-9;
+
+/// Distance in m that is more than what the engines set apart before chaos begins (8e-5 m at 0.08 s). With less, the runs of one engine
+/// would share their first contacts, and scatter less than runs of two engines do.
+const MOVED: f64 = 1e-4;
 
 /// A difference of two means counts from so many of its standard errors on: with ten degrees of freedom, one comparison in a thousand.
 const STANDARD_ERRORS: f64 = 4.5;
@@ -120,9 +123,8 @@ fn deck(scene: &str, ending: &str, number: usize) -> String {
     format!("{before}{read}{moved}{after}")
 }
 
-/// Fails where the means of the two engines' runs differ by more than the scatter of the runs explains and a difference between the engines of
-/// `known` of the mean, or where the runs scatter by more than `scatter` of their mean and so would tell nothing.
-fn agree(what: &str, values: [Vec<f64>; 2], scatter: f64, known: f64) {
+/// Fails where the means of the two engines' runs differ by more than the scatter of the runs explains, or where the runs scatter by more than `scatter` of their mean and so would tell nothing.
+fn agree(what: &str, values: [Vec<f64>; 2], scatter: f64) {
     let count = RUNS as f64;
     let [a, b] = values.map(|values| {
         let mean = values.iter().sum::<f64>() / count;
@@ -141,8 +143,12 @@ fn agree(what: &str, values: [Vec<f64>; 2], scatter: f64, known: f64) {
         relative_deviation < scatter,
         "{what} scatters by {relative_deviation:.1e}"
     );
-    let allowed = STANDARD_ERRORS * error + known * a.0.abs();
-    assert!(off < allowed, "{what}: {:.4e} and {:.4e}", a.0, b.0);
+    assert!(
+        off < STANDARD_ERRORS * error,
+        "{what}: {:.4e} and {:.4e}",
+        a.0,
+        b.0
+    );
 }
 
 /// How far apart a grain is at most, by step.
@@ -177,18 +183,17 @@ fn the_drum_of_both_engines() {
     println!("apart, by step: {apart:?}");
     assert!(at(&apart, 1000) == 0.0, "the fall");
     assert!(at(&apart, 1500) < 1e-7 && at(&apart, 2000) < 3e-6);
-    // Means over 0.3 s in which 63 grains slide back once. With 24 runs of each engine the load is found 0.8 degrees further along the drum in
-    // LIGGGHTS, five standard errors; why is not known.
-    for (what, names, scatter, known) in [
-        ("torque", ["f_drum[17]", "drum[4]"], 0.08, 0.0),
-        ("y", ["c_y", "y"], 0.02, 0.014),
-        ("z", ["c_z", "z"], 0.02, 0.014),
+    // Means over 0.3 s in which 63 grains slide back once.
+    for (what, names, scatter) in [
+        ("torque", ["f_drum[17]", "drum[4]"], 0.1),
+        ("y", ["c_y", "y"], 0.05),
+        ("z", ["c_z", "z"], 0.05),
     ] {
         let means = [0, 1].map(|k| {
             let means = runs[k].iter().map(|run| run.mean(names[k], 10_000.0));
             means.collect()
         });
-        agree(what, means, scatter, known);
+        agree(what, means, scatter);
     }
 }
 
@@ -204,7 +209,7 @@ fn the_hopper_of_both_engines() {
         let rates = runs[k].iter().map(|run| rate_of_discharge(run, name));
         rates.collect()
     });
-    agree("grains a second", rates, 0.06, 0.0);
+    agree("grains a second", rates, 0.08);
 }
 
 /// Grains a second between a tenth and three quarters of them.
