@@ -123,7 +123,8 @@ fn deck(scene: &str, ending: &str, number: usize) -> String {
     format!("{before}{read}{moved}{after}")
 }
 
-/// Fails where the means of the two engines' runs differ by more than the scatter of the runs explains, or where the runs scatter by more than `scatter` of their mean and so would tell nothing.
+/// Fails where the means of the two engines' runs differ by more than the scatter of the runs explains, or where the runs scatter by more than
+/// `scatter` of their mean and so would tell nothing.
 fn agree(what: &str, values: [Vec<f64>; 2], scatter: f64) {
     let count = RUNS as f64;
     let [a, b] = values.map(|values| {
