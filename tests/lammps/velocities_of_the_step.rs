@@ -169,6 +169,52 @@ fn both_versions_other_forces_see_velocities_of_the_step_too() {
     }
 }
 
+/// Without viscosity and friction the motion is that of `velocities half`, and so are the dumps and the numbers of the screen in the
+/// middle of a run: what forces see has left nothing in the velocities when LAMMPS writes them.
+#[test]
+fn both_versions_outputs_have_the_velocities_as_integrated() {
+    let engine = Engine::from_environment();
+    let [step, half] = ["step", "half"].map(|velocities| {
+        let law = "hertz 1e8 0.3 conservative yes";
+        let deck = Deck {
+            steps: 2 * HALF,
+            dump_every: 7,
+            thermo_every: 7,
+            thermo_columns: "step ke c_spin c_fastest[1] c_fastest[3]".into(),
+            fixes: vec![
+                format!("fix move all nve/ellipsoid velocities {velocities}"),
+                "compute spin all erotate/asphere".into(),
+                "compute fastest all reduce max vx vy vz".into(),
+            ],
+            ..deck(law)
+        };
+        run(
+            &engine,
+            &format!("outputs_{velocities}"),
+            &between_walls(),
+            &deck,
+            1,
+        )
+    });
+    assert_eq!(step.frames.len(), half.frames.len());
+    assert!(step.frames.len() > 30);
+    for (a, b) in step.frames.iter().zip(&half.frames) {
+        let (positions, velocities) = largest_difference(a, b);
+        assert!(positions.max(velocities) < 1e-12, "step {}", a.step);
+    }
+    let (rows, expected) = (step.thermo(), half.thermo());
+    assert!(rows.len() > 30 && rows.len() == expected.len());
+    for (row, expected) in rows.iter().zip(&expected) {
+        for (column, value) in expected {
+            let apart = (row[column] - value).abs() / value.abs().max(1e-300);
+            assert!(
+                apart < 1e-12 || row[column] == *value,
+                "{column}: {apart:e}"
+            );
+        }
+    }
+}
+
 /// Without viscosity and friction the motion is the same to rounding; and two fixes for two groups are one for both.
 #[test]
 fn both_versions_elastic_motion_is_that_of_the_half_step() {
