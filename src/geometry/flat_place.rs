@@ -3,7 +3,8 @@
 //! no triangle has to be looked at.
 
 use super::plane::Plane;
-use super::triangles::{Near, Triangle, INSIDE, MEETING};
+use super::triangle::{Near, Triangle, MEETING};
+use super::triangle_places::INSIDE;
 use crate::vector::Vector3;
 
 /// Sine of the angle between two triangles up to which they are of one plane here. More than rounding of corners that are 1000 triangles

@@ -19,6 +19,8 @@ pub(crate) mod global_minimum;
 #[cfg(feature = "std")]
 pub(crate) mod interior_point;
 #[cfg(feature = "std")]
+pub(crate) mod mixed_corners;
+#[cfg(feature = "std")]
 pub(crate) mod nearest_line;
 pub mod plane;
 // Public for the kernels in `gpu/`; no interface for others.
@@ -26,6 +28,10 @@ pub mod plane;
 pub mod small_motion;
 pub(crate) mod spheroid;
 pub(crate) mod tangent_model;
+#[cfg(feature = "std")]
+pub(crate) mod triangle;
+#[cfg(feature = "std")]
+pub(crate) mod triangle_places;
 #[cfg(feature = "std")]
 pub mod triangles;
 

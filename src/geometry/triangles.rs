@@ -21,7 +21,7 @@
 //! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
 //! share, and a face beyond a fold ends at the line of its convex edges.
 //!
-//! What is not continuous: where several such corners lie within one overlap, of which more than `MOST_MIXED` act as faces and edges alone, and by a few per cent
+//! What is not continuous: where several such corners lie within one overlap, of which more than three act as faces and edges alone, and by a few per cent
 //! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!
@@ -60,16 +60,18 @@
 //! assert_eq!(whole.value, 1.0);
 //! ```
 
-use super::box_tree::{BoxTree, Extent};
-use super::convex_corner::{self, Support as CornerSupport};
+use super::box_tree::Extent;
+use super::convex_corner::Support as CornerSupport;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::interior_point::nearest_normal;
+use super::mixed_corners::MixedCorner;
 use super::nearest_line::nearest_across;
-use crate::vector::{Tangent, Vector2, Vector3};
+use super::triangle::{Near, MEETING, TOLERANCE};
+use super::triangle_places::{is_within_reach, TrianglePlaces, SAME_PLANE};
+use crate::vector::Vector3;
 
-/// Three corners.
-pub type Triangle = [Vector3; 3];
+pub use super::triangle::{barycentric_weights, Triangle};
 
 /// Which part of a triangle touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,39 +105,16 @@ pub struct TriangleContact {
 #[derive(Clone, Debug, Default)]
 pub struct TriangleSearch {
     contacts: Vec<TriangleContact>,
-    near: Vec<Near>,
-    boxes: Vec<Extent>,
-    tree: BoxTree,
+    places: TrianglePlaces,
     /// For each of `near` the candidate of its plane, `NOTHING` without one.
     of_plane: Vec<usize>,
     candidates: Vec<Candidate>,
     sections: Vec<Section>,
     /// A candidate and another that cuts its contact.
     cuts: Vec<[usize; 2]>,
-    corner: CornerMemory,
+    corner: MixedCorner,
     memory: ShareMemory,
 }
-
-/// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
-/// it acts by its convex pieces, and it should do so before it matters.
-pub(crate) const REACH: f64 = 1.02;
-
-/// Corners at which convex and concave edges meet, within reach of one body, at most: of a curved surface of many small triangles the
-/// pieces of more would reach far beyond their places.
-const MOST_MIXED: usize = 3;
-
-/// Sine of an angle that is taken as zero: far above the rounding of a normal from corners, far below an angle of a real mesh.
-const TOLERANCE: f64 = 1e-9;
-
-/// Triangles meet where they are closer than this share of the smallest semi-axis: smaller gaps, steps and slivers are
-/// taken as flaws of the mesh. Above the rounding of single precision (6e-8 of a coordinate) for meshes up to a hundred
-/// times as large as the semi-axis.
-pub(super) const MEETING: f64 = 1e-5;
-
-/// Sine of the angle between two faces below which they are taken as one plane. Corners in single precision, as in binary
-/// STL files, turn the normal of a triangle by more: such faces are folds, at which the shares of both faces make the force
-/// continuous.
-const SAME_PLANE: f64 = 1e-8;
 
 /// Cosine of 3 degrees. An edge or a corner whose normal differs by less from that of another contact at the same place is
 /// taken as that contact, so that neighbouring triangles do not act twice. A compromise between flaws of meshes and real edges: a
@@ -143,58 +122,11 @@ const SAME_PLANE: f64 = 1e-8;
 /// 5 %, the sine, in another direction.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
-/// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
-/// at which triangles meet: clear of what meets it at its border, and still near.
-pub(super) const INSIDE: f64 = 100.0;
-
 /// Triangles of one plane that are looked at each beside each other, at most.
 const MOST_JOINED: usize = 32;
 
 /// No index.
 const NOTHING: usize = usize::MAX;
-
-/// A triangle that may touch, with the body's centre as the origin.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Near {
-    index: usize,
-    pub(super) corners: Triangle,
-    /// Towards the body's centre.
-    pub(super) normal: Vector3,
-    /// Distance of the centre from its plane.
-    pub(super) distance: f64,
-    /// Another triangle of the same plane, on the way to the one that stands for all that continue one another in it.
-    plane: usize,
-}
-
-/// Memory for a corner at which triangles meet.
-#[derive(Clone, Debug, Default)]
-struct CornerMemory {
-    /// Which of `near` meet there.
-    meeting: Vec<usize>,
-    bounds: Vec<Bound>,
-    pieces: Vec<Piece>,
-    /// Those of one piece: which bounds, and their normals out of it.
-    members: Vec<usize>,
-    normals: Vec<Vector3>,
-}
-
-/// A plane of triangles that meet at a corner.
-#[derive(Clone, Copy, Debug)]
-struct Bound {
-    normal: Vector3,
-    /// Which of `near`'s planes it is.
-    plane: usize,
-}
-
-/// A convex part of what lies behind the triangles that meet at a corner.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    /// Which bounds, and which of them with the normal turned.
-    bounds: u64,
-    turned: u64,
-    /// One of `near` on it.
-    near: usize,
-}
 
 /// A plane that supports the body.
 #[derive(Clone, Copy, Debug)]
@@ -224,24 +156,23 @@ impl TriangleSearch {
         self.contacts.clear();
         self.candidates.clear();
         let meeting = MEETING * body.smallest_semi_axis();
-        self.gather(body, centre, triangles, meeting);
-        if self.near.is_empty() {
+        self.places.gather(body, centre, triangles, meeting);
+        if self.places.near.is_empty() {
             return;
         }
         if let Some(mut alone) = self.lone_face(body, meeting) {
             alone.point = alone.point + centre;
             self.contacts.push(alone);
-        } else if (self.near.iter()).any(|t| body.support(-t.normal).h > t.distance) {
+        } else if (self.places.near.iter()).any(|t| body.support(-t.normal).h > t.distance) {
             self.all_contacts(body, centre, meeting);
         }
     }
 
     /// The contacts with the triangles that are near.
     fn all_contacts(&mut self, body: &Ellipsoid, centre: Vector3, meeting: f64) {
-        self.tree.build(&self.boxes);
-        self.join_planes(body.bounding_radius(), meeting);
+        self.places.join_planes(body.bounding_radius(), meeting);
         self.faces(body, meeting);
-        for k in 0..self.near.len() {
+        for k in 0..self.places.near.len() {
             self.edges(body, k, meeting);
             self.corners(body, k, meeting);
         }
@@ -272,59 +203,10 @@ impl TriangleSearch {
         });
     }
 
-    /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
-    /// across the axes holds much that is far from the triangle.
-    fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
-        self.near.clear();
-        self.boxes.clear();
-        let reach = [
-            Vector3::new(1.0, 0.0, 0.0),
-            Vector3::new(0.0, 1.0, 0.0),
-            Vector3::new(0.0, 0.0, 1.0),
-        ]
-        .map(|e| REACH * body.support(e).h + meeting);
-        let own = Extent {
-            low: reach.map(|x| -x),
-            high: reach,
-        };
-        // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
-        let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
-        for (index, t) in all.iter().enumerate() {
-            let corners = t.map(|p| p - centre);
-            let axes = corners.map(|p| p.to_array());
-            let extent = Extent {
-                low: core::array::from_fn(|k| axes.iter().fold(f64::INFINITY, |m, p| m.min(p[k]))),
-                high: core::array::from_fn(|k| {
-                    axes.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]))
-                }),
-            };
-            if !extent.overlaps(&own) {
-                continue;
-            }
-            let (across, longest) = across(&corners);
-            let height = across.dot(corners[0]);
-            if height * height > ball * ball * across.norm_squared() {
-                continue;
-            }
-            let Some(unplaced) = Near::with_normal(index, corners, (across, longest), meeting)
-            else {
-                continue;
-            };
-            let triangle = Near {
-                plane: self.near.len(),
-                ..unplaced
-            };
-            if triangle.has(Vector3::ZERO, ball) {
-                self.near.push(triangle);
-                self.boxes.push(extent);
-            }
-        }
-    }
-
     /// The one contact, its point from the body's centre, where all triangles near the body are of one plane and the body is within the
     /// borders of one of them, or of several that continue one another: the quick way to what the others find there.
     fn lone_face(&self, body: &Ellipsoid, meeting: f64) -> Option<TriangleContact> {
-        let (first, others) = self.near.split_first()?;
+        let (first, others) = self.places.near.split_first()?;
         let largest = body.bounding_radius();
         if !others
             .iter()
@@ -350,64 +232,33 @@ impl TriangleSearch {
                 t.borders_are_clear(body, support, foot, meeting)
             })
         };
-        if let Some(found) = self.near.iter().find_map(in_one) {
+        if let Some(found) = self.places.near.iter().find_map(in_one) {
             return Some(found);
         }
-        if others.is_empty() || self.near.len() > MOST_JOINED || !self.is_joined_in(body) {
+        if others.is_empty()
+            || self.places.near.len() > MOST_JOINED
+            || !self.places.is_joined_in(body)
+        {
             return None;
         }
-        self.near.iter().find_map(|t| {
+        self.places.near.iter().find_map(|t| {
             contact(t, &|support, foot| {
                 let middle = support.point * (t.distance * support.inverse_h);
                 // Both places are in the section, which has no border: so all of it is covered, and the foot continues what is reached.
                 let unit = body.inverse_semi_axes.componentwise(body.to_body(foot));
                 unit.norm_squared() <= 1.0
                     && t.has(foot, meeting)
-                    && self.near.iter().any(|q| q.has(middle, meeting))
+                    && self.places.near.iter().any(|q| q.has(middle, meeting))
             })
         })
-    }
-
-    /// Whether each edge that comes into the body belongs to two triangles: then they have no border there.
-    fn is_joined_in(&self, body: &Ellipsoid) -> bool {
-        let is_shared =
-            |t: &Near, a: Vector3, b: Vector3| self.near.iter().any(|q| t.is_continued_by(q, a, b));
-        self.near.iter().all(|t| {
-            let unit = t
-                .corners
-                .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
-            (0..3).all(|m| {
-                let next = (m + 1) % 3;
-                !is_within_reach(unit[m], unit[next]) || is_shared(t, t.corners[m], t.corners[next])
-            })
-        })
-    }
-
-    /// Joins triangles that continue one another in one plane.
-    fn join_planes(&mut self, largest: f64, meeting: f64) {
-        let TriangleSearch {
-            near, boxes, tree, ..
-        } = self;
-        for k in 0..near.len() {
-            tree.visit(boxes, &boxes[k].wider(meeting), |other| {
-                if other < k && near[k].is_in_plane_of(&near[other], largest, SAME_PLANE) {
-                    let (a, b) = (first_of(near, k), first_of(near, other));
-                    near[a.max(b)].plane = a.min(b);
-                }
-                true
-            });
-        }
-        for k in 0..near.len() {
-            near[k].plane = first_of(near, k);
-        }
     }
 
     /// The planes of faces on which the body lies, or on a part of which it lies beyond a fold.
     fn faces(&mut self, body: &Ellipsoid, meeting: f64) {
         self.of_plane.clear();
-        self.of_plane.resize(self.near.len(), NOTHING);
-        for k in 0..self.near.len() {
-            let t = &self.near[k];
+        self.of_plane.resize(self.places.near.len(), NOTHING);
+        for k in 0..self.places.near.len() {
+            let t = &self.places.near[k];
             let known = self.of_plane[t.plane];
             if known != NOTHING && self.candidates[known].over {
                 continue;
@@ -419,13 +270,17 @@ impl TriangleSearch {
                 continue;
             }
             let foot = support.point + normal * penetration;
-            let over = self.boxes[k].overlaps(&Extent::about(foot.to_array(), meeting))
+            let over = self.places.boxes[k].overlaps(&Extent::about(foot.to_array(), meeting))
                 && t.has(foot, meeting);
             let point = if over {
                 let reaches = |q: &Near| q.is_in_section(body, &support, penetration);
-                let reached =
-                    reaches(t) || self.near.iter().any(|q| q.plane == t.plane && reaches(q));
-                if !reached || self.is_hidden(k, foot, meeting) {
+                let reached = reaches(t)
+                    || self
+                        .places
+                        .near
+                        .iter()
+                        .any(|q| q.plane == t.plane && reaches(q));
+                if !reached || self.places.is_hidden(k, foot, meeting) {
                     continue;
                 }
                 foot
@@ -434,7 +289,9 @@ impl TriangleSearch {
                     continue;
                 }
                 let point = t.nearest_to(body, &support, foot);
-                if !self.folds_up(k, point, meeting) || self.is_hidden(k, point, meeting) {
+                if !self.places.folds_up(k, point, meeting)
+                    || self.places.is_hidden(k, point, meeting)
+                {
                     continue;
                 }
                 point
@@ -457,77 +314,15 @@ impl TriangleSearch {
         }
     }
 
-    /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
-    fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
-        let t = &self.near[own];
-        let above = |normal: Vector3, corners: &Triangle| {
-            corners.iter().any(|z| {
-                let way = *z - point;
-                normal.dot(way) > TOLERANCE * way.norm() + f64::MIN_POSITIVE
-            })
-        };
-        let nowhere_below = |normal: Vector3, corners: &Triangle| {
-            corners.iter().all(|z| {
-                let way = *z - point;
-                normal.dot(way) >= -(TOLERANCE * way.norm() + meeting)
-            })
-        };
-        let mut rises = false;
-        let place = Extent::about(point.to_array(), meeting);
-        self.tree.visit(&self.boxes, &place, |k| {
-            let q = &self.near[k];
-            rises = k != own
-                && above(t.normal, &q.corners)
-                && above(q.normal, &t.corners)
-                && nowhere_below(q.normal, &t.corners)
-                && q.has(point, meeting);
-            !rises
-        });
-        rises
-    }
-
-    /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
-    /// of a block, seen from within, do not act on a body that lies across its edges.
-    fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
-        let t = &self.near[own];
-        let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
-        let seen = point + inwards * (INSIDE * meeting / inwards.norm()).min(1.0);
-        let way = Extent {
-            low: seen.to_array().map(|x| x.min(0.0)),
-            high: seen.to_array().map(|x| x.max(0.0)),
-        };
-        let mut hidden = false;
-        self.tree.visit(&self.boxes, &way, |k| {
-            hidden = k != own && self.near[k].stands_before(t, seen, meeting);
-            !hidden
-        });
-        hidden
-    }
-
-    /// Whether a normal at a point points away from all triangles that meet there.
-    fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
-        let mut outermost = true;
-        let place = Extent::about(point.to_array(), meeting);
-        self.tree.visit(&self.boxes, &place, |k| {
-            let q = &self.near[k];
-            let away = q.corners.iter().all(|z| {
-                let way = *z - point;
-                normal.dot(way) <= TOLERANCE * way.norm()
-            });
-            outermost = away || !q.has(point, meeting);
-            outermost
-        });
-        outermost
-    }
-
     fn edges(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
-        let t = self.near[k];
+        let t = self.places.near[k];
         let unit = t
             .corners
             .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
         for m in 0..3 {
             let (a, b, c) = (t.corners[m], t.corners[(m + 1) % 3], t.corners[(m + 2) % 3]);
-            if !is_within_reach(unit[m], unit[(m + 1) % 3]) || self.is_within_plane(k, a, b) {
+            if !is_within_reach(unit[m], unit[(m + 1) % 3]) || self.places.is_within_plane(k, a, b)
+            {
                 continue;
             }
             let length = (b - a).norm();
@@ -549,27 +344,14 @@ impl TriangleSearch {
                 continue;
             }
             let point = a + along * place;
-            if self.is_outermost(normal, point, meeting) {
+            if self.places.is_outermost(normal, point, meeting) {
                 self.add_point(normal, point, penetration, Feature::Edge(along), k);
             }
         }
     }
 
-    /// Whether another triangle of the same plane continues this one beyond an edge: that is none.
-    fn is_within_plane(&self, own: usize, a: Vector3, b: Vector3) -> bool {
-        let t = &self.near[own];
-        let mut is_within = false;
-        let place = Extent::about(((a + b) * 0.5).to_array(), 0.0);
-        self.tree.visit(&self.boxes, &place, |k| {
-            let q = &self.near[k];
-            is_within = q.plane == t.plane && t.is_continued_by(q, a, b);
-            !is_within
-        });
-        is_within
-    }
-
     fn corners(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
-        let t = self.near[k];
+        let t = self.places.near[k];
         for corner in t.corners {
             let local = body.to_body(corner).to_array();
             let Some(n) = nearest_normal(body.semi_axes.to_array(), local) else {
@@ -585,235 +367,60 @@ impl TriangleSearch {
                 continue;
             }
             let penetration = body.support(n).h - n.dot(corner);
-            if penetration > 0.0 && self.is_outermost(normal, corner, meeting) {
+            if penetration > 0.0 && self.places.is_outermost(normal, corner, meeting) {
                 self.add_point(normal, corner, penetration, Feature::Corner, k);
             }
         }
     }
 
-    /// The corners at which convex edges meet concave ones. What lies behind the triangles there is the union of convex pieces, each
-    /// the part behind the planes of one triangle and of all that it lies behind; and the body's support by each piece is continuous
-    /// as it moves. So are the shares of the supports, whichever the pieces are.
+    /// Puts the supports by the convex pieces of corners at which convex edges meet concave ones in the place of what the triangles' planes say.
     fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
-        let mut memory = core::mem::take(&mut self.corner);
-        let mut found = [(0, Vector3::ZERO); MOST_MIXED];
-        let mut count = 0;
-        for k in 0..self.near.len() {
-            for apex in self.near[k].corners {
-                let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
-                if unit.norm_squared() < REACH * REACH
-                    && self.gather_corner(k, apex, meeting, &mut memory)
-                {
-                    if count == MOST_MIXED {
-                        self.corner = memory;
-                        return;
-                    }
-                    found[count] = (k, apex);
-                    count += 1;
-                }
-            }
-        }
+        let mut corner = core::mem::take(&mut self.corner);
+        let (found, count) = corner.find(&self.places, body, meeting);
         for &(k, apex) in &found[..count] {
-            if self.gather_corner(k, apex, meeting, &mut memory) {
-                self.act_at_corner(body, apex, &mut memory);
+            if corner.gather(&self.places, k, apex, meeting) {
+                self.act_at_corner(body, apex, &mut corner);
             }
         }
-        self.corner = memory;
+        self.corner = corner;
     }
 
-    /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
-    /// if an earlier triangle has this corner as well.
-    fn gather_corner(
-        &self,
-        own: usize,
-        apex: Vector3,
-        meeting: f64,
-        memory: &mut CornerMemory,
-    ) -> bool {
-        let CornerMemory {
-            meeting: all,
-            bounds,
-            pieces,
-            ..
-        } = memory;
-        all.clear();
-        bounds.clear();
-        pieces.clear();
-        let mut is_first = true;
-        let place = Extent::about(apex.to_array(), meeting);
-        self.tree.visit(&self.boxes, &place, |k| {
-            let q = &self.near[k];
-            is_first = k >= own || !q.corners.contains(&apex);
-            if is_first && q.has(apex, meeting) {
-                all.push(k);
-            }
-            is_first
-        });
-        if !is_first {
-            return false;
-        }
-        all.sort_unstable();
-        for &k in all.iter() {
-            let t = &self.near[k];
-            if bounds.iter().all(|b| b.plane != t.plane) {
-                bounds.push(Bound {
-                    normal: t.normal,
-                    plane: t.plane,
-                });
-            }
-        }
-        if bounds.len() < 2 || bounds.len() > 64 {
-            return false;
-        }
-        for &k in all.iter() {
-            let t = &self.near[k];
-            if self.is_hidden(k, apex, meeting) {
-                continue;
-            }
-            let mut piece = Piece {
-                bounds: 0,
-                turned: 0,
-                near: k,
-            };
-            for (m, b) in bounds.iter().enumerate() {
-                let bit = 1u64 << m;
-                if b.plane == t.plane {
-                    piece.bounds |= bit;
-                    continue;
-                }
-                let [before, behind] = sides(b.normal, apex, &t.corners);
-                if before && behind {
-                    continue;
-                }
-                if !before {
-                    piece.bounds |= bit;
-                } else {
-                    // a neighbour of which the body's centre is on the other side
-                    let shares = |q: &Near| {
-                        t.corners
-                            .iter()
-                            .any(|z| *z != apex && q.corners.contains(z))
-                    };
-                    let mut others = all
-                        .iter()
-                        .map(|q| &self.near[*q])
-                        .filter(|q| q.plane == b.plane);
-                    if others.any(|q| shares(q) && !sides(t.normal, apex, &q.corners)[0]) {
-                        piece.bounds |= bit;
-                        piece.turned |= bit;
-                    }
-                }
-            }
-            pieces.push(piece);
-        }
-        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
-        let rises = |p: &Piece, q: &Piece| {
-            let (t, q) = (&self.near[p.near], &self.near[q.near]);
-            sides(t.normal, apex, &q.corners)[0]
-        };
-        let is_concave = |k: usize| {
-            let p = &pieces[k];
-            pieces[..k].iter().any(|q| rises(p, q) && rises(q, p))
-        };
-        if !(1..pieces.len()).any(is_concave) {
-            return false;
-        }
-        // of two of which one lies within the other, the larger one is enough
-        let mut kept = 0;
-        for k in 0..pieces.len() {
-            let p = pieces[k];
-            let is_within = |q: &Piece| q.bounds & !p.bounds == 0;
-            let is_larger = |q: &Piece| is_within(q) && q.bounds != p.bounds;
-            if !pieces[k..].iter().any(is_larger) && !pieces[..kept].iter().any(is_within) {
-                pieces[kept] = p;
-                kept += 1;
-            }
-        }
-        pieces.truncate(kept);
-        kept > 1 && pieces.iter().any(|p| p.bounds.count_ones() > 1)
-    }
-
-    /// Puts the supports of a corner's convex pieces in the place of what the triangles' planes say.
-    fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3, memory: &mut CornerMemory) {
-        let CornerMemory {
-            meeting: all,
-            bounds,
-            pieces,
-            members,
-            normals,
-        } = memory;
-        // the planes that act, by bound
-        let mut acting = 0u64;
-        for piece in pieces.iter() {
-            normals.clear();
-            members.clear();
-            members.extend((0..bounds.len()).filter(|m| piece.bounds >> m & 1 == 1));
-            normals.extend(members.iter().map(|&m| {
-                if piece.turned >> m & 1 == 1 {
-                    -bounds[m].normal
-                } else {
-                    bounds[m].normal
-                }
-            }));
-            let Some(support) = convex_corner::support(body, apex, normals) else {
-                continue;
-            };
-            match support {
-                CornerSupport::Plane(m) => acting |= 1 << members[m],
+    fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3, corner: &mut MixedCorner) {
+        let (places, candidates) = (&self.places, &mut self.candidates);
+        let acting = corner.supports(places, body, apex, |support, near| {
+            let (normal, foot, feature) = match support {
+                // as the plane of a face, below
+                CornerSupport::Plane(_) => return,
                 CornerSupport::Line {
                     along,
                     normal,
                     foot,
-                } => {
-                    let penetration = body.support(normal).h - normal.dot(apex);
-                    // beyond the other end of the triangles' own edge it is for the corner there to say
-                    let way = foot - apex;
-                    let is_beyond = all.iter().any(|&q| {
-                        self.near[q].corners.iter().any(|z| {
-                            let side = *z - apex;
-                            let ahead = side.dot(way);
-                            side.cross(along).norm() <= TOLERANCE * side.norm()
-                                && ahead > 0.0
-                                && ahead >= side.norm_squared()
-                        })
-                    });
-                    if !is_beyond {
-                        self.candidates.push(Candidate {
-                            plane: SupportingPlane {
-                                point: foot,
-                                normal: -normal,
-                            },
-                            foot,
-                            penetration,
-                            triangle: self.near[piece.near].index,
-                            feature: Feature::Edge(along),
-                            over: true,
-                            near: piece.near,
-                        });
-                    }
-                }
-                CornerSupport::Apex { normal } => {
-                    let penetration = body.support(normal).h - normal.dot(apex);
-                    self.add_point(-normal, apex, penetration, Feature::Corner, piece.near);
-                }
-            }
-        }
-        for (m, bound) in bounds.iter().enumerate() {
-            let known = self.of_plane[bound.plane];
+                } => (normal, foot, Feature::Edge(along)),
+                CornerSupport::Apex { normal } => (normal, apex, Feature::Corner),
+            };
+            let penetration = body.support(normal).h - normal.dot(apex);
+            candidates.push(Candidate::at_point(
+                -normal,
+                foot,
+                penetration,
+                feature,
+                &places.near[near],
+                near,
+            ));
+        });
+        for (m, (plane, k)) in corner.planes(places).enumerate() {
+            let known = self.of_plane[plane];
             if acting >> m & 1 == 0 {
-                if known != NOTHING && !self.candidates[known].over {
-                    self.candidates[known].triangle = NOTHING;
+                if known != NOTHING && !candidates[known].over {
+                    candidates[known].triangle = NOTHING;
                 }
             } else if known == NOTHING {
-                let Some(&k) = all.iter().find(|&&k| self.near[k].plane == bound.plane) else {
-                    continue;
-                };
-                let t = &self.near[k];
+                let t = &places.near[k];
                 let support = body.support(-t.normal);
                 let penetration = support.h - t.distance;
                 let foot = support.point + t.normal * penetration;
-                self.of_plane[bound.plane] = self.candidates.len();
-                self.candidates.push(Candidate {
+                self.of_plane[plane] = candidates.len();
+                candidates.push(Candidate {
                     plane: SupportingPlane {
                         point: apex,
                         normal: t.normal,
@@ -838,15 +445,9 @@ impl TriangleSearch {
         feature: Feature,
         near: usize,
     ) {
-        self.candidates.push(Candidate {
-            plane: SupportingPlane { point, normal },
-            foot: point,
-            penetration,
-            triangle: self.near[near].index,
-            feature,
-            over: true,
-            near,
-        });
+        let triangle = &self.places.near[near];
+        let candidate = Candidate::at_point(normal, point, penetration, feature, triangle, near);
+        self.candidates.push(candidate);
     }
 
     /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
@@ -881,7 +482,7 @@ impl TriangleSearch {
         self.of_plane.fill(NOTHING);
         for (k, c) in self.candidates.iter().enumerate() {
             if c.feature == Feature::Face {
-                self.of_plane[self.near[c.near].plane] = k;
+                self.of_plane[self.places.near[c.near].plane] = k;
             }
         }
     }
@@ -889,9 +490,7 @@ impl TriangleSearch {
     /// Which candidates cut each other's contacts: faces that meet, and edges and corners with everything.
     fn find_cuts(&mut self, body: &Ellipsoid, meeting: f64) {
         let TriangleSearch {
-            near,
-            boxes,
-            tree,
+            places: TrianglePlaces { near, boxes, tree },
             of_plane,
             candidates,
             sections,
@@ -937,42 +536,27 @@ impl TriangleSearch {
     }
 }
 
-/// The triangle that stands for all that continue one another in the plane of this one.
-fn first_of(near: &mut [Near], mut k: usize) -> usize {
-    while near[k].plane != k {
-        let next = near[near[k].plane].plane;
-        near[k].plane = next;
-        k = next;
-    }
-    k
-}
-
-/// Whether a triangle comes before a plane through a point of it, and behind it.
-fn sides(normal: Vector3, point: Vector3, corners: &Triangle) -> [bool; 2] {
-    let mut found = [false; 2];
-    for z in corners {
-        let way = *z - point;
-        let height = normal.dot(way);
-        let least = TOLERANCE * way.norm() + f64::MIN_POSITIVE;
-        found[0] |= height > least;
-        found[1] |= height < -least;
-    }
-    found
-}
-
-/// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.
-fn is_within_reach(a: Vector3, b: Vector3) -> bool {
-    let way = b - a;
-    let length = way.norm_squared();
-    let place = if length > 0.0 {
-        (-a.dot(way) / length).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (a + way * place).norm_squared() < 1.0 + 1e-3
-}
-
 impl Candidate {
+    /// An edge or a corner: `normal` out of the surface, through `point`.
+    fn at_point(
+        normal: Vector3,
+        point: Vector3,
+        penetration: f64,
+        feature: Feature,
+        triangle: &Near,
+        near: usize,
+    ) -> Candidate {
+        Candidate {
+            plane: SupportingPlane { point, normal },
+            foot: point,
+            penetration,
+            triangle: triangle.index,
+            feature,
+            over: true,
+            near,
+        }
+    }
+
     /// Which of two candidates for one contact stands for it: the smaller.
     fn order(&self, other: &Candidate) -> core::cmp::Ordering {
         let rank = |c: &Candidate| match c.feature {
@@ -987,243 +571,6 @@ impl Candidate {
             .then(self.triangle.cmp(&other.triangle))
             .then(self.near.cmp(&other.near))
     }
-}
-
-/// A vector across a triangle, as long as twice its area, and the square of its longest side.
-#[inline(always)]
-fn across(corners: &Triangle) -> (Vector3, f64) {
-    let sides: [Vector3; 3] = core::array::from_fn(|k| corners[(k + 1) % 3] - corners[k]);
-    // The two shorter sides: of a long triangle the third has lost digits.
-    let lengths = sides.map(|e| e.norm_squared());
-    let longest = (0..3).fold(0, |m, k| if lengths[k] > lengths[m] { k } else { m });
-    let across = sides[(longest + 1) % 3].cross(sides[(longest + 2) % 3]);
-    (across, lengths[longest])
-}
-
-/// Whether the plane of a triangle comes into a ball; true of one that has no plane.
-pub(crate) fn plane_comes_into(triangle: &Triangle, centre: Vector3, radius: f64) -> bool {
-    let corners = triangle.map(|p| p - centre);
-    let (across, _) = across(&corners);
-    let height = across.dot(corners[0]);
-    !(height * height > radius * radius * across.norm_squared())
-}
-
-impl Near {
-    /// A triangle, seen from `centre`; `None` for one that is narrower than `meeting`, or not finite.
-    pub(super) fn new(
-        index: usize,
-        triangle: &Triangle,
-        centre: Vector3,
-        meeting: f64,
-    ) -> Option<Near> {
-        let corners = triangle.map(|p| p - centre);
-        Near::with_normal(index, corners, across(&corners), meeting)
-    }
-
-    /// The same of corners from the centre, and what [`across`] says of them.
-    #[inline(always)]
-    fn with_normal(
-        index: usize,
-        corners: Triangle,
-        (across, longest): (Vector3, f64),
-        meeting: f64,
-    ) -> Option<Near> {
-        let twice_area = across.norm_squared().sqrt();
-        if !(twice_area > meeting * longest.sqrt() && twice_area.is_finite()) {
-            return None;
-        }
-        let mut normal = across * (1.0 / twice_area);
-        let nearest = (0..3).fold(0, |m, k| {
-            let closer = corners[k].norm_squared() < corners[m].norm_squared();
-            if closer {
-                k
-            } else {
-                m
-            }
-        });
-        let mut distance = -normal.dot(corners[nearest]);
-        if distance < 0.0 {
-            (normal, distance) = (-normal, -distance);
-        }
-        Some(Near {
-            index,
-            corners,
-            normal,
-            distance,
-            plane: 0,
-        })
-    }
-
-    /// Whether another triangle has the edge between these two corners of this one too, and lies beyond it.
-    pub(super) fn is_continued_by(&self, other: &Near, a: Vector3, b: Vector3) -> bool {
-        let third = |t: &Near| t.corners.into_iter().find(|p| *p != a && *p != b);
-        let across = (b - a).cross(self.normal);
-        let side = |p: Vector3| across.dot(p - a);
-        let has = |p: Vector3| other.corners.contains(&p);
-        has(a)
-            && has(b)
-            && third(self)
-                .zip(third(other))
-                .is_some_and(|(p, q)| side(p) * side(q) < 0.0)
-    }
-
-    /// Whether the triangle passes within `margin` of a point.
-    pub(super) fn has(&self, p: Vector3, margin: f64) -> bool {
-        let tangent = Tangent::new(self.normal);
-        let place = self.corners.map(|c| tangent.components(c - p));
-        let nearest = combine(&self.corners, nearest_to_origin(place));
-        (nearest - p).norm_squared() <= margin * margin
-    }
-
-    /// Whether the way from the body's centre to a point of another triangle passes through this one, and that other lies behind
-    /// this one's plane as a whole. A larger one, on which this one stands, goes on in front of it.
-    fn stands_before(&self, other: &Near, seen: Vector3, meeting: f64) -> bool {
-        let height = |p: Vector3| self.normal.dot(p) + self.distance;
-        let depth = -height(seen);
-        depth > TOLERANCE * seen.norm()
-            && other.corners.iter().all(|&p| height(p) <= meeting)
-            && self.has(seen * (self.distance / (self.distance + depth)), meeting)
-    }
-
-    /// Whether two triangles that meet are of one plane, up to an angle of this sine.
-    pub(super) fn is_in_plane_of(&self, other: &Near, largest: f64, sine: f64) -> bool {
-        (self.normal - other.normal).norm_squared() <= sine * sine
-            && self.corners.iter().any(|p| {
-                let height = other.normal.dot(*p) + other.distance;
-                height.abs() <= 1e-12 * largest
-            })
-    }
-
-    /// Whether the body's deepest point and all of the plane's section with it are within the borders of the triangle, by more than
-    /// `meeting`.
-    fn borders_are_clear(
-        &self,
-        body: &Ellipsoid,
-        support: &Support,
-        foot: Vector3,
-        meeting: f64,
-    ) -> bool {
-        // The middle of the section, and the square by which it is smaller than that through the body's centre.
-        let shrink = self.distance * support.inverse_h;
-        let middle = support.point * shrink;
-        let size = 1.0 - shrink * shrink;
-        (0..3).all(|k| {
-            let (from, to, across) = (
-                self.corners[k],
-                self.corners[(k + 1) % 3],
-                self.corners[(k + 2) % 3],
-            );
-            let Some(mut out) = (to - from).cross(self.normal).direction() else {
-                return false;
-            };
-            if out.dot(across - from) > 0.0 {
-                out = -out;
-            }
-            let scaled = body.semi_axes.componentwise(body.to_body(out));
-            let along = out.dot(support.point);
-            let square = size * (scaled.norm_squared() - along * along);
-            let room = out.dot(from) - meeting;
-            room > out.dot(foot) && room > out.dot(middle) + square.max(0.0).sqrt()
-        })
-    }
-
-    /// Whether a part of the triangle is in the body.
-    fn is_in_section(&self, body: &Ellipsoid, support: &Support, penetration: f64) -> bool {
-        let below = penetration * support.inverse_h;
-        let (_, nearest) = self.nearest(body, support, Vector3::ZERO);
-        nearest.dot(nearest) < below * (2.0 - below)
-    }
-
-    /// The point of the triangle nearest to a point of its plane in the measure of the plane's section with the body.
-    fn nearest_to(&self, body: &Ellipsoid, support: &Support, foot: Vector3) -> Vector3 {
-        combine(&self.corners, self.nearest(body, support, foot).0)
-    }
-
-    /// The weights of that point, and its place from `middle` where the body is the unit sphere, along the plane.
-    fn nearest(&self, body: &Ellipsoid, support: &Support, middle: Vector3) -> ([f64; 3], Vector2) {
-        let m = body.semi_axes.componentwise(support.local_normal) * support.inverse_h;
-        let frame = Tangent::new(m);
-        let place = self.corners.map(|p| {
-            let unit = body.to_body(p - middle);
-            frame.components(body.inverse_semi_axes.componentwise(unit))
-        });
-        let weights = nearest_to_origin(place);
-        let nearest = place[0] * weights[0] + place[1] * weights[1] + place[2] * weights[2];
-        (weights, nearest)
-    }
-
-    /// Whether two triangles come within `margin` of each other: at a corner of one, or where a side of one passes through the
-    /// other.
-    fn meets(&self, other: &Near, margin: f64) -> bool {
-        let touches = |t: &Near, q: &Near| {
-            let heights = q.corners.map(|p| t.normal.dot(p) + t.distance);
-            (0..3).any(|k| {
-                if heights[k].abs() <= margin && t.has(q.corners[k], margin) {
-                    return true;
-                }
-                let next = (k + 1) % 3;
-                if heights[k] * heights[next] >= 0.0 {
-                    return false;
-                }
-                let place = heights[k] / (heights[k] - heights[next]);
-                t.has(
-                    q.corners[k] + (q.corners[next] - q.corners[k]) * place,
-                    margin,
-                )
-            })
-        };
-        touches(self, other) || touches(other, self)
-    }
-}
-
-fn combine(corners: &Triangle, weights: [f64; 3]) -> Vector3 {
-    corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
-}
-
-/// Barycentric coordinates of a point in the plane of a triangle: the weights of the corners of which it is the mean. A third each
-/// where the corners are on a line.
-pub fn barycentric_weights(t: &Triangle, p: Vector3) -> [f64; 3] {
-    let (u, v, w) = (t[1] - t[0], t[2] - t[0], p - t[0]);
-    let (uu, uv, vv) = (u.norm_squared(), u.dot(v), v.norm_squared());
-    let determinant = uu * vv - uv * uv;
-    if !(determinant > 0.0) {
-        return [1.0 / 3.0; 3];
-    }
-    let (a, b) = (w.dot(u), w.dot(v));
-    let second = (a * vv - b * uv) / determinant;
-    let third = (b * uu - a * uv) / determinant;
-    [1.0 - second - third, second, third]
-}
-
-/// Weights of the corners of a triangle in the plane at its point nearest to the origin.
-fn nearest_to_origin(corners: [Vector2; 3]) -> [f64; 3] {
-    let cross = |a: Vector2, b: Vector2| a.u * b.v - a.v * b.u;
-    let parts: [f64; 3] =
-        core::array::from_fn(|k| cross(corners[(k + 1) % 3], corners[(k + 2) % 3]));
-    let whole = parts[0] + parts[1] + parts[2];
-    if whole != 0.0 && parts.iter().all(|p| p / whole >= 0.0) {
-        return parts.map(|p| p / whole);
-    }
-    let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
-    for k in 0..3 {
-        let (a, b) = (corners[k], corners[(k + 1) % 3]);
-        let side = b - a;
-        let length = side.dot(side);
-        let share = if length > 0.0 {
-            (-(a.dot(side)) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let point = a + side * share;
-        let distance = point.dot(point);
-        if distance < best.0 {
-            let mut weights = [0.0; 3];
-            weights[k] = 1.0 - share;
-            weights[(k + 1) % 3] = share;
-            best = (distance, weights);
-        }
-    }
-    best.1
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::flat_place::FlatPlace;
-use crate::geometry::triangles::{plane_comes_into, Near, Triangle};
+use crate::geometry::triangle::{plane_comes_into, Near, Triangle};
 use crate::geometry::Plane;
 use crate::vector::Vector3;
 

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Corners at which convex edges meet concave ones. What lies behind the triangles there is the union of convex pieces, each
+//! the part behind the planes of one triangle and of all that it lies behind; and the body's support by each piece is continuous
+//! as it moves. So are the shares of the supports, whichever the pieces are.
+
+use super::box_tree::Extent;
+use super::convex_corner::{self, Support};
+use super::ellipsoid::Ellipsoid;
+use super::triangle::{sides, Near, TOLERANCE};
+use super::triangle_places::{TrianglePlaces, REACH};
+use crate::vector::Vector3;
+
+/// Corners at which convex and concave edges meet, within reach of one body, at most: of a curved surface of many small triangles the
+/// pieces of more would reach far beyond their places.
+const MOST: usize = 3;
+
+/// Such a corner, the one that was gathered last.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MixedCorner {
+    /// Which of `near` meet there.
+    meeting: Vec<usize>,
+    bounds: Vec<Bound>,
+    pieces: Vec<Piece>,
+    /// Those of one piece: which bounds, and their normals out of it.
+    members: Vec<usize>,
+    normals: Vec<Vector3>,
+}
+
+/// A plane of triangles that meet at a corner.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    normal: Vector3,
+    /// Which of `near`'s planes it is.
+    plane: usize,
+}
+
+/// A convex part of what lies behind the triangles that meet at a corner.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Which bounds, and which of them with the normal turned.
+    bounds: u64,
+    turned: u64,
+    /// One of `near` on it.
+    near: usize,
+}
+
+impl MixedCorner {
+    /// The corners within reach of the body, each by a triangle that has it, and how many; none if there are more than [`MOST`], which then act
+    /// by the faces, edges and corners of the triangles alone.
+    pub fn find(
+        &mut self,
+        places: &TrianglePlaces,
+        body: &Ellipsoid,
+        meeting: f64,
+    ) -> ([(usize, Vector3); MOST], usize) {
+        let mut found = [(0, Vector3::ZERO); MOST];
+        let mut count = 0;
+        for k in 0..places.near.len() {
+            for apex in places.near[k].corners {
+                let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
+                if unit.norm_squared() < REACH * REACH && self.gather(places, k, apex, meeting) {
+                    if count == MOST {
+                        return (found, 0);
+                    }
+                    found[count] = (k, apex);
+                    count += 1;
+                }
+            }
+        }
+        (found, count)
+    }
+
+    /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
+    /// if an earlier triangle has this corner as well.
+    pub fn gather(
+        &mut self,
+        places: &TrianglePlaces,
+        own: usize,
+        apex: Vector3,
+        meeting: f64,
+    ) -> bool {
+        let MixedCorner {
+            meeting: all,
+            bounds,
+            pieces,
+            ..
+        } = self;
+        all.clear();
+        bounds.clear();
+        pieces.clear();
+        let mut is_first = true;
+        let place = Extent::about(apex.to_array(), meeting);
+        places.tree.visit(&places.boxes, &place, |k| {
+            let q = &places.near[k];
+            is_first = k >= own || !q.corners.contains(&apex);
+            if is_first && q.has(apex, meeting) {
+                all.push(k);
+            }
+            is_first
+        });
+        if !is_first {
+            return false;
+        }
+        all.sort_unstable();
+        for &k in all.iter() {
+            let t = &places.near[k];
+            if bounds.iter().all(|b| b.plane != t.plane) {
+                bounds.push(Bound {
+                    normal: t.normal,
+                    plane: t.plane,
+                });
+            }
+        }
+        if bounds.len() < 2 || bounds.len() > 64 {
+            return false;
+        }
+        for &k in all.iter() {
+            let t = &places.near[k];
+            if places.is_hidden(k, apex, meeting) {
+                continue;
+            }
+            let mut piece = Piece {
+                bounds: 0,
+                turned: 0,
+                near: k,
+            };
+            for (m, b) in bounds.iter().enumerate() {
+                let bit = 1u64 << m;
+                if b.plane == t.plane {
+                    piece.bounds |= bit;
+                    continue;
+                }
+                let [before, behind] = sides(b.normal, apex, &t.corners);
+                if before && behind {
+                    continue;
+                }
+                if !before {
+                    piece.bounds |= bit;
+                } else {
+                    // a neighbour of which the body's centre is on the other side
+                    let shares = |q: &Near| {
+                        t.corners
+                            .iter()
+                            .any(|z| *z != apex && q.corners.contains(z))
+                    };
+                    let mut others = all
+                        .iter()
+                        .map(|q| &places.near[*q])
+                        .filter(|q| q.plane == b.plane);
+                    if others.any(|q| shares(q) && !sides(t.normal, apex, &q.corners)[0]) {
+                        piece.bounds |= bit;
+                        piece.turned |= bit;
+                    }
+                }
+            }
+            pieces.push(piece);
+        }
+        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
+        let rises = |p: &Piece, q: &Piece| {
+            let (t, q) = (&places.near[p.near], &places.near[q.near]);
+            sides(t.normal, apex, &q.corners)[0]
+        };
+        let is_concave = |k: usize| {
+            let p = &pieces[k];
+            pieces[..k].iter().any(|q| rises(p, q) && rises(q, p))
+        };
+        if !(1..pieces.len()).any(is_concave) {
+            return false;
+        }
+        // of two of which one lies within the other, the larger one is enough
+        let mut kept = 0;
+        for k in 0..pieces.len() {
+            let p = pieces[k];
+            let is_within = |q: &Piece| q.bounds & !p.bounds == 0;
+            let is_larger = |q: &Piece| is_within(q) && q.bounds != p.bounds;
+            if !pieces[k..].iter().any(is_larger) && !pieces[..kept].iter().any(is_within) {
+                pieces[kept] = p;
+                kept += 1;
+            }
+        }
+        pieces.truncate(kept);
+        kept > 1 && pieces.iter().any(|p| p.bounds.count_ones() > 1)
+    }
+
+    /// Tells how the body is supported by each convex piece of the corner gathered last, along a line or at the corner, with a triangle of the
+    /// piece; the planes that support it are the bits of what is returned, in the order of [`MixedCorner::planes`].
+    pub fn supports(
+        &mut self,
+        places: &TrianglePlaces,
+        body: &Ellipsoid,
+        apex: Vector3,
+        mut found: impl FnMut(Support, usize),
+    ) -> u64 {
+        let MixedCorner {
+            meeting: all,
+            bounds,
+            pieces,
+            members,
+            normals,
+        } = self;
+        // the planes that act, by bound
+        let mut acting = 0u64;
+        for piece in pieces.iter() {
+            normals.clear();
+            members.clear();
+            members.extend((0..bounds.len()).filter(|m| piece.bounds >> m & 1 == 1));
+            normals.extend(members.iter().map(|&m| {
+                if piece.turned >> m & 1 == 1 {
+                    -bounds[m].normal
+                } else {
+                    bounds[m].normal
+                }
+            }));
+            let Some(support) = convex_corner::support(body, apex, normals) else {
+                continue;
+            };
+            match support {
+                Support::Plane(m) => acting |= 1 << members[m],
+                Support::Line { along, foot, .. } => {
+                    // beyond the other end of the triangles' own edge it is for the corner there to say
+                    let way = foot - apex;
+                    let is_beyond = all.iter().any(|&q| {
+                        places.near[q].corners.iter().any(|z| {
+                            let side = *z - apex;
+                            let ahead = side.dot(way);
+                            side.cross(along).norm() <= TOLERANCE * side.norm()
+                                && ahead > 0.0
+                                && ahead >= side.norm_squared()
+                        })
+                    });
+                    if !is_beyond {
+                        found(support, piece.near);
+                    }
+                }
+                Support::Apex { .. } => found(support, piece.near),
+            }
+        }
+        acting
+    }
+
+    /// The planes of its triangles, and one triangle of each.
+    pub fn planes<'a>(
+        &'a self,
+        places: &'a TrianglePlaces,
+    ) -> impl Iterator<Item = (usize, usize)> + 'a {
+        self.bounds.iter().filter_map(|bound| {
+            let of_plane = |k: &&usize| places.near[**k].plane == bound.plane;
+            Some((bound.plane, *self.meeting.iter().find(of_plane)?))
+        })
+    }
+}

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The triangles near a body, and what is at a place of theirs: which of them meet there, whether one rises from another or hides it, and
+//! whether a normal points away from all.
+
+use super::box_tree::{BoxTree, Extent};
+use super::ellipsoid::Ellipsoid;
+use super::triangle::{across, combine, Near, Triangle, TOLERANCE};
+use crate::vector::Vector3;
+
+/// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
+/// it acts by its convex pieces, and it should do so before it matters.
+pub(crate) const REACH: f64 = 1.02;
+
+/// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
+/// at which triangles meet: clear of what meets it at its border, and still near.
+pub(super) const INSIDE: f64 = 100.0;
+
+/// Sine of the angle between two faces below which they are taken as one plane. Corners in single precision, as in binary
+/// STL files, turn the normal of a triangle by more: such faces are folds, at which the shares of both faces make the force
+/// continuous.
+pub(super) const SAME_PLANE: f64 = 1e-8;
+
+/// The triangles near a body, from its centre.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TrianglePlaces {
+    pub near: Vec<Near>,
+    /// Of each of them.
+    pub boxes: Vec<Extent>,
+    /// Of the boxes.
+    pub tree: BoxTree,
+}
+
+impl TrianglePlaces {
+    /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
+    /// across the axes holds much that is far from the triangle.
+    pub fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
+        self.near.clear();
+        self.boxes.clear();
+        let reach = [
+            Vector3::new(1.0, 0.0, 0.0),
+            Vector3::new(0.0, 1.0, 0.0),
+            Vector3::new(0.0, 0.0, 1.0),
+        ]
+        .map(|e| REACH * body.support(e).h + meeting);
+        let own = Extent {
+            low: reach.map(|x| -x),
+            high: reach,
+        };
+        // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
+        let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
+        for (index, t) in all.iter().enumerate() {
+            let corners = t.map(|p| p - centre);
+            let axes = corners.map(|p| p.to_array());
+            let extent = Extent {
+                low: core::array::from_fn(|k| axes.iter().fold(f64::INFINITY, |m, p| m.min(p[k]))),
+                high: core::array::from_fn(|k| {
+                    axes.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]))
+                }),
+            };
+            if !extent.overlaps(&own) {
+                continue;
+            }
+            let (across, longest) = across(&corners);
+            let height = across.dot(corners[0]);
+            if height * height > ball * ball * across.norm_squared() {
+                continue;
+            }
+            let Some(unplaced) = Near::with_normal(index, corners, (across, longest), meeting)
+            else {
+                continue;
+            };
+            let triangle = Near {
+                plane: self.near.len(),
+                ..unplaced
+            };
+            if triangle.has(Vector3::ZERO, ball) {
+                self.near.push(triangle);
+                self.boxes.push(extent);
+            }
+        }
+    }
+
+    /// Whether each edge that comes into the body belongs to two triangles: then they have no border there.
+    pub fn is_joined_in(&self, body: &Ellipsoid) -> bool {
+        let is_shared =
+            |t: &Near, a: Vector3, b: Vector3| self.near.iter().any(|q| t.is_continued_by(q, a, b));
+        self.near.iter().all(|t| {
+            let unit = t
+                .corners
+                .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
+            (0..3).all(|m| {
+                let next = (m + 1) % 3;
+                !is_within_reach(unit[m], unit[next]) || is_shared(t, t.corners[m], t.corners[next])
+            })
+        })
+    }
+
+    /// Joins triangles that continue one another in one plane; what follows asks of places.
+    pub fn join_planes(&mut self, largest: f64, meeting: f64) {
+        let TrianglePlaces { near, boxes, tree } = self;
+        tree.build(boxes);
+        for k in 0..near.len() {
+            tree.visit(boxes, &boxes[k].wider(meeting), |other| {
+                if other < k && near[k].is_in_plane_of(&near[other], largest, SAME_PLANE) {
+                    let (a, b) = (first_of(near, k), first_of(near, other));
+                    near[a.max(b)].plane = a.min(b);
+                }
+                true
+            });
+        }
+        for k in 0..near.len() {
+            near[k].plane = first_of(near, k);
+        }
+    }
+
+    /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
+    pub fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        let above = |normal: Vector3, corners: &Triangle| {
+            corners.iter().any(|z| {
+                let way = *z - point;
+                normal.dot(way) > TOLERANCE * way.norm() + f64::MIN_POSITIVE
+            })
+        };
+        let nowhere_below = |normal: Vector3, corners: &Triangle| {
+            corners.iter().all(|z| {
+                let way = *z - point;
+                normal.dot(way) >= -(TOLERANCE * way.norm() + meeting)
+            })
+        };
+        let mut rises = false;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            rises = k != own
+                && above(t.normal, &q.corners)
+                && above(q.normal, &t.corners)
+                && nowhere_below(q.normal, &t.corners)
+                && q.has(point, meeting);
+            !rises
+        });
+        rises
+    }
+
+    /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
+    /// of a block, seen from within, do not act on a body that lies across its edges.
+    pub fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
+        let seen = point + inwards * (INSIDE * meeting / inwards.norm()).min(1.0);
+        let way = Extent {
+            low: seen.to_array().map(|x| x.min(0.0)),
+            high: seen.to_array().map(|x| x.max(0.0)),
+        };
+        let mut hidden = false;
+        self.tree.visit(&self.boxes, &way, |k| {
+            hidden = k != own && self.near[k].stands_before(t, seen, meeting);
+            !hidden
+        });
+        hidden
+    }
+
+    /// Whether a normal at a point points away from all triangles that meet there.
+    pub fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
+        let mut outermost = true;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            let away = q.corners.iter().all(|z| {
+                let way = *z - point;
+                normal.dot(way) <= TOLERANCE * way.norm()
+            });
+            outermost = away || !q.has(point, meeting);
+            outermost
+        });
+        outermost
+    }
+
+    /// Whether another triangle of the same plane continues this one beyond an edge: that is none.
+    pub fn is_within_plane(&self, own: usize, a: Vector3, b: Vector3) -> bool {
+        let t = &self.near[own];
+        let mut is_within = false;
+        let place = Extent::about(((a + b) * 0.5).to_array(), 0.0);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            is_within = q.plane == t.plane && t.is_continued_by(q, a, b);
+            !is_within
+        });
+        is_within
+    }
+}
+
+/// The triangle that stands for all that continue one another in the plane of this one.
+fn first_of(near: &mut [Near], mut k: usize) -> usize {
+    while near[k].plane != k {
+        let next = near[near[k].plane].plane;
+        near[k].plane = next;
+        k = next;
+    }
+    k
+}
+
+/// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.
+pub(super) fn is_within_reach(a: Vector3, b: Vector3) -> bool {
+    let way = b - a;
+    let length = way.norm_squared();
+    let place = if length > 0.0 {
+        (-a.dot(way) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (a + way * place).norm_squared() < 1.0 + 1e-3
+}
