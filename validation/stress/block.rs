@@ -227,7 +227,11 @@ fn alone_with_terms(
         let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
         let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
             .expect("exact factors do not break");
-        terms = (found.as_ref()).map_or(0.0, |(contact, f)| f.stiffness * contact.penetration);
+        // The second is the elastic force, from which Ting's receding contact takes most: its stiffness is that of the area that is left.
+        terms = (found.as_ref()).map_or(0.0, |(contact, f)| {
+            let elastic = 2.5 * f.elastic_energy / contact.penetration;
+            elastic.max(f.stiffness * contact.penetration)
+        });
         loads = found.map_or([[0.0; 3]; 4], |(_, f)| {
             [-f.force, f.force, f.torque_i, f.torque_j].map(|v| v.to_array())
         });
