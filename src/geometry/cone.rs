@@ -87,11 +87,15 @@ pub struct ConeContact {
     pub along: f64,
 }
 
-/// Directions that are tried over the whole circle, and over the smallest arc. They have to tell maxima apart, not to find them: the depth's
-/// slope vanishes where a trigonometric polynomial of degree 4 does, at 8 angles at most, so there are 4 maxima at most, and a whole circle
-/// has 16 directions for each. Maxima that are nearer to each other than two directions are taken as one.
-const MOST_DIRECTIONS: usize = 64;
-const LEAST_DIRECTIONS: usize = 16;
+/// Between two directions the search takes the slope of the depth for the cubic with the same ends and rises. The depth has two parts. That
+/// of the centre is a sine, of which the cubic is right to 3e-7 over the longest stride (its fourth power over 384). The body's is the length of
+/// a vector whose end runs along an ellipse: in a stride the vector changes by a quarter of its length at most, so that it turns by less than a
+/// quarter of a radian. Where a slender body is seen from its side, this is a stride of the inverse of its aspect ratio.
+const LONGEST_STRIDE: f64 = 0.1;
+const LARGEST_CHANGE: f64 = 0.25;
+/// How often an interval is halved in which the cubic has more than one zero. Two maxima that are nearer to each other than what is left, a
+/// 64th of it, are taken as one: the depth between them is less by the fourth power of that, some 2e-10 of the support function.
+const MOST_HALVINGS: usize = 6;
 
 /// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians. After a step of
 /// 1e-9 the error is of the order of its square, below rounding, and from 0.5 on each step squares the error: five reach 1e-9, and
@@ -166,11 +170,11 @@ impl<T: Real> DepthInCone<T> {
 
     /// What the axis must be farther from the tangent planes, for the depth to have one maximum in the directions in which the body may
     /// touch. The second derivative with the angle is `c (c t.H t - u.p - distance cos)` with the support point `p` and the Hessian
-    /// `H` of the support function, of which `t.H t <= a_max^2/a_min` and `-u.p <= |s| a_max`.
+    /// `H` of the support function, of which `t.H t <= a_max^2/a_min` and `-c u.p = s a.p - h < |s| a_max`.
     #[inline(always)]
     pub fn is_concave(&self, [largest, smallest]: [T; 2]) -> T::Mask {
-        let bend = largest * largest / smallest + largest * self.s.abs();
-        (bend * self.c).less(self.at_point - largest)
+        let bend = largest * largest / smallest * (self.c * self.c) + largest * self.s.abs();
+        bend.less(self.at_point - largest)
     }
 
     /// `Q` of an angle.
@@ -259,23 +263,13 @@ pub fn touch_cone(
         return;
     }
     // The first axis of the cross-section points to the body, where there is such a direction.
-    let Tangent { u, v } = Tangent::towards(offset, axis);
-    let search = Search {
-        body,
-        offset,
-        axis,
-        basis: [u, v],
-        side: if within { 1.0 } else { -1.0 },
-        c,
-        s,
-        at_point: c * cone.radius,
-    };
+    let directions = Tangent::towards(offset, axis);
     // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
     // of the greatest separation is within a quarter turn of it.
     let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
+    let search = Search::new(body, offset, cone, &directions, within);
     if within {
-        let directions = (axis, Tangent { u, v });
-        let depth = DepthInCone::new(cone, body, directions, [distance, height]);
+        let depth = DepthInCone::new(cone, body, (axis, directions), [distance, height]);
         if depth.is_concave(body.extreme_semi_axes()) {
             if let Some(u) = search.only_maximum(&depth, least_cosine) {
                 if search.value(u) > 0.0 {
@@ -296,22 +290,8 @@ pub fn touch_cone(
     } else {
         core::f64::consts::FRAC_PI_2
     };
-    let share = half / core::f64::consts::PI;
-    let count = LEAST_DIRECTIONS + (share * (MOST_DIRECTIONS - LEAST_DIRECTIONS) as f64) as usize;
-    let step = 2.0 * half / count as f64;
-    let mut values = [0.0; MOST_DIRECTIONS + 2];
-    // One more at either end, so that each place has two neighbours.
-    search.sample(-half - 0.5 * step, step, &mut values[..count + 2]);
     let mut best: Option<(Vector3, f64)> = None;
-    for k in 1..=count {
-        // Of two equals the later.
-        if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
-            continue;
-        }
-        // the top of the parabola through the three
-        let [before, at, after] = [values[k - 1], values[k], values[k + 1]];
-        let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
-        let angle = search.maximum(-half + (k as f64 - 0.5) * step, aside * step, step);
+    search.maxima(half, |angle| {
         let u = search.direction(angle);
         let value = search.value(u);
         if within {
@@ -321,7 +301,7 @@ pub fn touch_cone(
         } else if best.is_none_or(|(_, v)| value > v) {
             best = Some((u, value));
         }
-    }
+    });
     if !within {
         // Where all directions are alike, by a sphere about a point of the axis, any one serves.
         let (u, value) = best.unwrap_or((search.basis[0], search.value(search.basis[0])));
@@ -346,9 +326,55 @@ struct Search<'a> {
     s: f64,
     /// What the tangent planes are from the cone's point.
     at_point: f64,
+    /// The vector whose length is the support function is `on_basis[0] cos + on_basis[1] sin + on_axis`.
+    on_basis: [Vector3; 2],
+    on_axis: Vector3,
+    /// No second derivative of the vector is longer.
+    longest_bend: f64,
+    /// Components of the centre, times `c`.
+    centre: [f64; 2],
 }
 
-impl Search<'_> {
+/// What is known of an angle.
+#[derive(Clone, Copy)]
+struct Sample {
+    angle: f64,
+    /// First and second derivative of the function.
+    first: f64,
+    second: f64,
+    /// How far the next angle may be.
+    stride: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        body: &'a Ellipsoid,
+        offset: Vector3,
+        cone: &Cone,
+        directions: &Tangent,
+        within: bool,
+    ) -> Self {
+        let (c, s) = cone.normal_components();
+        let scaled = |e: Vector3| body.semi_axes.componentwise(body.to_body(e));
+        let basis = [directions.u, directions.v];
+        let on_basis = basis.map(|e| scaled(e) * c);
+        let [p, q] = on_basis.map(|v| v.norm_squared());
+        Search {
+            body,
+            offset,
+            axis: cone.axis,
+            basis,
+            side: if within { 1.0 } else { -1.0 },
+            c,
+            s,
+            at_point: c * cone.radius,
+            on_basis,
+            on_axis: scaled(cone.axis) * s,
+            longest_bend: (p + q).sqrt(),
+            centre: basis.map(|e| c * e.dot(offset)),
+        }
+    }
+
     fn direction(&self, angle: f64) -> Vector3 {
         let (sin, cos) = angle.sin_cos();
         self.basis[0] * cos + self.basis[1] * sin
@@ -366,23 +392,74 @@ impl Search<'_> {
         n.dot(self.offset) - self.at_point + self.side * scaled.norm()
     }
 
-    /// `value` at equal steps from an angle on, to the digits that a search for a bracket needs.
-    fn sample(&self, start: f64, step: f64, values: &mut [f64]) {
-        let scaled = |e: Vector3| self.body.semi_axes.componentwise(self.body.to_body(e));
-        let [p, q] = self.basis.map(|e| scaled(e) * self.c);
-        let r = scaled(self.axis) * self.s;
-        let [along_p, along_q] = self.basis.map(|e| self.c * e.dot(self.offset));
-        let along = self.s * self.axis.dot(self.offset) - self.at_point;
-        let [pp, pq, qq] = [p.norm_squared(), 2.0 * p.dot(q), q.norm_squared()];
-        let [pr, qr, rr] = [2.0 * p.dot(r), 2.0 * q.dot(r), r.norm_squared()];
-        let ((mut sin, mut cos), (step_sin, step_cos)) = (start.sin_cos(), step.sin_cos());
-        for value in values {
-            let square = cos * (cos * pp + sin * pq + pr) + sin * (sin * qq + qr) + rr;
-            *value = cos * along_p + sin * along_q + along + self.side * square.max(0.0).sqrt();
-            (sin, cos) = (
-                sin * step_cos + cos * step_sin,
-                cos * step_cos - sin * step_sin,
-            );
+    /// The slopes at an angle, to the digits that a search for a bracket needs.
+    fn sample(&self, angle: f64) -> Sample {
+        let (sin, cos) = angle.sin_cos();
+        let ([p, q], [x, y]) = (self.on_basis, self.centre);
+        let across = p * cos + q * sin;
+        let (vector, speed) = (across + self.on_axis, q * cos - p * sin);
+        let support = vector.norm();
+        let inverse = 1.0 / support;
+        // |v|'' = (v x v')^2/|v|^3 + v.v''/|v|, without the cancellation of (v'.v' |v|^2 - (v.v')^2)/|v|^3
+        let turn = vector.cross(speed).norm_squared() * inverse * inverse;
+        let bend = (turn - vector.dot(across)) * inverse;
+        // the root of |v'| t + |v''| t^2/2 = change
+        let change = LARGEST_CHANGE * support;
+        let pace = speed.norm();
+        let stride =
+            2.0 * change / (pace + (pace * pace + 2.0 * self.longest_bend * change).sqrt());
+        Sample {
+            angle,
+            first: y * cos - x * sin + self.side * vector.dot(speed) * inverse,
+            second: self.side * bend - x * cos - y * sin,
+            stride: stride.min(LONGEST_STRIDE),
+        }
+    }
+
+    /// Calls `found` with every maximum between minus this angle and this one.
+    fn maxima(&self, half: f64, mut found: impl FnMut(f64)) {
+        let first = self.sample(-half);
+        let mut left = first;
+        while left.angle < half {
+            let next = left.angle + left.stride;
+            let right = if next < half {
+                self.sample(next)
+            } else if half == core::f64::consts::PI {
+                // The same direction, so that a maximum there lies on one side of it.
+                Sample {
+                    angle: half,
+                    ..first
+                }
+            } else {
+                self.sample(half)
+            };
+            self.maxima_between([left, right], MOST_HALVINGS, &mut found);
+            left = right;
+        }
+    }
+
+    /// The maxima of an interval. A cubic has at most as many zeros as its control points change their sign (Bernstein's form).
+    fn maxima_between(
+        &self,
+        [left, right]: [Sample; 2],
+        halvings: usize,
+        found: &mut impl FnMut(f64),
+    ) {
+        let third = (right.angle - left.angle) / 3.0;
+        let rises = [
+            left.first,
+            left.first + third * left.second,
+            right.first - third * right.second,
+            right.first,
+        ]
+        .map(|slope| slope > 0.0);
+        let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        if changes > 1 && halvings > 0 {
+            let middle = self.sample(0.5 * (left.angle + right.angle));
+            self.maxima_between([left, middle], halvings - 1, found);
+            self.maxima_between([middle, right], halvings - 1, found);
+        } else if rises[0] && !rises[3] {
+            found(self.maximum(&left, &right));
         }
     }
 
@@ -400,11 +477,11 @@ impl Search<'_> {
         )
     }
 
-    /// The maximum within a step of an angle, perhaps so far aside of it: Newton's method, and bisection where it leaves the
-    /// bracket.
-    fn maximum(&self, start: f64, aside: f64, step: f64) -> f64 {
-        let (mut low, mut high) = (start - step, start + step);
-        let mut angle = start + aside;
+    /// The maximum between two angles, at the first of which the function rises: Newton's method, and bisection where it leaves the bracket.
+    fn maximum(&self, left: &Sample, right: &Sample) -> f64 {
+        let (mut low, mut high) = (left.angle, right.angle);
+        // of the chord of the slopes
+        let mut angle = low + (high - low) * (left.first / (left.first - right.first));
         for _ in 0..60 {
             let (first, second) = self.slopes(self.direction(angle));
             if first > 0.0 {

@@ -6,11 +6,13 @@ use super::rim::Rim;
 use super::shape::{
     Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
 };
+use super::tip::Tip;
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
 use crate::geometry::cone::{touch_cone, Cone};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::message::Number;
+use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
@@ -38,7 +40,15 @@ pub(super) fn add_cylinder(
             Number(radius)
         ));
     }
-    add(Cone::cylinder(p.point, p.axis, radius), p, parts)
+    let of_both_ends = ShapeParameters {
+        radii: [radius; 2],
+        ..*p
+    };
+    add(
+        Cone::cylinder(p.point, p.axis, radius),
+        &of_both_ends,
+        parts,
+    )
 }
 
 pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
@@ -83,6 +93,7 @@ fn require_order(name: &str, p: &ShapeParameters) -> Result<(), String> {
     ))
 }
 
+/// With the bounds from the cone's point, and the radii there.
 fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     for (bound, end) in p.bounds.iter().zip(p.ends) {
@@ -107,18 +118,23 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         stretch: cone.stretch(),
     };
     let mut caps = vec![];
-    let mut rims = vec![];
-    for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
+    // a rim, or the tip that it has become
+    let mut edges: Vec<Box<dyn Shape>> = vec![];
+    let mut end_in = |centre: Vector3, radius: f64, out: f64, surfaces: &[[f64; 2]]| {
+        edges.push(if radius > 0.0 {
+            Box::new(Rim::new(centre, cone.axis, radius, surfaces))
+        } else {
+            Box::new(Tip::new(centre, cone.axis * out, cone.slope.abs()))
+        });
+    };
+    for (k, (bound, out)) in [(low, -1.0), (high, 1.0)].into_iter().enumerate() {
         let centre = cone.point + cone.axis * bound;
-        let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
+        let radius = p.radii[k];
         // along the surface, from the end inwards, in the plane of axis and radius
         let inwards = [-out * cone.slope, -out];
-        match end {
+        match p.ends[k] {
             End::None => {}
-            End::Open if radius > 0.0 => {
-                rims.push(Rim::new(centre, cone.axis, radius, &[inwards]));
-            }
-            End::Open => {}
+            End::Open => end_in(centre, radius, out, &[inwards]),
             End::Closed if p.side == Side::Inside => {
                 // The plane goes on beyond the edge, which is concave.
                 caps.push(PlaneWall::disc(
@@ -132,24 +148,19 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
                 let both_sides = p.side == Side::OfCentre;
                 let normal = cone.axis * out;
                 caps.push(PlaneWall::disc(centre, normal, radius, both_sides));
-                if radius > 0.0 {
-                    let disc = [-1.0, 0.0];
-                    rims.push(Rim::new(centre, cone.axis, radius, &[inwards, disc]));
-                }
+                end_in(centre, radius, out, &[inwards, [-1.0, 0.0]]);
             }
         }
     }
     if p.side == Side::Outside && !caps.is_empty() {
-        parts.push(Box::new(ConvexSolid { side, caps, rims }));
+        parts.push(Box::new(ConvexSolid { side, caps, edges }));
         return Ok(());
     }
     parts.push(Box::new(side));
     for cap in caps {
         parts.push(Box::new(cap));
     }
-    for rim in rims {
-        parts.push(Box::new(rim));
-    }
+    parts.append(&mut edges);
     Ok(())
 }
 
@@ -159,7 +170,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
 struct ConvexSolid {
     side: ConeWall,
     caps: Vec<PlaneWall>,
-    rims: Vec<Rim>,
+    edges: Vec<Box<dyn Shape>>,
 }
 
 impl Shape for ConvexSolid {
@@ -177,21 +188,24 @@ impl Shape for ConvexSolid {
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        let shallowest =
+        let depth_at =
+            |normal: Vector3, point: Vector3| body.support(-normal).h - normal.dot(centre - point);
+        let mut shallowest =
             (self.caps.iter().map(|cap| cap.depth(grain))).fold(f64::INFINITY, f64::min);
         if !(shallowest > 0.0) {
             return;
         }
         let mut is_behind_side = false;
-        touch_cone(body, centre, &self.side.surface.cone, false, |_| {
+        touch_cone(body, centre, &self.side.surface.cone, false, |c| {
             is_behind_side = true;
+            shallowest = shallowest.min(depth_at(c.normal, c.point));
         });
         if !is_behind_side {
             return;
         }
         let mut least: Option<(f64, WallSurface)> = None;
         let mut offer = |s: &WallSurface, _| {
-            let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+            let depth = depth_at(s.normal, s.point);
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
                 least = Some((depth, *s));
             }
@@ -200,11 +214,11 @@ impl Shape for ConvexSolid {
         for cap in &self.caps {
             cap.touch(grain, search, &mut offer);
         }
-        for rim in &self.rims {
-            rim.touch(grain, search, &mut offer);
+        for edge in &self.edges {
+            edge.touch(grain, search, &mut offer);
         }
         // A body beside the rim may reach behind each surface by itself and be apart from the solid. Then the surface where it would be
-        // least deep has no contact, and a deeper one, such as that of the far end, is none either.
+        // least deep has no contact, and a deeper one, such as that of the far end or of one that overhangs, is none either.
         if let Some((_, surface)) =
             least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
         {

@@ -4,11 +4,14 @@
 //! As an edge of a mesh it acts where the body is deepest along it, with the normal across it along which the body is least
 //! deep, if that normal points away from the surfaces that end there. Where a surface goes over into the edge, place, normal
 //! and curvature are the same.
+//!
+//! Such places are found from those beside them, whether or not the tangent there passes through the body: from inside of the circle the
+//! tangents of a part of it as short as the root of the depth do.
 
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
-use crate::geometry::nearest_line::nearest_across;
+use crate::geometry::nearest_line::towards_line;
 use crate::geometry::Ellipsoid;
 use crate::vector::{Tangent, Vector3};
 
@@ -52,32 +55,41 @@ struct Place {
     point: Vector3,
     /// Along the radius, outwards.
     radial: Vector3,
+    /// How deep the tangent is in the body; less than 0 beside it.
+    depth: f64,
     /// How far ahead along the edge's tangent the body is deepest.
     ahead: f64,
 }
 
+impl Place {
+    /// Whether it is one in which the body is deepest, not a jump of the normal in the middle of the body, and the edge itself is in the
+    /// body. A body that is less thick than its tangent is deep may be apart from the edge.
+    fn is_contact(&self, body: &Ellipsoid) -> bool {
+        let seen = body
+            .inverse_semi_axes
+            .componentwise(body.to_body(self.point));
+        self.depth > 0.0
+            && self.ahead.abs() <= 1e-9 * body.bounding_radius()
+            && seen.norm_squared() < 1.0
+    }
+}
+
 impl Rim {
-    fn place(
-        &self,
-        body: &Ellipsoid,
-        offset: Vector3,
-        basis: &[Vector3; 2],
-        angle: f64,
-    ) -> Option<Place> {
+    fn place(&self, body: &Ellipsoid, offset: Vector3, basis: &[Vector3; 2], angle: f64) -> Place {
         let (sin, cos) = angle.sin_cos();
         let radial = basis[0] * cos + basis[1] * sin;
         let tangent = self.axis.cross(radial);
         // from the body's centre
         let point = radial * self.radius - offset;
-        let n = nearest_across(body, point, tangent)?;
+        let n = towards_line(body, point, tangent);
         let support = body.support(n);
-        let depth = support.h - n.dot(point);
-        (depth > 0.0).then(|| Place {
+        Place {
             normal: -n,
             point,
             radial,
+            depth: support.h - n.dot(point),
             ahead: tangent.dot(support.point - point),
-        })
+        }
     }
 }
 
@@ -128,29 +140,24 @@ impl Shape for Rim {
         let step = 2.0 * half / count as f64;
         let at = |k: usize| -half + (k as f64 - 0.5) * step;
         // Behind a contact the body is deepest ahead, and beyond it behind.
-        let ahead = |angle: f64| self.place(body, offset, &basis, angle).map(|p| p.ahead);
-        let mut before = ahead(at(0));
+        let place = |angle: f64| self.place(body, offset, &basis, angle);
+        let mut before = place(at(0));
         for k in 1..=count + 1 {
-            let here = ahead(at(k));
-            let between = match (before, here) {
-                (Some(a), Some(b)) => a > 0.0 && b <= 0.0,
-                // the body does not reach one of the two
-                (Some(a), None) => a > 0.0,
-                (None, Some(b)) => b <= 0.0,
-                (None, None) => false,
-            };
-            if between {
+            let here = place(at(k));
+            // The depth changes with the angle by the way ahead at most, and that is less than two of the largest semi-axes.
+            let may_reach = before.depth > -2.0 * reach * step;
+            if may_reach && before.ahead > 0.0 && here.ahead <= 0.0 {
                 let (mut low, mut high) = (at(k - 1), at(k));
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    if ahead(middle).map_or(before.is_none(), |a| a > 0.0) {
+                    if place(middle).ahead > 0.0 {
                         low = middle;
                     } else {
                         high = middle;
                     }
                 }
-                let deepest = self.place(body, offset, &basis, 0.5 * (low + high));
-                if let Some(p) = deepest.filter(|p| p.ahead.abs() <= 1e-9 * reach) {
+                let p = place(0.5 * (low + high));
+                if p.is_contact(body) {
                     let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
                     let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
                     if self.surfaces.iter().all(outermost) {

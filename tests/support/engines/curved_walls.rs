@@ -78,34 +78,17 @@ fn deepest(g: &Grain, depth: &dyn Fn(Vector) -> f64) -> Vec<Contact> {
             if !around.all(|(u, v)| here >= depth(direction(i + u, j + v))) {
                 continue;
             }
-            let mut w = direction(i, j);
-            let mut best = here;
-            let mut step = 0.05;
-            while step > 1e-10 {
-                let (u, v) = tangents(w);
-                let tried = (0..8).map(|k| {
-                    let (sin, cos) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
-                    unit(add(w, add(scale(step * cos, u), scale(step * sin, v))))
-                });
-                let next = tried
-                    .max_by(|a, b| depth(*a).total_cmp(&depth(*b)))
-                    .unwrap();
-                if depth(next) > best {
-                    best = depth(next);
-                    w = next;
-                } else {
-                    step *= 0.5;
-                }
-            }
-            if best > 0.0 {
-                w = polished(&depth, w);
-                best = depth(w);
+            let Some(w) = climbed(&depth, direction(i, j)) else {
+                continue;
+            };
+            let deep = depth(w);
+            if deep > 0.0 {
                 let local = std::array::from_fn(|k| w[k] / g.semi_axes[k]);
                 let normal = unit(rotate(g.quaternion, local));
                 let point = grain_point(g, w);
                 let known = |c: &Contact| length(sub(c.2, point)) < 1e-4 * length(g.semi_axes);
                 if !found.iter().any(known) {
-                    found.push((best, normal, point));
+                    found.push((deep, normal, point));
                 }
             }
         }
@@ -113,14 +96,16 @@ fn deepest(g: &Grain, depth: &dyn Fn(Vector) -> f64) -> Vec<Contact> {
     found
 }
 
-/// The place of a maximum by Newton's method from near it: the values alone tell it to the root of their rounding, of which a slender
-/// grain's curvature there makes far more.
-fn polished(depth: &dyn Fn(Vector) -> f64, start: Vector) -> Vector {
+/// From a place up to a maximum, by Newton's method: the values alone tell its place to the root of their rounding, of which a slender
+/// grain's curvature there makes far more. Along a saddle that a long grain has where its side touches, between its two ends, the way
+/// goes on by its rise; a search that only compares values may stop there. `None` where it comes to no maximum.
+fn climbed(depth: &dyn Fn(Vector) -> f64, start: Vector) -> Option<Vector> {
     let h = 1e-3;
-    let mut w = start;
-    for _ in 0..3 {
+    let (mut w, mut longest) = (start, 0.1);
+    for _ in 0..100 {
         let (u, v) = tangents(w);
-        let at = |s: f64, t: f64| depth(unit(add(w, add(scale(s, u), scale(t, v)))));
+        let turned = |s: f64, t: f64| unit(add(w, add(scale(s, u), scale(t, v))));
+        let at = |s: f64, t: f64| depth(turned(s, t));
         // differences of fourth order
         let slope = |f: &dyn Fn(f64) -> f64| {
             (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
@@ -130,18 +115,38 @@ fn polished(depth: &dyn Fn(Vector) -> f64, start: Vector) -> Vector {
         let uu = (at(h, 0.0) + at(-h, 0.0) - 2.0 * here) / (h * h);
         let vv = (at(0.0, h) + at(0.0, -h) - 2.0 * here) / (h * h);
         let uv = (at(h, h) + at(-h, -h) - at(h, -h) - at(-h, h)) / (4.0 * h * h);
-        let determinant = uu * vv - uv * uv;
-        let step = [
-            (uv * q - vv * p) / determinant,
-            (uv * p - uu * q) / determinant,
-        ];
-        // a wall that is not smooth there, or no maximum
-        if !(determinant > 0.0 && uu < 0.0 && step[0].hypot(step[1]) < 1e-4) {
-            return start;
+        // the main directions of the bend, that of the larger one first
+        let (mean, aside) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
+        let angle = 0.5 * (2.0 * uv).atan2(uu - vv);
+        let (sin, cos) = angle.sin_cos();
+        let mut step = [0.0; 2];
+        for (bend, e) in [(mean + aside, [cos, sin]), (mean - aside, [-sin, cos])] {
+            let along = e[0] * p + e[1] * q;
+            let newton = -along / bend;
+            let by = if bend < 0.0 && newton.abs() < longest {
+                newton
+            } else {
+                longest.copysign(along)
+            };
+            step = [step[0] + by * e[0], step[1] + by * e[1]];
         }
-        w = unit(add(w, add(scale(step[0], u), scale(step[1], v))));
+        // differences of so wide a step do not tell a smaller bend from none
+        let is_maximum = mean + aside < 1e-5 * (mean - aside);
+        if is_maximum && step[0].hypot(step[1]) < 1e-8 {
+            return Some(turned(step[0], step[1]));
+        }
+        let next = turned(step[0], step[1]);
+        // rounding of the depth
+        if depth(next) > here - 1e-15 {
+            w = next;
+        } else {
+            longest *= 0.5;
+            if longest < 1e-10 {
+                return None;
+            }
+        }
     }
-    w
+    None
 }
 
 fn contacts(g: &Grain, surface: &Surface) -> Vec<Contact> {
