@@ -27,7 +27,7 @@
 //! ```
 
 use super::convex_body::{ConvexBody, SquaredSupport};
-use super::ellipsoid::Ellipsoid;
+use super::ellipsoid::{Ellipsoid, LARGEST_ASPECT_RATIO};
 use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
@@ -93,6 +93,8 @@ pub struct ConeContact {
 /// quarter of a radian. Where a slender body is seen from its side, this is a stride of the inverse of its aspect ratio.
 const LONGEST_STRIDE: f64 = 0.1;
 const LARGEST_CHANGE: f64 = 0.25;
+/// No body is more slender than this asks for; rounding may make one seem so.
+const SHORTEST_STRIDE: f64 = LARGEST_CHANGE / LARGEST_ASPECT_RATIO;
 /// How often an interval is halved in which the cubic has more than one zero. Two maxima that are nearer to each other than what is left, a
 /// 64th of it, are taken as one: the depth between them is less by the fourth power of that, some 2e-10 of the support function.
 const MOST_HALVINGS: usize = 6;
@@ -186,6 +188,13 @@ impl<T: Real> DepthInCone<T> {
         cos.multiply_add(first, sin.multiply_add(second, self.k))
     }
 
+    /// The square of the speed of the vector whose length is the support function, with the angle.
+    #[inline(always)]
+    fn speed_squared(&self, cos: T, sin: T) -> T {
+        let both = self.uv * (cos * sin);
+        self.uu * (sin * sin) - (both + both) + self.vv * (cos * cos)
+    }
+
     /// How far the centre is from the tangent plane.
     #[inline(always)]
     pub fn height(&self, cos: T) -> T {
@@ -264,19 +273,29 @@ pub fn touch_cone(
     }
     // The first axis of the cross-section points to the body, where there is such a direction.
     let directions = Tangent::towards(offset, axis);
-    // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
-    // of the greatest separation is within a quarter turn of it.
+    // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction.
     let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
-    let search = Search::new(body, offset, cone, &directions, within);
-    if within {
-        let depth = DepthInCone::new(cone, body, (axis, directions), [distance, height]);
-        if depth.is_concave(body.extreme_semi_axes()) {
-            if let Some(u) = search.only_maximum(&depth, least_cosine) {
-                if search.value(u) > 0.0 {
-                    found(search.contact(u, cone));
-                }
-                return;
+    let side = if within { 1.0 } else { -1.0 };
+    let mut depth = DepthInCone::new(cone, body, (axis, directions), [distance, height]);
+    depth.across *= side;
+    let search = Search {
+        body,
+        offset,
+        axis,
+        basis: [directions.u, directions.v],
+        side,
+        c,
+        s,
+        at_point: c * cone.radius,
+        longest_bend: (depth.uu + depth.vv).sqrt(),
+        depth,
+    };
+    if within && depth.is_concave(body.extreme_semi_axes()) {
+        if let Some(u) = search.only_maximum(&depth, least_cosine) {
+            if search.value(u) > 0.0 {
+                found(search.contact(u, cone));
             }
+            return;
         }
     }
     let half = if within {
@@ -287,8 +306,12 @@ pub fn touch_cone(
             least_cosine
         };
         cosine.clamp(-1.0, 1.0).acos()
-    } else {
+    } else if cone.slope == 0.0 || c * distance >= reach - body.smallest_semi_axis() {
+        // The direction of the greatest separation is within a quarter turn of the body's own: in a cylinder the body reaches as far
+        // against a direction as along it, and else a body aside gains no more than its semi-axes differ.
         core::f64::consts::FRAC_PI_2
+    } else {
+        core::f64::consts::PI
     };
     let mut best: Option<(Vector3, f64)> = None;
     search.maxima(half, |angle| {
@@ -326,55 +349,25 @@ struct Search<'a> {
     s: f64,
     /// What the tangent planes are from the cone's point.
     at_point: f64,
-    /// The vector whose length is the support function is `on_basis[0] cos + on_basis[1] sin + on_axis`.
-    on_basis: [Vector3; 2],
-    on_axis: Vector3,
-    /// No second derivative of the vector is longer.
+    /// The function is this one from within, and minus this one, with the centre on the other side of the axis, from without. It is used
+    /// where maxima are told apart, and not for their places.
+    depth: DepthInCone<f64>,
+    /// No second derivative of the vector whose length is the support function is longer.
     longest_bend: f64,
-    /// Components of the centre, times `c`.
-    centre: [f64; 2],
 }
 
 /// What is known of an angle.
 #[derive(Clone, Copy)]
 struct Sample {
     angle: f64,
+    cos: f64,
+    sin: f64,
     /// First and second derivative of the function.
     first: f64,
     second: f64,
-    /// How far the next angle may be.
-    stride: f64,
 }
 
-impl<'a> Search<'a> {
-    fn new(
-        body: &'a Ellipsoid,
-        offset: Vector3,
-        cone: &Cone,
-        directions: &Tangent,
-        within: bool,
-    ) -> Self {
-        let (c, s) = cone.normal_components();
-        let scaled = |e: Vector3| body.semi_axes.componentwise(body.to_body(e));
-        let basis = [directions.u, directions.v];
-        let on_basis = basis.map(|e| scaled(e) * c);
-        let [p, q] = on_basis.map(|v| v.norm_squared());
-        Search {
-            body,
-            offset,
-            axis: cone.axis,
-            basis,
-            side: if within { 1.0 } else { -1.0 },
-            c,
-            s,
-            at_point: c * cone.radius,
-            on_basis,
-            on_axis: scaled(cone.axis) * s,
-            longest_bend: (p + q).sqrt(),
-            centre: basis.map(|e| c * e.dot(offset)),
-        }
-    }
-
+impl Search<'_> {
     fn direction(&self, angle: f64) -> Vector3 {
         let (sin, cos) = angle.sin_cos();
         self.basis[0] * cos + self.basis[1] * sin
@@ -392,38 +385,52 @@ impl<'a> Search<'a> {
         n.dot(self.offset) - self.at_point + self.side * scaled.norm()
     }
 
-    /// The slopes at an angle, to the digits that a search for a bracket needs.
-    fn sample(&self, angle: f64) -> Sample {
-        let (sin, cos) = angle.sin_cos();
-        let ([p, q], [x, y]) = (self.on_basis, self.centre);
-        let across = p * cos + q * sin;
-        let (vector, speed) = (across + self.on_axis, q * cos - p * sin);
-        let support = vector.norm();
-        let inverse = 1.0 / support;
-        // |v|'' = (v x v')^2/|v|^3 + v.v''/|v|, without the cancellation of (v'.v' |v|^2 - (v.v')^2)/|v|^3
-        let turn = vector.cross(speed).norm_squared() * inverse * inverse;
-        let bend = (turn - vector.dot(across)) * inverse;
-        // the root of |v'| t + |v''| t^2/2 = change
-        let change = LARGEST_CHANGE * support;
-        let pace = speed.norm();
-        let stride =
-            2.0 * change / (pace + (pace * pace + 2.0 * self.longest_bend * change).sqrt());
+    fn sample(&self, angle: f64, [cos, sin]: [f64; 2]) -> Sample {
+        let (first, second) = self.depth.slopes(cos, sin);
         Sample {
             angle,
-            first: y * cos - x * sin + self.side * vector.dot(speed) * inverse,
-            second: self.side * bend - x * cos - y * sin,
-            stride: stride.min(LONGEST_STRIDE),
+            cos,
+            sin,
+            first: self.side * first,
+            second: self.side * second,
         }
+    }
+
+    fn sample_at(&self, angle: f64) -> Sample {
+        let (sin, cos) = angle.sin_cos();
+        self.sample(angle, [cos, sin])
+    }
+
+    /// How far from an angle the next one may be. From without there is one maximum in a body that is not deep, and any stride shows it.
+    fn stride(&self, at: &Sample) -> f64 {
+        if self.side < 0.0 {
+            return LONGEST_STRIDE;
+        }
+        // the root of |v'| t + |v''| t^2/2 = change
+        let change = LARGEST_CHANGE * self.depth.support(at.cos, at.sin);
+        let speed_squared = self.depth.speed_squared(at.cos, at.sin).max(0.0);
+        let speeds = (speed_squared + 2.0 * self.longest_bend * change).sqrt();
+        let stride = 2.0 * change / (speed_squared.sqrt() + speeds);
+        stride.max(SHORTEST_STRIDE).min(LONGEST_STRIDE)
     }
 
     /// Calls `found` with every maximum between minus this angle and this one.
     fn maxima(&self, half: f64, mut found: impl FnMut(f64)) {
-        let first = self.sample(-half);
+        let first = self.sample_at(-half);
         let mut left = first;
         while left.angle < half {
-            let next = left.angle + left.stride;
+            let stride = self.stride(&left);
+            let next = left.angle + stride;
             let right = if next < half {
-                self.sample(next)
+                // Taylor's series, right to rounding up to the longest stride
+                let t = stride * stride;
+                let sin = stride * (1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0)));
+                let cos = 1.0 - t / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0)));
+                let turned = [
+                    left.cos * cos - left.sin * sin,
+                    left.sin * cos + left.cos * sin,
+                ];
+                self.sample(next, turned)
             } else if half == core::f64::consts::PI {
                 // The same direction, so that a maximum there lies on one side of it.
                 Sample {
@@ -431,7 +438,7 @@ impl<'a> Search<'a> {
                     ..first
                 }
             } else {
-                self.sample(half)
+                self.sample_at(half)
             };
             self.maxima_between([left, right], MOST_HALVINGS, &mut found);
             left = right;
@@ -455,7 +462,7 @@ impl<'a> Search<'a> {
         .map(|slope| slope > 0.0);
         let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
         if changes > 1 && halvings > 0 {
-            let middle = self.sample(0.5 * (left.angle + right.angle));
+            let middle = self.sample_at(0.5 * (left.angle + right.angle));
             self.maxima_between([left, middle], halvings - 1, found);
             self.maxima_between([middle, right], halvings - 1, found);
         } else if rises[0] && !rises[3] {

@@ -118,13 +118,12 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         stretch: cone.stretch(),
     };
     let mut caps = vec![];
-    // a rim, or the tip that it has become
-    let mut edges: Vec<Box<dyn Shape>> = vec![];
+    let mut edges = vec![];
     let mut end_in = |centre: Vector3, radius: f64, out: f64, surfaces: &[[f64; 2]]| {
         edges.push(if radius > 0.0 {
-            Box::new(Rim::new(centre, cone.axis, radius, surfaces))
+            Edge::Rim(Rim::new(centre, cone.axis, radius, surfaces))
         } else {
-            Box::new(Tip::new(centre, cone.axis * out, cone.slope.abs()))
+            Edge::Tip(Tip::new(centre, cone.axis * out, cone.slope.abs()))
         });
     };
     for (k, (bound, out)) in [(low, -1.0), (high, 1.0)].into_iter().enumerate() {
@@ -160,8 +159,40 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
     for cap in caps {
         parts.push(Box::new(cap));
     }
-    parts.append(&mut edges);
+    for edge in edges {
+        parts.push(match edge {
+            Edge::Rim(rim) => Box::new(rim),
+            Edge::Tip(tip) => Box::new(tip),
+        });
+    }
     Ok(())
+}
+
+/// What a side ends in: a rim, or the tip that it has become.
+#[derive(Debug)]
+enum Edge {
+    Rim(Rim),
+    Tip(Tip),
+}
+
+impl Edge {
+    /// Calls `found` with the depth of each place of the edge where the body is deepest or, with a depth below 0, nearest to it.
+    fn places(&self, grain: &Grain<'_>, mut found: impl FnMut(f64, &WallSurface)) {
+        match self {
+            Edge::Rim(rim) => {
+                // Where a body is apart from the edge, the nearest place may be beyond its reach, by less than the depth of a surface.
+                let reach = 1.5 * grain.body.bounding_radius();
+                rim.places(grain, reach, f64::INFINITY, |place| {
+                    found(place.depth, &rim.surface(grain, place));
+                });
+            }
+            Edge::Tip(tip) => {
+                if let Some((depth, surface)) = tip.place(grain) {
+                    found(depth, &surface);
+                }
+            }
+        }
+    }
 }
 
 /// A solid from without: a body touches it if it reaches behind all of its surfaces, and the one behind which it is least
@@ -170,7 +201,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
 struct ConvexSolid {
     side: ConeWall,
     caps: Vec<PlaneWall>,
-    edges: Vec<Box<dyn Shape>>,
+    edges: Vec<Edge>,
 }
 
 impl Shape for ConvexSolid {
@@ -204,21 +235,25 @@ impl Shape for ConvexSolid {
             return;
         }
         let mut least: Option<(f64, WallSurface)> = None;
-        let mut offer = |s: &WallSurface, _| {
-            let depth = depth_at(s.normal, s.point);
+        let mut offer = |s: &WallSurface, depth: f64| {
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
                 least = Some((depth, *s));
             }
         };
-        self.side.touch(grain, search, &mut offer);
+        let mut touches = |s: &WallSurface, _| offer(s, depth_at(s.normal, s.point));
+        self.side.touch(grain, search, &mut touches);
         for cap in &self.caps {
-            cap.touch(grain, search, &mut offer);
+            cap.touch(grain, search, &mut touches);
         }
         for edge in &self.edges {
-            edge.touch(grain, search, &mut offer);
+            edge.places(grain, |depth, s| {
+                shallowest = shallowest.min(depth);
+                offer(s, depth);
+            });
         }
-        // A body beside the rim may reach behind each surface by itself and be apart from the solid. Then the surface where it would be
-        // least deep has no contact, and a deeper one, such as that of the far end or of one that overhangs, is none either.
+        // A body beside the rim may reach behind each surface by itself and be apart from the solid, by a plane through the rim. Or the
+        // surface where it would be least deep has no contact, and a deeper one, such as that of the far end or of one that overhangs,
+        // is none either.
         if let Some((_, surface)) =
             least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
         {

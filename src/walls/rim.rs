@@ -50,31 +50,108 @@ impl Rim {
 }
 
 /// What a body does to the edge at one place.
-struct Place {
+pub(super) struct Place {
     normal: Vector3,
     point: Vector3,
     /// Along the radius, outwards.
     radial: Vector3,
     /// How deep the tangent is in the body; less than 0 beside it.
-    depth: f64,
+    pub depth: f64,
     /// How far ahead along the edge's tangent the body is deepest.
     ahead: f64,
 }
 
 impl Place {
-    /// Whether it is one in which the body is deepest, not a jump of the normal in the middle of the body, and the edge itself is in the
-    /// body. A body that is less thick than its tangent is deep may be apart from the edge.
-    fn is_contact(&self, body: &Ellipsoid) -> bool {
+    /// Whether the edge itself is in the body. One that is less thick than the tangent is deep may be apart from it.
+    fn is_in(&self, body: &Ellipsoid) -> bool {
         let seen = body
             .inverse_semi_axes
             .componentwise(body.to_body(self.point));
-        self.depth > 0.0
-            && self.ahead.abs() <= 1e-9 * body.bounding_radius()
-            && seen.norm_squared() < 1.0
+        seen.norm_squared() < 1.0
     }
 }
 
 impl Rim {
+    /// Calls `found` with each place within `reach` of the body in which it is deepest along the edge, or nearest to it where it is beside
+    /// the tangent, by no more than `gap`, if the normal points away from the surfaces.
+    pub(super) fn places(
+        &self,
+        grain: &Grain<'_>,
+        reach: f64,
+        gap: f64,
+        mut found: impl FnMut(&Place),
+    ) {
+        let Grain { body, centre, .. } = *grain;
+        let offset = centre - self.centre;
+        let x = offset - self.axis * self.axis.dot(offset);
+        let distance = x.norm();
+        let Tangent { u, v } = Tangent::towards(offset, self.axis);
+        let basis = [u, v];
+        // the arc of the edge within the body's reach
+        let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
+        let cosine = square / (2.0 * distance * self.radius);
+        let half = if cosine.is_nan() {
+            core::f64::consts::PI
+        } else {
+            cosine.clamp(-1.0, 1.0).acos()
+        };
+        let slenderness = reach / body.smallest_semi_axis();
+        let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
+        let step = 2.0 * half / count as f64;
+        let at = |k: usize| -half + (k as f64 - 0.5) * step;
+        let place = |angle: f64| self.place(body, offset, &basis, angle);
+        // Half a step beyond either end of the arc, or once around.
+        let is_whole = half == core::f64::consts::PI;
+        let steps = if is_whole { count } else { count + 1 };
+        let first = place(at(0));
+        let mut before = (first.ahead, first.depth);
+        for k in 1..=steps {
+            let here = if is_whole && k == steps {
+                (first.ahead, first.depth)
+            } else {
+                let here = place(at(k));
+                (here.ahead, here.depth)
+            };
+            // Behind a contact the body is deepest ahead, and beyond it behind. The depth changes with the angle by the way ahead at most,
+            // and that is less than two of the reach.
+            if before.1 > -gap - 2.0 * reach * step && before.0 > 0.0 && here.0 <= 0.0 {
+                let (mut low, mut high) = (at(k - 1), at(k));
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if place(middle).ahead > 0.0 {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let deepest = place(0.5 * (low + high));
+                let (out, along) = self.components(&deepest);
+                let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
+                // else the normal jumps there, in the middle of the body
+                let is_still = deepest.ahead.abs() <= 1e-9 * body.bounding_radius();
+                if is_still && self.surfaces.iter().all(outermost) {
+                    found(&deepest);
+                }
+            }
+            before = here;
+        }
+    }
+
+    /// Of the normal, along the radius and along the axis.
+    fn components(&self, place: &Place) -> (f64, f64) {
+        (place.normal.dot(place.radial), place.normal.dot(self.axis))
+    }
+
+    pub(super) fn surface(&self, grain: &Grain<'_>, place: &Place) -> WallSurface {
+        let (out, _) = self.components(place);
+        WallSurface {
+            direction: self.axis.cross(place.radial),
+            curvatures: [out / self.radius, 0.0],
+            turning_radii: [self.radius / out, 0.0],
+            ..flat(grain.centre + place.point, place.normal)
+        }
+    }
+
     fn place(&self, body: &Ellipsoid, offset: Vector3, basis: &[Vector3; 2], angle: f64) -> Place {
         let (sin, cos) = angle.sin_cos();
         let radial = basis[0] * cos + basis[1] * sin;
@@ -116,62 +193,13 @@ impl Shape for Rim {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let Grain { body, centre, .. } = *grain;
         let ball = grain.ball();
-        if !self.may_touch(&ball) {
-            return;
-        }
-        let reach = ball.radius;
-        let offset = centre - self.centre;
-        let x = offset - self.axis * self.axis.dot(offset);
-        let distance = x.norm();
-        let Tangent { u, v } = Tangent::towards(offset, self.axis);
-        let basis = [u, v];
-        // the arc of the edge within the body's reach
-        let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
-        let cosine = square / (2.0 * distance * self.radius);
-        let half = if cosine.is_nan() {
-            core::f64::consts::PI
-        } else {
-            cosine.clamp(-1.0, 1.0).acos()
-        };
-        let slenderness = reach / body.smallest_semi_axis();
-        let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
-        let step = 2.0 * half / count as f64;
-        let at = |k: usize| -half + (k as f64 - 0.5) * step;
-        // Behind a contact the body is deepest ahead, and beyond it behind.
-        let place = |angle: f64| self.place(body, offset, &basis, angle);
-        let mut before = place(at(0));
-        for k in 1..=count + 1 {
-            let here = place(at(k));
-            // The depth changes with the angle by the way ahead at most, and that is less than two of the largest semi-axes.
-            let may_reach = before.depth > -2.0 * reach * step;
-            if may_reach && before.ahead > 0.0 && here.ahead <= 0.0 {
-                let (mut low, mut high) = (at(k - 1), at(k));
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if place(middle).ahead > 0.0 {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
+        if self.may_touch(&ball) {
+            self.places(grain, ball.radius, 0.0, |place| {
+                if place.depth > 0.0 && place.is_in(grain.body) {
+                    found(&self.surface(grain, place), 0);
                 }
-                let p = place(0.5 * (low + high));
-                if p.is_contact(body) {
-                    let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
-                    let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
-                    if self.surfaces.iter().all(outermost) {
-                        let surface = WallSurface {
-                            direction: self.axis.cross(p.radial),
-                            curvatures: [out / self.radius, 0.0],
-                            turning_radii: [self.radius / out, 0.0],
-                            ..flat(centre + p.point, p.normal)
-                        };
-                        found(&surface, 0);
-                    }
-                }
-            }
-            before = here;
+            });
         }
     }
 }

@@ -7,7 +7,7 @@
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
-use crate::geometry::interior_point::nearest_normal;
+use crate::geometry::interior_point::normal_towards;
 use crate::vector::Vector3;
 
 #[derive(Clone, Debug)]
@@ -30,6 +30,24 @@ impl Tip {
     fn is_far(&self, centre: Vector3, radius: f64) -> bool {
         (centre - self.point).norm_squared() >= radius * radius
     }
+
+    /// How deep it is in a body, less than 0 beside it, and the surface that it is to the body, if the normal points away from the side.
+    pub(super) fn place(&self, grain: &Grain<'_>) -> Option<(f64, WallSurface)> {
+        let Grain { body, centre, .. } = *grain;
+        let offset = self.point - centre;
+        let n = normal_towards(body.semi_axes.to_array(), body.to_body(offset).to_array());
+        let n = body.to_world(Vector3::from_array(n)).normalised();
+        let along = -n.dot(self.out);
+        let across = (n + self.out * along).norm();
+        let surface = WallSurface {
+            turning_radii: [0.0; 2],
+            ..flat(self.point, -n)
+        };
+        let depth = body.support(n).h - n.dot(offset);
+        // of all lines of the side the nearest to the normal
+        let is_away = across * self.slope <= along + TOLERANCE * (1.0 + self.slope);
+        is_away.then_some((depth, surface))
+    }
 }
 
 impl Shape for Tip {
@@ -46,20 +64,7 @@ impl Shape for Tip {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let Grain { body, centre, .. } = *grain;
-        let local = body.to_body(self.point - centre).to_array();
-        let Some(n) = nearest_normal(body.semi_axes.to_array(), local) else {
-            return;
-        };
-        let normal = -body.to_world(Vector3::from_array(n)).normalised();
-        let along = normal.dot(self.out);
-        let across = (normal - self.out * along).norm();
-        // of all lines of the side the nearest to the normal
-        if across * self.slope <= along + TOLERANCE * (1.0 + self.slope) {
-            let surface = WallSurface {
-                turning_radii: [0.0; 2],
-                ..flat(self.point, normal)
-            };
+        if let Some((_, surface)) = self.place(grain).filter(|(depth, _)| *depth > 0.0) {
             found(&surface, 0);
         }
     }

@@ -581,7 +581,9 @@ fn both_versions_faces_ends_edges_and_corners_push_as_the_energy_says() {
     for (wall, places) in cases() {
         let mut grains = vec![];
         for place in &places {
-            for aspect in [1.0, 3.0, 10.0, 30.0] {
+            // fixed ones, and random ones in between
+            let drawn: [f64; 4] = std::array::from_fn(|_| 30f64.powf(random.uniform()));
+            for aspect in [1.0, 3.0, 5.0, 10.0, 30.0].into_iter().chain(drawn) {
                 let (p, out) = place(&mut random);
                 grains.push(touching(aspect, p, out, &mut random));
             }

@@ -388,3 +388,29 @@ fn every_deepest_place_is_a_contact() {
         }
     }
 }
+
+/// Of a needle that lies nearly along a funnel both ends touch, the normals of which are a tenth of a radian apart. The shallower contact was
+/// once left out.
+#[test]
+fn a_needle_along_a_funnel_touches_with_both_ends() {
+    let place = Place {
+        surface: Surface::Cone { slope: 0.3 },
+        within: true,
+    };
+    let turn = [
+        0.190_295_924_531,
+        0.213_580_958_765,
+        0.485_950_244_756,
+        -0.825_846_834_940,
+    ];
+    let at = Vector::new(0.046_618_013_022, 0.773_920_571_624, -0.577_632_685_497);
+    let needle = body([0.25, 0.025, 0.05], at, rotation(turn));
+    let laws = laws(&["hertz 1e5 0.3"]);
+    for set in instruction_sets() {
+        let found = contacts(&mut wall_of(&place), &laws, &needle, set);
+        let depths: Vec<f64> = found.iter().map(|c| c.0).collect();
+        assert_eq!(depths.len(), 2, "{}: {depths:?}", set.name());
+        assert!((depths[0] - 9.892_256_685e-5).abs() < 1e-11, "{depths:?}");
+        assert!((depths[1] - 5.005_145_939e-5).abs() < 1e-11, "{depths:?}");
+    }
+}

@@ -14,17 +14,17 @@ use nalgebra::Matrix3;
 use std::f64::consts::{PI, TAU};
 
 /// A circle about z in which a surface ends.
-struct Edge {
-    height: f64,
-    radius: f64,
+pub struct Edge {
+    pub height: f64,
+    pub radius: f64,
     /// The surface's unit direction from the edge on, along radius and z.
-    inwards: [f64; 2],
+    pub inwards: [f64; 2],
 }
 
 /// What a body does to the edge's tangent at one place.
-struct Tangent {
+pub struct Tangent {
     /// How deep it is in the body, by its shortest way out.
-    depth: f64,
+    pub depth: f64,
     /// How far ahead along it the body reaches out on that way.
     ahead: f64,
     /// That way.
@@ -35,7 +35,7 @@ struct Tangent {
 }
 
 impl Edge {
-    fn at(&self, b: &Body, angle: f64) -> Tangent {
+    pub fn at(&self, b: &Body, angle: f64) -> Tangent {
         let (sin, cos) = angle.sin_cos();
         let radial = Vector::new(cos, sin, 0.0);
         let along = Vector::new(-sin, cos, 0.0);
@@ -84,10 +84,18 @@ impl Edge {
         let start = b.position[1].atan2(b.position[0]) - PI;
         let at = |k: usize| start + TAU * (k as f64 + 0.37) / count as f64;
         let mut found = vec![];
-        let mut before = self.at(b, at(0));
+        // not where the edge is out of reach
+        let ahead = |k: usize| {
+            let (sin, cos) = at(k).sin_cos();
+            let place = Vector::new(cos, sin, 0.0) * self.radius + Vector::z() * self.height;
+            let is_near = (place - Vector::from(b.position)).norm() < 1.1 * reach;
+            is_near.then(|| self.at(b, at(k)).ahead)
+        };
+        let mut before = ahead(0);
         for k in 1..=count {
-            let here = self.at(b, at(k));
-            if before.ahead > 0.0 && here.ahead <= 0.0 {
+            let here = ahead(k);
+            let is_between = before.is_some_and(|a| a > 0.0) && here.is_some_and(|a| a <= 0.0);
+            if is_between {
                 let is_behind = |angle: f64| self.at(b, angle).ahead > 0.0;
                 let (low, high) = bisected(at(k - 1), at(k), is_behind);
                 let place = self.at(b, 0.5 * (low + high));
@@ -96,7 +104,7 @@ impl Edge {
                     let [p, q] = [low - 1e-5, high + 1e-5].map(|angle| self.at(b, angle).ahead);
                     let m = -place.normal;
                     let over = m.dot(&place.radial) * self.inwards[0] + m.z * self.inwards[1];
-                    let is_clear = p - q > 2e-8 * self.radius
+                    let is_clear = p - q > 1e-6 * self.radius
                         && over.abs() > 1e-6
                         && place.depth > 1e-9
                         && place.inside < 1.0 - 1e-9;
