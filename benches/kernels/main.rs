@@ -25,7 +25,7 @@ use ellgran::list::{compute_pairs, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::tallies::Tallies;
 
-use cases::{Case, CASES};
+use cases::{Case, CASES, LATER};
 use clock::{since, Clock};
 use packing::{Random, APART, DENSE, TIME_STEP};
 use scene::{Rows, Scene};
@@ -168,7 +168,7 @@ fn laws_of(case: &Case) -> Laws {
 
 /// The whole list, by law and instruction set.
 fn laws(criterion: &mut Criterion, facts: &mut Vec<Fact>) {
-    for case in CASES {
+    for case in CASES.iter().chain(LATER) {
         let scene = LazyCell::new(|| Scene::new(case.semi_axes, DENSE, case.words().len()));
         let laws = laws_of(case);
         let mut group = criterion.benchmark_group(format!("pairs, {}", case.name));

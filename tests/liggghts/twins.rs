@@ -48,9 +48,12 @@ impl Run {
 }
 
 /// Runs of each engine whose means are compared: the first from the deck's start, the others from starts in which each grain is moved by up to
-/// [`MOVED`], less than what the engines themselves set apart until chaos begins.
+/// [`MOVED`].
 const RUNS: usize = 6;
-const MOVED: f64 = 1e-9;
+
+/// Distance in m that is more than what the engines set apart before chaos begins (8e-5 m at 0.08 s). With less, the runs of one engine
+/// would share their first contacts, and scatter less than runs of two engines do.
+const MOVED: f64 = 1e-4;
 
 /// A difference of two means counts from so many of its standard errors on: with ten degrees of freedom, one comparison in a thousand.
 const STANDARD_ERRORS: f64 = 4.5;
@@ -183,9 +186,9 @@ fn the_drum_of_both_engines() {
     assert!(at(&apart, 1500) < 1e-7 && at(&apart, 2000) < 3e-6);
     // Means over 0.3 s in which 63 grains slide back once.
     for (what, names, scatter) in [
-        ("torque", ["f_drum[17]", "drum[4]"], 0.08),
-        ("y", ["c_y", "y"], 0.02),
-        ("z", ["c_z", "z"], 0.02),
+        ("torque", ["f_drum[17]", "drum[4]"], 0.1),
+        ("y", ["c_y", "y"], 0.05),
+        ("z", ["c_z", "z"], 0.05),
     ] {
         let means = [0, 1].map(|k| {
             let means = runs[k].iter().map(|run| run.mean(names[k], 10_000.0));
@@ -207,7 +210,7 @@ fn the_hopper_of_both_engines() {
         let rates = runs[k].iter().map(|run| rate_of_discharge(run, name));
         rates.collect()
     });
-    agree("grains a second", rates, 0.06);
+    agree("grains a second", rates, 0.08);
 }
 
 /// Grains a second between a tenth and three quarters of them.
