@@ -308,8 +308,9 @@ pub fn touch_cone(
         cosine.clamp(-1.0, 1.0).acos()
     } else if cone.slope == 0.0 || c * distance >= reach - body.smallest_semi_axis() {
         // The direction of the greatest separation is within a quarter turn of the body's own: in a cylinder the body reaches as far
-        // against a direction as along it, and else a body aside gains no more than its semi-axes differ.
-        core::f64::consts::FRAC_PI_2
+        // against a direction as along it, and else a body aside gains no more than its semi-axes differ. A little more, so that a
+        // maximum there has two sides: all around the axis it has one at either end.
+        core::f64::consts::FRAC_PI_2 + 1e-6
     } else {
         core::f64::consts::PI
     };

@@ -9,7 +9,7 @@ use super::shape::{
 use super::tip::Tip;
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
-use crate::geometry::cone::{touch_cone, Cone};
+use crate::geometry::cone::{touch_cone, Cone, ConeContact};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::message::Number;
 use crate::vector::Vector3;
@@ -227,21 +227,24 @@ impl Shape for ConvexSolid {
             return;
         }
         let mut is_behind_side = false;
-        touch_cone(body, centre, &self.side.surface.cone, false, |c| {
-            is_behind_side = true;
-            shallowest = shallowest.min(depth_at(c.normal, c.point));
-        });
-        if !is_behind_side {
-            return;
-        }
         let mut least: Option<(f64, WallSurface)> = None;
         let mut offer = |s: &WallSurface, depth: f64| {
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
                 least = Some((depth, *s));
             }
         };
+        touch_cone(body, centre, &self.side.surface.cone, false, |c| {
+            is_behind_side = true;
+            let depth = depth_at(c.normal, c.point);
+            shallowest = shallowest.min(depth);
+            if let Some(surface) = self.side.surface_at(&c, false) {
+                offer(&surface, depth);
+            }
+        });
+        if !is_behind_side {
+            return;
+        }
         let mut touches = |s: &WallSurface, _| offer(s, depth_at(s.normal, s.point));
-        self.side.touch(grain, search, &mut touches);
         for cap in &self.caps {
             cap.touch(grain, search, &mut touches);
         }
@@ -259,6 +262,24 @@ impl Shape for ConvexSolid {
         {
             found(&surface, 0);
         }
+    }
+}
+
+impl ConeWall {
+    /// The surface at a contact of the cone, if the side reaches there.
+    fn surface_at(&self, c: &ConeContact, within: bool) -> Option<WallSurface> {
+        let ConeSide { cone, bounds, .. } = &self.surface;
+        let is_there = bounds[0] <= c.along && c.along <= bounds[1] && c.curvature_radius > 0.0;
+        let signed = if within {
+            -c.curvature_radius
+        } else {
+            c.curvature_radius
+        };
+        is_there.then(|| WallSurface {
+            curvatures: [1.0 / signed, 0.0],
+            turning_radii: [signed, f64::INFINITY],
+            ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
+        })
     }
 }
 
@@ -320,21 +341,10 @@ impl Shape for ConeWall {
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        let ConeSide { cone, bounds, side } = &self.surface;
+        let ConeSide { cone, side, .. } = &self.surface;
         let within = side.is_within(|| cone.has_within(centre));
         touch_cone(body, centre, cone, within, |c| {
-            let on_surface = bounds[0] <= c.along && c.along <= bounds[1];
-            if on_surface && c.curvature_radius > 0.0 {
-                let signed = if within {
-                    -c.curvature_radius
-                } else {
-                    c.curvature_radius
-                };
-                let surface = WallSurface {
-                    curvatures: [1.0 / signed, 0.0],
-                    turning_radii: [signed, f64::INFINITY],
-                    ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
-                };
+            if let Some(surface) = self.surface_at(&c, within) {
                 found(&surface, 0);
             }
         });

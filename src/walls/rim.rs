@@ -90,10 +90,13 @@ impl Rim {
         // the arc of the edge within the body's reach
         let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
         let cosine = square / (2.0 * distance * self.radius);
+        if cosine >= 1.0 {
+            return;
+        }
         let half = if cosine.is_nan() {
             core::f64::consts::PI
         } else {
-            cosine.clamp(-1.0, 1.0).acos()
+            cosine.max(-1.0).acos()
         };
         let slenderness = reach / body.smallest_semi_axis();
         let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
