@@ -14,6 +14,7 @@
 #include "contact_models.h"
 #include "error.h"
 #include "ellgran_shape.h"
+#include "fix_contact_history_ellgran.h"
 #include "fix_ellgran_restart_format.h"
 #include "fix_nve_ellipsoid.h"
 #include "fix_wall_gran.h"
@@ -95,6 +96,17 @@ bool EllgranContact::any_has_friction()
   return false;
 }
 
+void EllgranContact::write_kept_histories(LAMMPS *lmp)
+{
+  for (Table::iterator entry = table().begin(); entry != table().end(); ++entry) {
+    EllgranContact *const contact = entry->second;
+    if (contact->lmp != lmp || !contact->keeps_histories_of) continue;
+    const EllgranNeighbourList neighbours = contact->neighbour_list(contact->keeps_histories_of);
+    contact->keeps_histories_of = NULL;
+    contact->check(ellgran_write_history(contact->workspace, &neighbours));
+  }
+}
+
 EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     owner(NULL),
     staged(NULL),
@@ -116,6 +128,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     poissons_ratio(NULL),
     list_laws(NULL),
     workspace(NULL),
+    keeps_histories_of(NULL),
     warned_of_created_energy(false),
     lists_before(-1)
 {
@@ -438,24 +451,44 @@ const EllgranLaws *EllgranContact::laws_with_friction()
   return list_laws;
 }
 
-bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addflag)
+bool EllgranContact::takes_list(PairGran *pair, int vflag, int addflag) const
 {
-  const Atom *const atom = lmp->atom;
-  NeighList *const list = pair->list;
-  // a step of LIGGGHTS' own loop changes the histories
-  const int64_t lists_last = lists_before;
-  lists_before = -1;
   // Virial, stored contact forces, compute pair/gran/local and the like are told of each contact by LIGGGHTS' own loop.
   if (vflag || !pair->computeflag() || (pair->cpl() && addflag)) return false;
   if (pair->storeContactForces() || pair->storeContactForcesStress() || pair->storeSumDelta()) return false;
   if (pair->store_sum_normal_force()) return false;
   if (lmp->modify->n_fixes_style("insert/stream/predefined")) return false;
-  const bool masses = ellgran_laws_uses_mass(laws) == 1;
   // there the mass of a body counts, not that of its particle
+  const bool masses = ellgran_laws_uses_mass(laws) == 1;
   if (masses && (lmp->modify->n_fixes_style("rigid") || lmp->modify->n_fixes_style("multisphere"))) return false;
   // another fix keeps numbers of its own with each contact
-  if (!pair->listgranhistory || pair->dnum() != ellgran_laws_history_length(laws)) return false;
+  return pair->listgranhistory && pair->dnum() == ellgran_laws_history_length(laws);
+}
 
+EllgranNeighbourList EllgranContact::neighbour_list(PairGran *pair) const
+{
+  EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
+  neighbours.count = pair->list->inum;
+  neighbours.central = pair->list->ilist;
+  neighbours.neighbour_counts = pair->list->numneigh;
+  neighbours.neighbours = pair->list->firstneigh;
+  neighbours.index_mask = NEIGHMASK;
+  neighbours.touching = pair->listgranhistory->firstneigh;
+  neighbours.history = pair->listgranhistory->firstdouble;
+  neighbours.newton = lmp->force->newton_pair;
+  return neighbours;
+}
+
+bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addflag)
+{
+  const Atom *const atom = lmp->atom;
+  // a step of LIGGGHTS' own loop changes the histories
+  const int64_t lists_last = lists_before;
+  lists_before = -1;
+  if (!takes_list(pair, vflag, addflag)) {
+    write_kept_histories(lmp);
+    return false;
+  }
   if (eflag)
     pair->ev_setup(eflag, vflag);
   else
@@ -466,7 +499,7 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   const bool seen = list_laws && !lmp->update->setupflag && lmp->neighbor->ago > 0 && lmp->neighbor->ncalls == lists_last;
   if (!list_laws) build_list_laws();
   EllgranParticles all = particles();
-  if (masses) {
+  if (ellgran_laws_uses_mass(laws) == 1) {
     contact_masses.resize(all.count);
     for (int i = 0; i < all.count; i++) {
       contact_masses[i] = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
@@ -475,16 +508,12 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
     all.masses = all.contact_masses = &contact_masses[0];
   }
 
-  EllgranNeighbourList neighbours = ELLGRAN_INIT(EllgranNeighbourList);
-  neighbours.count = list->inum;
-  neighbours.central = list->ilist;
-  neighbours.neighbour_counts = list->numneigh;
-  neighbours.neighbours = list->firstneigh;
-  neighbours.index_mask = NEIGHMASK;
-  neighbours.touching = pair->listgranhistory->firstneigh;
-  neighbours.history = pair->listgranhistory->firstdouble;
-  neighbours.newton = lmp->force->newton_pair;
+  EllgranNeighbourList neighbours = neighbour_list(pair);
   neighbours.unchanged = seen;
+  // In a run the histories are asked for before LIGGGHTS reads them. Elsewhere a new list may come unannounced.
+  neighbours.keep_history =
+      lmp->update->whichflag == 1 && !lmp->update->setupflag && FixContactHistoryEllgran::may_keep(lmp);
+  keeps_histories_of = neighbours.keep_history ? pair : NULL;
 
   const EllgranStep now = step(pair->shearupdate());
   check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));

@@ -33,6 +33,8 @@ struct EllgranContact {
   static EllgranContact *of(const IContactHistorySetup *owner);
   // whether any contact model has tangential tfd
   static bool any_has_friction();
+  // brings LIGGGHTS' own histories of pairs up to date
+  static void write_kept_histories(LAMMPS_NS::LAMMPS *lmp);
 
   IContactHistorySetup *owner;
   EllgranStagedContact *staged;
@@ -101,6 +103,8 @@ private:
   EllgranContact &operator=(const EllgranContact &);
 
   void build_list_laws();
+  bool takes_list(LAMMPS_NS::PairGran *pair, int vflag, int addflag) const;
+  EllgranNeighbourList neighbour_list(LAMMPS_NS::PairGran *pair) const;
   void warn_of_created_energy();
 
   LAMMPS_NS::LAMMPS *lmp;
@@ -110,6 +114,7 @@ private:
   std::vector<double> shares;
   EllgranLaws *list_laws;  // with the coefficients of friction; NULL until they are needed
   EllgranWorkspace *workspace;
+  LAMMPS_NS::PairGran *keeps_histories_of;  // in the workspace, where they are newer than in LIGGGHTS' list; else NULL
   std::vector<EllgranContactReport> reports;
   std::vector<double> told_history;  // of a contact, as compute pair/gran/local reads it
   bool warned_of_created_energy;

@@ -20,6 +20,7 @@ SURFACE_MODEL(SURFACE_ELLIPSOID,ellipsoid,41)
 #include "ellgran_commands.h"
 #include "ellgran_contact.h"
 #include "error.h"
+#include "fix_contact_history_ellgran.h"
 #include "fix_wall_gran.h"
 #include "math_extra_liggghts_nonspherical.h"
 #include "neighbor.h"
@@ -49,6 +50,7 @@ public:
       normal_offset = hsetup->add_history_value("ellgran_normal_x", "1");
       hsetup->add_history_value("ellgran_normal_y", "1");
       hsetup->add_history_value("ellgran_normal_z", "1");
+      FixContactHistoryEllgran::add(lmp);
     }
     contact->surface_is_ellipsoid = true;
   }

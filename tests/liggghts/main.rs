@@ -26,6 +26,7 @@ mod elastic_collision;
 mod examples;
 mod golden_pairs;
 mod installer;
+mod kept_histories;
 mod local_output;
 mod make_auto;
 mod many_triangles;

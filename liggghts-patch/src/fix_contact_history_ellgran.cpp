@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+
+#include "fix_contact_history_ellgran.h"
+
+#include <cstring>
+
+#include "domain.h"
+#include "ellgran_contact.h"
+#include "modify.h"
+
+using namespace LAMMPS_NS;
+using LIGGGHTS::ContactModels::EllgranContact;
+
+namespace {
+
+const char ID[] = "ellgran_contact_history";
+
+// What reads the histories of pairs in the middle of a run. (Of the computes contact/atom/gran does, which refuses ellipsoids.)
+const char *const FIXES[] = {"heat/gran", "heat/gran/conduction", "multicontact/halfspace", "deform/check"};
+
+}
+
+FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
+
+int FixContactHistoryEllgran::setmask()
+{
+  return FixConst::PRE_EXCHANGE;
+}
+
+void FixContactHistoryEllgran::add(LAMMPS *lmp)
+{
+  if (!lmp->domain->box_exist || lmp->modify->find_fix(ID) >= 0) return;
+  char id[] = "ellgran_contact_history", group[] = "all", style[] = "contacthistory/ellgran";
+  char *words[] = {id, group, style};
+  lmp->modify->add_fix(3, words);
+}
+
+bool FixContactHistoryEllgran::may_keep(LAMMPS *lmp)
+{
+  Modify *const modify = lmp->modify;
+  const int ours = modify->find_fix(ID);
+  if (ours < 0 || ours > modify->find_fix("contacthistory")) return false;
+  for (int k = 0; k < modify->nfix; k++)
+    for (size_t r = 0; r < sizeof(FIXES) / sizeof(FIXES[0]); r++)
+      if (strcmp(modify->fix[k]->style, FIXES[r]) == 0) return false;
+  return true;
+}
+
+void FixContactHistoryEllgran::write()
+{
+  EllgranContact::write_kept_histories(lmp);
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/*
+ * When must the histories that the library keeps be in LIGGGHTS' own arrays? When neighbour lists are built anew, before fix
+ * contacthistory reads them, and when a run ends, since commands between runs read them too.
+ *
+ * Of all fixes LIGGGHTS calls those first whose style begins with contacthistory, in the order in which they were made. The surface model
+ * makes this one when the pair style is read, so that it stands before fix contacthistory, which is made when a run begins.
+ */
+
+#ifdef FIX_CLASS
+FixStyle(contacthistory/ellgran,FixContactHistoryEllgran)
+#else
+
+#ifndef LMP_FIX_CONTACT_HISTORY_ELLGRAN_H
+#define LMP_FIX_CONTACT_HISTORY_ELLGRAN_H
+
+#include "fix.h"
+
+namespace LAMMPS_NS {
+
+class FixContactHistoryEllgran : public Fix {
+ public:
+  FixContactHistoryEllgran(class LAMMPS *, int, char **);
+  virtual int setmask();
+  virtual void pre_exchange() { write(); }
+  virtual void post_run() { write(); }
+
+  // Makes the fix if it can be made and is not there. Call it when the pair style is read.
+  static void add(class LAMMPS *lmp);
+  // Whether histories may stay in the library: this fix comes before fix contacthistory, and nothing else reads them in a step.
+  static bool may_keep(class LAMMPS *lmp);
+
+ private:
+  void write();
+};
+
+}
+
+#endif
+#endif
