@@ -88,10 +88,10 @@ pub struct ConeContact {
 }
 
 /// Between two directions the search takes the slope of the depth for the cubic with the same ends and rises. The depth has two parts. That
-/// of the centre is a sine, of which the cubic is right to 3e-7 over the longest stride (its fourth power over 384). The body's is the length of
-/// a vector whose end runs along an ellipse: in a stride the vector changes by a quarter of its length at most, so that it turns by less than a
-/// quarter of a radian. Where a slender body is seen from its side, this is a stride of the inverse of its aspect ratio.
-const LONGEST_STRIDE: f64 = 0.1;
+/// of the centre is a sine, of which the cubic is right to 4e-6 over the longest stride (its fourth power over 384). The body's is the length of
+/// a vector whose end runs along an ellipse: in a stride the vector changes by a quarter of its length at most, so that it turns by less than
+/// about a quarter of a radian. Where a slender body is seen from its side, this is a stride of a quarter of the inverse of its aspect ratio.
+const LONGEST_STRIDE: f64 = 0.2;
 const LARGEST_CHANGE: f64 = 0.25;
 /// No body is more slender than this asks for; rounding may make one seem so.
 const SHORTEST_STRIDE: f64 = LARGEST_CHANGE / LARGEST_ASPECT_RATIO;
@@ -273,8 +273,6 @@ pub fn touch_cone(
     }
     // The first axis of the cross-section points to the body, where there is such a direction.
     let directions = Tangent::towards(offset, axis);
-    // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction.
-    let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
     let side = if within { 1.0 } else { -1.0 };
     let mut depth = DepthInCone::new(cone, body, (axis, directions), [distance, height]);
     depth.across *= side;
@@ -287,49 +285,15 @@ pub fn touch_cone(
         c,
         s,
         at_point: c * cone.radius,
-        longest_bend: (depth.uu + depth.vv).sqrt(),
         depth,
     };
-    if within && depth.is_concave(body.extreme_semi_axes()) {
-        if let Some(u) = search.only_maximum(&depth, least_cosine) {
-            if search.value(u) > 0.0 {
-                found(search.contact(u, cone));
-            }
-            return;
-        }
-    }
-    let half = if within {
-        // on the axis, of no size and no sign: all around
-        let cosine = if least_cosine.is_nan() {
-            -1.0
-        } else {
-            least_cosine
-        };
-        cosine.clamp(-1.0, 1.0).acos()
-    } else if cone.slope == 0.0 || c * distance >= reach - body.smallest_semi_axis() {
-        // The direction of the greatest separation is within a quarter turn of the body's own: in a cylinder the body reaches as far
-        // against a direction as along it, and else a body aside gains no more than its semi-axes differ. A little more, so that a
-        // maximum there has two sides: all around the axis it has one at either end.
-        core::f64::consts::FRAC_PI_2 + 1e-6
+    if within {
+        // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction.
+        let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
+        search.from_within(least_cosine, |u| found(search.contact(u, cone)));
     } else {
-        core::f64::consts::PI
-    };
-    let mut best: Option<(Vector3, f64)> = None;
-    search.maxima(half, |angle| {
-        let u = search.direction(angle);
-        let value = search.value(u);
-        if within {
-            if value > 0.0 {
-                found(search.contact(u, cone));
-            }
-        } else if best.is_none_or(|(_, v)| value > v) {
-            best = Some((u, value));
-        }
-    });
-    if !within {
-        // Where all directions are alike, by a sphere about a point of the axis, any one serves.
-        let (u, value) = best.unwrap_or((search.basis[0], search.value(search.basis[0])));
-        if value < 0.0 {
+        let u = search.from_without(c * distance);
+        if search.value(u) < 0.0 {
             found(search.contact(u, cone));
         }
     }
@@ -353,8 +317,6 @@ struct Search<'a> {
     /// The function is this one from within, and minus this one, with the centre on the other side of the axis, from without. It is used
     /// where maxima are told apart, and not for their places.
     depth: DepthInCone<f64>,
-    /// No second derivative of the vector whose length is the support function is longer.
-    longest_bend: f64,
 }
 
 /// What is known of an angle.
@@ -369,6 +331,61 @@ struct Sample {
 }
 
 impl Search<'_> {
+    /// Calls `found` with each direction, of a cosine with that of the centre that is at least so much, in which the depth has a maximum
+    /// above 0.
+    fn from_within(&self, least_cosine: f64, mut found: impl FnMut(Vector3)) {
+        if self.depth.is_concave(self.body.extreme_semi_axes()) {
+            if let Some(u) = self.only_maximum(&self.depth, least_cosine) {
+                if self.value(u) > 0.0 {
+                    found(u);
+                }
+                return;
+            }
+        }
+        // on the axis, of no size and no sign: all around
+        let cosine = if least_cosine.is_nan() {
+            -1.0
+        } else {
+            least_cosine
+        };
+        self.maxima(cosine.clamp(-1.0, 1.0).acos(), |angle| {
+            let u = self.direction(angle);
+            if self.value(u) > 0.0 {
+                found(u);
+            }
+        });
+    }
+
+    /// The direction of the greatest separation from the cone, `c` times the distance of the centre from the axis away.
+    fn from_without(&self, across: f64) -> Vector3 {
+        let [largest, smallest] = self.body.extreme_semi_axes();
+        let differ = largest - smallest;
+        // No direction gains more by the support function than the semi-axes differ, so that of the greatest separation has a cosine with
+        // that of the centre of at least 1 - differ/across. There the second derivative is negative, where it is `c (u.p - c t.H t -
+        // distance cos)` with the support point `p` and the Hessian `H`, as in `is_concave`: at most `largest + differ - across`.
+        if across > largest + differ {
+            let half = (1.0 - differ / across).acos();
+            return self.direction(self.maximum([-half, half], 0.0));
+        }
+        let half = if self.s == 0.0 || across >= differ {
+            // Within a quarter turn: in a cylinder the body reaches as far against a direction as along it. A little more, so that a maximum
+            // there has two sides: all around the axis it has one at either end.
+            core::f64::consts::FRAC_PI_2 + 1e-6
+        } else {
+            core::f64::consts::PI
+        };
+        let mut best: Option<(Vector3, f64)> = None;
+        self.maxima(half, |angle| {
+            let u = self.direction(angle);
+            let value = self.value(u);
+            if best.is_none_or(|(_, other)| value > other) {
+                best = Some((u, value));
+            }
+        });
+        // Where all directions are alike, by a sphere about a point of the axis, any one serves.
+        best.map_or(self.basis[0], |(u, _)| u)
+    }
+
     fn direction(&self, angle: f64) -> Vector3 {
         let (sin, cos) = angle.sin_cos();
         self.basis[0] * cos + self.basis[1] * sin
@@ -402,36 +419,48 @@ impl Search<'_> {
         self.sample(angle, [cos, sin])
     }
 
-    /// How far from an angle the next one may be. From without there is one maximum in a body that is not deep, and any stride shows it.
-    fn stride(&self, at: &Sample) -> f64 {
-        if self.side < 0.0 {
-            return LONGEST_STRIDE;
-        }
+    /// How far the next angle may be from one at which the vector whose length is the support function is so long, and changes so fast; its
+    /// second derivative is no longer than `bend`.
+    fn stride(support: f64, speed: f64, bend: f64) -> f64 {
         // the root of |v'| t + |v''| t^2/2 = change
-        let change = LARGEST_CHANGE * self.depth.support(at.cos, at.sin);
-        let speed_squared = self.depth.speed_squared(at.cos, at.sin).max(0.0);
-        let speeds = (speed_squared + 2.0 * self.longest_bend * change).sqrt();
-        let stride = 2.0 * change / (speed_squared.sqrt() + speeds);
+        let change = LARGEST_CHANGE * support;
+        let stride = 2.0 * change / (speed + (speed * speed + 2.0 * bend * change).sqrt());
+        // a root of less than nothing, by rounding, is not a number
         stride.max(SHORTEST_STRIDE).min(LONGEST_STRIDE)
     }
 
     /// Calls `found` with every maximum between minus this angle and this one.
     fn maxima(&self, half: f64, mut found: impl FnMut(f64)) {
+        let bend = (self.depth.uu + self.depth.vv).sqrt();
+        let [largest, smallest] = self.body.extreme_semi_axes();
+        // From without there is one maximum in a body that is not deep, and any stride shows it. Of a body that is not slender the
+        // shortest stride serves everywhere, which costs less than to ask for each.
+        let shortest = if self.side < 0.0 {
+            LONGEST_STRIDE
+        } else {
+            Self::stride(smallest, self.c * largest, bend)
+        };
+        let is_even = shortest > 0.5 * LONGEST_STRIDE;
+        let (turn_sin, turn_cos) = shortest.sin_cos();
         let first = self.sample_at(-half);
         let mut left = first;
         while left.angle < half {
-            let stride = self.stride(&left);
+            let Sample { cos, sin, .. } = left;
+            let stride = if is_even {
+                shortest
+            } else {
+                let speed = self.depth.speed_squared(cos, sin).max(0.0).sqrt();
+                Self::stride(self.depth.support(cos, sin), speed, bend)
+            };
             let next = left.angle + stride;
-            let right = if next < half {
-                // Taylor's series, right to rounding up to the longest stride
-                let t = stride * stride;
-                let sin = stride * (1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0)));
-                let cos = 1.0 - t / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0)));
+            let right = if next < half && is_even {
                 let turned = [
-                    left.cos * cos - left.sin * sin,
-                    left.sin * cos + left.cos * sin,
+                    cos * turn_cos - sin * turn_sin,
+                    sin * turn_cos + cos * turn_sin,
                 ];
                 self.sample(next, turned)
+            } else if next < half {
+                self.sample_at(next)
             } else if half == core::f64::consts::PI {
                 // The same direction, so that a maximum there lies on one side of it.
                 Sample {
@@ -467,7 +496,10 @@ impl Search<'_> {
             self.maxima_between([left, middle], halvings - 1, found);
             self.maxima_between([middle, right], halvings - 1, found);
         } else if rises[0] && !rises[3] {
-            found(self.maximum(&left, &right));
+            // from the zero of the chord of the slopes
+            let share = left.first / (left.first - right.first);
+            let start = left.angle + (right.angle - left.angle) * share;
+            found(self.maximum([left.angle, right.angle], start));
         }
     }
 
@@ -485,11 +517,9 @@ impl Search<'_> {
         )
     }
 
-    /// The maximum between two angles, at the first of which the function rises: Newton's method, and bisection where it leaves the bracket.
-    fn maximum(&self, left: &Sample, right: &Sample) -> f64 {
-        let (mut low, mut high) = (left.angle, right.angle);
-        // of the chord of the slopes
-        let mut angle = low + (high - low) * (left.first / (left.first - right.first));
+    /// The maximum between two angles, at the first of which the function rises: Newton's method from an angle, and bisection where it leaves
+    /// the bracket.
+    fn maximum(&self, [mut low, mut high]: [f64; 2], mut angle: f64) -> f64 {
         for _ in 0..60 {
             let (first, second) = self.slopes(self.direction(angle));
             if first > 0.0 {
