@@ -290,9 +290,9 @@ pub fn touch_cone(
     if within {
         // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction.
         let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
-        search.from_within(least_cosine, |u| found(search.contact(u, cone)));
+        search.deepest_within(least_cosine, |u| found(search.contact(u, cone)));
     } else {
-        let u = search.from_without(c * distance);
+        let u = search.nearest_without(c * distance);
         if search.value(u) < 0.0 {
             found(search.contact(u, cone));
         }
@@ -333,9 +333,9 @@ struct Sample {
 impl Search<'_> {
     /// Calls `found` with each direction, of a cosine with that of the centre that is at least so much, in which the depth has a maximum
     /// above 0.
-    fn from_within(&self, least_cosine: f64, mut found: impl FnMut(Vector3)) {
+    fn deepest_within(&self, least_cosine: f64, mut found: impl FnMut(Vector3)) {
         if self.depth.is_concave(self.body.extreme_semi_axes()) {
-            if let Some(u) = self.only_maximum(&self.depth, least_cosine) {
+            if let Some(u) = self.only_maximum(least_cosine) {
                 if self.value(u) > 0.0 {
                     found(u);
                 }
@@ -357,7 +357,7 @@ impl Search<'_> {
     }
 
     /// The direction of the greatest separation from the cone, `c` times the distance of the centre from the axis away.
-    fn from_without(&self, across: f64) -> Vector3 {
+    fn nearest_without(&self, across: f64) -> Vector3 {
         let [largest, smallest] = self.body.extreme_semi_axes();
         let differ = largest - smallest;
         // No direction gains more by the support function than the semi-axes differ, so that of the greatest separation has a cosine with
@@ -425,8 +425,12 @@ impl Search<'_> {
         // the root of |v'| t + |v''| t^2/2 = change
         let change = LARGEST_CHANGE * support;
         let stride = 2.0 * change / (speed + (speed * speed + 2.0 * bend * change).sqrt());
-        // a root of less than nothing, by rounding, is not a number
-        stride.max(SHORTEST_STRIDE).min(LONGEST_STRIDE)
+        // a length that rounding left no digits of makes it 0 or no number
+        if stride > SHORTEST_STRIDE {
+            stride.min(LONGEST_STRIDE)
+        } else {
+            SHORTEST_STRIDE
+        }
     }
 
     /// Calls `found` with every maximum between minus this angle and this one.
@@ -546,10 +550,10 @@ impl Search<'_> {
 
     /// The maximum of a depth that is concave in the directions whose cosine with that of the centre is at least so much, by Newton's
     /// method from that of the centre; `None` where it has not settled, or elsewhere.
-    fn only_maximum(&self, depth: &DepthInCone<f64>, least_cosine: f64) -> Option<Vector3> {
+    fn only_maximum(&self, least_cosine: f64) -> Option<Vector3> {
         let (mut cos, mut sin) = (1.0, 0.0);
         for _ in 0..MOST_STEPS {
-            let (second, change, turned) = depth.step(cos, sin);
+            let (second, change, turned) = self.depth.step(cos, sin);
             if !(second < 0.0 && change.abs() < LONGEST_STEP) {
                 return None;
             }
