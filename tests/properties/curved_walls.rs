@@ -343,10 +343,7 @@ pub fn are_same(found: &[(f64, Vector)], expected: &[(f64, Vector)]) -> bool {
 /// The scalar path, and the one that the machine would take.
 pub fn instruction_sets() -> [InstructionSet; 2] {
     let available = |set: &InstructionSet| set.is_available();
-    let best = InstructionSet::ALL
-        .into_iter()
-        .filter(available)
-        .next_back();
+    let best = InstructionSet::ALL.into_iter().rfind(available);
     [InstructionSet::Scalar, best.unwrap()]
 }
 
