@@ -27,7 +27,7 @@
 //! ```
 
 use super::convex_body::{ConvexBody, SquaredSupport};
-use super::ellipsoid::Ellipsoid;
+use super::ellipsoid::{Ellipsoid, LARGEST_ASPECT_RATIO};
 use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
@@ -87,11 +87,17 @@ pub struct ConeContact {
     pub along: f64,
 }
 
-/// Directions that are tried over the whole circle, and over the smallest arc. They have to tell maxima apart, not to find them: the depth's
-/// slope vanishes where a trigonometric polynomial of degree 4 does, at 8 angles at most, so there are 4 maxima at most, and a whole circle
-/// has 16 directions for each. Maxima that are nearer to each other than two directions are taken as one.
-const MOST_DIRECTIONS: usize = 64;
-const LEAST_DIRECTIONS: usize = 16;
+/// Between two directions the search takes the slope of the depth for the cubic with the same ends and rises. The depth has two parts. That
+/// of the centre is a sine, of which the cubic is right to 4e-6 over the longest stride (its fourth power over 384). The body's is the length of
+/// a vector whose end runs along an ellipse: in a stride the vector changes by a quarter of its length at most, so that it turns by less than
+/// about a quarter of a radian. Where a slender body is seen from its side, this is a stride of a quarter of the inverse of its aspect ratio.
+const LONGEST_STRIDE: f64 = 0.2;
+const LARGEST_CHANGE: f64 = 0.25;
+/// No body is more slender than this asks for; rounding may make one seem so.
+const SHORTEST_STRIDE: f64 = LARGEST_CHANGE / LARGEST_ASPECT_RATIO;
+/// How often an interval is halved in which the cubic has more than one zero. Two maxima that are nearer to each other than what is left, a
+/// 64th of it, are taken as one: the depth between them is less by the fourth power of that, some 2e-10 of the support function.
+const MOST_HALVINGS: usize = 6;
 
 /// Steps of Newton's method before the directions are tried, the longest of them, and the one that is the last, in radians. After a step of
 /// 1e-9 the error is of the order of its square, below rounding, and from 0.5 on each step squares the error: five reach 1e-9, and
@@ -166,11 +172,11 @@ impl<T: Real> DepthInCone<T> {
 
     /// What the axis must be farther from the tangent planes, for the depth to have one maximum in the directions in which the body may
     /// touch. The second derivative with the angle is `c (c t.H t - u.p - distance cos)` with the support point `p` and the Hessian
-    /// `H` of the support function, of which `t.H t <= a_max^2/a_min` and `-u.p <= |s| a_max`.
+    /// `H` of the support function, of which `t.H t <= a_max^2/a_min` and `-c u.p = s a.p - h < |s| a_max`.
     #[inline(always)]
     pub fn is_concave(&self, [largest, smallest]: [T; 2]) -> T::Mask {
-        let bend = largest * largest / smallest + largest * self.s.abs();
-        (bend * self.c).less(self.at_point - largest)
+        let bend = largest * largest / smallest * (self.c * self.c) + largest * self.s.abs();
+        bend.less(self.at_point - largest)
     }
 
     /// `Q` of an angle.
@@ -180,6 +186,13 @@ impl<T: Real> DepthInCone<T> {
         let both = (self.uv + self.uv).multiply_add(cos, self.bv + self.bv);
         let second = self.vv.multiply_add(sin, both);
         cos.multiply_add(first, sin.multiply_add(second, self.k))
+    }
+
+    /// The square of the speed of the vector whose length is the support function, with the angle.
+    #[inline(always)]
+    fn speed_squared(&self, cos: T, sin: T) -> T {
+        let both = self.uv * (cos * sin);
+        self.uu * (sin * sin) - (both + both) + self.vv * (cos * cos)
     }
 
     /// How far the centre is from the tangent plane.
@@ -259,73 +272,28 @@ pub fn touch_cone(
         return;
     }
     // The first axis of the cross-section points to the body, where there is such a direction.
-    let Tangent { u, v } = Tangent::towards(offset, axis);
+    let directions = Tangent::towards(offset, axis);
+    let side = if within { 1.0 } else { -1.0 };
+    let mut depth = DepthInCone::new(cone, body, (axis, directions), [distance, height]);
+    depth.across *= side;
     let search = Search {
         body,
         offset,
         axis,
-        basis: [u, v],
-        side: if within { 1.0 } else { -1.0 },
+        basis: [directions.u, directions.v],
+        side,
         c,
         s,
         at_point: c * cone.radius,
+        depth,
     };
-    // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction. From without, the direction
-    // of the greatest separation is within a quarter turn of it.
-    let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
     if within {
-        let directions = (axis, Tangent { u, v });
-        let depth = DepthInCone::new(cone, body, directions, [distance, height]);
-        if depth.is_concave(body.extreme_semi_axes()) {
-            if let Some(u) = search.only_maximum(&depth, least_cosine) {
-                if search.value(u) > 0.0 {
-                    found(search.contact(u, cone));
-                }
-                return;
-            }
-        }
-    }
-    let half = if within {
-        // on the axis, of no size and no sign: all around
-        let cosine = if least_cosine.is_nan() {
-            -1.0
-        } else {
-            least_cosine
-        };
-        cosine.clamp(-1.0, 1.0).acos()
+        // Behind the tangent plane c u.x + s z + reach > c R: an arc about the body's own direction.
+        let least_cosine = (c * cone.radius - s * height - reach) / (c * distance);
+        search.deepest_within(least_cosine, |u| found(search.contact(u, cone)));
     } else {
-        core::f64::consts::FRAC_PI_2
-    };
-    let share = half / core::f64::consts::PI;
-    let count = LEAST_DIRECTIONS + (share * (MOST_DIRECTIONS - LEAST_DIRECTIONS) as f64) as usize;
-    let step = 2.0 * half / count as f64;
-    let mut values = [0.0; MOST_DIRECTIONS + 2];
-    // One more at either end, so that each place has two neighbours.
-    search.sample(-half - 0.5 * step, step, &mut values[..count + 2]);
-    let mut best: Option<(Vector3, f64)> = None;
-    for k in 1..=count {
-        // Of two equals the later.
-        if !(values[k] >= values[k - 1] && values[k] > values[k + 1]) {
-            continue;
-        }
-        // the top of the parabola through the three
-        let [before, at, after] = [values[k - 1], values[k], values[k + 1]];
-        let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
-        let angle = search.maximum(-half + (k as f64 - 0.5) * step, aside * step, step);
-        let u = search.direction(angle);
-        let value = search.value(u);
-        if within {
-            if value > 0.0 {
-                found(search.contact(u, cone));
-            }
-        } else if best.is_none_or(|(_, v)| value > v) {
-            best = Some((u, value));
-        }
-    }
-    if !within {
-        // Where all directions are alike, by a sphere about a point of the axis, any one serves.
-        let (u, value) = best.unwrap_or((search.basis[0], search.value(search.basis[0])));
-        if value < 0.0 {
+        let u = search.nearest_without(c * distance);
+        if search.value(u) < 0.0 {
             found(search.contact(u, cone));
         }
     }
@@ -346,9 +314,78 @@ struct Search<'a> {
     s: f64,
     /// What the tangent planes are from the cone's point.
     at_point: f64,
+    /// The function is this one from within, and minus this one, with the centre on the other side of the axis, from without. It is used
+    /// where maxima are told apart, and not for their places.
+    depth: DepthInCone<f64>,
+}
+
+/// What is known of an angle.
+#[derive(Clone, Copy)]
+struct Sample {
+    angle: f64,
+    cos: f64,
+    sin: f64,
+    /// First and second derivative of the function.
+    first: f64,
+    second: f64,
 }
 
 impl Search<'_> {
+    /// Calls `found` with each direction, of a cosine with that of the centre that is at least so much, in which the depth has a maximum
+    /// above 0.
+    fn deepest_within(&self, least_cosine: f64, mut found: impl FnMut(Vector3)) {
+        if self.depth.is_concave(self.body.extreme_semi_axes()) {
+            if let Some(u) = self.only_maximum(least_cosine) {
+                if self.value(u) > 0.0 {
+                    found(u);
+                }
+                return;
+            }
+        }
+        // on the axis, of no size and no sign: all around
+        let cosine = if least_cosine.is_nan() {
+            -1.0
+        } else {
+            least_cosine
+        };
+        self.maxima(cosine.clamp(-1.0, 1.0).acos(), |angle| {
+            let u = self.direction(angle);
+            if self.value(u) > 0.0 {
+                found(u);
+            }
+        });
+    }
+
+    /// The direction of the greatest separation from the cone, `c` times the distance of the centre from the axis away.
+    fn nearest_without(&self, across: f64) -> Vector3 {
+        let [largest, smallest] = self.body.extreme_semi_axes();
+        let differ = largest - smallest;
+        // No direction gains more by the support function than the semi-axes differ, so that of the greatest separation has a cosine with
+        // that of the centre of at least 1 - differ/across. There the second derivative is negative, where it is `c (u.p - c t.H t -
+        // distance cos)` with the support point `p` and the Hessian `H`, as in `is_concave`: at most `largest + differ - across`.
+        if across > largest + differ {
+            let half = (1.0 - differ / across).acos();
+            return self.direction(self.maximum([-half, half], 0.0));
+        }
+        let half = if self.s == 0.0 || across >= differ {
+            // Within a quarter turn: in a cylinder the body reaches as far against a direction as along it. A little more, so that a maximum
+            // there has two sides: all around the axis it has one at either end.
+            core::f64::consts::FRAC_PI_2 + 1e-6
+        } else {
+            core::f64::consts::PI
+        };
+        let mut best: Option<(Vector3, f64)> = None;
+        self.maxima(half, |angle| {
+            let u = self.direction(angle);
+            let value = self.value(u);
+            if best.is_none_or(|(_, other)| value > other) {
+                best = Some((u, value));
+            }
+        });
+        // Where all directions are alike, by a sphere about a point of the axis, any one serves.
+        best.map_or(self.basis[0], |(u, _)| u)
+    }
+
     fn direction(&self, angle: f64) -> Vector3 {
         let (sin, cos) = angle.sin_cos();
         self.basis[0] * cos + self.basis[1] * sin
@@ -366,23 +403,107 @@ impl Search<'_> {
         n.dot(self.offset) - self.at_point + self.side * scaled.norm()
     }
 
-    /// `value` at equal steps from an angle on, to the digits that a search for a bracket needs.
-    fn sample(&self, start: f64, step: f64, values: &mut [f64]) {
-        let scaled = |e: Vector3| self.body.semi_axes.componentwise(self.body.to_body(e));
-        let [p, q] = self.basis.map(|e| scaled(e) * self.c);
-        let r = scaled(self.axis) * self.s;
-        let [along_p, along_q] = self.basis.map(|e| self.c * e.dot(self.offset));
-        let along = self.s * self.axis.dot(self.offset) - self.at_point;
-        let [pp, pq, qq] = [p.norm_squared(), 2.0 * p.dot(q), q.norm_squared()];
-        let [pr, qr, rr] = [2.0 * p.dot(r), 2.0 * q.dot(r), r.norm_squared()];
-        let ((mut sin, mut cos), (step_sin, step_cos)) = (start.sin_cos(), step.sin_cos());
-        for value in values {
-            let square = cos * (cos * pp + sin * pq + pr) + sin * (sin * qq + qr) + rr;
-            *value = cos * along_p + sin * along_q + along + self.side * square.max(0.0).sqrt();
-            (sin, cos) = (
-                sin * step_cos + cos * step_sin,
-                cos * step_cos - sin * step_sin,
-            );
+    fn sample(&self, angle: f64, [cos, sin]: [f64; 2]) -> Sample {
+        let (first, second) = self.depth.slopes(cos, sin);
+        Sample {
+            angle,
+            cos,
+            sin,
+            first: self.side * first,
+            second: self.side * second,
+        }
+    }
+
+    fn sample_at(&self, angle: f64) -> Sample {
+        let (sin, cos) = angle.sin_cos();
+        self.sample(angle, [cos, sin])
+    }
+
+    /// How far the next angle may be from one at which the vector whose length is the support function is so long, and changes so fast; its
+    /// second derivative is no longer than `bend`.
+    fn stride(support: f64, speed: f64, bend: f64) -> f64 {
+        // the root of |v'| t + |v''| t^2/2 = change
+        let change = LARGEST_CHANGE * support;
+        let stride = 2.0 * change / (speed + (speed * speed + 2.0 * bend * change).sqrt());
+        // a length that rounding left no digits of makes it 0 or no number
+        if stride > SHORTEST_STRIDE {
+            stride.min(LONGEST_STRIDE)
+        } else {
+            SHORTEST_STRIDE
+        }
+    }
+
+    /// Calls `found` with every maximum between minus this angle and this one.
+    fn maxima(&self, half: f64, mut found: impl FnMut(f64)) {
+        let bend = (self.depth.uu + self.depth.vv).sqrt();
+        let [largest, smallest] = self.body.extreme_semi_axes();
+        // From without there is one maximum in a body that is not deep, and any stride shows it. Of a body that is not slender the
+        // shortest stride serves everywhere, which costs less than to ask for each.
+        let shortest = if self.side < 0.0 {
+            LONGEST_STRIDE
+        } else {
+            Self::stride(smallest, self.c * largest, bend)
+        };
+        let is_even = shortest > 0.5 * LONGEST_STRIDE;
+        let (turn_sin, turn_cos) = shortest.sin_cos();
+        let first = self.sample_at(-half);
+        let mut left = first;
+        while left.angle < half {
+            let Sample { cos, sin, .. } = left;
+            let stride = if is_even {
+                shortest
+            } else {
+                let speed = self.depth.speed_squared(cos, sin).max(0.0).sqrt();
+                Self::stride(self.depth.support(cos, sin), speed, bend)
+            };
+            let next = left.angle + stride;
+            let right = if next < half && is_even {
+                let turned = [
+                    cos * turn_cos - sin * turn_sin,
+                    sin * turn_cos + cos * turn_sin,
+                ];
+                self.sample(next, turned)
+            } else if next < half {
+                self.sample_at(next)
+            } else if half == core::f64::consts::PI {
+                // The same direction, so that a maximum there lies on one side of it.
+                Sample {
+                    angle: half,
+                    ..first
+                }
+            } else {
+                self.sample_at(half)
+            };
+            self.maxima_between([left, right], MOST_HALVINGS, &mut found);
+            left = right;
+        }
+    }
+
+    /// The maxima of an interval. A cubic has at most as many zeros as its control points change their sign (Bernstein's form).
+    fn maxima_between(
+        &self,
+        [left, right]: [Sample; 2],
+        halvings: usize,
+        found: &mut impl FnMut(f64),
+    ) {
+        let third = (right.angle - left.angle) / 3.0;
+        let rises = [
+            left.first,
+            left.first + third * left.second,
+            right.first - third * right.second,
+            right.first,
+        ]
+        .map(|slope| slope > 0.0);
+        let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        if changes > 1 && halvings > 0 {
+            let middle = self.sample_at(0.5 * (left.angle + right.angle));
+            self.maxima_between([left, middle], halvings - 1, found);
+            self.maxima_between([middle, right], halvings - 1, found);
+        } else if rises[0] && !rises[3] {
+            // from the zero of the chord of the slopes
+            let share = left.first / (left.first - right.first);
+            let start = left.angle + (right.angle - left.angle) * share;
+            found(self.maximum([left.angle, right.angle], start));
         }
     }
 
@@ -400,11 +521,9 @@ impl Search<'_> {
         )
     }
 
-    /// The maximum within a step of an angle, perhaps so far aside of it: Newton's method, and bisection where it leaves the
-    /// bracket.
-    fn maximum(&self, start: f64, aside: f64, step: f64) -> f64 {
-        let (mut low, mut high) = (start - step, start + step);
-        let mut angle = start + aside;
+    /// The maximum between two angles, at the first of which the function rises: Newton's method from an angle, and bisection where it leaves
+    /// the bracket.
+    fn maximum(&self, [mut low, mut high]: [f64; 2], mut angle: f64) -> f64 {
         for _ in 0..60 {
             let (first, second) = self.slopes(self.direction(angle));
             if first > 0.0 {
@@ -431,10 +550,10 @@ impl Search<'_> {
 
     /// The maximum of a depth that is concave in the directions whose cosine with that of the centre is at least so much, by Newton's
     /// method from that of the centre; `None` where it has not settled, or elsewhere.
-    fn only_maximum(&self, depth: &DepthInCone<f64>, least_cosine: f64) -> Option<Vector3> {
+    fn only_maximum(&self, least_cosine: f64) -> Option<Vector3> {
         let (mut cos, mut sin) = (1.0, 0.0);
         for _ in 0..MOST_STEPS {
-            let (second, change, turned) = depth.step(cos, sin);
+            let (second, change, turned) = self.depth.step(cos, sin);
             if !(second < 0.0 && change.abs() < LONGEST_STEP) {
                 return None;
             }

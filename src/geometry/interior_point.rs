@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A point inside an ellipsoid (or ellipse): the direction in which the surface is nearest.
+//! A point inside an ellipsoid (or ellipse), or outside of it: the direction in which the surface is nearest.
 
 /// Outward normal, not of unit length, of the surface point nearest to the interior point `y`, both along the principal
 /// axes; `semi_axes` > 0. `None` if the point is not inside.
+pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Option<[f64; N]> {
+    let inside: f64 = (0..N).map(|k| (y[k] / semi_axes[k]).powi(2)).sum();
+    (inside < 1.0).then(|| normal_towards(semi_axes, y))
+}
+
+/// The same for a point anywhere.
 ///
 /// The nearest point is `p_k = a_k^2 y_k/(t + a_k^2)` with `t` the largest root of `sum (a_k y_k/(t + a_k^2))^2 = 1`. The
 /// sum falls and is convex right of its last pole, so Newton's method from the left rises to the root.
-pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Option<[f64; N]> {
-    let inside: f64 = (0..N).map(|k| (y[k] / semi_axes[k]).powi(2)).sum();
-    if !(inside < 1.0) {
-        return None;
-    }
+pub fn normal_towards<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> [f64; N] {
     let least = semi_axes.iter().copied().fold(f64::INFINITY, f64::min);
     let is_least = |k: usize| semi_axes[k] == least;
     let along_least = (0..N)
@@ -47,9 +49,9 @@ pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Optio
                     normal[k] = y[k] / gap(k);
                 }
             }
-            let first = (0..N).find(|&k| is_least(k))?;
+            let first = (0..N).find(|&k| is_least(k)).unwrap_or(0);
             normal[first] = (1.0 - others).sqrt() / least;
-            return Some(normal);
+            return normal;
         }
         s = f64::MIN_POSITIVE.max(1e-14 * least * least);
     }
@@ -61,12 +63,12 @@ pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Optio
         }
         s += step;
     }
-    Some(core::array::from_fn(|k| y[k] / (s + gap(k))))
+    core::array::from_fn(|k| y[k] / (s + gap(k)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::nearest_normal;
+    use super::{nearest_normal, normal_towards};
 
     fn depth(a: [f64; 3], y: [f64; 3], n: [f64; 3]) -> f64 {
         let size = n.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -105,5 +107,29 @@ mod tests {
             assert!(found > least - 1e-3, "{y:?}: {found} against {least}");
         }
         assert!(nearest_normal(a, [0.0, 0.51, 0.0]).is_none());
+    }
+
+    /// From outside the nearest point is that of the plane which separates the most.
+    #[test]
+    fn from_outside_no_point_is_nearer() {
+        let a = [1.0, 0.5, 0.1];
+        for y in [
+            [0.3, 0.2, 0.15],
+            [1.1, 0.0, 0.0],
+            [20.0, 3.0, -1.0],
+            [0.0, 0.51, 0.0],
+            [0.0, 0.0, 0.1 + 1e-9],
+        ] {
+            let n = normal_towards(a, y);
+            let size = n.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let n = n.map(|c| c / size);
+            let h = (0..3).map(|k| (a[k] * n[k]).powi(2)).sum::<f64>().sqrt();
+            let away: [f64; 3] = core::array::from_fn(|k| y[k] - a[k] * a[k] * n[k] / h);
+            let distance = away.iter().map(|c| c * c).sum::<f64>().sqrt();
+            assert!(
+                (depth(a, y, n) + distance).abs() < 1e-14 * (1.0 + distance),
+                "{y:?}"
+            );
+        }
     }
 }

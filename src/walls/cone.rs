@@ -6,11 +6,13 @@ use super::rim::Rim;
 use super::shape::{
     Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
 };
+use super::tip::Tip;
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
-use crate::geometry::cone::{touch_cone, Cone};
+use crate::geometry::cone::{touch_cone, Cone, ConeContact};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 use crate::message::Number;
+use crate::vector::Vector3;
 
 #[derive(Clone, Copy, Debug)]
 struct ConeWall {
@@ -38,7 +40,15 @@ pub(super) fn add_cylinder(
             Number(radius)
         ));
     }
-    add(Cone::cylinder(p.point, p.axis, radius), p, parts)
+    let of_both_ends = ShapeParameters {
+        radii: [radius; 2],
+        ..*p
+    };
+    add(
+        Cone::cylinder(p.point, p.axis, radius),
+        &of_both_ends,
+        parts,
+    )
 }
 
 pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
@@ -83,6 +93,7 @@ fn require_order(name: &str, p: &ShapeParameters) -> Result<(), String> {
     ))
 }
 
+/// With the bounds from the cone's point, and the radii there.
 fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     for (bound, end) in p.bounds.iter().zip(p.ends) {
@@ -107,18 +118,22 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         stretch: cone.stretch(),
     };
     let mut caps = vec![];
-    let mut rims = vec![];
-    for (end, (bound, out)) in p.ends.iter().zip([(low, -1.0), (high, 1.0)]) {
+    let mut edges = vec![];
+    let mut end_in = |centre: Vector3, radius: f64, out: f64, surfaces: &[[f64; 2]]| {
+        edges.push(if radius > 0.0 {
+            Edge::Rim(Rim::new(centre, cone.axis, radius, surfaces))
+        } else {
+            Edge::Tip(Tip::new(centre, cone.axis * out, cone.slope.abs()))
+        });
+    };
+    for (k, (bound, out)) in [(low, -1.0), (high, 1.0)].into_iter().enumerate() {
         let centre = cone.point + cone.axis * bound;
-        let radius = cone.slope.mul_add(bound, cone.radius).max(0.0);
+        let radius = p.radii[k];
         // along the surface, from the end inwards, in the plane of axis and radius
         let inwards = [-out * cone.slope, -out];
-        match end {
+        match p.ends[k] {
             End::None => {}
-            End::Open if radius > 0.0 => {
-                rims.push(Rim::new(centre, cone.axis, radius, &[inwards]));
-            }
-            End::Open => {}
+            End::Open => end_in(centre, radius, out, &[inwards]),
             End::Closed if p.side == Side::Inside => {
                 // The plane goes on beyond the edge, which is concave.
                 caps.push(PlaneWall::disc(
@@ -132,25 +147,52 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
                 let both_sides = p.side == Side::OfCentre;
                 let normal = cone.axis * out;
                 caps.push(PlaneWall::disc(centre, normal, radius, both_sides));
-                if radius > 0.0 {
-                    let disc = [-1.0, 0.0];
-                    rims.push(Rim::new(centre, cone.axis, radius, &[inwards, disc]));
-                }
+                end_in(centre, radius, out, &[inwards, [-1.0, 0.0]]);
             }
         }
     }
     if p.side == Side::Outside && !caps.is_empty() {
-        parts.push(Box::new(ConvexSolid { side, caps, rims }));
+        parts.push(Box::new(ConvexSolid { side, caps, edges }));
         return Ok(());
     }
     parts.push(Box::new(side));
     for cap in caps {
         parts.push(Box::new(cap));
     }
-    for rim in rims {
-        parts.push(Box::new(rim));
+    for edge in edges {
+        parts.push(match edge {
+            Edge::Rim(rim) => Box::new(rim),
+            Edge::Tip(tip) => Box::new(tip),
+        });
     }
     Ok(())
+}
+
+/// What a side ends in: a rim, or the tip that it has become.
+#[derive(Debug)]
+enum Edge {
+    Rim(Rim),
+    Tip(Tip),
+}
+
+impl Edge {
+    /// Calls `found` with the depth of each place of the edge where the body is deepest or, with a depth below 0, nearest to it.
+    fn places(&self, grain: &Grain<'_>, mut found: impl FnMut(f64, &WallSurface)) {
+        match self {
+            Edge::Rim(rim) => {
+                // Where a body is apart from the edge, the nearest place may be beyond its reach, by less than the depth of a surface.
+                let reach = 1.5 * grain.body.bounding_radius();
+                rim.places(grain, reach, f64::INFINITY, |place| {
+                    found(place.depth, &rim.surface(grain, place));
+                });
+            }
+            Edge::Tip(tip) => {
+                if let Some((depth, surface)) = tip.place(grain) {
+                    found(depth, &surface);
+                }
+            }
+        }
+    }
 }
 
 /// A solid from without: a body touches it if it reaches behind all of its surfaces, and the one behind which it is least
@@ -159,7 +201,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
 struct ConvexSolid {
     side: ConeWall,
     caps: Vec<PlaneWall>,
-    rims: Vec<Rim>,
+    edges: Vec<Edge>,
 }
 
 impl Shape for ConvexSolid {
@@ -177,39 +219,67 @@ impl Shape for ConvexSolid {
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        let shallowest =
+        let depth_at =
+            |normal: Vector3, point: Vector3| body.support(-normal).h - normal.dot(centre - point);
+        let mut shallowest =
             (self.caps.iter().map(|cap| cap.depth(grain))).fold(f64::INFINITY, f64::min);
         if !(shallowest > 0.0) {
             return;
         }
         let mut is_behind_side = false;
-        touch_cone(body, centre, &self.side.surface.cone, false, |_| {
-            is_behind_side = true;
-        });
-        if !is_behind_side {
-            return;
-        }
         let mut least: Option<(f64, WallSurface)> = None;
-        let mut offer = |s: &WallSurface, _| {
-            let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+        let mut offer = |s: &WallSurface, depth: f64| {
             if depth > 0.0 && least.is_none_or(|(other, _)| depth < other) {
                 least = Some((depth, *s));
             }
         };
-        self.side.touch(grain, search, &mut offer);
+        touch_cone(body, centre, &self.side.surface.cone, false, |c| {
+            is_behind_side = true;
+            let depth = depth_at(c.normal, c.point);
+            shallowest = shallowest.min(depth);
+            if let Some(surface) = self.side.surface_at(&c, false) {
+                offer(&surface, depth);
+            }
+        });
+        if !is_behind_side {
+            return;
+        }
+        let mut touches = |s: &WallSurface, _| offer(s, depth_at(s.normal, s.point));
         for cap in &self.caps {
-            cap.touch(grain, search, &mut offer);
+            cap.touch(grain, search, &mut touches);
         }
-        for rim in &self.rims {
-            rim.touch(grain, search, &mut offer);
+        for edge in &self.edges {
+            edge.places(grain, |depth, s| {
+                shallowest = shallowest.min(depth);
+                offer(s, depth);
+            });
         }
-        // A body beside the rim may reach behind each surface by itself and be apart from the solid. Then the surface where it would be
-        // least deep has no contact, and a deeper one, such as that of the far end, is none either.
+        // A body beside the rim may reach behind each surface by itself and be apart from the solid, by a plane through the rim. Or the
+        // surface where it would be least deep has no contact, and a deeper one, such as that of the far end or of one that overhangs,
+        // is none either.
         if let Some((_, surface)) =
             least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
         {
             found(&surface, 0);
         }
+    }
+}
+
+impl ConeWall {
+    /// The surface at a contact of the cone, if the side reaches there.
+    fn surface_at(&self, c: &ConeContact, within: bool) -> Option<WallSurface> {
+        let ConeSide { cone, bounds, .. } = &self.surface;
+        let is_there = bounds[0] <= c.along && c.along <= bounds[1] && c.curvature_radius > 0.0;
+        let signed = if within {
+            -c.curvature_radius
+        } else {
+            c.curvature_radius
+        };
+        is_there.then(|| WallSurface {
+            curvatures: [1.0 / signed, 0.0],
+            turning_radii: [signed, f64::INFINITY],
+            ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
+        })
     }
 }
 
@@ -271,21 +341,10 @@ impl Shape for ConeWall {
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
         let Grain { body, centre, .. } = *grain;
-        let ConeSide { cone, bounds, side } = &self.surface;
+        let ConeSide { cone, side, .. } = &self.surface;
         let within = side.is_within(|| cone.has_within(centre));
         touch_cone(body, centre, cone, within, |c| {
-            let on_surface = bounds[0] <= c.along && c.along <= bounds[1];
-            if on_surface && c.curvature_radius > 0.0 {
-                let signed = if within {
-                    -c.curvature_radius
-                } else {
-                    c.curvature_radius
-                };
-                let surface = WallSurface {
-                    curvatures: [1.0 / signed, 0.0],
-                    turning_radii: [signed, f64::INFINITY],
-                    ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
-                };
+            if let Some(surface) = self.surface_at(&c, within) {
                 found(&surface, 0);
             }
         });

@@ -28,6 +28,7 @@ mod shape_words;
 mod sphere;
 mod step_sums;
 pub mod stl;
+mod tip;
 mod touching_loads;
 mod triangle_file;
 mod wall;

@@ -4,11 +4,14 @@
 //! As an edge of a mesh it acts where the body is deepest along it, with the normal across it along which the body is least
 //! deep, if that normal points away from the surfaces that end there. Where a surface goes over into the edge, place, normal
 //! and curvature are the same.
+//!
+//! Such places are found from those beside them, whether or not the tangent there passes through the body: from inside of the circle the
+//! tangents of a part of it as short as the root of the depth do.
 
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape};
 use crate::contact::staged::WallSurface;
-use crate::geometry::nearest_line::nearest_across;
+use crate::geometry::nearest_line::towards_line;
 use crate::geometry::Ellipsoid;
 use crate::vector::{Tangent, Vector3};
 
@@ -47,37 +50,126 @@ impl Rim {
 }
 
 /// What a body does to the edge at one place.
-struct Place {
+pub(super) struct Place {
     normal: Vector3,
     point: Vector3,
     /// Along the radius, outwards.
     radial: Vector3,
+    /// How deep the tangent is in the body; less than 0 beside it.
+    pub depth: f64,
     /// How far ahead along the edge's tangent the body is deepest.
     ahead: f64,
 }
 
+impl Place {
+    /// Whether the edge itself is in the body. One that is less thick than the tangent is deep may be apart from it.
+    fn is_in(&self, body: &Ellipsoid) -> bool {
+        let seen = body
+            .inverse_semi_axes
+            .componentwise(body.to_body(self.point));
+        seen.norm_squared() < 1.0
+    }
+}
+
 impl Rim {
-    fn place(
+    /// Calls `found` with each place within `reach` of the body in which it is deepest along the edge, or nearest to it where it is beside
+    /// the tangent, by no more than `gap`, if the normal points away from the surfaces.
+    pub(super) fn places(
         &self,
-        body: &Ellipsoid,
-        offset: Vector3,
-        basis: &[Vector3; 2],
-        angle: f64,
-    ) -> Option<Place> {
+        grain: &Grain<'_>,
+        reach: f64,
+        gap: f64,
+        mut found: impl FnMut(&Place),
+    ) {
+        let Grain { body, centre, .. } = *grain;
+        let offset = centre - self.centre;
+        let x = offset - self.axis * self.axis.dot(offset);
+        let distance = x.norm();
+        let Tangent { u, v } = Tangent::towards(offset, self.axis);
+        let basis = [u, v];
+        // the arc of the edge within the body's reach
+        let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
+        let cosine = square / (2.0 * distance * self.radius);
+        if cosine >= 1.0 {
+            return;
+        }
+        let half = if cosine.is_nan() {
+            core::f64::consts::PI
+        } else {
+            cosine.max(-1.0).acos()
+        };
+        let slenderness = reach / body.smallest_semi_axis();
+        let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
+        let step = 2.0 * half / count as f64;
+        let at = |k: usize| -half + (k as f64 - 0.5) * step;
+        let place = |angle: f64| self.place(body, offset, &basis, angle);
+        // Half a step beyond either end of the arc, or once around.
+        let is_whole = half == core::f64::consts::PI;
+        let steps = if is_whole { count } else { count + 1 };
+        let first = place(at(0));
+        let mut before = (first.ahead, first.depth);
+        for k in 1..=steps {
+            let here = if is_whole && k == steps {
+                (first.ahead, first.depth)
+            } else {
+                let here = place(at(k));
+                (here.ahead, here.depth)
+            };
+            // Behind a contact the body is deepest ahead, and beyond it behind. The depth changes with the angle by the way ahead at most,
+            // and that is less than two of the reach.
+            if before.1 > -gap - 2.0 * reach * step && before.0 > 0.0 && here.0 <= 0.0 {
+                let (mut low, mut high) = (at(k - 1), at(k));
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if place(middle).ahead > 0.0 {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let deepest = place(0.5 * (low + high));
+                let (out, along) = self.components(&deepest);
+                let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
+                // else the normal jumps there, in the middle of the body
+                let is_still = deepest.ahead.abs() <= 1e-9 * body.bounding_radius();
+                if is_still && self.surfaces.iter().all(outermost) {
+                    found(&deepest);
+                }
+            }
+            before = here;
+        }
+    }
+
+    /// Of the normal, along the radius and along the axis.
+    fn components(&self, place: &Place) -> (f64, f64) {
+        (place.normal.dot(place.radial), place.normal.dot(self.axis))
+    }
+
+    pub(super) fn surface(&self, grain: &Grain<'_>, place: &Place) -> WallSurface {
+        let (out, _) = self.components(place);
+        WallSurface {
+            direction: self.axis.cross(place.radial),
+            curvatures: [out / self.radius, 0.0],
+            turning_radii: [self.radius / out, 0.0],
+            ..flat(grain.centre + place.point, place.normal)
+        }
+    }
+
+    fn place(&self, body: &Ellipsoid, offset: Vector3, basis: &[Vector3; 2], angle: f64) -> Place {
         let (sin, cos) = angle.sin_cos();
         let radial = basis[0] * cos + basis[1] * sin;
         let tangent = self.axis.cross(radial);
         // from the body's centre
         let point = radial * self.radius - offset;
-        let n = nearest_across(body, point, tangent)?;
+        let n = towards_line(body, point, tangent);
         let support = body.support(n);
-        let depth = support.h - n.dot(point);
-        (depth > 0.0).then(|| Place {
+        Place {
             normal: -n,
             point,
             radial,
+            depth: support.h - n.dot(point),
             ahead: tangent.dot(support.point - point),
-        })
+        }
     }
 }
 
@@ -104,67 +196,13 @@ impl Shape for Rim {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let Grain { body, centre, .. } = *grain;
         let ball = grain.ball();
-        if !self.may_touch(&ball) {
-            return;
-        }
-        let reach = ball.radius;
-        let offset = centre - self.centre;
-        let x = offset - self.axis * self.axis.dot(offset);
-        let distance = x.norm();
-        let Tangent { u, v } = Tangent::towards(offset, self.axis);
-        let basis = [u, v];
-        // the arc of the edge within the body's reach
-        let square = offset.norm_squared() + self.radius * self.radius - reach * reach;
-        let cosine = square / (2.0 * distance * self.radius);
-        let half = if cosine.is_nan() {
-            core::f64::consts::PI
-        } else {
-            cosine.clamp(-1.0, 1.0).acos()
-        };
-        let slenderness = reach / body.smallest_semi_axis();
-        let count = (LEAST_PLACES + (8.0 * slenderness) as usize).min(MOST_PLACES);
-        let step = 2.0 * half / count as f64;
-        let at = |k: usize| -half + (k as f64 - 0.5) * step;
-        // Behind a contact the body is deepest ahead, and beyond it behind.
-        let ahead = |angle: f64| self.place(body, offset, &basis, angle).map(|p| p.ahead);
-        let mut before = ahead(at(0));
-        for k in 1..=count + 1 {
-            let here = ahead(at(k));
-            let between = match (before, here) {
-                (Some(a), Some(b)) => a > 0.0 && b <= 0.0,
-                // the body does not reach one of the two
-                (Some(a), None) => a > 0.0,
-                (None, Some(b)) => b <= 0.0,
-                (None, None) => false,
-            };
-            if between {
-                let (mut low, mut high) = (at(k - 1), at(k));
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if ahead(middle).map_or(before.is_none(), |a| a > 0.0) {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
+        if self.may_touch(&ball) {
+            self.places(grain, ball.radius, 0.0, |place| {
+                if place.depth > 0.0 && place.is_in(grain.body) {
+                    found(&self.surface(grain, place), 0);
                 }
-                let deepest = self.place(body, offset, &basis, 0.5 * (low + high));
-                if let Some(p) = deepest.filter(|p| p.ahead.abs() <= 1e-9 * reach) {
-                    let (out, along) = (p.normal.dot(p.radial), p.normal.dot(self.axis));
-                    let outermost = |[r, a]: &[f64; 2]| out * r + along * a <= TOLERANCE;
-                    if self.surfaces.iter().all(outermost) {
-                        let surface = WallSurface {
-                            direction: self.axis.cross(p.radial),
-                            curvatures: [out / self.radius, 0.0],
-                            turning_radii: [self.radius / out, 0.0],
-                            ..flat(centre + p.point, p.normal)
-                        };
-                        found(&surface, 0);
-                    }
-                }
-            }
-            before = here;
+            });
         }
     }
 }

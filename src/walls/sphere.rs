@@ -4,7 +4,9 @@
 //! From within, each local maximum of the distance of the body's surface from the sphere's centre, beyond the radius, is a
 //! contact; an ellipsoid has one or two. With `x` the body's centre from that of the sphere, along the body's axes, they are
 //! `s_k = x_k a_k^2/(l - a_k^2)` from the body's centre, `l` a root of `sum (x_k a_k/(l - a_k^2))^2 = 1`: the one beyond the
-//! square of the largest semi-axis is the farthest point, and the first one below it, where the sum rises, the other maximum.
+//! square of the largest semi-axis is the farthest point, and the first one below it, where the sum rises, the other maximum. Between the
+//! squares of the largest two, that is: below the square of a second axis the distance grows along this axis. A lens, whose largest
+//! two are equal, has one maximum.
 
 use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side};
@@ -172,9 +174,10 @@ fn farthest(body: &Ellipsoid, x: Vector3) -> [Option<Vector3>; 2] {
         .filter(|&k| !is_largest(k))
         .map(gap)
         .fold(f64::INFINITY, f64::min);
+    let is_alone = (0..3).filter(|&k| is_largest(k)).count() == 1;
     let mut below = -start;
     let mut other = None;
-    if next.is_finite() && start > 0.0 {
+    if is_alone && start > 0.0 {
         for _ in 0..200 {
             if !(below > -next) {
                 break;

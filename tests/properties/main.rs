@@ -7,6 +7,7 @@ mod support;
 
 mod attraction;
 mod coulomb_limit;
+mod curved_walls;
 mod deepest_normal;
 mod elastic_collision;
 mod energy_gradient;
@@ -25,6 +26,8 @@ mod preparation;
 mod relabelling;
 mod rigid_motion;
 mod rolling_and_twisting;
+mod round_edges;
+mod round_solids;
 mod slender;
 mod spheres;
 mod touching_or_not;

@@ -36,6 +36,11 @@ pub fn support(b: &Body, n: &Vector) -> f64 {
     Shape::new(b).support(n).0
 }
 
+/// The point of a body's surface with this outward normal, from the centre.
+pub fn witness(b: &Body, n: &Vector) -> Vector {
+    Shape::new(b).support(n).1
+}
+
 struct Pair {
     i: Shape,
     j: Shape,
