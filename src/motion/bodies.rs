@@ -44,8 +44,9 @@ pub struct BodyArrays<'a, B: Bodies> {
 /// acceleration in each step: there the velocities of the half step serve, so that the step may be as large as with these
 /// (docs/theory.md, section 8).
 pub struct Extrapolation<'a> {
-    /// Written by [`start_step`]: what velocities and angular momenta have more than those of the half step; by
-    /// [`finish_step`]: what those that the forces were computed with had more than those of the end of the step.
+    /// Written by [`start_step`](super::start_step): what velocities and angular momenta have more than those of the half
+    /// step; by [`finish_step`](super::finish_step): what those that the forces were computed with had more than those of
+    /// the end of the step.
     pub changes: &'a mut [[f64; 6]],
     /// Forces and torques of the step before; overwritten by the present ones. Not known where the first is infinite: the
     /// present ones then stand for them, which is right for what moves freely before it touches.
