@@ -74,7 +74,7 @@ def test_which_form_creates_energy_and_on_which_way(tangential):
     }
     creates = set()
     for way, corners in ways.items():
-        path = compare._through(corners, 10) * [compare.OVERLAP, 1.0, 1.0]
+        path = compare.through(corners, 10) * [compare.OVERLAP, 1.0, 1.0]
         grains = compare.Grains(scene, "rescaled")
         path[:, 1:] *= grains.sliding_displacement(np.array([1.0, 0.0]))
         for form in compare.FORMS:
