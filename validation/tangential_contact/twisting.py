@@ -64,6 +64,22 @@ def without_slip(semi_axes: Tuple[float, float], shear_modulus: float, poisson: 
     return Linear(alpha, beta, 2.0 * np.pi * a * b / 3.0 * (alpha + beta))
 
 
+def in_the_words_of_the_law(
+    squares: np.ndarray, beta: np.ndarray, normal_stiffness: float, kappa_0: float, kappa_1: float
+) -> float:
+    """The same stiffness in what the law has (docs/theory.md, sections 4 and 5.1), of two materials: S with the eigenvalues a^2 and b^2, beta with
+    those B/K and D/K along the same axes, 2 x 2 matrices in any tangent basis. No eigenvector is needed."""
+    identity = np.eye(2)
+    deviator, other = (of - 0.5 * np.trace(of) * identity for of in (squares, beta))
+    size = float(np.sum(deviator**2))
+    area = float(np.linalg.det(squares))
+    # det S (D/K - B/K)/(a^2 - b^2), which is a^2/8 on the circle.
+    slope = -area * float(np.sum(deviator * other)) / size if size > 1e-12 * area else area**0.5 / 8.0
+    both = float(np.trace(squares @ beta))
+    nu = kappa_1 / kappa_0
+    return normal_stiffness / (3.0 * kappa_0) * area * (both - 4.0 * nu * slope) / (area * float(np.linalg.det(beta)) - nu * slope * both)
+
+
 def sliding_torque(contact: Ellipse, coefficient: float) -> float:
     """Of a contact of Hertz that slides everywhere about its centre."""
     a, b = contact.semi_axes
@@ -126,13 +142,13 @@ def stiffness_by_elements(semi_axes: Tuple[float, float], shear_modulus: float, 
 
 def sliding_together(semi_axes: Tuple[float, float], direction: float, centre: float) -> Tuple[float, float]:
     """Force and torque in units of mu F_n and of the torque of sliding, of a contact that slides everywhere about an instantaneous centre, at
-    `centre` times the major semi-axis from its middle, across the direction (degrees) of the force. With Hertz' pressure."""
+    `centre` times the major semi-axis from its middle, across the direction (degrees) in which the middle moves. With Hertz' pressure."""
     a, b = semi_axes
-    nodes, weights = np.polynomial.legendre.leggauss(400)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
     # r = sin: the pressure's root is smooth then. p r dr = cos^2 sin.
     turn = 0.25 * np.pi * (nodes + 1.0)
     radius = np.sin(turn)[:, None]
-    around = np.linspace(0.0, 2.0 * np.pi, 801)[None, :-1]
+    around = np.linspace(0.0, 2.0 * np.pi, 401)[None, :-1]
     share = (0.25 * np.pi * weights * np.cos(turn) ** 2 * np.sin(turn))[:, None] * np.full(around.shape, 1.0 / around.size) * 3.0
     x, y = a * radius * np.cos(around), b * radius * np.sin(around)
     angle = np.radians(direction)
@@ -197,28 +213,43 @@ class Turned:
         would hold."""
         work = -np.sum(0.5 * (loads[first + 1 :] + loads[first:-1]) * np.diff(self.points[first:, 1:], axis=0) * self.units)
         largest = np.array([np.hypot(*self.points[:, 1:3].T).max(), self.points[:, 3].max()])
-        return float(work / (0.5 * np.sum(largest * self.units[1:])))
+        return round(float(work / (0.5 * np.sum(largest * self.units[1:]))), 12) + 0.0
+
+
+def constants_of_the_law(scene: Scene) -> Tuple[float, float]:
+    """Stiffness and limit of the law over the exact ones."""
+    _, small, large = -Turned(scene, np.array([[0.0, 0.0], [0.0, 1e-3], [0.0, 1e3]])).by_law(1)[:, 2]
+    return float(small) / 1e-3, float(large)
 
 
 def constants(scene: Scene) -> Dict[str, Any]:
-    """Stiffness and limit of the law over the exact ones; the stiffness by boundary elements, extrapolated to rectangles of no size with an error
-    that is proportional to theirs, and how much this changes from coarser ones."""
-    turned = Turned(scene, np.array([[0.0, 0.0], [0.0, 1e-3], [0.0, 1e3]]))
-    _, small, large = -turned.by_law(1)[:, 2]
+    """Those, and the stiffness by boundary elements over the exact one, extrapolated to rectangles of no size with an error that is proportional to
+    theirs, and how much this changes from coarser ones."""
+    turned = Turned(scene, np.zeros((1, 2)))
     semi_axes = turned.contact.semi_axes
     found = [
         stiffness_by_elements(semi_axes, turned.grains.shear_modulus, scene.poisson, count) / turned.stiffness for count in (48, 96, 192)
     ]
     extrapolated = 2 * found[2] - found[1]
+    stiffness, limit = constants_of_the_law(scene)
     return dict(
         aspect=scene.aspect,
         poisson=scene.poisson,
         contact_ratio=semi_axes[0] / semi_axes[1],
         stiffness_by_elements=extrapolated,
         stiffness_bar=abs(extrapolated - (2 * found[1] - found[0])),
-        stiffness_by_law=float(small) / 1e-3,
-        limit_by_law=float(large),
+        stiffness_by_law=stiffness,
+        limit_by_law=limit,
     )
+
+
+def errors(loads: np.ndarray, full: np.ndarray, steps: int, alone: bool) -> Dict[str, float]:
+    """The largest differences along a path; of a twist `alone` that of the torque on the first line too, which loads once."""
+    difference = loads - full
+    torque = np.abs(difference[:, 2])
+    if alone:
+        return {"torque_error": float(torque.max()), "first_torque_error": float(torque[: steps + 1].max())}
+    return {"torque_error": float(torque.max()), "force_error": float(np.hypot(*difference[:, :2].T).max())}
 
 
 def compare(
@@ -230,15 +261,8 @@ def compare(
     rough, turned = Turned(scene, rough_path), Turned(scene, relative)
     before, full = rough.full_problem(coarse.count), turned.full_problem(fine.count)
     law = turned.by_law(finer)
-    row: Dict[str, Any] = dict(scene._asdict(), path=name)
-
-    def largest(difference: np.ndarray) -> Tuple[float, float]:
-        return float(np.hypot(*difference[:, :2].T).max()), float(np.abs(difference[:, 2]).max())
-
-    row["force_error"], row["torque_error"] = largest(law - full)
-    row["force_bar"], row["torque_bar"] = largest(full[::2] - before)
-    # On the first line: what loads once.
-    row["torque_error_first"] = float(np.abs(law - full)[: fine.steps + 1, 2].max())
+    row: Dict[str, Any] = dict(scene._asdict(), path=name, **errors(law, full, fine.steps, alone=not relative[:, 0].any()))
+    row.update({f"{key.replace('_error', '')}_bar": value for key, value in errors(full[::2], before, coarse.steps, alone=not relative[:, 0].any()).items()})
     if closed >= 0:
         row["dissipated"] = turned.dissipated(full, closed)
         row["dissipated_bar"] = abs(row["dissipated"] - rough.dissipated(before, first))
@@ -248,7 +272,9 @@ def compare(
     if not relative[:, 0].any():
         for key, torque in (("slider", spring_and_slider(relative[:, 1])), ("circle", masing(relative[:, 1], fine.steps))):
             other = np.concatenate([np.zeros((len(torque), 2)), -torque[:, None]], axis=1)
-            row[f"torque_error_of_{key}"] = largest(other - full)[1]
+            found = errors(other, full, fine.steps, alone=True)
+            row[f"torque_error_of_{key}"] = found["torque_error"]
+            row[f"first_torque_error_of_{key}"] = found["first_torque_error"]
             row[f"dissipated_by_{key}"] = turned.dissipated(other, closed)
     curves = [
         dict(scene._asdict(), path=name, point=k, displacement=place, angle=angle)
@@ -257,5 +283,6 @@ def compare(
     for of_which, loads in (("full", full), ("law", law)):
         for letter, column in zip(("x", "y", "torque"), loads.T):
             for curve, value in zip(curves, column):
-                curve[f"{of_which}_{letter}"] = float(value)
+                # What is nothing but rounding is nothing.
+                curve[f"{of_which}_{letter}"] = round(float(value), 12) + 0.0
     return row, curves
