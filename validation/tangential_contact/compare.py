@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The tangential laws held against boundary elements with friction; see README.md here."""
+"""The tangential laws held against boundary elements with friction; see validation/README.md."""
 from __future__ import annotations
 
 import argparse
@@ -204,16 +204,16 @@ def main() -> None:
     options.add_argument("--only", choices=list(PARTS), help="make this part alone, and keep what is stored of the other")
     only = options.parse_args().only
     started = time.monotonic()
+    origin: Dict[str, Any] = {}
+    seconds: Dict[str, int] = {}
+    if only:
+        seconds = json.loads((HERE / "origin.json").read_text()).get("seconds_of_parts", {})
+        origin["note"] = f"made in runs of parts of the same program, the last by `cargo xtask validate tangential-contact -- --only {only}`"
     for part in [only] if only else PARTS:
+        begun = time.monotonic()
         PARTS[part]()
-    if only is None:
-        write_origin(HERE, started)
-    else:
-        # Each part's own time and command; the packages are pinned, and a test holds the stored numbers against the law of now.
-        before = json.loads((HERE / "origin.json").read_text())
-        seconds = dict(before.get("seconds_of_parts", {}), **{only: round(time.monotonic() - started)})
-        note = "made in runs of parts, " + ", ".join(f"`-- --only {part}` {taken} s" for part, taken in seconds.items())
-        write_origin(HERE, started, seconds=sum(seconds.values()), note=note, seconds_of_parts=seconds)
+        seconds[part] = round(time.monotonic() - begun)
+    write_origin(HERE, started, seconds=sum(seconds.values()), seconds_of_parts=seconds, **origin)
 
 
 if __name__ == "__main__":

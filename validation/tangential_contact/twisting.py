@@ -120,6 +120,32 @@ def spring_and_slider(angles: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def bed_with_one_limit(path: np.ndarray, count: int = 8, finer: int = 8) -> np.ndarray:
+    """Force and torque in their units along a path (displacement, angle) of a bed of springs as of `displacement hysteretic`, each with a force, a
+    torque and one limit: (f/f_max)^2 + (t/t_max)^2 <= 1, to which both are reduced in proportion. No law of the library.
+
+    Lubkin's torque is the integral of 8 G s^2 min(theta, (mu/G) I(s)) over the discs, Cattaneo's and Mindlin's force that of 4 G/(2 - nu)
+    min(xi, xi_max (1 - s^2)), s in units of the radius: the spring of the disc s has both. A reduction takes energy from both, so that no cycle gives
+    work."""
+    edges = (np.arange(count + 1) / count) ** (2.0 / 3.0)
+    inner, outer = edges[:-1], edges[1:]
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    disc = inner[:, None] + np.outer(outer - inner, 0.5 * (nodes + 1.0))
+    share = np.outer(outer - inner, 0.5 * weights)
+    yields = (ellipkm1(disc**2) - ellipe(1.0 - disc**2)) / (3.0 * np.pi**2 / 64.0)
+    stiffness = np.stack([np.sum(1.5 * share, axis=1), np.sum(3.0 * disc**2 * share, axis=1)])
+    limits = np.stack([np.sum(1.5 * (1.0 - disc**2) * share, axis=1), np.sum(3.0 * disc**2 * yields * share, axis=1)])
+    loads, found = np.zeros_like(stiffness), []
+    last = path[0]
+    for point in path:
+        for _ in range(finer):
+            loads = loads + stiffness * ((point - last) / finer)[:, None]
+            loads = loads / np.maximum(1.0, np.hypot(*(loads / limits)))
+        found.append(loads.sum(axis=1))
+        last = point
+    return np.array(found)
+
+
 def stiffness_by_elements(semi_axes: Tuple[float, float], shear_modulus: float, poisson: float, count: int) -> float:
     """Torque over angle without slip, by conjugate gradients on the rectangles whose middle lies in the ellipse."""
     a, b = semi_axes
@@ -228,7 +254,7 @@ def constants(scene: Scene) -> Dict[str, Any]:
     turned = Turned(scene, np.zeros((1, 2)))
     semi_axes = turned.contact.semi_axes
     found = [
-        stiffness_by_elements(semi_axes, turned.grains.shear_modulus, scene.poisson, count) / turned.stiffness for count in (48, 96, 192)
+        stiffness_by_elements(semi_axes, turned.grains.shear_modulus, scene.poisson, count) / turned.stiffness for count in (96, 192, 384)
     ]
     extrapolated = 2 * found[2] - found[1]
     stiffness, limit = constants_of_the_law(scene)

@@ -82,6 +82,15 @@ def test_in_the_words_of_the_law_it_is_the_same_in_any_basis(tangential, ratio):
     assert abs(found / tangential.twisting.without_slip((a, b), shear_modulus, poisson).stiffness - 1) < 1e-9
 
 
+def test_the_bed_with_one_limit_is_the_closed_forms_in_pure_twist_and_displacement(tangential):
+    twisting = tangential.twisting
+    steps = np.linspace(0.0, 4.0, 81)
+    pure = twisting.bed_with_one_limit(np.stack([0 * steps, steps], axis=1), 8)
+    assert np.abs(pure[:, 1] - twisting.lubkin(steps)).max() < 0.03 and not pure[:, 0].any()
+    pure = twisting.bed_with_one_limit(np.stack([steps, 0 * steps], axis=1), 8)
+    assert np.abs(pure[:, 0] - (1 - np.maximum(0.0, 1 - steps) ** 1.5)).max() < 0.015 and not pure[:, 1].any()
+
+
 def test_at_full_sliding_torque_and_force_are_together_near_an_ellipse(tangential):
     twisting = tangential.twisting
     for ratio in (1.0, 2.5, 8.0):
