@@ -38,7 +38,7 @@ class Grid(NamedTuple):
     steps: int
 
 
-def through(points: Sequence[Tuple[float, float, float]], steps: int) -> np.ndarray:
+def through(points: Sequence[Tuple[float, ...]], steps: int) -> np.ndarray:
     """Straight lines between points, `steps` each."""
     corners = np.array(points, dtype=float)
     lines = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]

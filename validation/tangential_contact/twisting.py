@@ -227,8 +227,8 @@ class Turned:
 
     def full_problem(self, count: int) -> np.ndarray:
         """Loads by boundary elements in their units; the ellipse ends between the same two rectangles on each grid."""
-        half_widths = tuple(axis * count / (count - 2) for axis in self.contact.semi_axes)
-        friction = Friction(half_widths, count, self.grains.shear_modulus, self._poisson, COEFFICIENT)
+        major, minor = (axis * count / (count - 2) for axis in self.contact.semi_axes)
+        friction = Friction((major, minor), count, self.grains.shear_modulus, self._poisson, COEFFICIENT)
         return loads_along(((self.contact, point[1:3], point[3]) for point in self.points), friction) / self.units
 
     def by_law(self, finer: int) -> np.ndarray:
