@@ -46,7 +46,7 @@ def write(folder: Path, title: str, conclusion: str, parts: Iterable[str], numbe
     name = _name(folder)
     origin = json.loads((folder / "origin.json").read_text())
     versions = ", ".join(
-        f"{key} {value}" for key, value in origin.items() if key not in ("command", "seconds", "processor", "system", "note")
+        f"{key} {value}" for key, value in origin.items() if key not in ("command", "seconds", "seconds_of_parts", "processor", "system", "note")
     )
     files = ", ".join(f"[{file}](../../validation/{folder.name}/{file})" for file in [*numbers, "origin.json"])
     text = f"# {title}\n\n![{name}.svg]({name}.svg)\n\n**Conclusion.** {conclusion}\n\n"

@@ -1,38 +1,22 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The tangential laws held against boundary elements with friction; see README.md here."""
+"""The tangential laws held against boundary elements with friction; see validation/README.md."""
 from __future__ import annotations
 
+import argparse
+import json
 import time
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
 
-import ellgran
-from friction import Ellipse, Friction, along
+import twisting
+from friction import Friction, along
+from grains import COEFFICIENT, FORMS, OVERLAP, Grains, Grid, Scene, through
 from stored import write_csv, write_origin
 
 HERE = Path(__file__).resolve().parent
-COEFFICIENT = 0.5
-# So small that the contact is Hertz' and the motion does not turn the normal.
-OVERLAP = 1e-4
-FORMS = {
-    "total": "tfd 0.5 displacement total",
-    "incremental": "tfd 0.5 displacement incremental",
-    "rescaled": "tfd 0.5 displacement rescaled",
-    "mindlin": "mindlin 0.5 displacement rescaled",
-}
-
 FIRST_LOADING = "first loading"
-
-
-class Scene(NamedTuple):
-    """Equal grains side by side, of aspect ratio `aspect`, displaced along `direction` (degrees from the major semi-axis)."""
-
-    aspect: float
-    poisson: float
-    direction: float
-
 
 SCENES = (
     Scene(1.0, 0.0, 0.0),
@@ -44,13 +28,10 @@ SCENES = (
 )
 # Paths that close in their second round only take longest, and are followed in these scenes alone.
 CLOSED_LATE = (SCENES[0], SCENES[2], SCENES[4])
-
-
-def _through(points: Sequence[Tuple[float, float, float]], steps: int) -> np.ndarray:
-    """Straight lines between points, `steps` each."""
-    corners = np.array(points, dtype=float)
-    lines = [np.linspace(a, b, steps, endpoint=False) for a, b in zip(corners[:-1], corners[1:])]
-    return np.concatenate(lines + [corners[-1:]])
+# The picture's.
+SHOWN = SCENES[2]
+# A twist strains the rim most, and needs finer rectangles.
+TWIST_COARSE, TWIST_FINE = Grid(26, 12), Grid(50, 24)
 
 
 def paths(steps: int) -> Dict[str, Tuple[np.ndarray, int]]:
@@ -58,72 +39,26 @@ def paths(steps: int) -> Dict[str, Tuple[np.ndarray, int]]:
     OVERLAP slides as a whole; and the point from which on the path is closed, so that an energy can be taken over it. Twice as
     many steps pass through the same points."""
     turn = np.linspace(0.0, 2.0 * np.pi, 4 * steps + 1)
-    begun = _through([(1, 0, 0), (1, 0.6, 0)], steps)[:-1]
+    begun = through([(1, 0, 0), (1, 0.6, 0)], steps)[:-1]
     pulsing = np.stack([0.6 + 0.4 * np.cos(turn), 0.6 * np.sin(turn), 0 * turn], axis=1)
     deep = [(1, 0.6, 0), (0.4, 0.6, 0), (0.4, 0, 0), (1, 0, 0), (1, 0.6, 0)]
     shallow = [(0.4, 0.2, 0), (1, 0.2, 0), (1, 0, 0), (0.4, 0, 0), (0.4, 0.2, 0)]
     circle = np.stack([1 + 0 * turn, 0.6 * np.cos(turn), 0.6 * np.sin(turn)], axis=1)
     return {
-        "reversed at 0.4": (_through([(1, 0, 0), (1, 0.4, 0), (1, -0.4, 0), (1, 0.4, 0)], steps), steps),
-        "reversed at 0.8": (_through([(1, 0, 0), (1, 0.8, 0), (1, -0.8, 0), (1, 0.8, 0)], steps), steps),
-        "sliding, reversed at 1.5": (_through([(1, 0, 0), (1, 1.5, 0), (1, -1.5, 0), (1, 1.5, 0)], steps), steps),
-        "loaded deep, unloaded shallow": (_through([(1, 0, 0), *deep, *deep[1:]], steps), 5 * steps),
-        "loaded shallow, unloaded deep": (_through([(0.4, 0, 0), *shallow, *shallow[1:]], steps), 5 * steps),
+        "reversed at 0.4": (through([(1, 0, 0), (1, 0.4, 0), (1, -0.4, 0), (1, 0.4, 0)], steps), steps),
+        "reversed at 0.8": (through([(1, 0, 0), (1, 0.8, 0), (1, -0.8, 0), (1, 0.8, 0)], steps), steps),
+        "sliding, reversed at 1.5": (through([(1, 0, 0), (1, 1.5, 0), (1, -1.5, 0), (1, 1.5, 0)], steps), steps),
+        "loaded deep, unloaded shallow": (through([(1, 0, 0), *deep, *deep[1:]], steps), 5 * steps),
+        "loaded shallow, unloaded deep": (through([(0.4, 0, 0), *shallow, *shallow[1:]], steps), 5 * steps),
         "normal force rising and falling": (np.concatenate([pulsing, pulsing[1:]]), 4 * steps),
         "led in a circle": (np.concatenate([begun, circle, circle[1:]]), 5 * steps),
     }
-
-
-class Grains:
-    """The law of one scene."""
-
-    def __init__(self, scene: Scene, form: str) -> None:
-        self._semi_axes = (scene.aspect, 1.0, 1.0)
-        self._laws = ellgran.Laws(f"hertz 1.0 {scene.poisson} tangential {FORMS[form]} conservative no")
-        self.shear_modulus = 0.5 / (1.0 + scene.poisson)
-
-    def _bodies(self, overlap: float, velocity: Sequence[float] = (0.0, 0.0, 0.0)) -> ellgran.Bodies:
-        return ellgran.Bodies([[0, 0, 0], [0, 0, 2.0 - overlap]], self._semi_axes, velocities=[[0, 0, 0], velocity])
-
-    def ellipse(self, overlap: float) -> Ellipse:
-        found = ellgran.contacts(self._laws, self._bodies(overlap), [[0, 1]])
-        major, minor = (float(axis) for axis in found.contact_semi_axes[0])
-        return Ellipse((major, minor), float(found.normal_force[0]))
-
-    def sliding_displacement(self, direction: np.ndarray) -> float:
-        """Where the law has the contact of OVERLAP slide as a whole: |C^-1 xi| = (3/2) mu F_n."""
-        springs = ellgran.stiffnesses(self._laws, self._bodies(OVERLAP), [[0, 1]]).tangential_stiffness[0]
-        return 1.5 * COEFFICIENT * self.ellipse(OVERLAP).force / float(np.hypot(*(springs * direction)))
-
-    def along(self, path: np.ndarray, finer: int) -> np.ndarray:
-        """Tangential forces at the points of a path (overlap, x, y), with so many steps of the law between two of them."""
-        memory = ellgran.ContactMemory(self._laws, 1)
-        forces, last = [], np.array([path[0, 0], 0.0, 0.0])
-        self._step(memory, last, np.zeros(3))
-        for point in path:
-            for part in range(1, finer + 1):
-                force = self._step(memory, last + (point - last) * part / finer, (point - last) / finer)
-            forces.append(force)
-            last = point
-        return np.array(forces)
-
-    def _step(self, memory: ellgran.ContactMemory, point: np.ndarray, moved: np.ndarray) -> np.ndarray:
-        bodies = self._bodies(point[0], (moved[1], moved[2], -moved[0]))
-        found = ellgran.contacts(self._laws, bodies, [[0, 1]], time_step=1.0, memory=memory, quantities=["tangential_force"])
-        return found.tangential_force[0, :2].copy()
 
 
 def dissipated(path: np.ndarray, forces: np.ndarray, first: int) -> float:
     """Work done against the force over the closed part of a path."""
     places, forces = path[first:, 1:], forces[first:]
     return -float(np.sum(0.5 * (forces[1:] + forces[:-1]) * (places[1:] - places[:-1])))
-
-
-class Grid(NamedTuple):
-    """Rectangles along each side, steps along each line of a path."""
-
-    count: int
-    steps: int
 
 
 class Path:
@@ -135,7 +70,7 @@ class Path:
         along_it = np.array([np.cos(angle), np.sin(angle)])
         across = np.array([-along_it[1], along_it[0]])
         relative, self.closed_from = (
-            (_through([(1, 0, 0), (1, 1.2, 0)], steps), 0) if name == FIRST_LOADING else paths(steps)[name]
+            (through([(1, 0, 0), (1, 1.2, 0)], steps), 0) if name == FIRST_LOADING else paths(steps)[name]
         )
         scale = self.grains.sliding_displacement(along_it)
         places = scale * (relative[:, 1:2] * along_it + relative[:, 2:] * across)
@@ -148,6 +83,12 @@ class Path:
         half_widths = tuple(axis * count / (count - 2) for axis in self.widest.semi_axes)
         friction = Friction(half_widths, count, self.grains.shear_modulus, poisson, COEFFICIENT)
         return along(((self.ellipses[point[0]], point[1:]) for point in self.points), friction)
+
+
+def errors(forces: np.ndarray, reference: np.ndarray) -> Dict[str, float]:
+    """The largest and the root mean square along a path."""
+    difference = np.hypot(*(forces - reference).T)
+    return {"force_error": float(difference.max()), "force_error_rms": float(np.sqrt(np.mean(difference**2)))}
 
 
 def compare(scene: Scene, name: str, coarse: Grid, fine: Grid, finer: int) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]]]:
@@ -176,14 +117,12 @@ def compare(scene: Scene, name: str, coarse: Grid, fine: Grid, finer: int) -> Tu
             row[f"full_{letter}"] = float(value / limit)
     for form in FORMS:
         forces = Grains(scene, form).along(path.points, finer)
-        difference = np.hypot(*(forces - reference).T) / limit
         by_law = dissipated(path.points, forces, path.closed_from) / held
         rows.append(
             dict(
                 common,
                 form=form,
-                force_error=float(difference.max()),
-                force_error_rms=float(np.sqrt(np.mean(difference**2))),
+                **errors(forces / limit, reference / limit),
                 **bars,
                 dissipated_by_law=by_law,
             )
@@ -194,37 +133,87 @@ def compare(scene: Scene, name: str, coarse: Grid, fine: Grid, finer: int) -> Tu
     return rows, curves
 
 
-def first_loading(scenes: Sequence[Scene], coarse: Grid, fine: Grid, finer: int) -> List[Dict[str, Any]]:
-    """Errors of `tfd` on the way from nothing to sliding at steady normal force, where its forms are one."""
-    found = []
-    for scene in scenes:
-        row = compare(scene, FIRST_LOADING, coarse, fine, finer)[0][list(FORMS).index("rescaled")]
+Rows = List[Dict[str, Any]]
+
+
+def first_loading(coarse: Grid, fine: Grid, finer: int) -> Tuple[Rows, Rows]:
+    """Errors of `tfd` on the way from nothing to sliding at steady normal force, where its forms are one; and the forces."""
+    found, curves = [], []
+    for scene in SCENES:
+        rows, forces = compare(scene, FIRST_LOADING, coarse, fine, finer)
+        row = rows[list(FORMS).index("rescaled")]
         found.append(dict(scene._asdict(), **{key: row[key] for key in ("force_error", "force_error_rms", "force_bar")}))
-    return found
+        curves += forces
+    return found, curves
 
 
-def main() -> None:
-    started = time.monotonic()
-    rows, curves = [], []
-    write_csv(HERE / "first_loading.csv", first_loading(SCENES, Grid(14, 12), Grid(26, 24), 8))
+def cycles(coarse: Grid, fine: Grid, finer: int) -> Tuple[Rows, Rows]:
+    """Errors of each form on each path, and the forces."""
+    found, curves = [], []
     for scene in SCENES:
         for name in paths(1):
             if name.startswith("loaded") and scene not in CLOSED_LATE:
                 continue
-            errors, forces = compare(scene, name, Grid(14, 8), Grid(26, 16), 8)
-            rows += errors
-            # The picture's scene.
-            if scene == Scene(2.0, 0.3, 45.0):
-                curves += forces
+            errors, forces = compare(scene, name, coarse, fine, finer)
+            found += errors
+            curves += forces
             last = errors[2]
             print(
                 f"{scene} {name}: rescaled {last['force_error']:.3f} +- {last['force_bar']:.3f}, dissipates "
                 f"{last['dissipated_by_law']:.3f} of {last['dissipated']:.3f} +- {last['dissipated_bar']:.3f}",
                 flush=True,
             )
+    return found, curves
+
+
+def without_law(curves: Rows) -> Rows:
+    """Of the forces those of the full problem."""
+    return [{key: row[key] for key in (*Scene._fields, "path", "point", "full_x", "full_y")} for row in curves]
+
+
+def make_tangential() -> None:
+    begun, begun_curves = first_loading(Grid(14, 12), Grid(26, 24), 8)
+    rows, curves = cycles(Grid(14, 8), Grid(26, 16), 8)
+    write_csv(HERE / "first_loading.csv", begun)
     write_csv(HERE / "cycles.csv", rows)
-    write_csv(HERE / "curves.csv", curves)
-    write_origin(HERE, started)
+    write_csv(HERE / "curves.csv", [row for row in curves if tuple(row[key] for key in Scene._fields) == SHOWN])
+    write_csv(HERE / "full_problem.csv", without_law(begun_curves + curves))
+
+
+def make_twisting() -> None:
+    coarse, fine = TWIST_COARSE, TWIST_FINE
+    write_csv(HERE / "twisting_constants.csv", [twisting.constants(scene) for scene in twisting.TWISTED])
+    curves: Rows = []
+    for file, scenes, of in (("twisting", twisting.TWISTED, twisting.twists), ("twisting_and_sliding", twisting.BOTH, twisting.both)):
+        rows = []
+        for scene in scenes:
+            for name in of(1):
+                row, loads = twisting.compare(scene, name, {grid.steps: of(grid.steps)[name] for grid in (coarse, fine)}, coarse, fine, 8)
+                rows.append(row)
+                curves += loads
+                print(f"{scene} {name}: torque {row['torque_error']:.3f} +- {row['torque_bar']:.3f}", flush=True)
+        write_csv(HERE / f"{file}.csv", rows)
+    write_csv(HERE / "twisting_curves.csv", curves)
+
+
+PARTS: Dict[str, Callable[[], None]] = {"tangential": make_tangential, "twisting": make_twisting}
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--only", choices=list(PARTS), help="make this part alone, and keep what is stored of the other")
+    only = options.parse_args().only
+    started = time.monotonic()
+    origin: Dict[str, Any] = {}
+    seconds: Dict[str, int] = {}
+    if only:
+        seconds = json.loads((HERE / "origin.json").read_text()).get("seconds_of_parts", {})
+        origin["note"] = f"made in runs of parts of the same program, the last by `cargo xtask validate tangential-contact -- --only {only}`"
+    for part in [only] if only else PARTS:
+        begun = time.monotonic()
+        PARTS[part]()
+        seconds[part] = round(time.monotonic() - begun)
+    write_origin(HERE, started, seconds=sum(seconds.values()), seconds_of_parts=seconds, **origin)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ def elastic() -> SimpleNamespace:
 
 @pytest.fixture
 def tangential() -> SimpleNamespace:
-    return _load("tangential_contact", ("friction", "compare"))
+    return _load("tangential_contact", ("friction", "grains", "twisting", "compare"))
 
 
 @pytest.fixture

@@ -48,6 +48,33 @@ def test_the_law_of_now_gives_the_stored_forces(tangential, form):
         assert np.abs(forces - stored).max() < 1e-7, name
 
 
+def test_the_law_of_now_gives_the_stored_errors_and_energies(tangential):
+    """Of every scene, path and form: from the stored forces of the full problem, to the digits that are printed."""
+    compare = tangential.compare
+    full: dict = {}
+    for row in read_csv(compare.HERE / "full_problem.csv"):
+        key = (row["aspect"], row["poisson"], row["direction"], row["path"])
+        full.setdefault(key, []).append([row["full_x"], row["full_y"]])
+    begun = [dict(row, path=compare.FIRST_LOADING, form="rescaled") for row in read_csv(compare.HERE / "first_loading.csv")]
+    followed: dict = {}
+    for row in begun + read_csv(compare.HERE / "cycles.csv"):
+        scene = compare.Scene(row["aspect"], row["poisson"], row["direction"])
+        key = (*scene, row["path"])
+        if key not in followed:
+            followed[key] = compare.Path(scene, row["path"], 24 if row["path"] == compare.FIRST_LOADING else 16)
+        reference, path = np.array(full[key]), followed[key]
+        limit = compare.COEFFICIENT * path.widest.force
+        forces = compare.Grains(scene, row["form"]).along(path.points, 8)
+        found = compare.errors(forces / limit, reference)
+        unit = 0.5 * limit * float(np.hypot(*path.points[:, 1:].T).max())
+        found["dissipated_by_law"] = compare.dissipated(path.points, forces, path.closed_from) / unit
+        for column, value in found.items():
+            if column in row:
+                # Nine digits of a force below 1, and of one that is compared with another.
+                assert value == pytest.approx(row[column], rel=2e-8, abs=3e-9), (column, row)
+    assert set(followed) == set(full)
+
+
 def test_first_loading_is_exact_along_the_axes_and_near_in_between(tangential):
     for row in read_csv(tangential.compare.HERE / "first_loading.csv"):
         oblique = row["aspect"] > 1 and row["direction"] == 45
@@ -74,7 +101,7 @@ def test_which_form_creates_energy_and_on_which_way(tangential):
     }
     creates = set()
     for way, corners in ways.items():
-        path = compare._through(corners, 10) * [compare.OVERLAP, 1.0, 1.0]
+        path = compare.through(corners, 10) * [compare.OVERLAP, 1.0, 1.0]
         grains = compare.Grains(scene, "rescaled")
         path[:, 1:] *= grains.sliding_displacement(np.array([1.0, 0.0]))
         for form in compare.FORMS:
