@@ -348,11 +348,18 @@ def main() -> None:
     rows: List[Dict[str, Any]] = []
     forces: List[Dict[str, Any]] = []
     earlier = 0.0
+    # Of the earlier parts, where this run goes on.
+    kept: Dict[str, str] = {}
     if options.go_on and (HERE / "collisions.csv").exists():
         rows = read_csv(HERE / "collisions.csv")
         forces = [row for row in read_csv(HERE / "forces.csv") if row["law"] == "finite elements"] if (HERE / "forces.csv").exists() else []
-        earlier = json.loads((HERE / "origin.json").read_text())["seconds"] if (HERE / "origin.json").exists() else 0.0
+        origin = json.loads((HERE / "origin.json").read_text()) if (HERE / "origin.json").exists() else {}
+        earlier = origin.get("seconds", 0.0)
+        kept = {name: origin[name] for name in ("LAMMPS", "LIGGGHTS", "note") if name in origin}
     made = []
+
+    def note_origin() -> None:
+        write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started), **kept)
 
     def collide_on(grid: str) -> None:
         for pose in POSES:
@@ -369,7 +376,7 @@ def main() -> None:
                     forces.extend(curves)
                     write_csv(HERE / "forces.csv", forces)
                 made.append(grid)
-                write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+                note_origin()
                 print(f"{grid} grid, {pose.name} at {speed:g}: {time.monotonic() - began:.0f} s", flush=True)
 
     collide_on("coarse")
@@ -377,7 +384,7 @@ def main() -> None:
     for name, make in {"checks": checks, "whole_mesh": lambda: whole_mesh(rows), "pressed": pressed, "vibrations": lowest_vibrations}.items():
         if not (options.go_on and (HERE / f"{name}.csv").exists()):
             write_csv(HERE / f"{name}.csv", make())
-            write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+            note_origin()
             print(f"{name}.csv", flush=True)
     if REFERENCE in made or not (options.go_on and (HERE / "laws.csv").exists()):
         found, curves = laws(rows, forces)
@@ -385,7 +392,21 @@ def main() -> None:
         write_csv(HERE / "forces.csv", forces + curves)
         print("laws.csv", flush=True)
     collide_on("fine")
-    write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+    if REFERENCE in made or not (options.go_on and (HERE / "engines.csv").exists()):
+        # It needs this module.
+        import engines
+
+        began = time.monotonic()
+        versions = engines.make(rows, forces)
+        kept.update(versions)
+        more = ""
+        if versions and not made:
+            more = f"engines.csv and engine_steps.csv were made later, of the stored collisions, in {time.monotonic() - began:.0f} s of these"
+        elif not versions and (HERE / "engines.csv").exists():
+            more = "engines.csv and engine_steps.csv are of an earlier run, as the engines were not there"
+        if more:
+            kept["note"] = "; ".join([*filter(None, [kept.get("note")]), more])
+    note_origin()
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 import compare
+from stored import write_csv
 
 HERE = Path(__file__).resolve().parent
 #: In the duration of the elastic impact by Hertz, as `ellgran.collide` has them, and of how many durations a run is.
@@ -82,6 +83,8 @@ def _ours_in_liggghts(impact: "compare.Impact", mass: float, restitution: float)
     return {"model": f"nfd{tangential} surface ellipsoid", "shear": shear, "bulk": bulk, "friction": impact.friction}
 
 
+#: Computed beside them without an engine: what partial slip, which LAMMPS' spheres have not, makes of the difference.
+MINDLIN = "spheres, Mindlin without partial slip"
 #: By the name that engines.csv has. Controls first.
 CONTROLS = ("gran/ellipsoid in LAMMPS", "surface ellipsoid in LIGGGHTS")
 LAWS = {
@@ -97,9 +100,22 @@ LAWS = {
 }
 
 
-def missing() -> List[str]:
-    """What the environment does not name."""
-    return [name for name in ("ELLGRAN_LAMMPS", "ELLGRAN_LAMMPS_PLUGIN", "ELLGRAN_LIGGGHTS") if not os.environ.get(name)]
+def left_out() -> Dict[str, str]:
+    """Laws that cannot be run here, and why."""
+    without = {}
+    styles = ""
+    if os.environ.get("ELLGRAN_LAMMPS"):
+        styles = subprocess.run([os.environ["ELLGRAN_LAMMPS"], "-help"], capture_output=True, text=True).stdout
+    for label, law in LAWS.items():
+        variables = ["ELLGRAN_LAMMPS" if law.engine == "LAMMPS" else "ELLGRAN_LIGGGHTS"]
+        if label == CONTROLS[0]:
+            variables.append("ELLGRAN_LAMMPS_PLUGIN")
+        unset = [name for name in variables if not os.environ.get(name)]
+        if unset:
+            without[label] = f"{', '.join(unset)} not set"
+        elif "superellipsoid" in label and "granular/superellipsoid" not in styles.split():
+            without[label] = "this LAMMPS has no granular/superellipsoid"
+    return without
 
 
 def _axis_and_angle(quaternion: Sequence[float]) -> str:
@@ -221,26 +237,55 @@ class _Elements:
         return self._fits[label, pose]
 
 
+def _mindlin(pose: "compare.Pose", impact: "compare.Impact") -> Tuple[Dict[str, float], np.ndarray]:
+    law = compare.words(impact).replace("tangential tfd", "tangential mindlin")
+    found, path = compare.by_law(pose, impact, law, True)
+    return {**{name: float(value) for name, value in found.items()}, "lost": 0.0}, path
+
+
 def collisions(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]], Dict[str, str]]:
     """All collisions that finite elements have, by all laws; what four times as many steps change at the speed of the fit; and what
     the engines call themselves."""
     elements = _Elements(rows, forces)
     found, changes, versions = [], [], {}
-    for label, law in LAWS.items():
+    for label in (*LAWS, MINDLIN):
         change: Dict[str, float] = {}
         for row in elements.rows:
             pose, impact = elements.poses[row["pose"]], compare.impacts(row["speed"])[row["impact"]]
-            given = elements.given(label, pose.name)
-            out, path, versions[law.engine] = collide(label, pose, impact, given)
+            damped: Any = ""
+            if label == MINDLIN:
+                out, path = _mindlin(pose, impact)
+            else:
+                given = elements.given(label, pose.name)
+                damped = given if LAWS[label].fitted and impact.relaxation else ""
+                out, path, versions[LAWS[label].engine] = collide(label, pose, impact, given)
+                if row["speed"] == compare.FITTED_AT:
+                    finer = collide(label, pose, impact, given, 4 * STEPS)[0]
+                    for name in ("peak_force", "duration", "restitution", "velocity_x", "velocity_z", "spin_lower", "spin_upper"):
+                        relative = finer[name] if name == "peak_force" else 1.0
+                        change[name] = max(change.get(name, 0.0), abs(out[name] - finer[name]) / relative)
             force = compare.sampled(path, compare.times_of(pose, row["speed"]))
             difference = compare.relative_difference(force, np.array(elements.forces[row["pose"], row["speed"], row["impact"]]))
-            damped = given if law.fitted and impact.relaxation else ""
-            found.append({**{key: row[key] for key in ("pose", "speed", "impact")}, "law": label, **out, "force_difference": difference, "given_restitution": damped})
-            if row["speed"] == compare.FITTED_AT:
-                finer = collide(label, pose, impact, given, 4 * STEPS)[0]
-                for name in ("peak_force", "duration", "restitution", "velocity_x", "velocity_z", "spin_lower", "spin_upper"):
-                    relative = finer[name] if name == "peak_force" else 1.0
-                    change[name] = max(change.get(name, 0.0), abs(out[name] - finer[name]) / relative)
-        changes.append({"law": label, **change})
+            common = {key: row[key] for key in ("pose", "speed", "impact")}
+            found.append({**common, "law": label, **out, "force_difference": difference, "given_restitution": damped})
+        if change:
+            changes.append({"law": label, **change})
         print(f"{label}: {sum(row['law'] == label for row in found)} collisions", flush=True)
     return found, changes, versions
+
+
+def make(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Dict[str, str]:
+    """engines.csv and engine_steps.csv, and the engines' versions. Without all of the engines nothing is written, and it says so."""
+    without = left_out()
+    if without:
+        print("\nNOT RUN THROUGH THE ENGINES: engines.csv and engine_steps.csv stay as they are.")
+        for label, why in without.items():
+            print(f"  {label}: {why}")
+        print("`cargo xtask validate collisions -- --go-on` fetches and builds the engines; without engines.csv it runs these alone.\n", flush=True)
+        return {}
+    found, changes, names = collisions(rows, forces)
+    write_csv(HERE / "engines.csv", found)
+    write_csv(HERE / "engine_steps.csv", changes)
+    print("engines.csv, engine_steps.csv", flush=True)
+    # LAMMPS (4 Jul 2026); LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled ...
+    return {"LAMMPS": names["LAMMPS"].split("(")[1].split(")")[0], "LIGGGHTS": names["LIGGGHTS"].split("PUBLIC ")[-1].split(",")[0]}
