@@ -83,8 +83,8 @@ def _ours_in_liggghts(impact: "compare.Impact", mass: float, restitution: float)
     return {"model": f"nfd{tangential} surface ellipsoid", "shear": shear, "bulk": bulk, "friction": impact.friction}
 
 
-#: Computed beside them without an engine: what partial slip, which LAMMPS' spheres have not, makes of the difference.
-MINDLIN = "spheres, Mindlin without partial slip"
+#: Computed beside them without an engine: the law of LAMMPS' spheres in our words.
+IN_OUR_WORDS = "spheres, mindlin, unloading first_order"
 #: By the name that engines.csv has. Controls first.
 CONTROLS = ("gran/ellipsoid in LAMMPS", "surface ellipsoid in LIGGGHTS")
 LAWS = {
@@ -237,8 +237,10 @@ class _Elements:
         return self._fits[label, pose]
 
 
-def _mindlin(pose: "compare.Pose", impact: "compare.Impact") -> Tuple[Dict[str, float], np.ndarray]:
+def _in_our_words(pose: "compare.Pose", impact: "compare.Impact") -> Tuple[Dict[str, float], np.ndarray]:
     law = compare.words(impact).replace("tangential tfd", "tangential mindlin")
+    if impact.relaxation:
+        law += " unloading first_order"
     found, path = compare.by_law(pose, impact, law, True)
     return {**{name: float(value) for name, value in found.items()}, "lost": 0.0}, path
 
@@ -248,13 +250,13 @@ def collisions(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tupl
     the engines call themselves."""
     elements = _Elements(rows, forces)
     found, changes, versions = [], [], {}
-    for label in (*LAWS, MINDLIN):
+    for label in (*LAWS, IN_OUR_WORDS):
         change: Dict[str, float] = {}
         for row in elements.rows:
             pose, impact = elements.poses[row["pose"]], compare.impacts(row["speed"])[row["impact"]]
             damped: Any = ""
-            if label == MINDLIN:
-                out, path = _mindlin(pose, impact)
+            if label == IN_OUR_WORDS:
+                out, path = _in_our_words(pose, impact)
             else:
                 given = elements.given(label, pose.name)
                 damped = given if LAWS[label].fitted and impact.relaxation else ""
