@@ -23,6 +23,6 @@ fn an_oblique_collision_ends_as_the_stored_one() {
     );
     let (success, output) = execute(&engine, &fresh_directory("stored_collision"), &deck, 1);
     assert!(success, "{output}");
-    // Another scheme of motion, whose error of the step is another one: with four times as many steps both differ by a fifth of it.
+    // Another scheme of motion, whose error of the step is another one: with four times as many steps the two differ by a quarter of it.
     check(&output, 1e-4);
 }
