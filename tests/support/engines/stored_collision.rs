@@ -49,8 +49,7 @@ fn stored() -> [f64; 4] {
     let line = lines
         .map(|line| line.replace(quoted, "viscous"))
         .find(|line| line.starts_with("oblique,0.003,viscous,NFD+TFD,"))
-        .expect("the collision is stored")
-        .clone();
+        .expect("the collision is stored");
     let cells: Vec<&str> = line.split(',').collect();
     ["velocity_x", "velocity_z", "spin_lower", "spin_upper"].map(|name| {
         let column = head.iter().position(|word| *word == name).unwrap();
