@@ -52,6 +52,7 @@ mod servo_walls;
 mod set_up;
 mod size_ratio;
 mod spheres;
+mod stored_collision;
 mod tangential_force;
 mod tangential_motion;
 mod time_step;

@@ -43,6 +43,7 @@ mod restart_files;
 mod rolling;
 mod same_motion;
 mod spheres;
+mod stored_collision;
 mod stored_forces;
 mod time_step;
 mod twins;

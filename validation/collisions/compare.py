@@ -163,6 +163,11 @@ def sampled(path: np.ndarray, times: np.ndarray) -> np.ndarray:
     return np.stack([np.interp(times, path[:, 0], path[:, k], right=0.0) for k in (1, 2)], axis=1)
 
 
+def relative_difference(force: np.ndarray, full: np.ndarray) -> float:
+    """Root mean square of the difference of the force vectors over that of the force."""
+    return float(np.sqrt(np.mean(np.sum((force - full) ** 2, axis=1)) / np.mean(np.sum(full**2, axis=1))))
+
+
 def times_of(pose: Pose, speed: float, count: int = 61) -> np.ndarray:
     return np.linspace(0.0, 1.25 * scale(pose, speed).duration, count)[1:]
 
@@ -189,9 +194,14 @@ def collided(
     return rows, forces
 
 
+def viscosities(impact: Impact) -> Tuple[float, float]:
+    """Shear and bulk, in proportion to the moduli."""
+    return impact.relaxation / (1 + POISSON), impact.relaxation / (3 * (1 - 2 * POISSON))
+
+
 def words(impact: Impact) -> str:
     """The law of a material with viscosities in proportion to its moduli."""
-    shear, bulk = impact.relaxation / (1 + POISSON), impact.relaxation / (3 * (1 - 2 * POISSON))
+    shear, bulk = viscosities(impact)
     law = f"nfd 1.0 {POISSON} {shear!r} {bulk!r}" if impact.relaxation else f"hertz 1.0 {POISSON}"
     return f"{law} tangential tfd {impact.friction}" if impact.friction else law
 
@@ -221,12 +231,17 @@ def by_law(pose: Pose, impact: Impact, law: str, spheres: bool = False) -> Tuple
     spins = after.angular_velocities[:, 1]
     found = measures(pose, impact, path, float(collision.time[-1]), velocity[[0, 2]], spins)
     if spheres:
-        moment = 0.4 * bodies.masses[0] * radius**2
-        reduced = 0.5 * bodies.masses[0]
-        before = 0.5 * reduced * (impact.normal**2 + impact.along**2)
-        found["restitution"] = velocity[2] / impact.normal
-        found["kept"] = (0.5 * reduced * (velocity[0] ** 2 + velocity[2] ** 2) + 0.5 * moment * float(spins @ spins)) / before
+        found.update(of_spheres(pose, impact, velocity[[0, 2]], spins))
     return found, path
+
+
+def of_spheres(pose: Pose, impact: Impact, velocity: np.ndarray, spins: np.ndarray) -> Dict[str, float]:
+    """What `measures` gives otherwise of spheres of the same volume."""
+    mass = float(pose.bodies().masses[0])
+    moment = 0.4 * mass * float(np.cbrt(pose.aspect)) ** 2
+    before = 0.25 * mass * (impact.normal**2 + impact.along**2)
+    after = 0.25 * mass * float(velocity @ velocity) + 0.5 * moment * float(spins @ spins)
+    return {"restitution": velocity[1] / impact.normal, "kept": after / before}
 
 
 def laws(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]]]:
@@ -252,7 +267,7 @@ def laws(rows: List[Dict[str, Any]], forces: List[Dict[str, Any]]) -> Tuple[List
                     force = sampled(path, times)
                     full = np.array(reference[pose.name, speed, name])
                     common = {"pose": pose.name, "speed": speed, "impact": name}
-                    difference = float(np.sqrt(np.mean(np.sum((force - full) ** 2, axis=1)) / np.mean(np.sum(full**2, axis=1))))
+                    difference = relative_difference(force, full)
                     found.append({**common, "law": label, **out, "force_difference": difference})
                     for moment, (along, up) in zip(times, force) if name in SHOWN and not spheres else ():
                         curves.append({**common, "time": float(moment), "law": label, "force_x": float(along), "force_z": float(up)})
@@ -333,11 +348,18 @@ def main() -> None:
     rows: List[Dict[str, Any]] = []
     forces: List[Dict[str, Any]] = []
     earlier = 0.0
+    # Of the earlier parts, where this run goes on.
+    kept: Dict[str, str] = {}
     if options.go_on and (HERE / "collisions.csv").exists():
         rows = read_csv(HERE / "collisions.csv")
         forces = [row for row in read_csv(HERE / "forces.csv") if row["law"] == "finite elements"] if (HERE / "forces.csv").exists() else []
-        earlier = json.loads((HERE / "origin.json").read_text())["seconds"] if (HERE / "origin.json").exists() else 0.0
+        origin = json.loads((HERE / "origin.json").read_text()) if (HERE / "origin.json").exists() else {}
+        earlier = origin.get("seconds", 0.0)
+        kept = {name: origin[name] for name in ("LAMMPS", "LIGGGHTS", "note") if name in origin}
     made = []
+
+    def note_origin() -> None:
+        write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started), **kept)
 
     def collide_on(grid: str) -> None:
         for pose in POSES:
@@ -354,7 +376,7 @@ def main() -> None:
                     forces.extend(curves)
                     write_csv(HERE / "forces.csv", forces)
                 made.append(grid)
-                write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+                note_origin()
                 print(f"{grid} grid, {pose.name} at {speed:g}: {time.monotonic() - began:.0f} s", flush=True)
 
     collide_on("coarse")
@@ -362,7 +384,7 @@ def main() -> None:
     for name, make in {"checks": checks, "whole_mesh": lambda: whole_mesh(rows), "pressed": pressed, "vibrations": lowest_vibrations}.items():
         if not (options.go_on and (HERE / f"{name}.csv").exists()):
             write_csv(HERE / f"{name}.csv", make())
-            write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+            note_origin()
             print(f"{name}.csv", flush=True)
     if REFERENCE in made or not (options.go_on and (HERE / "laws.csv").exists()):
         found, curves = laws(rows, forces)
@@ -370,7 +392,21 @@ def main() -> None:
         write_csv(HERE / "forces.csv", forces + curves)
         print("laws.csv", flush=True)
     collide_on("fine")
-    write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+    if REFERENCE in made or not (options.go_on and (HERE / "engines.csv").exists()):
+        # It needs this module.
+        import engines
+
+        began = time.monotonic()
+        versions = engines.make(rows, forces)
+        kept.update(versions)
+        more = ""
+        if versions and not made:
+            more = f"engines.csv and engine_steps.csv were made later, of the stored collisions, in {time.monotonic() - began:.0f} s of these"
+        elif not versions and (HERE / "engines.csv").exists():
+            more = "engines.csv and engine_steps.csv are of an earlier run, as the engines were not there"
+        if more:
+            kept["note"] = "; ".join([*filter(None, [kept.get("note")]), more])
+    note_origin()
 
 
 if __name__ == "__main__":

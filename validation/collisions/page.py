@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
 from compare import FRICTION, GRIDS, RELAXATION, STEPS, VIBRATIONS
+from engines import CONTROLS, IN_OUR_WORDS
+from engines import STEPS as STEPS_OF_ENGINES
 from free_body import WIDTH
 from report_page import COLOURS, plt, save, table, write
 from stored import read_csv
@@ -45,6 +47,7 @@ class Results:
         self.rows = read_csv(HERE / "collisions.csv")
         self.laws = read_csv(HERE / "laws.csv")
         self.forces = read_csv(HERE / "forces.csv")
+        self.engines = read_csv(HERE / "engines.csv")
         self.full = chosen(self.rows, grid="medium")
         self.poses = list(dict.fromkeys(row["pose"] for row in self.full))
         self.speeds = sorted({row["speed"] for row in self.full})
@@ -58,6 +61,9 @@ class Results:
 
     def by(self, law: str, row: Row) -> Row:
         return chosen(self.laws, law=law, pose=row["pose"], speed=row["speed"], impact=row["impact"])[0]
+
+    def through(self, law: str, row: Row) -> Row:
+        return chosen(self.engines, law=law, pose=row["pose"], speed=row["speed"], impact=row["impact"])[0]
 
     def with_bar(self, row: Row, name: str, digits: int = 3) -> str:
         # A duration is a whole number of steps.
@@ -147,6 +153,182 @@ def spring_table(results: Results) -> str:
             cells += [results.with_bar(row, name), *(number(law[name]) for law in laws)]
         rows.append(cells)
     return table(head, rows)
+
+
+#: Laws of engines.csv, as the tables call them. The first is ours, as LAMMPS runs it.
+OURS = CONTROLS[0]
+SUPERELLIPSOID = "LAMMPS superellipsoid, mean curvature"
+GAUSSIAN = "LAMMPS superellipsoid, Gaussian curvature"
+BOXES = "LAMMPS superellipsoid, mean curvature, bounding boxes"
+SUPERQUADRIC = "LIGGGHTS superquadric"
+SUPERQUADRIC_MEAN = "LIGGGHTS superquadric, mean curvature"
+SUPERQUADRIC_GAUSSIAN = "LIGGGHTS superquadric, Gaussian curvature"
+SPHERES = "LAMMPS granular, spheres"
+SHOWN = {
+    OURS: "NFD+TFD",
+    SUPERELLIPSOID: "LAMMPS mean",
+    GAUSSIAN: "LAMMPS Gaussian",
+    SUPERQUADRIC: "LIGGGHTS same volume",
+    SUPERQUADRIC_MEAN: "LIGGGHTS mean",
+    SUPERQUADRIC_GAUSSIAN: "LIGGGHTS Gaussian",
+    SPHERES: "LAMMPS spheres",
+}
+
+
+def force_error(results: Results, law: str, row: Row) -> float:
+    return results.through(law, row)["peak_force"] / row["peak_force"] - 1
+
+
+def engines_elastic_table(results: Results) -> str:
+    laws = (OURS, SUPERELLIPSOID, GAUSSIAN, SUPERQUADRIC, SPHERES)
+    labels = ["NFD", "mean", "Gaussian", "same volume", "spheres"]
+    head = ["pose", "v/c", *(f"{'largest force: ' if k == 0 else ''}{label}" for k, label in enumerate(labels)), "duration: elements", *labels]
+    rows = []
+    for row in pick(results, "normal"):
+        errors = [f"{signed(force_error(results, law, row))} %" for law in laws]
+        durations = [number(results.through(law, row)["duration"]) for law in laws]
+        rows.append([row["pose"], f"{row['speed']:g}", *errors, results.with_bar(row, "duration"), *durations])
+    return table(head, rows)
+
+
+def engines_viscous_table(results: Results) -> str:
+    laws = (OURS, SUPERELLIPSOID, GAUSSIAN, SUPERQUADRIC_MEAN, SUPERQUADRIC, SPHERES)
+    labels = ["NFD", *(SHOWN[law] for law in laws[1:])]
+    head = ["pose", "v/c", "restitution: elements", *labels, *(f"{'largest force: ' if k == 0 else ''}{label}" for k, label in enumerate(labels))]
+    rows = []
+    for row in pick(results, "normal, viscous"):
+        ends = [number(results.through(law, row)["restitution"]) for law in laws]
+        errors = [f"{signed(force_error(results, law, row))} %" for law in laws]
+        rows.append([row["pose"], f"{row['speed']:g}", results.with_bar(row, "restitution"), *ends, *errors])
+    return table(head, rows)
+
+
+def engines_oblique_table(results: Results) -> str:
+    laws = (OURS, SUPERELLIPSOID, SUPERQUADRIC, SPHERES)
+    labels = [SHOWN[law] for law in laws]
+    head = ["pose", "v/c", "along: elements", *labels, "apart: elements", *labels, "spin: elements", *labels]
+    rows = []
+    for row in pick(results, "45 degrees, viscous"):
+        cells = [row["pose"], f"{row['speed']:g}"]
+        for name in ("velocity_x", "velocity_z", "spin_lower"):
+            cells += [results.with_bar(row, name), *(number(results.through(law, row)[name]) for law in laws)]
+        rows.append(cells)
+    return table(head, rows)
+
+
+def engines_largest(results: Results, law: str, poses: Sequence[str]) -> Dict[str, float]:
+    """Largest errors over speeds and impacts: of force, duration and restitution in normal impacts, of the rest in oblique ones."""
+    rows = [(row, results.through(law, row)) for row in results.full if row["pose"] in poses]
+    normal = [(row, found) for row, found in rows if "degrees" not in row["impact"]]
+    oblique = [(row, found) for row, found in rows if "degrees" in row["impact"]]
+    errors = {"peak_force": max(abs(found["peak_force"] / row["peak_force"] - 1) for row, found in normal)}
+    for name in ("duration", "restitution"):
+        errors[name] = max(abs(found[name] - row[name]) for row, found in normal)
+    for name in ("velocity_x", "velocity_z"):
+        errors[name] = max(abs(found[name] - row[name]) for row, found in oblique)
+    errors["spin"] = max(abs(found[name] - row[name]) for row, found in oblique for name in ("spin_lower", "spin_upper"))
+    errors["force_difference"] = (sum(found["force_difference"] ** 2 for _, found in rows) / len(rows)) ** 0.5
+    return errors
+
+
+def engines_largest_table(results: Results) -> str:
+    head = ["pose", "law", "largest force, %", "duration", "restitution", "along", "apart", "spin", "force differs by, %"]
+    rows = []
+    for pose in results.poses:
+        for law, label in SHOWN.items():
+            errors = engines_largest(results, law, [pose])
+            cells = [number(errors[name]) for name in ("duration", "restitution", "velocity_x", "velocity_z", "spin")]
+            rows.append([pose, label, f"{100 * errors['peak_force']:.1f}", *cells, f"{100 * errors['force_difference']:.1f}"])
+    return table(head, rows)
+
+
+def apart(rows: Sequence[Row], others: Sequence[Row], names: Sequence[str]) -> float:
+    """Largest difference of the same collisions."""
+    of = {(row["pose"], row["speed"], row["impact"]): row for row in others}
+    pairs = [(row, of[row["pose"], row["speed"], row["impact"]]) for row in rows if (row["pose"], row["speed"], row["impact"]) in of]
+    return max(abs(row[name] - other[name]) for row, other in pairs for name in names)
+
+
+def engines_part(results: Results) -> str:
+    def law(name: str, **wanted: Any) -> List[Row]:
+        return chosen(results.engines, law=name, **wanted)
+
+    middle = results.speeds[1]
+    ours = chosen(results.laws, law="NFD+TFD")
+    motion = (*SPEED_AND_SPIN, "kept")
+    in_lammps, in_liggghts = (apart(law(control), ours, motion) for control in CONTROLS)
+    not_viscous = [row for row in results.engines if "viscous" not in row["impact"]]
+    twins = max(
+        apart(chosen(not_viscous, law=one), chosen(not_viscous, law=other), SPEED_AND_SPIN)
+        for one, other in ((SUPERELLIPSOID, SUPERQUADRIC_MEAN), (GAUSSIAN, SUPERQUADRIC_GAUSSIAN))
+    )
+    steps = {row["law"]: max(row[name] for name in SPEED_AND_SPIN) for row in read_csv(HERE / "engine_steps.csv")}
+    finest = max(value for name, value in steps.items() if name != BOXES)
+    lost = [row for row in law(BOXES) if row["lost"] > 0]
+    whole = [results.through(SUPERELLIPSOID, row) for row in lost]
+    worst = max(zip(lost, whole), key=lambda pair: abs(pair[0]["velocity_x"] - pair[1]["velocity_x"]))
+    energy = {name: 1 - min(row["kept"] for row in law(name, pose="oblique", impact="normal")) for name in (SUPERELLIPSOID, GAUSSIAN, SUPERQUADRIC)}
+    of_ours = max(abs(row["kept"] - 1) for row in law(OURS, impact="normal"))
+    fitted = {row["pose"]: row["given_restitution"] for row in law(SUPERQUADRIC, impact="normal, viscous")}
+    oblique_end = chosen(results.full, pose="oblique", speed=middle, impact="normal, viscous")[0]["restitution"]
+    spheres, by_ours, in_our_words = law(SPHERES), chosen(results.laws, law="spheres"), law(IN_OUR_WORDS)
+    head_on = [row for row in spheres if "degrees" not in row["impact"]]
+    sliding = [row for row in law(SUPERELLIPSOID, impact="63 degrees") if row["pose"] in ("crossed", "oblique")]
+    slides_alike = apart(sliding, ours, ["velocity_x", "velocity_z"])
+
+    def off_hertz(pose: str) -> List[float]:
+        """The largest force by the mean curvature against that of NFD."""
+        rows = [row for row in results.full if row["pose"] == pose and row["impact"] == "normal"]
+        return [results.through(SUPERELLIPSOID, row)["peak_force"] / results.through(OURS, row)["peak_force"] - 1 for row in rows]
+
+    def sticking(name: str, pose: str) -> str:
+        rows = [row for row in results.full if row["pose"] == pose and row["impact"] in ("45 degrees", "45 degrees, viscous")]
+        return span([results.through(name, row)["velocity_x"] - row["velocity_x"] for row in rows], "+.3f", 1)
+
+    return f"""## The engines' own laws
+
+All {len(results.full)} collisions through LAMMPS and LIGGGHTS, two grains in a box, {STEPS_OF_ENGINES} steps in the duration by Hertz (`pair.lmp`, `pair.lig`, `engines.py`):
+
+| called here | what is run |
+|---|---|
+| NFD+TFD | `pair_style gran/ellipsoid` in LAMMPS; in LIGGGHTS `surface ellipsoid` |
+| LAMMPS mean, Gaussian | `pair_style granular/superellipsoid no_bounding_box`, with `curvature_gaussian` for the second: `hertz` with 4/3 E\*, `tangential classic` with 8 G\*, `damping viscoelastic limit_damping`. Damping as of the viscous material, nothing is fitted |
+| LIGGGHTS same volume, mean, Gaussian | `model hertz tangential history surface superquadric`, blockiness 2; `meanCurvature yes` or `gaussianCurvature yes` with `curvatureLimitFactor 1000` for the last two. Its damping is a coefficient of restitution: 1 for elastic grains; for viscous ones fitted in each pose, so that the normal impact at v/c = {middle:g} ends as by finite elements |
+| LAMMPS spheres | `pair_style granular`: `hertz/material`, `tangential mindlin NULL`, `damping viscoelastic limit_damping`, spheres of the same volume |
+
+*Control*: ours in LAMMPS ends as the stored results of `ellgran.collide` do to {in_lammps:.0e} in velocities, spins and energy, ours in LIGGGHTS to {in_liggghts:.0e}. With the same radius LAMMPS' superellipsoids and LIGGGHTS' superquadrics agree to {twins:.0e} where grains are elastic, so that one of them stands for both in some tables.
+Four times as many steps change velocities and spins by at most {finest:.0e} at v/c = {middle:g}. Durations here are from first touch to the last force, as of the finite elements; those of NFD in the tables above are until the overlap has gone, which is later where grains are viscous.
+With friction the bodies turn and the normal with them, so that largest forces are of normal impacts alone.
+
+Normal, elastic. *Spheres* have the radius of *same volume*; in the oblique pose they lack the arm of the force.
+
+{engines_elastic_table(results)}
+Normal, viscous:
+
+{engines_viscous_table(results)}
+45 degrees, viscous:
+
+{engines_oblique_table(results)}
+The largest errors over speeds and impacts, against finite elements; of force, duration and restitution in normal impacts, of *along*, *apart* and *spin* in oblique ones. *Force differs by* is the root mean square over all.
+
+{engines_largest_table(results)}
+What is to be seen:
+
+- **One radius in place of the contact ellipse.** Where the contact is a circle (crossed, tip to tip) the mean curvature is NFD, and in the oblique pose its largest force differs from that of NFD by up to {100 * max(abs(row) for row in off_hertz('oblique')):.1f} %. Side by side, where the ellipse is long, it is {-100 * max(off_hertz('side by side')):.0f} % below Hertz; the grains are softer than half-spaces too, so that the two errors cancel in the largest force. The force over time is then further off than by NFD.
+  So in these collisions the ellipse is no better than one radius for the largest force, and better for the force over time where it is long. Longer ellipses are in [error against run time](README.md). The radius of the same volume, which LIGGGHTS takes unless told otherwise, errs by {span([force_error(results, SUPERQUADRIC, r) for r in results.full if r['pose'] == 'tip to tip' and 'degrees' not in r['impact']], '+.0f')} % tip to tip.
+- **Friction.** All of them have Mindlin's spring up to Coulomb's limit, without partial slip. Where contacts stick, at 45 degrees, the velocity along x of LAMMPS mean is off by {sticking(SUPERELLIPSOID, 'tip to tip')} tip to tip (TFD {sticking(OURS, 'tip to tip')}), {sticking(SUPERELLIPSOID, 'crossed')} crossed (TFD {sticking(OURS, 'crossed')}) and {sticking(SUPERELLIPSOID, 'oblique')} in the oblique pose (TFD {sticking(OURS, 'oblique')}).
+  At 63 degrees, where crossed and oblique contacts slide, TFD and LAMMPS mean are {slides_alike:.3f} apart there at most.
+- **Viscosity.** LAMMPS' damping with the constant of the material gives the restitution that NFD gives, to {100 * max(apart(law(SUPERELLIPSOID, impact='normal, viscous', pose=pose), ours, ['restitution']) for pose in ('crossed', 'oblique', 'tip to tip')):.1f} % of the speed of approach (side by side left out). A coefficient of restitution, as LIGGGHTS has it, is right at the speed of the fit alone, as LSD is; unlike by LSD, force and duration follow the speed. Off the centres it is not the ratio of the speeds at the contact: for {number(oblique_end)} in the oblique pose LIGGGHTS has to be given {number(fitted['oblique'])}.
+- **Energy.** An elastic impact without friction in the oblique pose loses up to {100 * energy[SUPERELLIPSOID]:.1f} % by the mean curvature, {100 * energy[GAUSSIAN]:.1f} % by the Gaussian one and {100 * energy[SUPERQUADRIC]:.1f} % by the same volume, at v/c = {results.speeds[-1]:g}; ours keeps it to {of_ours:.0e}.
+- **Spheres** by our law in the tables above are not quite those of LAMMPS. In normal impacts the restitution differs by up to {apart(head_on, by_ours, ['restitution']):.4f} where they are viscous, because NFD has a smaller area on the way back (`unloading ting`); with friction by up to {apart(spheres, by_ours, ['velocity_x']):.3f} along x, because TFD slips partially. With `mindlin` and `unloading first_order` ours end as LAMMPS' do, to {apart(head_on, in_our_words, ['restitution']):.0e} in normal impacts and to {apart([r for r in spheres if r['speed'] == results.speeds[0]], in_our_words, ['velocity_x', 'spin_lower']):.3f} with friction at {results.speeds[0]:g}, {apart(spheres, in_our_words, ['velocity_x', 'spin_lower']):.3f} at {results.speeds[-1]:g}: LAMMPS takes the velocity at the contact with whole radii, and the torque with radii less half the overlap.
+
+What to know of `granular/superellipsoid` in LAMMPS 4 Jul 2026, beside that:
+
+- Its test of bounding boxes, on by default, takes grains in contact for separate in up to {100 * max(row['lost'] for row in lost):.0f} % of the steps when an axis of one stays along an axis of the other, as in the crossed pose with friction: the test of the edges compares rounding with rounding. Friction forgets its history each time. {worst[0]['pose'].capitalize()}, {worst[0]['impact']}, at {worst[0]['speed']:g}, the velocity along x is {number(worst[0]['velocity_x'])}, with `no_bounding_box` {number(worst[1]['velocity_x'])}. Seen in {len(lost)} of the {len(results.full)} collisions. In a line: `lmp -in pair.lmp -var style granular/superellipsoid -var law "hertz 0.7326 0 tangential classic 0.905 0 0.3 damping viscoelastic limit_damping" -var axes "3 2 2" -var mass 6.283185307 -var turned2 "0 0 1 90" -var along 0.003 -var approach 0.003 -var step 0.04 -var steps 700`, without and with `-var words no_bounding_box`: the force is the third column.
+- `set density` gives a superellipsoid the mass of the sphere around it; a density in a data file gives the right one. `set mass` after `set shape` and `set block` leaves the moments of inertia as they were. So `pair.lmp` sets the mass first.
+- Where the search finds contact with a negative overlap, as it can for two grains that touch to rounding, the force is not a number: `lmp -in pair.lmp -var style granular/superellipsoid -var words geometric -var law "hertz 0.7326 0 tangential classic 0.905 0 0 damping viscoelastic limit_damping" -var place "-0.9486832980505137 0 -1.58113883008419" -var place2 "0.9486832980505137 0 1.58113883008419" -var turned "0 -1 0 45" -var turned2 "0 -1 0 45" -var steps 2`. None of the stored collisions met it.
+
+Not run: `geometric`, which for two equal ellipsoids has the solution of the default; `linear_history`, whose spring does not grow with the contact; the engines' laws for aspect ratios beyond 3."""
 
 
 def picture(results: Results, title: str) -> None:
@@ -249,7 +431,10 @@ def main() -> None:
         f"{long_fast['restitution']:.2f} and the law has {results.by('NFD+TFD', long_fast)['restitution']:.2f}. "
         f"With friction, the velocity along x after a collision that sticks is off by {span([of('velocity_x', r) for r in sticking], '+.3f', 1)} of the speed of approach in the other poses, and after one that slides by "
         f"{span([of('velocity_x', r) for r in sliding], '+.3f', 1)}. "
-        f"LSD fitted at {middle:g} errs in the largest force by {span([of_force(r, 'LSD') for r in at(viscous, slow)])} % at {slow:g} and {span([of_force(r, 'LSD') for r in at(viscous, fast)])} % at {fast:g}."
+        f"LSD fitted at {middle:g} errs in the largest force by {span([of_force(r, 'LSD') for r in at(viscous, slow)])} % at {slow:g} and {span([of_force(r, 'LSD') for r in at(viscous, fast)])} % at {fast:g}. "
+        f"The engines' own laws for ellipsoids, run in LAMMPS and LIGGGHTS: with the mean or the Gaussian curvature in place of the contact ellipse the largest force of elastic normal impacts errs by "
+        f"{span([force_error(results, name, r) for name in (SUPERELLIPSOID, GAUSSIAN) for r in normal])} %, beside {span([of_force(r) for r in normal])} % by NFD; with the radius of the same volume, LIGGGHTS' default, by {span([force_error(results, SUPERQUADRIC, r) for r in normal])} %. "
+        f"They know no partial slip: along x they err by up to {engines_largest(results, SUPERELLIPSOID, short_ones)['velocity_x']:.3f} where TFD errs by {engines_largest(results, OURS, short_ones)['velocity_x']:.3f}, the long grains side by side left out."
     )
     picture(results, "Hertz, NFD and TFD hold for compact grains; long ones side by side keep energy in bending, which no contact law has")
 
@@ -304,7 +489,7 @@ lowest vibration, and much where it lasts about one: side by side at 3:1 bending
         f"""## Normal impacts, viscous
 
 Viscosities in proportion to the moduli, where NFD is exact for half-spaces ([viscoelastic contact](viscoelastic-contact.md)). *LSD* is fitted to duration and restitution of the finite elements in each pose at v/c = {middle:g}; forces are relative errors. *Spheres* are spheres of the same
-volume with the same law, which is what an engine's own granular law of spheres takes (LAMMPS' `granular` with Hertz); the durations of spheres are not shown.
+volume with the same law; LAMMPS' own are [below](#the-engines-own-laws). The durations of spheres are not shown.
 
 {viscous_table(results)}""",
         f"""## Oblique impacts, elastic and viscous
@@ -317,6 +502,7 @@ The largest error along x, {number(of('velocity_x', worst_along))} of v, is of *
 
 {spring_table(results)}
 LSD has 2/7 of its normal stiffness and half of its normal damping along the contact, as LAMMPS' `gran/hooke` has by default. Spheres spin as spheres: neither their moment of inertia nor the arm of the force is that of the grain.""",
+        engines_part(results),
         """## What follows
 
 - For grains up to 2:1, and longer ones that meet with their tips, the laws are as good as their assumption of half-spaces: the error of the largest force is the one of [elastic contact](elastic-contact.md) at rest, and grows as the root of the overlap.
@@ -325,9 +511,9 @@ LSD has 2/7 of its normal stiffness and half of its normal damping along the con
         """## What is left out
 
 Large strain and plasticity, which real grains have at the higher speeds. Viscosities that are not in proportion (the reduced bodies need it). Bodies that leave their plane of
-symmetry. Other laws of the engines for ellipsoids were not run here; LAMMPS' `granular` knows spheres alone.""",
+symmetry. Other constants of the engines' laws than those that follow from the material or are fitted to it.""",
     ]
-    write(HERE, "Collisions of two ellipsoids against finite elements with inertia", conclusion, parts, ["collisions.csv", "laws.csv", "forces.csv", "checks.csv", "whole_mesh.csv", "pressed.csv", "vibrations.csv"])
+    write(HERE, "Collisions of two ellipsoids against finite elements with inertia", conclusion, parts, ["collisions.csv", "laws.csv", "forces.csv", "checks.csv", "whole_mesh.csv", "pressed.csv", "vibrations.csv", "engines.csv", "engine_steps.csv"])
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ def viscoelastic() -> SimpleNamespace:
 
 @pytest.fixture
 def collisions() -> SimpleNamespace:
-    return _load("collisions", ("free_body", "two_bodies", "whole_mesh", "compare"))
+    return _load("collisions", ("free_body", "two_bodies", "whole_mesh", "compare", "engines"))
 
 
 @pytest.fixture

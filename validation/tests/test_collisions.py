@@ -78,3 +78,38 @@ def test_the_law_of_now_gives_the_stored_rebounds(collisions):
         found, _ = compare.by_law(pose, impact, compare.words(impact))
         for name in ("peak_force", "restitution", "velocity_x", "velocity_z", "spin_lower", "spin_upper"):
             assert abs(found[name] - row[name]) < 1e-6 * (1 + abs(row[name])), (row["pose"], row["impact"], name)
+
+
+def test_our_law_through_the_engines_ends_as_the_stored_rebounds(collisions):
+    """What came out of LAMMPS and LIGGGHTS, as it is stored. tests/lammps and tests/liggghts run one of these collisions."""
+    compare, engines = collisions.compare, collisions.engines
+    stored = {(row["pose"], row["speed"], row["impact"]): row for row in _rows(compare, "laws.csv") if row["law"] == "NFD+TFD"}
+    rows = _rows(compare, "engines.csv")
+    for control, tolerance in zip(engines.CONTROLS, (1e-7, 1e-4)):
+        found = {(row["pose"], row["speed"], row["impact"]): row for row in rows if row["law"] == control}
+        assert found.keys() == stored.keys(), control
+        for key, row in found.items():
+            for name in ("restitution", "velocity_x", "velocity_z", "spin_lower", "spin_upper", "kept"):
+                assert abs(row[name] - stored[key][name]) < tolerance, (control, key, name)
+
+
+def test_without_engines_nothing_is_written_and_it_says_so(collisions, monkeypatch, capsys):
+    for name in ("ELLGRAN_LAMMPS", "ELLGRAN_LAMMPS_PLUGIN", "ELLGRAN_LIGGGHTS"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(collisions.engines, "write_csv", lambda *_: pytest.fail("written"))
+    assert collisions.engines.make([], []) == {}
+    said = capsys.readouterr().out
+    assert "NOT RUN THROUGH THE ENGINES" in said
+    for label in collisions.engines.LAWS:
+        assert f"{label}: " in said
+
+
+def test_lammps_spheres_are_our_law_in_their_words(collisions):
+    compare = collisions.compare
+    rows = [row for row in _rows(compare, "engines.csv") if (row["law"], row["impact"]) == ("LAMMPS granular, spheres", "normal, viscous")]
+    assert len(rows) == 12
+    for row in rows:
+        pose = next(pose for pose in compare.POSES if pose.name == row["pose"])
+        law = compare.words(compare.impacts(row["speed"])["normal, viscous"])
+        found, _ = compare.by_law(pose, compare.impacts(row["speed"])["normal, viscous"], f"{law} unloading first_order", True)
+        assert abs(found["restitution"] - row["restitution"]) < 1e-5, (row["pose"], row["speed"])

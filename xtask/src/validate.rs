@@ -40,7 +40,8 @@ pub enum Comparison {
     /// Viscosity: the Kelvin-Voigt half-space with its exact memory
     #[value(name = "viscoelastic-contact")]
     Viscoelastic,
-    /// Collisions of two ellipsoids by finite elements with inertia: force over time, rebound, spin, vibration
+    /// Collisions of two ellipsoids by finite elements with inertia: force over time, rebound, spin, vibration; and through LAMMPS and
+    /// LIGGGHTS, by their own laws too, where they can be had
     #[value(name = "collisions")]
     Collisions,
     /// Random packings against shape, with LAMMPS: solid fraction and coordination
@@ -88,6 +89,11 @@ impl Comparison {
     fn needs_liggghts(self) -> bool {
         matches!(self, Comparison::Scenes)
     }
+
+    /// Its main part does without engines.
+    fn takes_engines_where_they_are(self) -> bool {
+        matches!(self, Comparison::Collisions)
+    }
 }
 
 pub fn validate(options: &Options) -> Result<()> {
@@ -111,15 +117,22 @@ pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> 
             say(format!("== {}", comparison.folder()));
             let mut compare = programs.python();
             if comparison.needs_lammps() {
-                let source = lammps::source()?;
-                compare
-                    .env("ELLGRAN_LAMMPS", source.binary()?)
-                    .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
-                    .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+                with_lammps(&mut compare)?;
                 mpi::let_ranks_share_cores(&mut compare)?;
             }
             if comparison.needs_liggghts() {
-                compare.env("ELLGRAN_LIGGGHTS", liggghts::binary()?);
+                with_liggghts(&mut compare)?;
+            }
+            if comparison.takes_engines_where_they_are() {
+                // The program says what it leaves out.
+                for (engine, found) in [
+                    ("LAMMPS", with_lammps(&mut compare)),
+                    ("LIGGGHTS", with_liggghts(&mut compare)),
+                ] {
+                    if let Err(error) = found {
+                        say(format!("NO {engine}: {error:#}"));
+                    }
+                }
             }
             process::run_open(compare.arg(folder.join("compare.py")).args(words))?;
         }
@@ -130,6 +143,20 @@ pub fn make(chosen: &[Comparison], pages: bool, words: &[String]) -> Result<()> 
             human_time(started.elapsed())
         ));
     }
+    Ok(())
+}
+
+fn with_lammps(compare: &mut Command) -> Result<()> {
+    let source = lammps::source()?;
+    compare
+        .env("ELLGRAN_LAMMPS", source.binary()?)
+        .env("ELLGRAN_LAMMPS_PLUGIN", plugin::plugin(&source)?)
+        .env("ELLGRAN_LAMMPS_VERSION", source.spelled()?);
+    Ok(())
+}
+
+fn with_liggghts(compare: &mut Command) -> Result<()> {
+    compare.env("ELLGRAN_LIGGGHTS", liggghts::binary()?);
     Ok(())
 }
 

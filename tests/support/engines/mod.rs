@@ -16,3 +16,4 @@ pub mod restart_files;
 pub mod scene;
 #[path = "../shapes.rs"]
 pub mod shapes;
+pub mod stored_collision;
