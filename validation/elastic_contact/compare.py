@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -12,7 +12,9 @@ import ellgran
 from ellipsoid_pair import PLANE_RADIUS, Pair, Shape
 from finite_bodies import FiniteBody
 from half_space import Pressed, press
+from collisions.free_body import WIDTH, Grid
 from stored import write_csv, write_origin
+from whole_bodies import WholePair
 
 HERE = Path(__file__).resolve().parent
 POISSON = 0.3
@@ -34,6 +36,28 @@ PAIRS = (
     Pair("2:1:1 tip to tip", Shape((1, 1, 2)), Shape((1, 1, 2))),
     Pair("5:1:1 tip to tip", Shape((1, 1, 5)), Shape((1, 1, 5))),
 )
+
+# Whole bodies in three dimensions.
+TURNED_UPRIGHT = (float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0)
+TURNED_ASIDE = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
+WHOLE_PAIRS = (
+    Pair("1:1:1 tip to tip", Shape((1, 1, 1)), Shape((1, 1, 1))),
+    Pair("2:1:1 tip to tip", Shape((1, 1, 2)), Shape((1, 1, 2))),
+    Pair("5:1:1 tip to tip", Shape((1, 1, 5)), Shape((1, 1, 5))),
+    Pair("2:1:1 side by side", Shape((2, 1, 1)), Shape((2, 1, 1))),
+    Pair("5:1:1 side by side", Shape((5, 1, 1)), Shape((5, 1, 1))),
+    Pair("2:1:1 crossed", Shape((2, 1, 1)), Shape((2, 1, 1), TURNED_QUARTER)),
+    Pair("5:1:1 crossed", Shape((5, 1, 1)), Shape((5, 1, 1), TURNED_QUARTER)),
+    Pair("2:1:1 oblique", Shape((2, 1, 1), TURNED_HALF), Shape((2, 1, 1), TURNED_HALF)),
+    Pair("5:1:1 oblique", Shape((5, 1, 1), TURNED_HALF), Shape((5, 1, 1), TURNED_HALF)),
+    Pair("1:1:0.5 face to face", Shape((1, 1, 0.5)), Shape((1, 1, 0.5))),
+    Pair("1:1:0.5 rim to rim", Shape((1, 1, 0.5), TURNED_ASIDE), Shape((1, 1, 0.5), TURNED_ASIDE)),
+    Pair("1:1:0.5 rims crossed", Shape((1, 1, 0.5), TURNED_UPRIGHT), Shape((1, 1, 0.5), TURNED_ASIDE)),
+)
+WHOLE_GRIDS = {8: Grid(8, 3, 2.4), 12: Grid(12, 4, 2.0)}
+WHOLE_OVERLAPS = (1e-5, 1e-4, 1e-3, 1e-2)
+# At this overlap bodies are half-spaces to a thousandth of what they are not at 1e-4, and what is left is the grid's.
+HALF_SPACE_OVERLAP = 1e-10
 
 
 class Law:
@@ -143,12 +167,48 @@ def finite_bodies(elements: Sequence[int], aspects: Sequence[float], overlaps: S
     return rows
 
 
+def whole_bodies(
+    grids: Dict[int, Grid], pairs: Sequence[Pair] = WHOLE_PAIRS, overlaps: Sequence[float] = WHOLE_OVERLAPS, path: Optional[Path] = None
+) -> List[Dict[str, Any]]:
+    """Whole ellipsoids in three dimensions; overlaps in units of the smaller radius of curvature of a body where it is touched. Each number is its
+    difference from that at an overlap at which the bodies are half-spaces, on the same grid, so that what the grid does to both is gone; the bar
+    is the change from the grid before. The file at `path` is written after each row."""
+    rows = []
+    for pair in pairs:
+        unit = min(pair.i.sharpest(), pair.j.sharpest())
+        # Where the normal misses the centres, no force on the other side holds the bodies.
+        supports = {"free": False, "held": True} if pair.i.is_central() and pair.j.is_central() else {"free": False}
+
+        def ratios(overlap: float, grid: Grid) -> Dict[str, float]:
+            law = Law(pair, overlap * unit)
+            bodies = WholePair(pair, POISSON, law.half_widths(WIDTH), grid)
+            return {support: law.force / bodies.force(law.overlap, held) for support, held in supports.items()}
+
+        of_the_grid = {count: ratios(HALF_SPACE_OVERLAP, grid) for count, grid in grids.items()}
+        for overlap in overlaps:
+            row: Dict[str, Any] = {"pair": pair.name, "overlap": overlap}
+            found = {count: ratios(overlap, grid) for count, grid in grids.items()}
+            for support in ("free", "held"):
+                values = [
+                    found[count][support] / of_the_grid[count][support] - 1 if support in supports else float("nan") for count in grids
+                ]
+                row[support], row[f"{support}_bar"] = values[-1], abs(values[-1] - values[-2])
+                row.update({f"{support}_{count}": value for count, value in zip(grids, values)})
+            row.update({f"grid_{count}": value["free"] - 1 for count, value in of_the_grid.items()})
+            rows.append(row)
+            if path is not None:
+                write_csv(path, rows)
+            print(f"{pair.name}, overlap {overlap}: force {row['free']:.1e} free, {row['held']:.1e} held", flush=True)
+    return rows
+
+
 def main() -> None:
     started = time.monotonic()
     write_csv(HERE / "paraboloids.csv", paraboloids((32, 64, 128)))
     write_csv(HERE / "exact_shapes.csv", exact_shapes((32, 64)))
     bodies = finite_bodies((8, 16), (0.75, 1.0, 2.0, 5.0), (1e-5, 1e-4, 1e-3, 1e-2))
     write_csv(HERE / "finite_bodies.csv", bodies)
+    whole_bodies(WHOLE_GRIDS, path=HERE / "whole_bodies.csv")
     write_origin(HERE, started)
 
 

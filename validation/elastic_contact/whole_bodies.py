@@ -14,6 +14,9 @@ from collisions.free_body import Grid, Mesh, factorised
 from ellipsoid_pair import Pair, Shape
 from finite_bodies import pressed
 
+# Where the mesh ceases to follow the contact, as a distance in the unit ball: so near that the mesh of a slender tilted body does not fold.
+_REACH = 0.5
+
 
 class Compliance(NamedTuple):
     """Of the nodes that may touch, along the normal, under forces on the part of the body that is meshed."""
@@ -26,22 +29,17 @@ class Compliance(NamedTuple):
     unknowns: int
 
 
-def symmetric(shape: Shape) -> bool:
-    """Is x = 0 a plane of symmetry, as y = 0 is?"""
-    matrix = shape.matrix()
-    return bool(abs(matrix[0, 2]) < 1e-12)
-
-
 def compliance(shape: Shape, poisson: float, half_widths: Tuple[float, float], grid: Grid, quarter: bool) -> Compliance:
     """Modulus 1. Half of the body is meshed, or where x = 0 is a plane of symmetry a `quarter`."""
-    mesh = Mesh(shape.matrix(), half_widths, grid)
+    mesh = Mesh(shape.matrix(), half_widths, grid, _REACH)
     nodes = mesh.nodes
+    small = 1e-6 * half_widths[0] / grid.across
     kept = np.ones((len(nodes), 3), dtype=bool)
     kept[mesh.on_symmetry_plane, 1] = False
     if quarter:
-        mesh.cells = mesh.cells[(nodes[mesh.cells][:, :, 0] < 1e-12).all(axis=1)]
-        kept[nodes[:, 0] > 1e-12] = False
-        kept[np.abs(nodes[:, 0]) < 1e-12, 0] = False
+        mesh.cells = mesh.cells[(nodes[mesh.cells][:, :, 0] < small).all(axis=1)]
+        kept[nodes[:, 0] > small] = False
+        kept[np.abs(nodes[:, 0]) < small, 0] = False
     top = mesh.top[kept[mesh.top, 2]]
     kept = kept.ravel()
     stiffness, mass = (matrix[kept][:, kept] for matrix in mesh.matrices(poisson))
@@ -84,22 +82,34 @@ def compliance(shape: Shape, poisson: float, half_widths: Tuple[float, float], g
 class WholePair:
     """Two bodies that touch at the origin with the common normal along z. y = 0 must be a plane of symmetry of both."""
 
-    def __init__(self, pair: Pair, poisson: float, half_widths: Tuple[float, float], grid: Grid) -> None:
-        self._parts = 4 if symmetric(pair.i) and symmetric(pair.j) else 2
-        lower = compliance(pair.i, poisson, half_widths, grid, self._parts == 4)
-        upper = lower if np.allclose(pair.i.matrix(), pair.j.matrix()) else compliance(pair.j, poisson, half_widths, grid, self._parts == 4)
-        # The upper body is meshed upside down, inverted at the origin.
-        place = {(round(x * 1e12), round(y * 1e12)): k for k, (x, y) in enumerate(upper.places)}
-        sign = 1 if self._parts == 4 else -1
-        order = [place[round(sign * x * 1e12), round(y * 1e12)] for x, y in lower.places]
+    def __init__(self, pair: Pair, poisson: float, half_widths: Tuple[float, float], grid: Grid, quarters: bool = True) -> None:
+        """`quarters`: mesh no more than these where x = 0 is a plane of symmetry too."""
+        quarter = quarters and pair.i.is_central() and pair.j.is_central()
+        self._parts = 4 if quarter else 2
+        lower = compliance(pair.i, poisson, half_widths, grid, quarter)
+        x, y = lower.places.T
+        shapes = pair.i.matrix(), pair.j.matrix()
+        # The upper body is the lower one or has a mesh of its own, upside down: inverted at the origin.
+        upper, place = lower, -lower.places
+        if quarter:
+            place[:, 0] *= -1
+        if quarter and half_widths[0] == half_widths[1] and np.allclose(shapes[1], shapes[0][np.ix_([1, 0, 2], [1, 0, 2])]):
+            # The lower one, mirrored at x = y.
+            place = -lower.places[:, ::-1]
+        elif not np.allclose(*shapes):
+            upper = compliance(pair.j, poisson, half_widths, grid, quarter)
+        place[:, 1] = np.abs(place[:, 1])
+        apart = np.abs(upper.places[None, :] - place[:, None]).max(axis=2)
+        order = apart.argmin(axis=1)
+        if apart.min(axis=1).max() > 1e-6 * max(half_widths):
+            raise ValueError("the nodes of the two bodies do not lie on one another")
         self._compliance = lower.matrix + upper.matrix[np.ix_(order, order)]
         self._from_the_other_sides = lower.from_the_other_side + upper.from_the_other_side
-        x, y = lower.places.T
         self._gap = pair.gap(x, y)
-        self._edge = (np.abs(x) > np.abs(x).max() - 1e-9) | (y > y.max() - 1e-9)
+        self._edge = (np.abs(x) > np.abs(x).max() * (1 - 1e-9)) | (y > y.max() * (1 - 1e-9))
         self.unknowns = lower.unknowns + (0 if upper is lower else upper.unknowns)
 
-    def force(self, penetration: float, held: bool) -> float:
+    def force(self, penetration: float, held: bool = False) -> float:
         """Contact force of the two bodies that have come together by `penetration` since first touch."""
         forces = pressed(self._compliance + (self._from_the_other_sides if held else 0.0), penetration - self._gap)
         if forces[self._edge].any():
