@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The elastic normal law held against boundary elements and finite elements; see README.md here."""
+"""The elastic normal law held against boundary elements and finite elements."""
 from __future__ import annotations
 
+import argparse
+import json
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
 import ellgran
+from collisions.free_body import WIDTH, Grid
 from ellipsoid_pair import PLANE_RADIUS, Pair, Shape
 from finite_bodies import FiniteBody
 from half_space import Pressed, press
-from collisions.free_body import WIDTH, Grid
-from stored import write_csv, write_origin
+from stored import read_csv, write_csv, write_origin
 from whole_bodies import WholePair
 
 HERE = Path(__file__).resolve().parent
@@ -50,11 +52,13 @@ WHOLE_PAIRS = (
     Pair("5:1:1 crossed", Shape((5, 1, 1)), Shape((5, 1, 1), TURNED_QUARTER)),
     Pair("2:1:1 oblique", Shape((2, 1, 1), TURNED_HALF), Shape((2, 1, 1), TURNED_HALF)),
     Pair("5:1:1 oblique", Shape((5, 1, 1), TURNED_HALF), Shape((5, 1, 1), TURNED_HALF)),
-    Pair("1:1:0.5 face to face", Shape((1, 1, 0.5)), Shape((1, 1, 0.5))),
     Pair("1:1:0.5 rim to rim", Shape((1, 1, 0.5), TURNED_ASIDE), Shape((1, 1, 0.5), TURNED_ASIDE)),
+    Pair("1:1:0.5 face to face", Shape((1, 1, 0.5)), Shape((1, 1, 0.5))),
     Pair("1:1:0.5 rims crossed", Shape((1, 1, 0.5), TURNED_UPRIGHT), Shape((1, 1, 0.5), TURNED_ASIDE)),
 )
-WHOLE_GRIDS = {8: Grid(8, 3, 2.4), 12: Grid(12, 4, 2.0)}
+WHOLE_GRIDS = {"coarse": Grid(8, 3, 2.4), "fine": Grid(12, 4, 2.0)}
+# Where the normal misses the centre, half of a body must be meshed instead of a quarter.
+HALF_GRIDS = {"coarse": Grid(8, 3, 2.4), "fine": Grid(10, 3, 2.1)}
 WHOLE_OVERLAPS = (1e-5, 1e-4, 1e-3, 1e-2)
 # At this overlap bodies are half-spaces to a thousandth of what they are not at 1e-4, and what is left is the grid's.
 HALF_SPACE_OVERLAP = 1e-10
@@ -167,49 +171,62 @@ def finite_bodies(elements: Sequence[int], aspects: Sequence[float], overlaps: S
     return rows
 
 
-def whole_bodies(
-    grids: Dict[int, Grid], pairs: Sequence[Pair] = WHOLE_PAIRS, overlaps: Sequence[float] = WHOLE_OVERLAPS, path: Optional[Path] = None
-) -> List[Dict[str, Any]]:
+def whole_bodies(pair: Pair, overlaps: Sequence[float] = WHOLE_OVERLAPS) -> List[Dict[str, Any]]:
     """Whole ellipsoids in three dimensions; overlaps in units of the smaller radius of curvature of a body where it is touched. Each number is its
     difference from that at an overlap at which the bodies are half-spaces, on the same grid, so that what the grid does to both is gone; the bar
-    is the change from the grid before. The file at `path` is written after each row."""
-    rows = []
-    for pair in pairs:
-        unit = min(pair.i.sharpest(), pair.j.sharpest())
-        # Where the normal misses the centres, no force on the other side holds the bodies.
-        supports = {"free": False, "held": True} if pair.i.is_central() and pair.j.is_central() else {"free": False}
+    is the change from the coarse grid to the fine one."""
+    unit = min(pair.i.sharpest(), pair.j.sharpest())
+    central = pair.i.is_central() and pair.j.is_central()
+    # No force on the other side holds bodies whose centres the normal misses.
+    supports = {"free": False, "held": True} if central else {"free": False}
 
-        def ratios(overlap: float, grid: Grid) -> Dict[str, float]:
-            law = Law(pair, overlap * unit)
+    def ratios(overlap: float) -> Dict[str, Dict[str, float]]:
+        law = Law(pair, overlap * unit)
+        found = {}
+        for name, grid in (WHOLE_GRIDS if central else HALF_GRIDS).items():
             bodies = WholePair(pair, POISSON, law.half_widths(WIDTH), grid)
-            return {support: law.force / bodies.force(law.overlap, held) for support, held in supports.items()}
+            found[name] = {support: law.force / bodies.force(law.overlap, held) for support, held in supports.items()}
+        return found
 
-        of_the_grid = {count: ratios(HALF_SPACE_OVERLAP, grid) for count, grid in grids.items()}
-        for overlap in overlaps:
-            row: Dict[str, Any] = {"pair": pair.name, "overlap": overlap}
-            found = {count: ratios(overlap, grid) for count, grid in grids.items()}
-            for support in ("free", "held"):
-                values = [
-                    found[count][support] / of_the_grid[count][support] - 1 if support in supports else float("nan") for count in grids
-                ]
-                row[support], row[f"{support}_bar"] = values[-1], abs(values[-1] - values[-2])
-                row.update({f"{support}_{count}": value for count, value in zip(grids, values)})
-            row.update({f"grid_{count}": value["free"] - 1 for count, value in of_the_grid.items()})
-            rows.append(row)
-            if path is not None:
-                write_csv(path, rows)
-            print(f"{pair.name}, overlap {overlap}: force {row['free']:.1e} free, {row['held']:.1e} held", flush=True)
+    of_the_grid = ratios(HALF_SPACE_OVERLAP)
+    rows = []
+    for overlap in overlaps:
+        row: Dict[str, Any] = {"pair": pair.name, "overlap": overlap}
+        found = ratios(overlap)
+        for support in ("free", "held"):
+            coarse, fine = (
+                found[name][support] / of_the_grid[name][support] - 1 if support in supports else float("nan") for name in WHOLE_GRIDS
+            )
+            row.update({support: fine, f"{support}_bar": abs(fine - coarse), f"{support}_coarse": coarse})
+        row.update({f"grid_{name}": value["free"] - 1 for name, value in of_the_grid.items()})
+        rows.append(row)
+        print(f"{pair.name}, overlap {overlap}: force {row['free']:.1e} free, {row['held']:.1e} held", flush=True)
     return rows
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--go-on", action="store_true", help="keep the files there are, and the pairs that whole_bodies.csv has")
+    options = parser.parse_args()
     started = time.monotonic()
-    write_csv(HERE / "paraboloids.csv", paraboloids((32, 64, 128)))
-    write_csv(HERE / "exact_shapes.csv", exact_shapes((32, 64)))
-    bodies = finite_bodies((8, 16), (0.75, 1.0, 2.0, 5.0), (1e-5, 1e-4, 1e-3, 1e-2))
-    write_csv(HERE / "finite_bodies.csv", bodies)
-    whole_bodies(WHOLE_GRIDS, path=HERE / "whole_bodies.csv")
-    write_origin(HERE, started)
+    earlier = json.loads((HERE / "origin.json").read_text())["seconds"] if options.go_on else 0
+
+    def written(name: str, rows: List[Dict[str, Any]]) -> None:
+        write_csv(HERE / name, rows)
+        write_origin(HERE, started, seconds=round(earlier + time.monotonic() - started))
+
+    for name, make in {
+        "paraboloids.csv": lambda: paraboloids((32, 64, 128)),
+        "exact_shapes.csv": lambda: exact_shapes((32, 64)),
+        "finite_bodies.csv": lambda: finite_bodies((8, 16), (0.75, 1.0, 2.0, 5.0), (1e-5, 1e-4, 1e-3, 1e-2)),
+    }.items():
+        if not (options.go_on and (HERE / name).exists()):
+            written(name, make())
+    rows = read_csv(HERE / "whole_bodies.csv") if options.go_on and (HERE / "whole_bodies.csv").exists() else []
+    for pair in WHOLE_PAIRS:
+        if not any(row["pair"] == pair.name for row in rows):
+            rows.extend(whole_bodies(pair))
+            written("whole_bodies.csv", rows)
 
 
 if __name__ == "__main__":

@@ -121,11 +121,11 @@ def test_a_slender_pair_of_now_is_the_stored_one(elastic):
     pair = next(pair for pair in compare.WHOLE_PAIRS if pair.name == "5:1:1 side by side")
     stored = next(row for row in read_csv(compare.HERE / "whole_bodies.csv") if (row["pair"], row["overlap"]) == (pair.name, 1e-3))
     law = compare.Law(pair, 1e-3)
-    bodies = elastic.whole_bodies.WholePair(pair, compare.POISSON, law.half_widths(compare.WIDTH), compare.WHOLE_GRIDS[8])
+    bodies = elastic.whole_bodies.WholePair(pair, compare.POISSON, law.half_widths(compare.WIDTH), compare.WHOLE_GRIDS["coarse"])
     for support in ("free", "held"):
-        found = law.force / bodies.force(law.overlap, support == "held") / (1 + stored["grid_8"]) - 1
+        found = law.force / bodies.force(law.overlap, support == "held") / (1 + stored["grid_coarse"]) - 1
         # The grid's own error is that of both supports, but for what the bodies are not half-spaces at that overlap.
-        assert abs(found - stored[f"{support}_8"]) < 2e-4, support
+        assert abs(found - stored[f"{support}_coarse"]) < 2e-4, support
     # It bends where nothing holds it.
     assert stored["free"] > 0.15 and stored["held"] < -0.02
 
