@@ -44,10 +44,11 @@ def _smooth_step(x: np.ndarray) -> np.ndarray:
 class Mesh:
     """Half of an ellipsoid of shape matrix `shape`, which touches the plane z = 0 from below at the origin.
 
-    `half_widths` are those of the contact's grid along x and y.
+    `half_widths` are those of the contact's grid along x and y. The mesh follows the contact's shape and its normal within `reach` of the touching
+    point of the unit ball.
     """
 
-    def __init__(self, shape: np.ndarray, half_widths: Tuple[float, float], grid: Grid) -> None:
+    def __init__(self, shape: np.ndarray, half_widths: Tuple[float, float], grid: Grid, reach: float = 0.95) -> None:
         n, m = grid.across, grid.deep
         support = np.sqrt(shape[2, 2])
         #: Of the centre; the touching point is the origin.
@@ -122,7 +123,7 @@ class Mesh:
         outwards = np.linalg.norm(ball, axis=1)
         ball *= (1.0 + part**6 * (1.0 / np.where(part == 1, outwards, 1.0) - 1.0) * (part == 1))[:, None]
         # Stretched to the contact ellipse, and moved so that the nodes of the contact lie at the same places beside the normal on both sides.
-        weight = 1.0 - _smooth_step((np.linalg.norm(ball - [0, 0, 1], axis=1) - 1.2 * core) / (0.95 - 1.2 * core))
+        weight = 1.0 - _smooth_step((np.linalg.norm(ball - [0, 0, 1], axis=1) - 1.2 * core) / (reach - 1.2 * core))
         depth = np.sqrt(np.maximum(1.0 - ball[:, 0] ** 2 - ball[:, 1] ** 2, 0.0)) - ball[:, 2]
         wanted = ball[:, :2] * np.stack([stretch**weight, stretch**-weight], axis=1)
         place = wanted.copy()

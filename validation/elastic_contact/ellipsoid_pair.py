@@ -37,6 +37,15 @@ class Shape(NamedTuple):
         column = self.matrix() @ _NORMAL
         return column / np.sqrt(column @ _NORMAL)
 
+    def is_central(self) -> bool:
+        """Does the normal at the witness pass through the centre?"""
+        return bool(np.abs(self.matrix()[:2, 2]).max() < 1e-12)
+
+    def sharpest(self) -> float:
+        """The smaller radius of curvature at the witness."""
+        form = np.linalg.inv(self.matrix())[:2, :2] * np.sqrt(self.matrix()[2, 2])
+        return float(1.0 / np.linalg.eigvalsh(form)[-1])
+
     def depth(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """How far the surface lies below its tangent plane at the witness, at the offset (x, y). Beyond the body,
         where nothing can touch, three times its largest semi-axis.

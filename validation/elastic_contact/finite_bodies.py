@@ -55,6 +55,13 @@ def _mesh(contact: float, elements: int, aspect: float) -> skfem.MeshTri:
     return skfem.MeshTri(nodes, np.ascontiguousarray(np.array(triangles).T))
 
 
+def pressed(compliance: np.ndarray, overlap: np.ndarray) -> np.ndarray:
+    """Forces on nodes, none of which pulls: they undo the `overlap` of the undeformed surfaces where they act, and no overlap is left elsewhere."""
+    factor = np.linalg.cholesky(compliance).T
+    forces, _ = nnls(factor, np.linalg.solve(factor.T, overlap), maxiter=10_000)
+    return forces
+
+
 class FiniteBody:
     """A spheroid of semi-axes (1, aspect), the second along the axis of symmetry, E = 1, nu = 0.3; meshed for a contact radius."""
 
@@ -117,8 +124,7 @@ class FiniteBody:
     def force(self, penetration: float, held: bool) -> float:
         """Contact force of two such bodies that have come together by `penetration` since first touch."""
         compliance = self.compliance + (self.from_the_other_tip if held else 0.0)
-        factor = np.linalg.cholesky(compliance).T
-        forces, _ = nnls(factor, np.linalg.solve(factor.T, 0.5 * penetration - self.gap), maxiter=10_000)
+        forces = pressed(compliance, 0.5 * penetration - self.gap)
         if forces[-1] > 0:
             raise RuntimeError("the contact is wider than the nodes that may touch")
         return float(forces.sum())

@@ -27,7 +27,7 @@ def _load(folder: str, names: tuple) -> SimpleNamespace:
 
 @pytest.fixture
 def elastic() -> SimpleNamespace:
-    return _load("elastic_contact", ("ellipsoid_pair", "half_space", "finite_bodies", "compare"))
+    return _load("elastic_contact", ("ellipsoid_pair", "half_space", "finite_bodies", "whole_bodies", "compare"))
 
 
 @pytest.fixture
