@@ -212,7 +212,7 @@ fn alone(
     alone_with_terms(laws, drawn, last, &mut change).0
 }
 
-/// The same, and the size of the terms of which its force is the sum: stiffness times penetration.
+/// The same, and the size of the terms of which its force is the sum.
 fn alone_with_terms(
     laws: &Laws,
     drawn: &Drawn,
@@ -227,7 +227,8 @@ fn alone_with_terms(
         let [i, j] = [i, j].map(|b| prepare_body(&b, Some(1)).expect("within the ranges"));
         let found = one_contact(laws, &i, &j, &STEP, &mut touching, &mut history)
             .expect("exact factors do not break");
-        // The second is the elastic force, from which Ting's receding contact takes most: its stiffness is that of the area that is left.
+        // Stiffness times penetration, and the elastic force: Ting's receding contact takes most of that, and its stiffness is that of the
+        // area that is left.
         terms = (found.as_ref()).map_or(0.0, |(contact, f)| {
             let elastic = 2.5 * f.elastic_energy / contact.penetration;
             elastic.max(f.stiffness * contact.penetration)
