@@ -30,7 +30,7 @@ include_patterns = [
     "docs/*.md",
     "docs/tutorials/*.md",
     "docs/report/*.md",
-    "docs/bench/table.md",
+    "docs/bench/*.md",
     "examples/*/README.md",
     "lammps-plugin/README.md",
     "liggghts-patch/README.md",
@@ -44,7 +44,7 @@ exclude_patterns = [".*", "target", "**/target", "**/node_modules", "demo-output
 
 extensions = ["myst_parser", "sphinx.ext.napoleon", "sphinx.ext.autodoc", "hawkmoth", "sphinx_copybutton"]
 nitpicky = True
-# docs/bench/table.md begins with a heading of the second level, as a part of what `cargo xtask bench` prints.
+# The pages of docs/bench begin with a heading of the second level, as a part of what `cargo xtask bench` prints.
 # Pages that stand in no table of contents are found by links and by the search.
 suppress_warnings = ["myst.header", "toc.not_included"]
 # Types of C's own headers; types in prose, as numpy's docstrings have them.
