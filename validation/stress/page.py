@@ -194,25 +194,17 @@ def stability_part(rows):
     )
 
 
-def main():
-    run = pathlib.Path(sys.argv[1])
-    state = json.loads((run / "state.json").read_text())
-    origin = json.loads((run / "origin.json").read_text())
-    reference, stability = read_csv(run / "reference.csv"), read_csv(run / "stability.csv")
+def page(state, origin, reference, stability):
+    """The text of the page."""
     rows = counts(state)
-    origin.update(seed=state["seed"], seconds=round(state["seconds"]), pairs_by_instruction_set=state["pairs_by_instruction_set"])
-    write_csv(HERE / "counts.csv", rows, ["family", "blocks", *COUNTS])
-    write_csv(HERE / "reference.csv", reference, list(reference[0]))
-    write_csv(HERE / "stability.csv", stability, list(stability[0]))
-    (HERE / "origin.json").write_text(json.dumps(origin, indent=2) + "\n")
-    (HERE / "state.json").write_text(json.dumps(state, indent=1) + "\n")
     pairs = sum(row["pairs"] for row in rows)
     wrong = sum(row[key] for row in rows for key in WRONG)
     wrong_reference = sum(bool(row["wrong"]) for row in reference)
     sets = instruction_sets(state, pairs)
+    verb = "is" if wrong == 1 else "are"
     text = (
         "# Stiff and extreme\n\n"
-        f"**Conclusion.** Of {grouped(pairs)} pairs made to be hard, through the neighbour-list path on each instruction set ({sets}), {grouped(wrong)} {"is" if wrong == 1 else "are"} wrong; of a sample of "
+        f"**Conclusion.** Of {grouped(pairs)} pairs made to be hard, through the neighbour-list path on each instruction set ({sets}), {grouped(wrong)} {verb} wrong; of a sample of "
         f"{len(reference)}, with the worst, {wrong_reference} are wrong against 60 digits. Nothing hung: the slowest search took "
         f"{max(row['slowest_microseconds'] for row in rows) / 1000:.2g} ms.\n\n"
         "Each block of 64 pairs has a law of its own: Hertz, NFD or LSD with Young's modulus 1e3 to 1e13, friction 0 to 1e3, from no damping to relaxation times of 1e7 steps, all "
@@ -227,6 +219,22 @@ def main():
         "[counts.csv](../../validation/stress/counts.csv), [reference.csv](../../validation/stress/reference.csv), [stability.csv](../../validation/stress/stability.csv), "
         "[origin.json](../../validation/stress/origin.json).\n"
     )
+    return text
+
+
+def main():
+    run = pathlib.Path(sys.argv[1])
+    state = json.loads((run / "state.json").read_text())
+    origin = json.loads((run / "origin.json").read_text())
+    reference, stability = read_csv(run / "reference.csv"), read_csv(run / "stability.csv")
+    rows = counts(state)
+    origin.update(seed=state["seed"], seconds=round(state["seconds"]), pairs_by_instruction_set=state["pairs_by_instruction_set"])
+    write_csv(HERE / "counts.csv", rows, ["family", "blocks", *COUNTS])
+    write_csv(HERE / "reference.csv", reference, list(reference[0]))
+    write_csv(HERE / "stability.csv", stability, list(stability[0]))
+    (HERE / "origin.json").write_text(json.dumps(origin, indent=2) + "\n")
+    (HERE / "state.json").write_text(json.dumps(state, indent=1) + "\n")
+    text = page(state, origin, reference, stability)
     PAGE.write_text(text)
     print(text)
 

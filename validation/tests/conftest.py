@@ -53,3 +53,8 @@ def packings() -> SimpleNamespace:
 @pytest.fixture
 def single_grains() -> SimpleNamespace:
     return _load("single_grains", ("damped_tangential_spring",))
+
+
+@pytest.fixture
+def stress() -> SimpleNamespace:
+    return _load("stress", ("page",))
