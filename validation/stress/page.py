@@ -111,10 +111,10 @@ def findings_part(state):
 def billion_part(state, pairs):
     """What it takes to get to the pairs that are aimed at."""
     rate, aim = pairs / state["seconds"], 1e9
-    return (
-        f"\n{grouped(pairs)} pairs took {grouped(state['seconds'])} s of processor time, {grouped(rate)} pairs a second. The aim of 1e9 pairs would take {aim / rate / 3600:.0f} hours of a core: this "
-        f"is {100 * pairs / aim:.2g} % of it.\n"
-    )
+    text = f"\n{grouped(pairs)} pairs took {grouped(state['seconds'])} s of processor time, {grouped(rate)} pairs a second."
+    if pairs < aim:
+        text += f" The aim of 1e9 pairs would take {aim / rate / 3600:.0f} hours of a core: this is {100 * pairs / aim:.2g} % of it."
+    return text + "\n"
 
 
 def reference_part(rows):
