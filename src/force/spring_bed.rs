@@ -57,33 +57,62 @@ pub struct Springs<V, T = f64> {
     pub penetration: T,
 }
 
-/// Shares of the elements in stiffness and in normal force; their sums are 1.
-struct Shares<T> {
-    stiffness: [T; SPRINGS],
-    load: [T; SPRINGS],
+/// How stiffness and limit of a bed are spread over its elements. With `r^2 = z/d` at an edge `z`, what the elements up to it have.
+pub(super) trait Spread<T> {
+    /// Their share in the stiffness.
+    fn stiffness(r: T) -> T;
+    /// Their share in the limit.
+    fn load(r: T) -> T;
+    /// The ratio of two stiffnesses of the whole bed, from the root of the ratio of the penetrations.
+    fn ratio(root: T) -> T;
+}
+
+/// Of the tangential force: the limit goes with the normal force.
+pub(super) struct OfForce;
+
+impl<T: Real> Spread<T> for OfForce {
+    #[inline(always)]
+    fn stiffness(r: T) -> T {
+        r
+    }
+    /// `(3 r - r^3)/2`.
+    #[inline(always)]
+    fn load(r: T) -> T {
+        let one = r.constant(1.0);
+        r * (r * r).negative_multiply_add(one * 0.5, one * 1.5)
+    }
+    #[inline(always)]
+    fn ratio(root: T) -> T {
+        root
+    }
+}
+
+/// Shares of the elements in stiffness and in limit; their sums are 1.
+pub(super) struct Shares<T> {
+    pub stiffness: [T; SPRINGS],
+    pub load: [T; SPRINGS],
 }
 
 impl<T: Real> Shares<T> {
-    /// At a penetration that is at most the reference. With `r^2 = z/d` at an edge `z`, the elements up to it have the shares `r` in
-    /// the stiffness and `(3 r - r^3)/2` in the normal force.
+    /// At a penetration that is at most the reference.
     #[inline(always)]
-    fn of(reference: T, penetration: T) -> Self {
+    fn of<B: Spread<T>>(reference: T, penetration: T) -> Self {
         let zero = penetration.constant(0.0);
         let one = penetration.constant(1.0);
         let least = (reference * 1e-12).max(penetration.constant(1e-300));
         let scale = (reference / penetration.max(least)).sqrt();
         let (mut stiffness, mut load) = ([zero; SPRINGS], [zero; SPRINGS]);
-        let (mut inner, mut carried) = (zero, zero);
+        let (mut resisted, mut carried) = (zero, zero);
         for k in 0..SPRINGS {
             let outer = if k + 1 == SPRINGS {
                 one
             } else {
                 (scale * EDGES[k + 1]).min(one)
             };
-            let carries = outer * (outer * outer).negative_multiply_add(one * 0.5, one * 1.5);
-            stiffness[k] = outer - inner;
+            let (resists, carries) = (B::stiffness(outer), B::load(outer));
+            stiffness[k] = resists - resisted;
             load[k] = carries - carried;
-            (inner, carried) = (outer, carries);
+            (resisted, carried) = (resists, carries);
         }
         Shares { stiffness, load }
     }
@@ -95,13 +124,13 @@ fn select<T: Real>(mask: T::Mask, a: Vector2<T>, b: Vector2<T>) -> Vector2<T> {
 }
 
 /// Least share that is divided by. An element of less carries nothing.
-const LEAST_SHARE: f64 = 1e-30;
+pub(super) const LEAST_SHARE: f64 = 1e-30;
 
 impl<T: Real> Springs<Vector2<T>, T> {
     /// The bed of a contact of this penetration, before it is moved: what left the contact has taken its force with it. Returns the
     /// shares of its elements.
     #[inline(always)]
-    fn follow(&mut self, penetration: T) -> Shares<T> {
+    pub(super) fn follow<B: Spread<T>>(&mut self, penetration: T) -> Shares<T> {
         let zero = penetration.constant(0.0);
         let one = penetration.constant(1.0);
         let none = Vector2::new(zero, zero);
@@ -121,10 +150,10 @@ impl<T: Real> Springs<Vector2<T>, T> {
         }
         reference = reference.max(penetration);
 
-        let was = Shares::of(reference, before);
-        let mut now = Shares::of(reference, penetration);
-        // The stiffness of an element goes with its share and the root of the penetration.
-        let stiffer = (penetration / before.max(penetration * 1e-12)).sqrt();
+        let was = Shares::of::<B>(reference, before);
+        let mut now = Shares::of::<B>(reference, penetration);
+        // The stiffness of an element goes with its share and that of the bed.
+        let stiffer = B::ratio((penetration / before.max(penetration * 1e-12)).sqrt());
         for ((force, share), share_before) in
             forces.iter_mut().zip(now.stiffness).zip(was.stiffness)
         {
@@ -136,7 +165,7 @@ impl<T: Real> Springs<Vector2<T>, T> {
             // Only the first two elements carry.
             let shrank = (penetration * (GROWTH * GROWTH)).less(reference);
             let finer = T::select(shrank, reference * (1.0 / GROWTH), reference);
-            let shares = Shares::of(finer, penetration);
+            let shares = Shares::of::<B>(finer, penetration);
             let old = forces;
             for k in 0..SPRINGS / 2 {
                 let both = shares.stiffness[2 * k] + shares.stiffness[2 * k + 1];
@@ -158,18 +187,17 @@ impl<T: Real> Springs<Vector2<T>, T> {
 
     /// Elastic energy of the elements: each is a spring with its share of the stiffness.
     #[inline(always)]
-    fn energy(&self, compliance: Symmetric2<T>, shares: &Shares<T>) -> T {
+    pub(super) fn energy(&self, without_slip: &WithoutSlip<T>, shares: &Shares<T>) -> T {
         let mut energy = self.penetration.constant(0.0);
-        for k in 0..SPRINGS {
-            let f = self.forces[k];
-            let share = shares.stiffness[k].max(self.penetration.constant(LEAST_SHARE));
-            energy = energy + f.dot(compliance.apply(f)) * 0.5 / share;
+        for (&force, &share) in self.forces.iter().zip(&shares.stiffness) {
+            let share = share.max(self.penetration.constant(LEAST_SHARE));
+            energy = energy + without_slip.double_energy(force) * 0.5 / share;
         }
         energy
     }
 
     #[inline(always)]
-    fn force(&self) -> Vector2<T> {
+    pub(super) fn force(&self) -> Vector2<T> {
         let mut sum = self.forces[0];
         for f in &self.forces[1..] {
             sum = sum + *f;
@@ -241,12 +269,15 @@ pub fn force_of_springs<T: Real>(
     let least = normal_force.constant(1e-290);
     let limit = c.friction * normal_force.max(zero);
     let without_slip = WithoutSlip::of_ellipse(c, factors, curvature, normal_stiffness);
-    let compliance = without_slip.compliance;
 
     let mut bed = *springs;
-    let shares = bed.follow(penetration);
+    let shares = bed.follow::<OfForce>(penetration);
     // The present contact may hold more at these forces than it took: its ellipse turned or changed.
-    let ratio = remembered_energy / bed.energy(compliance, &shares).max(tiny);
+    let holds = bed
+        .energy(&without_slip, &shares)
+        .max(tiny)
+        .min(one * 1e300);
+    let ratio = remembered_energy / holds;
     let ratio = T::select(passes, ratio.min(one).max(zero), one);
     let moved = without_slip.stiffness.apply(increment);
     let mut sticking = zero;
@@ -270,7 +301,7 @@ pub fn force_of_springs<T: Real>(
             without_slip.viscous_force(c, factors, curvature, sticking_stiffness, velocity);
         force = within(limit, force + viscous);
     }
-    let energy = bed.energy(compliance, &shares);
+    let energy = bed.energy(&without_slip, &shares);
     for k in 0..SPRINGS {
         springs.forces[k] = select(passes, bed.forces[k], springs.forces[k]);
     }
@@ -280,7 +311,7 @@ pub fn force_of_springs<T: Real>(
         force: force * -one,
         elastic_force: elastic * -one,
         memory: select(passes, elastic, memory),
-        displacement: compliance.apply(elastic),
+        displacement: without_slip.displacement(elastic),
         elastic_energy: T::select(passes, energy, remembered_energy),
     }
 }

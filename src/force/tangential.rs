@@ -282,10 +282,12 @@ pub struct TangentialForce<T = f64> {
 pub(super) struct WithoutSlip<T> {
     /// Stiffness matrix `C^-1`.
     pub stiffness: Symmetric2<T>,
-    /// Its inverse.
-    pub compliance: Symmetric2<T>,
+    /// The compliance matrix times the normal stiffness.
+    kappa: Symmetric2<T>,
     /// The stiffness matrix over the normal stiffness.
     kappa_inverse: Symmetric2<T>,
+    /// Over the normal stiffness.
+    softness: T,
 }
 
 impl<T: Real> WithoutSlip<T> {
@@ -301,9 +303,25 @@ impl<T: Real> WithoutSlip<T> {
         let inverse = kappa.adjugate() * kappa.determinant().reciprocal();
         WithoutSlip {
             stiffness: inverse * normal_stiffness,
-            compliance: kappa * normal_stiffness.max(tiny).reciprocal(),
+            kappa,
             kappa_inverse: inverse,
+            softness: normal_stiffness.max(tiny).reciprocal(),
         }
+    }
+
+    /// The displacement that a force makes.
+    #[inline(always)]
+    pub fn displacement(&self, force: Vector2<T>) -> Vector2<T> {
+        self.kappa.apply(force) * self.softness
+    }
+
+    /// `F.C F`, twice the energy of the spring that holds a force.
+    ///
+    /// A receding contact may have no stiffness left, and a force remembered: the terms of the product would leave double precision with
+    /// either sign. The last factor here is positive, so that the result is too large to be held at most, and never no number.
+    #[inline(always)]
+    pub fn double_energy(&self, force: Vector2<T>) -> T {
+        force.dot(self.kappa.apply(force)) * self.softness
     }
 
     /// `C^-1 A_t v_t`; of the normal stiffness that share which sticks.
@@ -365,19 +383,17 @@ pub fn tangential_force<T: Real>(
     let without_slip = if linear {
         let k = c.stiffness;
         let inverse = one / k.max(tiny);
+        let identity = Symmetric2::new(one, zero, one);
         WithoutSlip {
             stiffness: Symmetric2::new(k, zero, k),
-            compliance: Symmetric2::new(inverse, zero, inverse),
-            kappa_inverse: Symmetric2::new(one, zero, one),
+            kappa: identity,
+            kappa_inverse: identity,
+            softness: inverse,
         }
     } else {
         WithoutSlip::of_ellipse(c, factors, curvature, normal_stiffness)
     };
-    let WithoutSlip {
-        stiffness,
-        compliance,
-        ..
-    } = without_slip;
+    let stiffness = without_slip.stiffness;
 
     let law = kinds.law;
     let most = match law.sliding() {
@@ -390,8 +406,9 @@ pub fn tangential_force<T: Real>(
     let (kept, compliance_before) = if gives_up {
         // A cone that shrank clips only once the displacement of this step is added: coming back, it may have left the cone.
         let (_, slip) = on_the_cone(memory, most, law);
-        let energy = memory.dot(compliance.apply(memory));
-        let ratio = remembered_energy * (energy * slip.work).max(tiny).reciprocal();
+        let energy = without_slip.double_energy(memory);
+        let holds = (energy * slip.work).max(tiny).min(one * 1e300);
+        let ratio = remembered_energy * holds.reciprocal();
         let along = energy * memory.dot(memory).max(least).reciprocal();
         // No energy is less than none: nothing is kept then.
         let ratio = T::select(passes, ratio.min(one).max(zero), one);
@@ -421,9 +438,12 @@ pub fn tangential_force<T: Real>(
     let displacement = match kinds.displacement {
         // What zeta was made of, clipped with it.
         Displacement::Total => (memory + increment) * slip.clip,
-        _ => compliance.apply(zeta),
+        _ => without_slip.displacement(zeta),
     };
-    let energy = displacement.dot(zeta);
+    let energy = match kinds.displacement {
+        Displacement::Total => displacement.dot(zeta),
+        _ => without_slip.double_energy(zeta),
+    };
     let mut held = energy * slip.work;
     if gives_up && law.sliding().is_some() {
         let (old, new) = (kept.dot(kept), zeta.dot(zeta));

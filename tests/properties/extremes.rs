@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Nothing but numbers, and soon: coincident centres, needles and discs, deep overlap, rest.
 
+use crate::support::random::Stream;
 use crate::support::scene::{
-    advance, body, force_scale, laws, position, rotation, size, Felt, Memory, Vector,
+    advance, body, force_scale, laws, pair_law, position, rotation, size, Felt, Memory, Vector,
 };
 use crate::support::strategies::{deck, direction, turn};
 use ellgran::contact::Body;
+use ellgran::force::{
+    force_of_springs, hertz_factors, tangential_force, Displacement, Factors, PairLaw, Springs,
+    TangentialConstants, SPRINGS,
+};
+use ellgran::real::Real;
+use ellgran::simd::{InstructionSet, Lanes, Registers, Stage, MOST_LANES};
+use ellgran::vector::{Symmetric2, Vector2};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -173,5 +181,130 @@ fn two_bodies_at_rest_in_touch_feel_only_the_elastic_force() {
         assert_eq!(f.tangential.norm(), 0.0);
         assert_eq!(f.forces.viscous_power, 0.0);
         assert_eq!(f.forces.tangential_power, 0.0);
+    }
+}
+
+/// A receding contact has lost its area and its stiffness, and remembers a force: `displacement rescaled`, which compares energies, and the
+/// springs of `hysteretic`.
+struct Receded<'a> {
+    law: &'a PairLaw,
+    curvature: [f64; 3],
+    memory: [f64; 2],
+    passes: bool,
+}
+
+impl Stage for Receded<'_> {
+    fn run<S: Registers>(self, registers: S) {
+        let number = |x: f64| Lanes::splat(registers, x);
+        let [zero, one] = [0.0, 1.0].map(number);
+        let [uu, uv, vv] = self.curvature;
+        let exact = hertz_factors::exact(uu + vv, uu * vv - uv * uv, true);
+        let factors = Factors {
+            phi: number(exact.phi),
+            sigma: number(exact.sigma),
+        };
+        let c = &self.law.constants.tangential;
+        let c = TangentialConstants {
+            friction: number(c.friction),
+            kappa0: number(c.kappa0),
+            kappa1: number(c.kappa1),
+            tau0: number(c.tau0),
+            tau1: number(c.tau1),
+            stiffness: number(c.stiffness),
+            damping: number(c.damping),
+        };
+        let curvature = Symmetric2::new(number(uu), number(uv), number(vv));
+        let memory = Vector2::new(number(self.memory[0]), number(self.memory[1]));
+        let passes = if self.passes { zero } else { one }.less(one);
+        let motion = Vector2::new(one * 1e-6, one * -1e-6);
+        let kinds = &self.law.kinds.tangential;
+        let mut springs = Springs {
+            forces: [memory * (one * (1.0 / SPRINGS as f64)); SPRINGS],
+            reference: one * 1e-6,
+            penetration: one * 1e-6,
+        };
+        let found = if kinds.displacement == Displacement::Hysteretic {
+            force_of_springs(
+                kinds,
+                &c,
+                (zero, zero),
+                &factors,
+                curvature,
+                one * 1e-9,
+                &mut springs,
+                memory,
+                one,
+                passes,
+                motion,
+                motion,
+            )
+        } else {
+            tangential_force(
+                kinds,
+                &c,
+                (zero, zero),
+                &factors,
+                curvature,
+                memory,
+                one,
+                passes,
+                motion,
+                motion,
+            )
+        };
+        let mut numbers = vec![found.elastic_energy];
+        for v in [found.force, found.elastic_force, found.memory] {
+            numbers.extend([v.u, v.v]);
+        }
+        for force in springs.forces {
+            numbers.extend([force.u, force.v]);
+        }
+        let mut lanes = [0.0; MOST_LANES];
+        for (k, x) in numbers.into_iter().enumerate() {
+            x.store(&mut lanes);
+            assert!(lanes[0].is_finite(), "number {k} is {}", lanes[0]);
+        }
+        if self.passes {
+            for x in [found.elastic_energy, found.force.u, found.force.v] {
+                x.store(&mut lanes);
+                assert!(lanes[0].abs() < 1e-100, "{}", lanes[0]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_contact_without_stiffness_holds_no_energy_whatever_it_remembers() {
+    for displacement in ["rescaled", "hysteretic"] {
+        let law = pair_law(&format!(
+            "nfd 1.53e10 0.49 4.2e2 4e10 tangential tfd 634 displacement {displacement}"
+        ));
+        for set in InstructionSet::ALL
+            .into_iter()
+            .filter(|set| set.is_available())
+        {
+            let mut numbers = Stream::new(7);
+            for _ in 0..2000 {
+                let curvature = {
+                    let (large, small) = (numbers.uniform(1.0, 1e3), numbers.uniform(1e-3, 1.0));
+                    let (s, c) = numbers.uniform(-3.0, 3.0).sin_cos();
+                    [
+                        large * c * c + small * s * s,
+                        (large - small) * s * c,
+                        large * s * s + small * c * c,
+                    ]
+                };
+                let size = 10f64.powf(numbers.uniform(0.0, 139.0));
+                let (s, c) = numbers.uniform(-3.0, 3.0).sin_cos();
+                for passes in [true, false] {
+                    set.run(Receded {
+                        law: &law,
+                        curvature,
+                        memory: [size * c, size * s],
+                        passes,
+                    });
+                }
+            }
+        }
     }
 }
