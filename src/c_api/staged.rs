@@ -758,6 +758,7 @@ unsafe fn with_history(
         energy: memory.get(3).copied().unwrap_or(0.0),
         rests: [0.0; MOST_PARTS],
         springs: None,
+        torques: None,
     };
     let f = compute(contact, law, friction, &step, &mut history).map_err(|r| staged.hale(r))?;
     let result = force_of(None, &f);

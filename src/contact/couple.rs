@@ -30,6 +30,8 @@ pub(crate) struct TurningContact {
     pub omega: [Vector3; 2],
     /// What these have more at the step.
     pub omega_change: [Vector3; 2],
+    /// Torque on `i` about the normal that springs of partial slip make: what the twist makes of it, and the viscous part.
+    pub torque_of_springs: [f64; 2],
 }
 
 impl TurningContact {
@@ -53,6 +55,7 @@ impl TurningContact {
                 .changes
                 .unwrap_or([MotionChange::NONE; 2])
                 .map(|change| change.omega),
+            torque_of_springs: [f.frictional_couple, f.viscous_couple].map(|c| c.dot(x.normal)),
         }
     }
 
@@ -122,7 +125,7 @@ impl TurningSprings {
     }
 }
 
-/// What resists the twist, for `marshall` from the present contact ellipse.
+/// What resists the twist, for `marshall` and `lubkin` from the present contact ellipse.
 fn twist_spring(
     law: &PairLaw,
     penetration: f64,
@@ -132,19 +135,19 @@ fn twist_spring(
     match law.resistance.twisting {
         TwistingResistance::None => return None,
         TwistingResistance::Given(spring) => return Some(spring),
-        TwistingResistance::OfContactEllipse => {}
+        TwistingResistance::OfContactEllipse | TwistingResistance::OfSprings => {}
     }
     // Hale's form has no ellipse of its own, and a law without curvatures has no factors.
     let m = curvature;
     let factors = hertz_factors::exact(m.trace(), m.determinant(), true);
-    Some(TwistSpring::of_contact_ellipse(
-        &law.kinds.tangential,
-        &law.constants.tangential,
-        penetration,
-        normal_stiffness,
-        &factors,
-        m,
-    ))
+    let (kinds, c) = (&law.kinds.tangential, &law.constants.tangential);
+    Some(
+        if law.resistance.twisting == TwistingResistance::OfSprings {
+            TwistSpring::of_elastic_bodies(c, penetration, normal_stiffness, &factors, m)
+        } else {
+            TwistSpring::of_contact_ellipse(kinds, c, penetration, normal_stiffness, &factors, m)
+        },
+    )
 }
 
 /// The couple of a contact: torques, the opposite ones on `j`, and no force.
@@ -272,6 +275,15 @@ pub(crate) fn couple(
         result.elastic_power = -r.elastic.dot(velocity);
         result.viscous_power = -viscous.dot(velocity_at_step);
         history[at..at + 3].copy_from_slice(&c.tangent.vector(r.way).to_array());
+    }
+    if law.resistance.twisting == TwistingResistance::OfSprings {
+        // Its energy is in that of the tangential force, with which it was computed.
+        let [elastic, viscous] = c.torque_of_springs;
+        result.elastic = result.elastic + n * elastic;
+        result.viscous = result.viscous + n * viscous;
+        result.elastic_power -= elastic * at_half_step.dot(n);
+        result.viscous_power -= viscous * at_step.dot(n);
+        return result;
     }
     let spring = twist_spring(law, c.penetration, c.stiffness, c.curvature);
     if let (Some(spring), Some(at)) = (spring, layout.twisting) {

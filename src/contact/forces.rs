@@ -7,9 +7,10 @@ use crate::force::conservative::{
 };
 use crate::force::contact_begin::begin_factor;
 use crate::force::memory::{normal_force_with_memory, Approach, ForceWithMemory, MOST_PARTS};
+use crate::force::twisting_bed::force_and_torque_of_springs;
 use crate::force::{
     force_of_springs, normal_force, tangential_force, Factors, LawConstants, LawKinds, Springs,
-    TangentialForce, SPRINGS,
+    TangentialConstants, TangentialForce, TangentialKinds, SPRINGS,
 };
 use crate::geometry::curvature::inverse_weingarten;
 use crate::real::Real;
@@ -570,6 +571,16 @@ impl<T: Real> Turn<T> {
         half_before.scale_add(-along, relative.tangential)
     }
 
+    /// Angular velocity of `i` relative to `j` about the normal at the half step, which is turned back by half a step as above.
+    #[inline(always)]
+    fn twisting_at_half_step(&self, motion: &Motion<T>) -> T {
+        let half_before = self.before.tangential * self.spin.constant(0.5);
+        let half_turn = Vector2::new(half_before.v, half_before.u * self.spin.constant(-1.0));
+        let (i, j) = (motion.omega_i, motion.omega_j);
+        let across = i.tangential + j.tangential * self.spin.constant(-1.0);
+        i.normal - j.normal + area(half_turn, across)
+    }
+
     /// The tangential memory of the last step, in the present tangent basis: it turns with the normal and with the pair's spin
     /// about it, and keeps its length.
     #[inline(always)]
@@ -597,16 +608,123 @@ fn time_in_contact<T: Real>(x: &Contact<T>, motion: &Motion<T>, remembered: &Rem
     T::select(remembered.continued, remembered.time, since)
 }
 
+/// Springs of partial slip as a contact has them, world frame: of forces alone in lanes, or of forces and torques.
+pub trait SpringBed<T: Real> {
+    /// Whether they resist a twist.
+    const TWISTS: bool;
+
+    /// The springs of forces.
+    fn springs(&mut self) -> &mut Springs<Vector3<T>, T>;
+
+    /// Force of these in the tangent basis, `bed`, which is written; and their torque on `i` about the normal, what the twist makes of it and the
+    /// viscous part. `turn` is the twist of the step, and the rate of it of which the viscous part is made.
+    fn forces(
+        &mut self,
+        law: (&TangentialKinds, &TangentialConstants<T>),
+        normal: (T, T),
+        ellipse: (&Factors<T>, Symmetric2<T>, T),
+        bed: &mut Springs<Vector2<T>, T>,
+        remembered: (Vector2<T>, T, T::Mask),
+        motion: [Vector2<T>; 2],
+        turn: [T; 2],
+    ) -> (TangentialForce<T>, Option<[T; 2]>);
+}
+
+impl<T: Real> SpringBed<T> for Springs<Vector3<T>, T> {
+    const TWISTS: bool = false;
+
+    #[inline(always)]
+    fn springs(&mut self) -> &mut Springs<Vector3<T>, T> {
+        self
+    }
+
+    #[inline(always)]
+    fn forces(
+        &mut self,
+        (kinds, c): (&TangentialKinds, &TangentialConstants<T>),
+        normal: (T, T),
+        (factors, curvature, penetration): (&Factors<T>, Symmetric2<T>, T),
+        bed: &mut Springs<Vector2<T>, T>,
+        (memory, energy, passes): (Vector2<T>, T, T::Mask),
+        [increment, velocity]: [Vector2<T>; 2],
+        _: [T; 2],
+    ) -> (TangentialForce<T>, Option<[T; 2]>) {
+        let f = force_of_springs(
+            kinds,
+            c,
+            normal,
+            factors,
+            curvature,
+            penetration,
+            bed,
+            memory,
+            energy,
+            passes,
+            increment,
+            velocity,
+        );
+        (f, None)
+    }
+}
+
+/// Springs that hold torques too, of `twisting lubkin`.
+pub(crate) struct TwistedSprings<'a> {
+    /// Their forces.
+    pub springs: &'a mut Springs<Vector3>,
+    /// Their torques.
+    pub torques: &'a mut [f64; SPRINGS],
+}
+
+impl SpringBed<f64> for TwistedSprings<'_> {
+    const TWISTS: bool = true;
+
+    fn springs(&mut self) -> &mut Springs<Vector3> {
+        self.springs
+    }
+
+    fn forces(
+        &mut self,
+        (kinds, c): (&TangentialKinds, &TangentialConstants),
+        normal: (f64, f64),
+        (factors, curvature, penetration): (&Factors, Symmetric2, f64),
+        bed: &mut Springs<Vector2>,
+        (memory, energy, passes): (Vector2, f64, bool),
+        [increment, velocity]: [Vector2; 2],
+        [turn, turning]: [f64; 2],
+    ) -> (TangentialForce, Option<[f64; 2]>) {
+        let (f, torque) = force_and_torque_of_springs(
+            kinds,
+            c,
+            normal,
+            factors,
+            curvature,
+            penetration,
+            bed,
+            self.torques,
+            memory,
+            energy,
+            passes,
+            increment,
+            velocity,
+            turn,
+            turning,
+        );
+        (f, Some([torque.elastic, torque.viscous]))
+    }
+}
+
 /// The law of one contact, in the frame of its tangent basis and normal: there most products with the normal and with
 /// the witnesses have no terms at all.
 ///
 /// `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the kernel has at all; `kinds` decides within them. `RATE`
 /// must be on where velocities are needed: any damping, friction, or powers asked for. `WALL` takes `j` as a
 /// half-space. `springs` are those that are remembered of `displacement hysteretic`, world frame, zeros where the contact begins;
-/// written. `None` where no law of the scene has such.
+/// written. `None` where no law of the scene has such. With `twisting lubkin` the couples of the result are the torques of these springs about
+/// the normal, which are not in the torques.
 #[inline(always)]
 pub fn contact_forces<
     T: Real,
+    B: SpringBed<T>,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
@@ -618,7 +736,7 @@ pub fn contact_forces<
     curvature: Symmetric2<T>,
     x: &Contact<T>,
     remembered: &Remembered<T>,
-    springs: Option<&mut Springs<Vector3<T>, T>>,
+    springs: Option<&mut B>,
 ) -> ContactForces<T> {
     let zero = x.penetration.constant(0.0);
     let motion = if RATE {
@@ -739,7 +857,8 @@ pub fn contact_forces<
         let of_normal = (normal.force, normal.stiffness);
         let memory = turn.carry(x, remembered.memory);
         let t: TangentialForce<T> = match springs {
-            Some(springs) if kinds.tangential.has_springs() => {
+            Some(held) if kinds.tangential.has_springs() => {
+                let springs = held.springs();
                 let mut bed = Springs {
                     forces: [memory; SPRINGS],
                     reference: springs.reference,
@@ -748,20 +867,31 @@ pub fn contact_forces<
                 for (carried, force) in bed.forces.iter_mut().zip(&springs.forces) {
                     *carried = turn.carry(x, *force);
                 }
-                let t = force_of_springs(
-                    &kinds.tangential,
-                    &c.tangential,
+                let turn = if B::TWISTS {
+                    let twisting = turn.twisting_at_half_step(&motion);
+                    let at_step = if x.changes.is_some() {
+                        at_step.omega_i.normal - at_step.omega_j.normal
+                    } else {
+                        twisting
+                    };
+                    [twisting * time, at_step]
+                } else {
+                    [zero; 2]
+                };
+                let (t, torque) = held.forces(
+                    (&kinds.tangential, &c.tangential),
                     of_normal,
-                    factors,
-                    curvature,
-                    x.penetration,
+                    (factors, curvature, x.penetration),
                     &mut bed,
-                    memory,
-                    remembered.energy,
-                    passes,
-                    increment,
-                    velocity_of_viscous,
+                    (memory, remembered.energy, passes),
+                    [increment, velocity_of_viscous],
+                    turn,
                 );
+                if let Some([elastic, viscous]) = torque {
+                    result.frictional_couple = x.normal * elastic;
+                    result.viscous_couple = x.normal * viscous;
+                }
+                let springs = held.springs();
                 for (force, carried) in springs.forces.iter_mut().zip(&bed.forces) {
                     *force = x.tangent.vector(*carried);
                 }

@@ -8,12 +8,13 @@
 //! [ rest ... ]             penetrations of rest              with `viscosity memory`, one of each relaxing part
 //! [ springs 8 x y z ]      forces of springs, world frame    with friction and `displacement hysteretic`
 //! [ reference, d ]         penetrations: of the grid of the springs, and of the last step; with these
+//! [ torques 8 ]            torques of springs                with these and `twisting lubkin`
 //! [ way x y z ]            way of rolling, world frame       with `rolling`
-//! [ torque, angle ]        that the twist holds              with `twisting`
+//! [ torque, angle ]        that the twist holds              with `twisting marshall` or `sds`
 //! ```
 //!
 //! All zeros is "nothing remembered". The contact `(j, i)` remembers the opposite normal and memory, and the same of rolling and
-//! twisting, of rest and of the two penetrations of springs. Where there are such there is room for a memory too, with friction or
+//! twisting, of rest and of torques and the two penetrations of springs. Where there are such there is room for a memory too, with friction or
 //! without.
 
 use super::forces::{ContactForces, Remembered};
@@ -72,6 +73,8 @@ pub struct Remembers {
     pub rolling: bool,
     /// Torque and angle of the twist.
     pub twisting: bool,
+    /// Torques of the springs of partial slip.
+    pub torques: bool,
 }
 
 /// Offsets, in doubles, of the parts of a contact's history.
@@ -89,6 +92,8 @@ pub struct HistoryLayout {
     pub rest_count: usize,
     /// Where the springs of partial slip stand.
     pub springs: Option<usize>,
+    /// Where the torques of these springs stand.
+    pub torques: Option<usize>,
     /// Where the way of rolling stands.
     pub rolling: Option<usize>,
     /// Where the torque and the angle of the twist stand.
@@ -101,7 +106,7 @@ pub struct HistoryLayout {
 
 impl HistoryLayout {
     /// Doubles per contact of the longest layout.
-    pub(crate) const LONGEST: usize = 15 + SPRING_NUMBERS;
+    pub(crate) const LONGEST: usize = 15 + SPRING_NUMBERS + SPRINGS;
 
     /// The layout for a scene.
     pub fn new(remembers: Remembers) -> Self {
@@ -118,6 +123,7 @@ impl HistoryLayout {
         let energy = take(remembers.tangential && remembers.energy, 1);
         let rests = take(remembers.rests > 0, remembers.rests);
         let springs = take(remembers.tangential && remembers.springs, SPRING_NUMBERS);
+        let torques = take(springs.is_some() && remembers.torques, SPRINGS);
         let rolling = take(remembers.rolling, 3);
         let twisting = take(remembers.twisting, 2);
         HistoryLayout {
@@ -127,6 +133,7 @@ impl HistoryLayout {
             rests,
             rest_count: remembers.rests,
             springs,
+            torques,
             rolling,
             twisting,
             length,
@@ -144,6 +151,7 @@ impl HistoryLayout {
             springs: self.springs.is_some(),
             rolling: self.rolling.is_some(),
             twisting: self.twisting.is_some(),
+            torques: self.torques.is_some(),
         }
     }
 
@@ -157,6 +165,12 @@ impl HistoryLayout {
     fn is_spring_force(&self, place: usize) -> bool {
         self.springs
             .is_some_and(|at| (at..at + 3 * SPRINGS).contains(&place))
+    }
+
+    /// Whether a place is one of the torques of springs.
+    fn is_spring_torque(&self, place: usize) -> bool {
+        self.torques
+            .is_some_and(|at| (at..at + SPRINGS).contains(&place))
     }
 
     /// Whether a place is one of the two penetrations of springs.
@@ -192,6 +206,20 @@ impl HistoryLayout {
         numbers[3 * SPRINGS + 1] = springs.penetration;
     }
 
+    /// The torques of the springs of a history; `None` where the layout has no room for them.
+    pub(crate) fn torques_of(&self, history: &[f64]) -> Option<[f64; SPRINGS]> {
+        let mut torques = [0.0; SPRINGS];
+        torques.copy_from_slice(&history[self.torques?..][..SPRINGS]);
+        Some(torques)
+    }
+
+    /// Writes them.
+    pub(crate) fn write_torques(&self, history: &mut [f64], torques: Option<&[f64; SPRINGS]>) {
+        if let (Some(at), Some(torques)) = (self.torques, torques) {
+            history[at..at + SPRINGS].copy_from_slice(torques);
+        }
+    }
+
     /// The tangential memory of a history and its energy; zeros where the layout has no room for them.
     #[inline(always)]
     pub(crate) fn tangential(&self, history: &[f64]) -> (Vector3, f64) {
@@ -204,7 +232,8 @@ impl HistoryLayout {
 
     /// Where what is remembered of rolling and twisting begins.
     pub(crate) fn resistance(&self) -> usize {
-        self.rolling.or(self.twisting).unwrap_or(self.length)
+        let first = self.torques.or(self.rolling).or(self.twisting);
+        first.unwrap_or(self.length)
     }
 
     /// The first invalid number of the history of a touching contact: its place and its value. A normal that is not a unit
@@ -212,7 +241,7 @@ impl HistoryLayout {
     pub fn first_wrong(&self, history: &[f64]) -> Option<(usize, f64)> {
         let at = self.memory?;
         let wrong = |k: &usize| {
-            let largest = if self.twisting.is_some_and(|at| *k >= at) {
+            let largest = if self.twisting.is_some_and(|at| *k >= at) || self.is_spring_torque(*k) {
                 LARGEST_TWIST
             } else if *k >= self.resistance() {
                 LARGEST_DISPLACEMENT

@@ -26,6 +26,7 @@
 //!     springs: false,
 //!     rolling: false,
 //!     twisting: false,
+//!     torques: false,
 //! };
 //! assert_eq!(HistoryLayout::new(remembers).length, 7);
 //! // A history is written for (i, j); that of (j, i) has the opposite normal.
@@ -183,7 +184,13 @@ impl Laws {
                 .unwrap_or(0),
             springs: hysteretic,
             rolling: some(&|l| l.resistance.rolling != RollingResistance::None),
-            twisting: some(&|l| l.resistance.twisting != TwistingResistance::None),
+            twisting: some(&|l| {
+                !matches!(
+                    l.resistance.twisting,
+                    TwistingResistance::None | TwistingResistance::OfSprings
+                )
+            }),
+            torques: some(&|l| l.resistance.twisting == TwistingResistance::OfSprings),
         });
         layout.of_displacements = remembers(Displacement::Total);
         Ok(Laws {
@@ -217,7 +224,10 @@ impl Laws {
             law.constants.tangential.friction = mu;
             if mu == 0.0 {
                 law.kinds.tangential.law = Tangential::None;
-                if law.resistance.twisting == TwistingResistance::OfContactEllipse {
+                if matches!(
+                    law.resistance.twisting,
+                    TwistingResistance::OfContactEllipse | TwistingResistance::OfSprings
+                ) {
                     law.resistance.twisting = TwistingResistance::None;
                 }
             }

@@ -3,10 +3,12 @@
 //! interface for others.
 
 use super::couple::{couple, Couple, TurningContact};
-use super::forces::{contact_forces, Contact, ContactForces, MotionChange, Surface};
+use super::forces::{
+    contact_forces, Contact, ContactForces, MotionChange, Surface, TwistedSprings,
+};
 use super::history::{recall, remember, HistoryLayout, Step, NO_SPRINGS};
 use super::particle::{effective_mass, Particle};
-use crate::force::{hertz_factors, Factors, PairLaw};
+use crate::force::{hertz_factors, Factors, PairLaw, TwistingResistance, SPRINGS};
 use crate::geometry::{search, ContactSearch, Ellipsoid, Outcome, Support};
 use crate::vector::{Symmetric2, Tangent, Vector3};
 
@@ -254,15 +256,39 @@ pub fn through_law<
     if !touched {
         springs = springs.map(|_| NO_SPRINGS);
     }
-    let f = contact_forces::<f64, FRICTION, RATE, CONSERVATIVE, WALL>(
-        &law.kinds,
-        &law.constants,
-        factors,
-        x.curvature(),
-        x,
-        &remembered,
-        springs.as_mut(),
-    );
+    let (kinds, c, m) = (&law.kinds, &law.constants, x.curvature());
+    let f = if let (TwistingResistance::OfSprings, Some(springs), Some(mut torques)) = (
+        law.resistance.twisting,
+        &mut springs,
+        layout.torques_of(history),
+    ) {
+        if !touched {
+            torques = [0.0; SPRINGS];
+        }
+        let torques = &mut torques;
+        let mut held = TwistedSprings { springs, torques };
+        let f = contact_forces::<f64, _, FRICTION, RATE, CONSERVATIVE, WALL>(
+            kinds,
+            c,
+            factors,
+            m,
+            x,
+            &remembered,
+            Some(&mut held),
+        );
+        layout.write_torques(history, Some(torques));
+        f
+    } else {
+        contact_forces::<f64, _, FRICTION, RATE, CONSERVATIVE, WALL>(
+            kinds,
+            c,
+            factors,
+            m,
+            x,
+            &remembered,
+            springs.as_mut(),
+        )
+    };
     remember(layout, history, x.normal, &f);
     layout.write_springs(history, springs.as_ref());
     f

@@ -43,7 +43,7 @@
 //! let step = Step { time_step: 1e-6, advance_history: true };
 //! let alone = contact.normal_force(law, 0.5e-5, step.time_step).expect("exact factors");
 //! assert!((alone.normal_force / (in_normal * 1e-5) - 1.0).abs() < 1e-9);
-//! let new = || StagedHistory { touched: false, normal, memory: Vector3::ZERO, energy: 0.0, rests: [0.0; 3], springs: None };
+//! let new = || StagedHistory { touched: false, normal, memory: Vector3::ZERO, energy: 0.0, rests: [0.0; 3], springs: None, torques: None };
 //! let both = contact.whole_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
 //! let sheared = contact.tangential_force(law, 0.5, 0.5e-5, &step, &mut new()).expect("exact factors");
 //! assert_eq!(both.normal_force, alone.normal_force);
@@ -64,14 +64,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::forces::{contact_forces, Contact, ContactForces, Remembered};
+use super::forces::{
+    contact_forces, Contact, ContactForces, Remembered, SpringBed, TwistedSprings,
+};
 use super::history::{Step, NO_SPRINGS};
 use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
 use super::particle::Particle;
 use super::turning_normal::{along_and_across, TurningNormal};
 use crate::force::hertz_factors;
 use crate::force::memory::MOST_PARTS;
-use crate::force::{PairLaw, Springs, Tangential};
+use crate::force::{PairLaw, Springs, Tangential, TwistingResistance, SPRINGS};
 use crate::geometry::facet_shares::Share;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
@@ -110,6 +112,8 @@ pub struct StagedHistory {
     pub rests: [f64; MOST_PARTS],
     /// Springs of partial slip, of `displacement hysteretic`; written. `None` where no law has such.
     pub springs: Option<Springs<Vector3>>,
+    /// Their torques, of `twisting lubkin`; written. `None` where no law has such.
+    pub torques: Option<[f64; SPRINGS]>,
 }
 
 /// A contact whose geometry is known.
@@ -251,7 +255,7 @@ impl StagedContact {
             ..self.x
         };
         let nothing = Remembered::nothing(false, x.normal);
-        let mut f = self.forces::<false>(&law, &x, &nothing, None)?;
+        let mut f = self.forces::<Springs<Vector3>, false>(&law, &x, &nothing, None)?;
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }
@@ -338,29 +342,37 @@ impl StagedContact {
         };
         if !history.touched {
             history.springs = history.springs.map(|_| NO_SPRINGS);
+            history.torques = history.torques.map(|_| [0.0; SPRINGS]);
         }
-        let f = self.forces::<true>(law, &x, &remembered, history.springs.as_mut())?;
+        let twists = law.resistance.twisting == TwistingResistance::OfSprings;
+        let f = match (&mut history.springs, &mut history.torques) {
+            (Some(springs), Some(torques)) if twists => {
+                let mut held = TwistedSprings { springs, torques };
+                self.forces::<_, true>(law, &x, &remembered, Some(&mut held))?
+            }
+            (springs, _) => self.forces::<_, true>(law, &x, &remembered, springs.as_mut())?,
+        };
         history.memory = f.memory;
         history.energy = f.tangential_energy;
         history.rests = f.rests;
         Ok(f)
     }
 
-    fn forces<const FRICTION: bool>(
+    fn forces<B: SpringBed<f64>, const FRICTION: bool>(
         &self,
         law: &PairLaw,
         x: &Contact,
         remembered: &Remembered,
-        springs: Option<&mut Springs<Vector3>>,
+        springs: Option<&mut B>,
     ) -> Result<ContactForces, HaleRatio> {
         let factors = checked_factors(law, self.curvature)?;
         let (kinds, constants, m) = (&law.kinds, &law.constants, self.curvature);
         Ok(if self.is_wall() {
-            contact_forces::<f64, FRICTION, true, true, true>(
+            contact_forces::<f64, B, FRICTION, true, true, true>(
                 kinds, constants, &factors, m, x, remembered, springs,
             )
         } else {
-            contact_forces::<f64, FRICTION, true, true, false>(
+            contact_forces::<f64, B, FRICTION, true, true, false>(
                 kinds, constants, &factors, m, x, remembered, springs,
             )
         })

@@ -125,6 +125,8 @@ pub enum TwistingResistance {
     OfContactEllipse,
     /// `sds`: these constants.
     Given(TwistSpring),
+    /// `lubkin`: by the springs of the tangential law, whose friction it shares.
+    OfSprings,
 }
 
 impl Resistance {
@@ -140,7 +142,8 @@ impl Resistance {
             },
             twisting: match mixed.twisting {
                 Twisting::Marshall if friction => TwistingResistance::OfContactEllipse,
-                Twisting::None | Twisting::Marshall => TwistingResistance::None,
+                Twisting::Lubkin if friction => TwistingResistance::OfSprings,
+                Twisting::None | Twisting::Marshall | Twisting::Lubkin => TwistingResistance::None,
                 Twisting::Sds => TwistingResistance::Given(TwistSpring {
                     stiffness: mixed.twisting_stiffness,
                     damping: mixed.twisting_damping,
@@ -167,6 +170,7 @@ impl Resistance {
         match &self.twisting {
             TwistingResistance::None => {}
             TwistingResistance::OfContactEllipse => text += " twisting marshall",
+            TwistingResistance::OfSprings => text += " twisting lubkin",
             TwistingResistance::Given(c) => {
                 text += &format!(
                     " twisting sds k_twist {} gamma_twist {} mu_twist {}",

@@ -18,6 +18,7 @@ pub mod spring_bed;
 pub mod syntax;
 pub mod tangential;
 pub mod twisting;
+pub mod twisting_bed;
 
 pub use choice::Choice;
 pub use damping::{Closure, Damping, Unloading, Viscosity};

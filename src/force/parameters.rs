@@ -461,6 +461,15 @@ impl LawParameters {
                 self.tangential.word()
             ));
         }
+        if self.twisting == Twisting::Lubkin && self.displacement != Displacement::Hysteretic {
+            return Err(format!(
+                "twisting {} shares the friction of the springs of 'tangential {} displacement {}': give these too, or use 'twisting {}'",
+                self.twisting.word(),
+                Tangential::Tfd.word(),
+                Displacement::Hysteretic.word(),
+                Twisting::Marshall.word(),
+            ));
+        }
         if self.normal == Normal::Nfd
             && self.closure == Closure::Brilliantov
             && self.poissons_ratio == 0.0

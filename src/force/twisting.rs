@@ -16,6 +16,8 @@
 //! Of the semi-axes no root of an elliptic integral is needed. Hertz' theory has `a^2 = delta (D/K)/A` and
 //! `b^2 = delta (Bl/K)/B`, and `D + Bl = K`: `S = delta (I - Beta) M^-1`, with the matrix `Beta` of the tangential compliance.
 //!
+//! `lubkin` is in [`super::twisting_bed`].
+//!
 //! Both the torque and the angle that are held are remembered. The stiffness of `marshall` changes with the contact: the torque stays
 //! while it grows, the angle while it shrinks, and neither stores more energy than was there.
 
@@ -36,6 +38,9 @@ choices! {
         Marshall = 1, "marshall", ELLGRAN_TWISTING_MARSHALL, [];
         /// Spring, dashpot and slider, after S. Luding, Granular Matter 10 (2008) 235.
         Sds = 2, "sds", ELLGRAN_TWISTING_SDS, [twisting_stiffness, twisting_damping, twisting_friction];
+        /// Partial slip of a twist, after J.L. Lubkin, with the loop of its way back; twist and displacement share one friction. No
+        /// cycle creates energy. Only with `tfd` and `displacement hysteretic`.
+        Lubkin = 3, "lubkin", ELLGRAN_TWISTING_LUBKIN, [];
     }
 }
 

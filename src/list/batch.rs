@@ -16,7 +16,7 @@ use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
 use crate::contact::lane_search::{search, search_spheres, select3, separating_planes, Found};
 use crate::contact::particle::mass_of_inverse;
 use crate::force::memory::MOST_PARTS;
-use crate::force::{Factors, LawKinds, PairLaw, Springs, SPRINGS};
+use crate::force::{Factors, LawKinds, PairLaw, Springs, TwistingResistance, SPRINGS};
 use crate::geometry::{ConvexBody, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{lines, put, values, Lanes, Line, Registers, MOST_LANES};
@@ -219,7 +219,10 @@ pub(super) fn run<
         found.separated,
         FRICTION || CONSERVATIVE,
     );
-    let hard = registers.or(found.hard, beyond);
+    let mut hard = registers.or(found.hard, beyond);
+    if RECORD {
+        hard = registers.or(hard, registers.mask(with_twisted_springs(batch.laws)));
+    }
     let constants = constants_of(registers, batch.laws, common.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
         mass_of_inverse(Lanes::load(registers, batch.inverse_effective_mass))
@@ -251,7 +254,7 @@ pub(super) fn run<
         None
     };
     let mut springs = springs_before;
-    let f = contact_forces::<Lanes<S>, FRICTION, RATE, CONSERVATIVE, false>(
+    let f = contact_forces::<Lanes<S>, _, FRICTION, RATE, CONSERVATIVE, false>(
         kinds,
         &constants,
         &factors,
@@ -289,6 +292,15 @@ pub(super) fn run<
         tally(registers, d, force, &f, common.loads, tallies);
     }
     left
+}
+
+/// The lanes whose springs resist a twist too, one bit each: no lanes have that.
+#[inline(always)]
+fn with_twisted_springs(laws: &[&PairLaw; MOST_LANES]) -> u32 {
+    laws.iter().enumerate().fold(0, |bits, (lane, law)| {
+        let twists = law.resistance.twisting == TwistingResistance::OfSprings;
+        bits | u32::from(twists) << lane
+    })
 }
 
 /// Hertz factors, and the lanes that are beyond their fit. Lanes `apart` are not asked for.

@@ -182,6 +182,8 @@ pub(super) fn turning_contact(lane: usize, lines: &BatchRecords) -> TurningConta
         stiffness: number(5, 3),
         omega: [Vector3::ZERO; 2],
         omega_change: [Vector3::ZERO; 2],
+        // Springs that resist a twist are not in lanes.
+        torque_of_springs: [0.0; 2],
     }
 }
 

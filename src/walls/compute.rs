@@ -327,10 +327,12 @@ impl<'i> Forces<'_, 'i, '_> {
             energy,
             rests,
             springs,
+            torques,
             ..
         } = &remembered;
         write_history(self.of_laws, c, (*memory, *energy, rests), history);
         self.of_laws.write_springs(history, springs.as_ref());
+        self.of_laws.write_torques(history, torques.as_ref());
         self.add(c, &mut f, contact.penetration(), couple.as_ref());
     }
 
@@ -500,6 +502,7 @@ fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> Staged
             rests
         },
         springs: layout.springs_of(history),
+        torques: layout.torques_of(history),
     }
 }
 

@@ -289,6 +289,8 @@ impl Run<'_> {
             "flags of touch; {}",
             self.described()
         );
+        let springs = self.case.decks[0].contains("hysteretic")
+            && !self.case.decks[0].contains("viscosity memory");
         let no_warm_start = self.case.options & ELLGRAN_OPTION_NO_WARM_START != 0;
         let normals = if no_warm_start { 0 } else { 3 };
         let mut worst = self.seen.worst[2];
@@ -302,6 +304,14 @@ impl Run<'_> {
                     let own = match k.checked_sub(normals) {
                         None => 0.0,
                         Some(0..3) => length([b[normals], b[normals + 1], b[normals + 2]]),
+                        // Forces of springs, after the energy, and their torques: the share of a spring is a difference of those of two edges.
+                        Some(4..28) if springs => {
+                            let forces = b[normals + 4..normals + 28].chunks_exact(3);
+                            forces.map(|f| length([f[0], f[1], f[2]])).sum()
+                        }
+                        Some(30..38) if springs && entries >= normals + 38 => {
+                            b[normals + 30..normals + 38].iter().map(|t| t.abs()).sum()
+                        }
                         Some(_) => b[k].abs(),
                     };
                     let scale = HISTORY_TOLERANCE * sums.history_scale[k]

@@ -87,6 +87,10 @@ fn words_that_are_wrong() {
         ("hertz 1e4 0.3 rolling sds 1 0 -0.1", &["mu_roll", "-0.1"]),
         ("hertz 1e4 0.3 twisting sds 1 -2 0", &["gamma_twist", "-2"]),
         (
+            "hertz 1e4 0.3 tangential tfd 0.5 twisting lubkin",
+            &["twisting lubkin", "hysteretic", "twisting marshall"],
+        ),
+        (
             "hertz 1e4 0.3 twisting marshall",
             &["twisting marshall", "tangential", "twisting sds"],
         ),

@@ -213,6 +213,14 @@ fn rolling_and_twisting() {
             "lsd 5e3 2 tangential linear 900 2 0.2 twisting marshall conservative no",
         ],
         [
+            "nfd 1e4 0.3 40 60 tangential tfd 0.4 displacement hysteretic twisting lubkin",
+            "nfd 3e4 0.2 90 30 tangential tfd 0.2 displacement hysteretic twisting lubkin",
+        ],
+        [
+            "hertz 1e4 0.3 tangential tfd 0.4 displacement hysteretic rolling sds 500 1 0.1 twisting lubkin",
+            "hertz 3e4 0.2 tangential tfd 0 displacement hysteretic rolling sds 200 2 0.2 twisting lubkin",
+        ],
+        [
             "hertz 1e4 0.3 factors hale tangential mindlin 0.4 rolling sds 500 1 0.1 twisting marshall",
             "hertz 3e4 0.2 factors hale tangential mindlin 0.2 rolling sds 200 2 0.2 twisting marshall",
         ],

@@ -32,6 +32,7 @@ const LAWS: [&str; 22] = [
     "hertz 1e8 0.3 tangential mindlin 0.5 displacement total twisting marshall",
     "lsd 2e4 3",
     "lsd 2e4 3 tangential linear 1.6e4 2 0.5",
+    "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement hysteretic rolling sds 1e5 0.1 0.1 twisting lubkin",
     "lsd 2e4 3 limit_force yes tangential linear 1.6e4 2 0.5 rolling sds 1e4 0.1 0.1 twisting marshall",
 ];
 

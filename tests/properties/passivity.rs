@@ -82,6 +82,8 @@ fn rescaled_displacement_never_gains() {
         "damping relaxation TAU tangential tfd MU displacement rescaled",
         "damping restitution 0.7 tangential mindlin MU displacement rescaled",
         "tangential mindlin MU twisting marshall",
+        "tangential tfd MU displacement hysteretic twisting lubkin",
+        "damping relaxation TAU tangential tfd MU displacement hysteretic rolling sds 30 0.3 MU twisting lubkin",
         "damping relaxation TAU tangential tfd MU rolling sds 30 0.3 MU twisting marshall",
         "tangential tfd MU rolling sds 100 0 MU twisting sds 10 0 MU",
         "rolling sds 100 3 MU twisting sds 10 0.3 MU",

@@ -131,5 +131,6 @@ pub fn deck() -> impl Strategy<Value = &'static str> {
         "hertz 1e5 0.3 rolling sds 1e3 0.5 0.1 twisting sds 10 0.01 0.05",
         "hertz 1e5 0.3 damping relaxation 1e-3 tangential tfd 0.3 rolling sds 1e3 0.5 0.1 twisting marshall",
         "lsd 1e3 3 tangential linear 800 2 0.3 rolling sds 1e3 0 0.1 twisting marshall",
+        "nfd 1e5 0.3 30 50 tangential tfd 0.3 displacement hysteretic rolling sds 1e3 0.5 0.1 twisting lubkin",
     ])
 }

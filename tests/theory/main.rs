@@ -29,4 +29,5 @@ mod sphere_on_plane;
 mod spring_bed;
 mod stable_step;
 mod tangential_rebound;
+mod twisting_bed;
 mod velocities_of_the_step;

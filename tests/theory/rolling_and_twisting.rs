@@ -101,16 +101,25 @@ fn a_sphere_on_a_slope_stays_or_rolls() {
     }
 }
 
-/// About the normal: `mu_twist m g/I`, with `marshall` the mean distance of the points of the contact ellipse times `mu`.
+/// About the normal: `mu_twist m g/I`, with `marshall` the mean distance of the points of the contact ellipse times `mu`, with `lubkin` that of
+/// points that are pressed after Hertz.
 #[test]
 fn a_spinning_body_comes_to_rest() {
     for (words, semi_axes) in [
         ("twisting sds 1e3 1 0.01", [1.0; 3]),
         ("twisting marshall", [1.0; 3]),
         ("twisting marshall", [1.0, 2.0, 1.0]),
+        ("twisting lubkin", [1.0; 3]),
+        ("twisting lubkin", [1.0, 2.0, 1.0]),
     ] {
+        let springs = words.contains("lubkin");
+        let tangential = if springs {
+            "tfd 0.5 displacement hysteretic"
+        } else {
+            "mindlin 0.5"
+        };
         let laws = laws(&[&format!(
-            "hertz {MODULUS} 0.3 damping restitution 0.3 tangential mindlin 0.5 {words}"
+            "hertz {MODULUS} 0.3 damping restitution 0.3 tangential {tangential} {words}"
         )]);
         let mut b = at_rest(semi_axes, 1.0);
         b.angular_velocity = [0.0, 0.0, 0.2];
@@ -123,7 +132,12 @@ fn a_spinning_body_comes_to_rest() {
         } else {
             let felt = motion.felt.as_ref().expect("touching");
             let [a, b] = felt.geometry.contact_semi_axes();
-            0.5 * mean_radius_by_integral(a, b)
+            let of_pressure = if springs {
+                9.0 / 32.0 * std::f64::consts::PI
+            } else {
+                1.0
+            };
+            0.5 * of_pressure * mean_radius_by_integral(a, b)
         };
         let inertia = (semi_axes[0].powi(2) + semi_axes[1].powi(2)) / 5.0;
         let before = motion.i.body.angular_velocity[2];
