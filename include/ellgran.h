@@ -191,6 +191,12 @@ template <typename Type> inline Type init()
 #define ELLGRAN_TWISTING_SDS 2
 
 /*
+ Partial slip of a twist, after J.L. Lubkin, with the loop of its way back; twist and displacement share one friction. No
+ cycle creates energy. Only with `tfd` and `displacement hysteretic`.
+ */
+#define ELLGRAN_TWISTING_LUBKIN 3
+
+/*
  Doubles that `ellgran_add_recorded_to_grain_sums` and `ellgran_add_wall_recorded_to_grain_sums` keep of each particle: the number of
  particles that it touches; the number of its contacts with walls; the sum of n (x) n over all of them, n the unit normal (xx yy zz xy
  xz yz); and the sum of l (x) F over all of them, its symmetric part, l from the centre of the particle to the contact and F the

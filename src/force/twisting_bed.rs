@@ -24,7 +24,7 @@ use super::tangential::{
 };
 use super::twisting::{mean_radius, squared_semi_axes, TwistSpring};
 #[cfg(not(feature = "std"))]
-use crate::real::Real;
+use crate::real::{Functions, Real};
 use crate::vector::{Symmetric2, Vector2};
 
 /// Of the torque about the normal.
@@ -134,7 +134,7 @@ pub struct TorqueOfSprings {
 /// ```
 /// use ellgran::force::syntax::parse;
 /// use ellgran::force::twisting_bed::{force_and_torque_of_springs, share_in_sliding_torque, TorqueOfSprings};
-/// use ellgran::force::{hertz_factors, normal_force, PairLaw, Springs, SPRINGS};
+/// use ellgran::force::{hertz_factors, normal_force, PairLaw, Springs, TwistSpring, SPRINGS};
 /// use ellgran::vector::{Symmetric2, Vector2};
 ///
 /// let words = "hertz 1e7 0.3 tangential tfd 0.5 displacement hysteretic twisting lubkin";
@@ -145,6 +145,11 @@ pub struct TorqueOfSprings {
 /// let factors = hertz_factors::exact(curvature.trace(), curvature.determinant(), true);
 /// let (depth, det) = (1e-5, curvature.determinant());
 /// let n = normal_force(&kinds.normal, &constants.normal, depth, 0.0, det, &factors, 1.0);
+///
+/// // The radius of the contact is that of Hertz, and the stiffness about the normal 8/3 G a^3.
+/// let of_twist = TwistSpring::of_elastic_bodies(&constants.tangential, depth, n.stiffness, &factors, curvature);
+/// let (radius, shear) = ((0.5e-2f64 * depth).sqrt(), 1e7 / (2.0 * 1.3));
+/// assert!((of_twist.stiffness / (8.0 / 3.0 * shear * radius.powi(3)) - 1.0).abs() < 1e-9);
 ///
 /// let none = Vector2::new(0.0, 0.0);
 /// let mut springs = Springs { forces: [none; SPRINGS], reference: 0.0, penetration: 0.0 };

@@ -130,15 +130,22 @@ fn both_versions_a_shaken_packing_in_one_compute() {
 #[test]
 fn both_versions_rolling_and_twisting_in_the_balance() {
     let engine = Engine::from_environment();
-    let law = format!("{LAW} rolling sds 2e3 0.02 0.2 twisting marshall");
-    let deck = shaken_with(&law, 3000);
-    let one = run(&engine, "balance_rolling", &cloud(), &deck, 1);
-    let all = all_columns(&one);
-    println!("left over {:.1e} of what is dissipated", left_over(&all));
-    assert!(left_over(&all) < 1e-3);
-    let four = run(&engine, "balance_rolling_4", &cloud(), &deck, 4);
-    let (one, four) = (all.last().unwrap(), &all_columns(&four));
-    same(one, four.last().unwrap(), 1e-8, "4 ranks");
+    for (name, words) in [
+        ("rolling", "rolling sds 2e3 0.02 0.2 twisting marshall"),
+        ("lubkin", "displacement hysteretic twisting lubkin"),
+    ] {
+        let deck = shaken_with(&format!("{LAW} {words}"), 3000);
+        let one = run(&engine, &format!("balance_{name}"), &cloud(), &deck, 1);
+        let all = all_columns(&one);
+        println!(
+            "{words}: left over {:.1e} of what is dissipated",
+            left_over(&all)
+        );
+        assert!(left_over(&all) < 1e-3);
+        let four = run(&engine, &format!("balance_{name}_4"), &cloud(), &deck, 4);
+        let (one, four) = (all.last().unwrap(), &all_columns(&four));
+        same(one, four.last().unwrap(), 1e-8, "4 ranks");
+    }
 }
 
 #[test]

@@ -177,8 +177,6 @@ fn both_versions_a_sphere_on_a_plane_rolls_as_with_wall_gran() {
     }
 }
 
-const LAW: &str = "hertz 1e8 0.3 tangential mindlin 0.5 rolling sds 1e5 0 0.1 twisting marshall";
-
 fn crowded(law: &str, steps: u64) -> Deck {
     Deck {
         time_step: 1e-5,
@@ -192,14 +190,32 @@ fn crowded(law: &str, steps: u64) -> Deck {
 #[test]
 fn both_versions_ranks_and_restarts() {
     let engine = Engine::from_environment();
+    goes_on(
+        &engine,
+        "roll",
+        "mindlin 0.5",
+        "rolling sds 1e5 0 0.1 twisting marshall",
+    );
+    goes_on(
+        &engine,
+        "lubkin",
+        "tfd 0.5 displacement hysteretic",
+        "twisting lubkin",
+    );
+}
+
+fn goes_on(engine: &Engine, name: &str, tangential: &str, resistance: &str) {
+    let none = format!("hertz 1e8 0.3 tangential {tangential}");
+    let law = &*format!("{none} {resistance}");
+    let named = |what: &str| format!("{name}_{what}");
     const HALF: u64 = 150;
     let scene = crowd(64);
-    let whole = run(&engine, "roll_whole", &scene, &crowded(LAW, 2 * HALF), 1);
+    let whole = run(engine, &named("whole"), &scene, &crowded(law, 2 * HALF), 1);
     let without = run(
-        &engine,
-        "roll_without",
+        engine,
+        &named("without"),
         &scene,
-        &crowded("hertz 1e8 0.3 tangential mindlin 0.5", 2 * HALF),
+        &crowded(&none, 2 * HALF),
         1,
     );
     let (_, changed) = largest_difference(whole.last(), without.last());
@@ -212,25 +228,25 @@ fn both_versions_ranks_and_restarts() {
     for newton in [true, false] {
         let deck = Deck {
             newton,
-            ..crowded(LAW, 2 * HALF)
+            ..crowded(law, 2 * HALF)
         };
-        let two = run(&engine, "roll_ranks", &scene, &deck, 2);
+        let two = run(engine, &named("ranks"), &scene, &deck, 2);
         check(&format!("two ranks, newton {newton}"), &two);
     }
-    let mut first = crowded(LAW, HALF);
+    let mut first = crowded(law, HALF);
     first.runs = vec![
         format!("run {HALF}"),
         "write_restart middle.restart".into(),
         format!("run {HALF}"),
     ];
-    let split = run(&engine, "roll_split", &scene, &first, 1);
+    let split = run(engine, &named("split"), &scene, &first, 1);
     check("split", &split);
     let second = Deck {
         pair: vec![],
         source: vec!["read_restart middle.restart".into()],
-        ..crowded(LAW, HALF)
+        ..crowded(law, HALF)
     };
-    let restarted = attempt_in(&engine, split.directory, &scene, &second, 2);
+    let restarted = attempt_in(engine, split.directory, &scene, &second, 2);
     assert!(restarted.success, "{}", last_lines(&restarted.output));
     check("restarted on two ranks", &restarted);
 }

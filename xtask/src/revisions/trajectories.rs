@@ -61,7 +61,7 @@ const HERTZ: &str = "hertz 1e7 0.3";
 const LSD: &str = "lsd 5e3 0.5";
 
 /// Laws: a name, and the words after a normal law. A test sees that every word of every table of src/force is in one of them.
-const LAWS: [(&str, &str, &str); 29] = [
+const LAWS: [(&str, &str, &str); 30] = [
     ("nfd", NFD, ""),
     ("nfd, tfd", NFD, "tangential tfd 0.5"),
     ("nfd, mindlin", NFD, "tangential mindlin 0.5"),
@@ -147,6 +147,11 @@ const LAWS: [(&str, &str, &str); 29] = [
         "tangential tfd 0.5 twisting marshall rolling none",
     ),
     (
+        "nfd, lubkin",
+        NFD,
+        "tangential tfd 0.5 displacement hysteretic twisting lubkin",
+    ),
+    (
         "hertz, sds",
         HERTZ,
         "tangential mindlin 0.5 rolling sds 1e3 0.1 0.05 twisting sds 1e-2 1e-6 1e-4",
@@ -154,7 +159,7 @@ const LAWS: [(&str, &str, &str); 29] = [
 ];
 
 /// The laws under which grains meet walls.
-const LAWS_AT_WALLS: [&str; 7] = [
+const LAWS_AT_WALLS: [&str; 8] = [
     "nfd, tfd",
     "nfd, hale",
     "nfd, memory",
@@ -162,6 +167,7 @@ const LAWS_AT_WALLS: [&str; 7] = [
     "hertz, tfd",
     "lsd, linear",
     "hertz, sds",
+    "nfd, lubkin",
 ];
 const WALLS: [&str; 5] = ["plane", "cylinder", "sphere", "cone", "mesh"];
 
