@@ -10,7 +10,7 @@ use crate::harness::{
 const HALF: u64 = 120;
 
 /// Every normal law and damping, every tangential law and form of its displacement, what resists rolling and twisting, and the keywords.
-const LAWS: [&str; 22] = [
+const LAWS: [&str; 23] = [
     "nfd 1e8 0.3 2e3 2e3",
     VISCOUS,
     "nfd 1e8 0.3 2e3 2e3 tangential tfd 0.5 displacement total",
