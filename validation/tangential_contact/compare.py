@@ -191,7 +191,11 @@ def make_twisting() -> None:
                 row, loads = twisting.compare(scene, name, {grid.steps: of(grid.steps)[name] for grid in (coarse, fine)}, coarse, fine, 8)
                 rows.append(row)
                 curves += loads
-                print(f"{scene} {name}: torque {row['torque_error']:.3f} +- {row['torque_bar']:.3f}", flush=True)
+                print(
+                    f"{scene} {name}: torque of marshall {row['torque_error_of_marshall']:.3f}, of lubkin {row['worst_torque_error_of_lubkin']:.3f} at worst "
+                    f"+- {row['torque_bar']:.3f}",
+                    flush=True,
+                )
         write_csv(HERE / f"{file}.csv", rows)
     write_csv(HERE / "twisting_curves.csv", curves)
 

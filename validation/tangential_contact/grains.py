@@ -18,7 +18,7 @@ FORMS = {
     "rescaled": "tfd 0.5 displacement rescaled",
     "mindlin": "mindlin 0.5 displacement rescaled",
 }
-
+_FORCES = {**FORMS, "hysteretic": "tfd 0.5 displacement hysteretic"}
 
 _PAIR = np.array([[0, 1]], dtype=np.int32)
 
@@ -46,11 +46,11 @@ def through(points: Sequence[Tuple[float, ...]], steps: int) -> np.ndarray:
 
 
 class Grains:
-    """The law of one scene."""
+    """The laws of one scene: of the force one of FORMS or "hysteretic", and of the torque about the normal."""
 
-    def __init__(self, scene: Scene, form: str) -> None:
+    def __init__(self, scene: Scene, form: str, twisting: str = "marshall") -> None:
         self._semi_axes = (scene.aspect, 1.0, 1.0)
-        self._laws = ellgran.Laws(f"hertz 1.0 {scene.poisson} tangential {FORMS[form]} twisting marshall conservative no")
+        self._laws = ellgran.Laws(f"hertz 1.0 {scene.poisson} tangential {_FORCES[form]} twisting {twisting} conservative no")
         self.shear_modulus = 0.5 / (1.0 + scene.poisson)
 
     def _bodies(self, overlap: float) -> ellgran.Bodies:
@@ -71,9 +71,10 @@ class Grains:
         """Tangential forces at the points of a path (overlap, x, y), with so many steps of the law between two of them."""
         return self.loads_along(np.pad(path, ((0, 0), (0, 1))), finer)[:, :2]
 
-    def loads_along(self, path: np.ndarray, finer: int) -> np.ndarray:
+    def loads_along(self, path: np.ndarray, finer: int, touched: float = 1.0) -> np.ndarray:
         """Tangential forces and the torque about the normal at the points of a path (overlap, x, y, angle). The bodies are given the angle
-        as an angular velocity and stay where they are, as in the full problem: it is small."""
+        as an angular velocity and stay where they are, as in the full problem: it is small. They touched first at a part `touched` of the overlap of
+        the first point."""
         memory = ellgran.ContactMemory(self._laws, 1)
         # Made once, and changed in place from step to step.
         bodies = self._bodies(path[0, 0])
@@ -88,7 +89,8 @@ class Grains:
             return np.array([*found.tangential_force[0, :2], -found.frictional_couple[0, 2]])
 
         loads, last = [], np.array([path[0, 0], 0.0, 0.0, 0.0])
-        step(last, np.zeros(4))
+        for part in (touched, 1.0):
+            step(part * last, np.zeros(4))
         for point in path:
             for part in range(1, finer + 1):
                 load = step(last + (point - last) * part / finer, (point - last) / finer)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Twisting about the normal: closed forms, and `twisting marshall` held against boundary elements with friction.
+"""Twisting about the normal: closed forms, and `twisting marshall` and `lubkin` held against boundary elements with friction.
 
 **Without slip.** The Fourier transform of the displacement of two half-spaces under equal and opposite shear tractions q is
 (2/(G k)) (q - nu k^ (k^.q)), with k^ the unit vector along k. Tractions (-alpha y/b^2, beta x/a^2)/w, w^2 = 1 - x^2/a^2 - y^2/b^2, displace the
@@ -25,14 +25,19 @@ Every way back at steady normal force is twice that curve at half the angle (Mas
 infinite angle, since the pressure at the centre does not vanish.
 
 Units: angle T_s/k and torque T_s, of the exact torque of sliding T_s and stiffness k.
+
+**The grid of `lubkin`.** The elements of a contact have edges that are fixed when it first touches; as it grows they are merged in pairs, so that four
+to eight of them carry. All eight do where the overlap is that of first touch, and how many and which in a contact that grew to it goes by the part of
+it at which it touched: anew with every 2^(4/3).
 """
 from __future__ import annotations
 
 from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from scipy.special import ellipe, ellipk, ellipkm1
+from scipy.special import ellipe, ellipk
 
+import torque_of_discs
 from friction import Ellipse, Friction, loads_along
 from grains import COEFFICIENT, OVERLAP, Grains, Grid, Scene, through
 from half_space_kernels import Rectangles, Shear
@@ -90,15 +95,11 @@ def sliding_torque(contact: Ellipse, coefficient: float) -> float:
 def lubkin(angles: np.ndarray) -> np.ndarray:
     """Torque of first loading on the circle in units of that of sliding, at angles >= 0 in units of its ratio to the stiffness."""
     # By the radius c that sticks, with a = 1: fine near the rim, where loading begins, and near the centre, where it ends.
-    turn = np.linspace(0.0, np.pi, 4001)
-    radius = 0.5 * (1.0 + np.cos(turn))
+    radius = 0.5 * (1.0 + np.cos(np.linspace(0.0, np.pi, 4001)))
     radius[-1] = 1e-12
-    square = 1.0 - radius**2
-    profile = ellipkm1(radius**2) - ellipe(square)
-    steps = 0.5 * (radius[1:] ** 2 * profile[1:] + radius[:-1] ** 2 * profile[:-1]) * (radius[:-1] - radius[1:])
-    torque = radius**3 * profile + 3.0 * np.concatenate([[0.0], np.cumsum(steps)])
-    # Of sliding: 3 times the integral of s^2 (K - E) from 0 to 1, which is 3 pi^2/64.
-    return np.interp(angles, profile / (3.0 * np.pi**2 / 64.0), torque / (3.0 * np.pi**2 / 64.0))
+    # The discs up to c are turned by the angle, and those outside slide.
+    turned = torque_of_discs.disc(radius) / (3.0 * np.pi**2 / 64.0)
+    return np.interp(angles, turned, radius**3 * turned + 1.0 - torque_of_discs.share(radius))
 
 
 def masing(angles: np.ndarray, steps: int) -> np.ndarray:
@@ -117,32 +118,6 @@ def spring_and_slider(angles: np.ndarray) -> np.ndarray:
         torque = min(1.0, max(-1.0, torque + angle - last))
         last = angle
         found.append(torque)
-    return np.array(found)
-
-
-def bed_with_one_limit(path: np.ndarray, count: int = 8, finer: int = 8) -> np.ndarray:
-    """Force and torque in their units along a path (displacement, angle) of a bed of springs as of `displacement hysteretic`, each with a force, a
-    torque and one limit: (f/f_max)^2 + (t/t_max)^2 <= 1, to which both are reduced in proportion. No law of the library.
-
-    Lubkin's torque is the integral of 8 G s^2 min(theta, (mu/G) I(s)) over the discs, Cattaneo's and Mindlin's force that of 4 G/(2 - nu)
-    min(xi, xi_max (1 - s^2)), s in units of the radius: the spring of the disc s has both. A reduction takes energy from both, so that no cycle gives
-    work."""
-    edges = (np.arange(count + 1) / count) ** (2.0 / 3.0)
-    inner, outer = edges[:-1], edges[1:]
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    disc = inner[:, None] + np.outer(outer - inner, 0.5 * (nodes + 1.0))
-    share = np.outer(outer - inner, 0.5 * weights)
-    yields = (ellipkm1(disc**2) - ellipe(1.0 - disc**2)) / (3.0 * np.pi**2 / 64.0)
-    stiffness = np.stack([np.sum(1.5 * share, axis=1), np.sum(3.0 * disc**2 * share, axis=1)])
-    limits = np.stack([np.sum(1.5 * (1.0 - disc**2) * share, axis=1), np.sum(3.0 * disc**2 * yields * share, axis=1)])
-    loads, found = np.zeros_like(stiffness), []
-    last = path[0]
-    for point in path:
-        for _ in range(finer):
-            loads = loads + stiffness * ((point - last) / finer)[:, None]
-            loads = loads / np.maximum(1.0, np.hypot(*(loads / limits)))
-        found.append(loads.sum(axis=1))
-        last = point
     return np.array(found)
 
 
@@ -190,6 +165,10 @@ def sliding_together(semi_axes: Tuple[float, float], direction: float, centre: f
 TWISTED = tuple(Scene(aspect, poisson, 0.0) for aspect in (1.0, 2.0, 5.0) for poisson in (0.0, 0.3))
 BOTH = (Scene(1.0, 0.3, 0.0), Scene(2.0, 0.3, 45.0), Scene(5.0, 0.3, 90.0))
 AMPLITUDES = (0.4, 1.0, 3.0, 6.0)
+# The laws about the normal, each with that of the force beside it.
+LAWS = {"marshall": "rescaled", "lubkin": "hysteretic"}
+# Parts of the overlap at which a contact touched, before it grew: eight phases of the grid, evenly apart.
+TOUCHED = tuple(float(2.0 ** (-k / 6.0)) for k in range(8))
 
 
 def twists(steps: int) -> Dict[str, Tuple[np.ndarray, int]]:
@@ -214,7 +193,7 @@ class Turned:
 
     def __init__(self, scene: Scene, relative: np.ndarray) -> None:
         self.grains = Grains(scene, "rescaled")
-        self._poisson = scene.poisson
+        self._scene = scene
         self.contact = self.grains.ellipse(OVERLAP)
         self.stiffness = without_slip(self.contact.semi_axes, self.grains.shear_modulus, scene.poisson).stiffness
         limit = sliding_torque(self.contact, COEFFICIENT)
@@ -228,11 +207,11 @@ class Turned:
     def full_problem(self, count: int) -> np.ndarray:
         """Loads by boundary elements in their units; the ellipse ends between the same two rectangles on each grid."""
         major, minor = (axis * count / (count - 2) for axis in self.contact.semi_axes)
-        friction = Friction((major, minor), count, self.grains.shear_modulus, self._poisson, COEFFICIENT)
+        friction = Friction((major, minor), count, self.grains.shear_modulus, self._scene.poisson, COEFFICIENT)
         return loads_along(((self.contact, point[1:3], point[3]) for point in self.points), friction) / self.units
 
-    def by_law(self, finer: int) -> np.ndarray:
-        return self.grains.loads_along(self.points, finer) / self.units
+    def by_law(self, law: str, finer: int, touched: float = 1.0) -> np.ndarray:
+        return Grains(self._scene, LAWS[law], law).loads_along(self.points, finer, touched) / self.units
 
     def dissipated(self, loads: np.ndarray, first: int) -> float:
         """Work done against the loads over the closed part, in units of half of the loads of sliding times the largest motion, which springs
@@ -242,9 +221,9 @@ class Turned:
         return round(float(work / (0.5 * np.sum(largest * self.units[1:]))), 12) + 0.0
 
 
-def constants_of_the_law(scene: Scene) -> Tuple[float, float]:
-    """Stiffness and limit of the law over the exact ones."""
-    _, small, large = -Turned(scene, np.array([[0.0, 0.0], [0.0, 1e-3], [0.0, 1e3]])).by_law(1)[:, 2]
+def constants_of_the_law(scene: Scene, law: str) -> Tuple[float, float]:
+    """Its stiffness and limit over the exact ones."""
+    _, small, large = -Turned(scene, np.array([[0.0, 0.0], [0.0, 1e-3], [0.0, 1e3]])).by_law(law, 1)[:, 2]
     return float(small) / 1e-3, float(large)
 
 
@@ -257,16 +236,16 @@ def constants(scene: Scene) -> Dict[str, Any]:
         stiffness_by_elements(semi_axes, turned.grains.shear_modulus, scene.poisson, count) / turned.stiffness for count in (96, 192, 384)
     ]
     extrapolated = 2 * found[2] - found[1]
-    stiffness, limit = constants_of_the_law(scene)
-    return dict(
+    row: Dict[str, Any] = dict(
         aspect=scene.aspect,
         poisson=scene.poisson,
         contact_ratio=semi_axes[0] / semi_axes[1],
         stiffness_by_elements=extrapolated,
         stiffness_bar=abs(extrapolated - (2 * found[1] - found[0])),
-        stiffness_by_law=stiffness,
-        limit_by_law=limit,
     )
+    for law in LAWS:
+        row[f"stiffness_of_{law}"], row[f"limit_of_{law}"] = constants_of_the_law(scene, law)
+    return row
 
 
 def errors(loads: np.ndarray, full: np.ndarray, steps: int, alone: bool) -> Dict[str, float]:
@@ -278,35 +257,52 @@ def errors(loads: np.ndarray, full: np.ndarray, steps: int, alone: bool) -> Dict
     return {"torque_error": float(torque.max()), "force_error": float(np.hypot(*difference[:, :2].T).max())}
 
 
+def errors_of_the_law(
+    turned: Turned, law: str, full: np.ndarray, finer: int, steps: int, alone: bool, closed: int
+) -> Tuple[Dict[str, Any], np.ndarray]:
+    """Errors of a law of the library and what it dissipates where the path closes, and its loads. Of `lubkin` where all elements carry; and the
+    largest errors, and the least and the most that it dissipates, over the phases of its grid."""
+    phases = [turned.by_law(law, finer, touched) for touched in (TOUCHED if law == "lubkin" else TOUCHED[:1])]
+    found = [errors(loads, full, steps, alone) for loads in phases]
+    lost = [turned.dissipated(loads, closed) if closed >= 0 else "" for loads in phases]
+    row: Dict[str, Any] = {f"{key}_of_{law}": value for key, value in found[0].items()}
+    row[f"dissipated_by_{law}"] = lost[0]
+    if len(phases) > 1:
+        row.update({f"worst_{key}_of_{law}": max(of[key] for of in found) for key in found[0]})
+        row.update({f"least_dissipated_by_{law}": min(lost), f"most_dissipated_by_{law}": max(lost)})
+    return row, phases[0]
+
+
 def compare(
     scene: Scene, name: str, of: Dict[int, Tuple[np.ndarray, int]], coarse: Grid, fine: Grid, finer: int
 ) -> Tuple[Dict[str, Any], List[Dict[str, Any]]]:
     """One path of one scene: errors of the force in units of mu F_n and of the torque, energies; and the loads. `of` has the path by the steps of
     a line. In a pure twist also a spring and slider of the exact stiffness and limit, and the curve of the circle with Masing's rule, in these units."""
     (rough_path, first), (relative, closed) = of[coarse.steps], of[fine.steps]
+    alone = not relative[:, 0].any()
     rough, turned = Turned(scene, rough_path), Turned(scene, relative)
     before, full = rough.full_problem(coarse.count), turned.full_problem(fine.count)
-    law = turned.by_law(finer)
-    row: Dict[str, Any] = dict(scene._asdict(), path=name, **errors(law, full, fine.steps, alone=not relative[:, 0].any()))
-    row.update({f"{key.replace('_error', '')}_bar": value for key, value in errors(full[::2], before, coarse.steps, alone=not relative[:, 0].any()).items()})
+    row: Dict[str, Any] = dict(scene._asdict(), path=name)
+    row.update({f"{key.replace('_error', '')}_bar": value for key, value in errors(full[::2], before, coarse.steps, alone).items()})
     if closed >= 0:
         row["dissipated"] = turned.dissipated(full, closed)
         row["dissipated_bar"] = abs(row["dissipated"] - rough.dissipated(before, first))
-        row["dissipated_by_law"] = turned.dissipated(law, closed)
     else:
-        row.update(dissipated="", dissipated_bar="", dissipated_by_law="")
-    if not relative[:, 0].any():
+        row.update(dissipated="", dissipated_bar="")
+    by_law: Dict[str, np.ndarray] = {}
+    for law in LAWS:
+        found, by_law[law] = errors_of_the_law(turned, law, full, finer, fine.steps, alone, closed)
+        row.update(found)
+    if alone:
         for key, torque in (("slider", spring_and_slider(relative[:, 1])), ("circle", masing(relative[:, 1], fine.steps))):
             other = np.concatenate([np.zeros((len(torque), 2)), -torque[:, None]], axis=1)
-            found = errors(other, full, fine.steps, alone=True)
-            row[f"torque_error_of_{key}"] = found["torque_error"]
-            row[f"first_torque_error_of_{key}"] = found["first_torque_error"]
+            row.update({f"{which}_of_{key}": value for which, value in errors(other, full, fine.steps, alone).items()})
             row[f"dissipated_by_{key}"] = turned.dissipated(other, closed)
     curves = [
         dict(scene._asdict(), path=name, point=k, displacement=place, angle=angle)
         for k, (place, angle) in enumerate(relative)
     ]
-    for of_which, loads in (("full", full), ("law", law)):
+    for of_which, loads in (("full", full), *by_law.items()):
         for letter, column in zip(("x", "y", "torque"), loads.T):
             for curve, value in zip(curves, column):
                 # What is nothing but rounding is nothing.
