@@ -73,6 +73,10 @@ pub const LATER: &[Case] = &[
         "nfd 1e7 0.3 50 50 tangential tfd 0.5 displacement hysteretic",
     ),
     case(
+        "twisting lubkin",
+        "nfd 1e7 0.3 50 50 tangential tfd 0.5 displacement hysteretic twisting lubkin",
+    ),
+    case(
         "viscosity memory",
         "nfd 1e7 0.3 50 50 tangential tfd 0.5 viscosity memory",
     ),

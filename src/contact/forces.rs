@@ -618,6 +618,7 @@ pub trait SpringBed<T: Real> {
 
     /// Force of these in the tangent basis, `bed`, which is written; and their torque on `i` about the normal, what the twist makes of it and the
     /// viscous part. `turn` is the twist of the step, and the rate of it of which the viscous part is made.
+    #[allow(clippy::too_many_arguments)]
     fn forces(
         &mut self,
         law: (&TangentialKinds, &TangentialConstants<T>),
