@@ -303,13 +303,13 @@ impl Run<'_> {
                     // What slides is as large as the normal force allows, and the stiffness goes with the penetration.
                     let own = match k.checked_sub(normals) {
                         None => 0.0,
-                        Some(0..3) => length([b[normals], b[normals + 1], b[normals + 2]]),
+                        Some(0..=2) => length([b[normals], b[normals + 1], b[normals + 2]]),
                         // Forces of springs, after the energy, and their torques: the share of a spring is a difference of those of two edges.
-                        Some(4..28) if springs => {
+                        Some(4..=27) if springs => {
                             let forces = b[normals + 4..normals + 28].chunks_exact(3);
                             forces.map(|f| length([f[0], f[1], f[2]])).sum()
                         }
-                        Some(30..38) if springs && entries >= normals + 38 => {
+                        Some(30..=37) if springs && entries >= normals + 38 => {
                             b[normals + 30..normals + 38].iter().map(|t| t.abs()).sum()
                         }
                         Some(_) => b[k].abs(),
