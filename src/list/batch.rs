@@ -221,7 +221,8 @@ pub(super) fn run<
     );
     let mut hard = registers.or(found.hard, beyond);
     if RECORD {
-        hard = registers.or(hard, registers.mask(with_twisted_springs(batch.laws)));
+        let twisted = registers.mask(with_twisted_springs(batch.laws));
+        hard = registers.or(hard, registers.and_not(twisted, found.separated));
     }
     let constants = constants_of(registers, batch.laws, common.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
