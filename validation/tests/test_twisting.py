@@ -152,7 +152,7 @@ def test_lubkin_is_the_bed_written_a_second_time(tangential, aspect, direction):
         # The law turns what is remembered of the force with the mean spin of the grains, a few thousandths, which is left out here.
         size = np.hypot(*found[:, :2].T)
         # The limit of a circle is exact, and that of an ellipse is by Ramanujan's formula.
-        within = 1e-5 if aspect == 1 else 1e-3
+        within = 1e-5 if aspect == 1 else 5e-4
         assert np.abs(size - np.abs(wanted[:, 0])).max() < within
         assert np.abs(-found[:, 2] - wanted[:, 1]).max() < within
 
@@ -220,7 +220,7 @@ def test_the_laws_of_now_have_the_stored_constants(tangential):
             stiffness, limit = tangential.twisting.constants_of_the_law(scene, law)
             assert stiffness == pytest.approx(row[f"stiffness_of_{law}"], rel=1e-8)
             assert limit == pytest.approx(row[f"limit_of_{law}"], rel=1e-8)
-        # Now lubkin: the stiffness is exact, and the limit on the circle; else Ramanujan's formula for the circumference is within 0.5 %.
-        assert abs(stiffness - 1) < 1e-9 and abs(limit - 1) < (1e-9 if row["aspect"] == 1 else 1e-3)
+        # Now lubkin: the stiffness is exact, and the limit on the circle; else Ramanujan's formula for the circumference is within 0.041 %.
+        assert abs(stiffness - 1) < 1e-9 and abs(limit - 1) < (1e-9 if row["aspect"] == 1 else 5e-4)
         # The stiffness of the boundary elements is the closed form's, whatever the law's is.
         assert abs(row["stiffness_by_elements"] - 1) < 0.005
