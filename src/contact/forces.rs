@@ -668,6 +668,32 @@ impl<T: Real> SpringBed<T> for Springs<Vector3<T>, T> {
     }
 }
 
+/// None, of a kernel that has no room for them: what would work on them is not compiled.
+pub(crate) enum NoBed {}
+
+impl<T: Real> SpringBed<T> for NoBed {
+    const TWISTS: bool = false;
+
+    #[inline(always)]
+    fn springs(&mut self) -> &mut Springs<Vector3<T>, T> {
+        match *self {}
+    }
+
+    #[inline(always)]
+    fn forces(
+        &mut self,
+        _: (&TangentialKinds, &TangentialConstants<T>),
+        _: (T, T),
+        _: (&Factors<T>, Symmetric2<T>, T),
+        _: &mut Springs<Vector2<T>, T>,
+        _: (Vector2<T>, T, T::Mask),
+        _: [Vector2<T>; 2],
+        _: [T; 2],
+    ) -> (TangentialForce<T>, Option<[T; 2]>) {
+        match *self {}
+    }
+}
+
 /// Springs that hold torques too, of `twisting lubkin`.
 pub(crate) struct TwistedSprings<'a> {
     /// Their forces.

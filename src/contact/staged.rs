@@ -65,7 +65,7 @@
 //! ```
 
 use super::forces::{
-    contact_forces, Contact, ContactForces, Remembered, SpringBed, TwistedSprings,
+    contact_forces, Contact, ContactForces, NoBed, Remembered, SpringBed, TwistedSprings,
 };
 use super::history::{Step, NO_SPRINGS};
 use super::pair::{checked_factors, contact_of, contact_with_wall, factors_for, HaleRatio, Pair};
@@ -255,7 +255,7 @@ impl StagedContact {
             ..self.x
         };
         let nothing = Remembered::nothing(false, x.normal);
-        let mut f = self.forces::<Springs<Vector3>, false>(&law, &x, &nothing, None)?;
+        let mut f = self.forces::<NoBed, false>(&law, &x, &nothing, None)?;
         if law.kinds.conservative {
             self.turn_with_wall(&law, &mut f);
         }

@@ -7,8 +7,8 @@
 //! rounding.
 
 use super::forces::{
-    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
-    Surface,
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, NoBed,
+    Remembered, Surface,
 };
 use super::history::Step;
 use super::lane_law::{constants_of, factors_for};
@@ -17,7 +17,7 @@ use super::staged::{WallSurface, LEAST_CURVATURE};
 use super::turning_normal::{along_and_across, TurningNormal};
 use super::vectors_in_lanes::{load, put_in_lane, Column, Columns};
 use crate::force::memory::MOST_PARTS;
-use crate::force::{Factors, LawConstants, LawKinds, PairLaw, Springs};
+use crate::force::{Factors, LawConstants, LawKinds, PairLaw};
 use crate::geometry::{ConvexBody, Ellipsoid, SupportInFrame};
 use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
@@ -506,7 +506,7 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
             contact.changes = Some([change, none]);
             contact.begin_time = Some(Lanes::splat(registers, step.time_step));
         }
-        let forces = contact_forces::<Lanes<S>, Springs<_, _>, true, true, true, true>(
+        let forces = contact_forces::<Lanes<S>, NoBed, true, true, true, true>(
             kinds, constants, &factors, curvature, &contact, remembered, None,
         );
         AtSurface {

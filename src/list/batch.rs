@@ -8,8 +8,8 @@ use super::batches::{LaneBits, Numbers};
 use super::records::Record;
 use super::shapes::{Kind, Side};
 use crate::contact::forces::{
-    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, Remembered,
-    Surface,
+    contact_forces, relative_curvature_matrix, Contact, ContactForces, MotionChange, NoBed,
+    Remembered, Surface,
 };
 use crate::contact::history::SPRING_NUMBERS;
 use crate::contact::lane_law::{constants_of, factors_for, factors_of_circles};
@@ -255,15 +255,28 @@ pub(super) fn run<
         None
     };
     let mut springs = springs_before;
-    let f = contact_forces::<Lanes<S>, _, FRICTION, RATE, CONSERVATIVE, false>(
-        kinds,
-        &constants,
-        &factors,
-        curvature,
-        &x,
-        &remembered,
-        springs.as_mut(),
-    );
+    let f = if RECORD {
+        let held = springs.as_mut();
+        contact_forces::<Lanes<S>, LaneSprings<S>, FRICTION, RATE, CONSERVATIVE, false>(
+            kinds,
+            &constants,
+            &factors,
+            curvature,
+            &x,
+            &remembered,
+            held,
+        )
+    } else {
+        contact_forces::<Lanes<S>, NoBed, FRICTION, RATE, CONSERVATIVE, false>(
+            kinds,
+            &constants,
+            &factors,
+            curvature,
+            &x,
+            &remembered,
+            None,
+        )
+    };
 
     // Lanes without a pair of their own go along; nothing of them is used.
     let present = registers.mask(u32::from(bits.present));
