@@ -220,7 +220,7 @@ pub(super) fn run<
         FRICTION || CONSERVATIVE,
     );
     let mut hard = registers.or(found.hard, beyond);
-    if RECORD {
+    if RECORD && numbers.layout.torques.is_some() {
         let twisted = registers.mask(with_twisted_springs(batch.laws));
         hard = registers.or(hard, registers.and_not(twisted, found.separated));
     }
