@@ -43,6 +43,8 @@ pub trait Real:
     fn less(self, other: Self) -> Self::Mask;
     /// `if_true` where the mask holds, else `if_false`.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
+    /// Whether a mask holds in any lane; `self` only tells which kind of register.
+    fn any(self, mask: Self::Mask) -> bool;
     /// Natural logarithm of a positive, normal number.
     fn ln(self) -> Self;
     /// Absolute value.
@@ -129,6 +131,10 @@ impl Real for f64 {
         } else {
             if_false
         }
+    }
+    #[inline(always)]
+    fn any(self, mask: bool) -> bool {
+        mask
     }
     #[inline(always)]
     fn ln(self) -> f64 {

@@ -44,13 +44,18 @@ const FOURTH_ROOT: [f64; 5] = [
 const LEAST_AGE: f64 = 1e-8;
 
 /// The factor of the viscous force of a contact with this penetration, `approach` its rate, in a step of this time; 1 where
-/// the contact recedes or is older than the step. At most 2100.
+/// the contact recedes, is older than the step, or is less deep than 1e-290. At most 2100.
 #[inline(always)]
 pub fn begin_factor<T: Real>(begin: Begin, penetration: T, approach: T, time: T) -> T {
     let one = time.constant(1.0);
     let way = approach * time;
+    // Few contacts are new in a step. Lanes that do not touch have a penetration of 1e-300: they would all look new.
+    let touches = (one * 1e-290).less(penetration);
+    let is_new = T::select(touches, penetration, way).less(way);
+    if !time.any(is_new) {
+        return one;
+    }
     let age = penetration / way.max(one * 1e-300);
-    let is_new = penetration.less(way);
     let age = age.max(one * LEAST_AGE).min(one);
     let factor = match begin {
         Begin::Jump => age + one * 0.5,
@@ -104,7 +109,8 @@ mod tests {
             assert_eq!(begin_factor(begin, 1.0, 1.0, 0.5), 1.0);
             assert_eq!(begin_factor(begin, 1e-9, -1.0, 0.5), 1.0);
             assert_eq!(begin_factor(begin, 1e-9, 1.0, 0.0), 1.0);
-            let largest = begin_factor(begin, 1e-300, 1.0, 1.0);
+            assert_eq!(begin_factor(begin, 1e-300, 1.0, 1.0), 1.0);
+            let largest = begin_factor(begin, 1e-280, 1.0, 1.0);
             assert!(largest > 0.0 && largest < 2100.0, "{largest}");
         }
     }

@@ -330,6 +330,9 @@ fn contacts<
                 registers.prefetch(&record.pose.0[0]);
                 registers.prefetch(&record.motion.0[0]);
                 registers.prefetch(&sums[k as usize].0[0]);
+                if let Some(change) = changes.get(k as usize) {
+                    registers.prefetch(&change.0[0]);
+                }
             }
         }
         let j = &j[..S::LANES];

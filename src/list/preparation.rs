@@ -92,6 +92,11 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
                 registers.prefetch(&ahead.pose.0[0]);
                 registers.prefetch(&ahead.motion.0[0]);
             }
+            if CHANGES {
+                if let Some(ahead) = self.records.changes.get(k) {
+                    registers.prefetch(&ahead.0[0]);
+                }
+            }
         }
         let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
         let mut has_shape = 0;

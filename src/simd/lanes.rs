@@ -163,6 +163,10 @@ impl<S: Registers> Real for Lanes<S> {
                 .select(mask, if_true.value, if_false.value),
         }
     }
+    #[inline(always)]
+    fn any(self, mask: S::Mask) -> bool {
+        self.registers.any(mask)
+    }
     /// Relative error 4e-16 for arguments from 1 to 1e300: exponent and mantissa apart, then the series of the inverse
     /// hyperbolic tangent.
     #[inline(always)]
