@@ -232,11 +232,13 @@ pub(super) fn run<
     };
     let mut x = contact_of(&found, &i, &j, effective_mass);
     let viscous = kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
-    if RATE && viscous {
+    if RATE && (viscous || FRICTION) {
+        // The mean of the tangential stiffness over the step asks for it too.
         if let Some(time) = common.begin_time {
             x.begin_time = Some(Lanes::splat(registers, time));
         }
-        if FRICTION && !common.changes.is_empty() {
+        // An elastic law reads the velocities of the half step alone, but a record has the rate of the step.
+        if FRICTION && (viscous || RECORD) && !common.changes.is_empty() {
             x.changes = Some([
                 change(registers, &records_of!(common.changes, batch.i, S::LANES)),
                 change(registers, &records_of!(common.changes, batch.j, S::LANES)),

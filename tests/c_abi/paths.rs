@@ -126,6 +126,27 @@ fn lsd_with_every_tangential_law_that_it_may_have() {
     every_combination("lsd", "", 24);
 }
 
+/// Forces that see velocities of the step: elastic laws then take the mean of the tangential stiffness over the step, as viscous ones do.
+#[test]
+fn velocities_of_the_step_with_every_law() {
+    let decks = combinations();
+    let mut seen = Seen::default();
+    for decks in &decks {
+        let mut bodies = random_bodies(5);
+        for body in &mut bodies {
+            body.velocities_of_step = 1;
+            body.velocity_change = body.velocity.map(|v| 0.1 * v);
+            body.angular_velocity_change = body.angular_velocity.map(|w| -0.2 * w);
+        }
+        let comparison = Comparison {
+            steps: 4,
+            ..Comparison::new(decks, bodies)
+        };
+        comparison.run(&mut seen);
+    }
+    seen.check(60 * decks.len());
+}
+
 #[test]
 fn the_groups_above_are_all_combinations() {
     assert_eq!(combinations().len(), 60 + 60 + 120 + 180 + 180 + 24);

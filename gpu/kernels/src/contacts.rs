@@ -58,13 +58,13 @@ impl Scene<'_> {
         &self.laws[((a - 1) * self.type_count + (b - 1)) as usize]
     }
 
-    /// What the motion of a grain has more at the step, for a law that asks for it: a viscous one.
+    /// What the motion of a grain has more at the step, for a law that asks for it: a viscous one, or one with friction, of which the mean
+    /// stiffness over the step counts then.
     #[inline(always)]
     pub(crate) fn change(&self, law: &PairLaw, k: usize) -> Option<MotionChange> {
         let kinds = &law.kinds;
-        let viscous =
-            kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.viscous;
-        self.changes.get(k).copied().filter(|_| viscous)
+        let asks = kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.any();
+        self.changes.get(k).copied().filter(|_| asks)
     }
 
     #[inline(always)]
