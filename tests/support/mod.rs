@@ -7,6 +7,7 @@
 pub mod brute_force;
 pub mod elliptic;
 pub mod golden;
+pub mod held_contact;
 pub mod list;
 pub mod motion;
 pub mod perram_wertheim;

@@ -2,55 +2,24 @@
 //! `displacement hysteretic`: a bed of springs with Coulomb's limit (docs/theory.md, section 4.1). First loading against Cattaneo's and
 //! Mindlin's curve, unloading and reloading against Masing's, Mindlin's and Deresiewicz' loss of a cycle, and what no history may do.
 
+use crate::support::held_contact::{HeldContact, NONE};
 use crate::support::random::Stream;
 use crate::support::scene::pair_law;
-use ellgran::force::hertz_factors::exact;
 use ellgran::force::syntax::parse;
-use ellgran::force::{force_of_springs, normal_force, PairLaw, Springs, TangentialForce, SPRINGS};
+use ellgran::force::{force_of_springs, TangentialForce};
 use ellgran::vector::{Symmetric2, Vector2};
 
 const DEPTH: f64 = 2e-3;
 const FRICTION: f64 = 0.4;
 const NU: f64 = 0.3;
-const NONE: Vector2 = Vector2 { u: 0.0, v: 0.0 };
 
 /// One contact, moved by hand.
-struct Moved {
-    law: PairLaw,
-    curvature: Symmetric2,
-    springs: Springs<Vector2>,
-    memory: Vector2,
-    energy: f64,
-    /// Work done on the contact.
-    work: f64,
-    force: Vector2,
-}
+struct Moved(HeldContact);
 
 impl Moved {
     fn new(words: &str, curvature: Symmetric2) -> Moved {
-        Moved {
-            law: pair_law(&format!(
-                "{words} tangential tfd {FRICTION} displacement hysteretic"
-            )),
-            curvature,
-            springs: Springs {
-                forces: [NONE; SPRINGS],
-                reference: 0.0,
-                penetration: 0.0,
-            },
-            memory: NONE,
-            energy: 0.0,
-            work: 0.0,
-            force: NONE,
-        }
-    }
-
-    fn normal_force(&self, depth: f64) -> (f64, f64) {
-        let (law, m) = (&self.law, self.curvature);
-        let factors = exact(m.trace(), m.determinant(), true);
-        let (kinds, constants) = (&law.kinds.normal, &law.constants.normal);
-        let n = normal_force(kinds, constants, depth, 0.0, m.determinant(), &factors, 1.0);
-        (n.force, n.stiffness)
+        let words = format!("{words} tangential tfd {FRICTION} displacement hysteretic");
+        Moved(HeldContact::new(&words, curvature))
     }
 
     fn evaluate(
@@ -60,17 +29,18 @@ impl Moved {
         velocity: Vector2,
         passes: bool,
     ) -> TangentialForce {
-        let m = self.curvature;
+        let c = &mut self.0;
+        let (normal, factors) = (c.normal_force(depth), c.factors());
         force_of_springs(
-            &self.law.kinds.tangential,
-            &self.law.constants.tangential,
-            self.normal_force(depth),
-            &exact(m.trace(), m.determinant(), true),
-            m,
+            &c.law.kinds.tangential,
+            &c.law.constants.tangential,
+            normal,
+            &factors,
+            c.curvature,
             depth,
-            &mut self.springs,
-            self.memory,
-            self.energy,
+            &mut c.springs,
+            c.memory,
+            c.energy,
             passes,
             by,
             velocity,
@@ -79,8 +49,9 @@ impl Moved {
 
     fn by(&mut self, depth: f64, by: Vector2) -> TangentialForce {
         let t = self.evaluate(depth, by, NONE, true);
-        self.work -= 0.5 * (self.force + t.force).dot(by);
-        (self.memory, self.energy, self.force) = (t.memory, t.elastic_energy, t.force);
+        let c = &mut self.0;
+        c.work -= 0.5 * (c.force + t.force).dot(by);
+        (c.memory, c.energy, c.force) = (t.memory, t.elastic_energy, t.force);
         t
     }
 }
@@ -93,7 +64,7 @@ fn cattaneo_mindlin(s: f64) -> f64 {
 /// The limit of the force and the displacement at which a circular contact of equal spheres slides.
 fn scales(moved: &Moved) -> (f64, f64) {
     let sliding = FRICTION * (2.0 - NU) / (2.0 * (1.0 - NU)) * DEPTH;
-    (FRICTION * moved.normal_force(DEPTH).0, sliding)
+    (FRICTION * moved.0.normal_force(DEPTH).0, sliding)
 }
 
 /// The contact came to its depth from first touch at any depth: where its grid is best, where it is worst, and between.
@@ -141,14 +112,14 @@ fn a_cycle_has_the_loop_of_mindlin_and_deresiewicz() {
             let steps = 400;
             let direction = Vector2::new(-0.8, 0.6);
             let mut go = |from: f64, to: f64, branch: &dyn Fn(f64) -> f64| {
-                let before = moved.work;
+                let before = moved.0.work;
                 for k in 1..=steps {
                     let s = from + (to - from) * k as f64 / steps as f64;
                     let step = direction * ((to - from) * sliding / steps as f64);
                     let got = -(moved.by(DEPTH, step).force.dot(direction)) / limit;
                     worst = worst.max((got - branch(s)).abs());
                 }
-                moved.work - before
+                moved.0.work - before
             };
             let a = amplitude;
             let top = cattaneo_mindlin(a);
@@ -199,7 +170,7 @@ fn no_history_gives_work() {
                 if step % 50 == 0 {
                     let turn = stream.uniform(0.0, 3.0);
                     let (sin, cos) = turn.sin_cos();
-                    moved.curvature = Symmetric2::new(
+                    moved.0.curvature = Symmetric2::new(
                         cos * cos + ratio * sin * sin,
                         (1.0 - ratio) * sin * cos,
                         sin * sin + ratio * cos * cos,
@@ -210,11 +181,11 @@ fn no_history_gives_work() {
                 let by = Vector2::new(stream.uniform(-1.0, 1.0), stream.uniform(-1.0, 1.0));
                 moved.by(depth, by * (0.5 * sliding));
             }
-            assert!(moved.energy >= 0.0);
-            least = least.min((moved.work - moved.energy) / (limit * sliding));
-            let of = moved.springs;
+            assert!(moved.0.energy >= 0.0);
+            least = least.min((moved.0.work - moved.0.energy) / (limit * sliding));
+            let of = moved.0.springs;
             let carries: f64 = of.forces.iter().map(|f| f.dot(*f).sqrt()).sum();
-            let now = FRICTION * moved.normal_force(depth).0;
+            let now = FRICTION * moved.0.normal_force(depth).0;
             assert!(carries <= now * (1.0 + 1e-12), "{carries} {now}");
             assert!(of.reference >= of.penetration);
         }
@@ -232,20 +203,20 @@ fn nothing_changes_where_no_time_passes() {
         for k in 0..40 {
             let by = Vector2::new(0.05, 0.02) * (sliding * if k < 25 { 1.0 } else { -1.0 });
             let depth = DEPTH * (1.0 + 0.02 * f64::from(k));
-            let before = (moved.springs, moved.memory, moved.energy);
+            let before = (moved.0.springs, moved.0.memory, moved.0.energy);
             let t = moved.evaluate(depth, by, velocity, true);
-            (moved.memory, moved.energy) = (t.memory, t.elastic_energy);
-            let now = moved.springs;
+            (moved.0.memory, moved.0.energy) = (t.memory, t.elastic_energy);
+            let now = moved.0.springs;
             let again = moved.evaluate(depth, NONE, velocity, false);
             let apart = again.force - t.force;
-            let size = FRICTION * moved.normal_force(depth).0;
+            let size = FRICTION * moved.0.normal_force(depth).0;
             assert!(
                 apart.dot(apart).sqrt() < 1e-13 * size,
                 "step {k}: {apart:?}"
             );
             assert_eq!(again.memory, t.memory);
             assert_eq!(again.elastic_energy, t.elastic_energy);
-            assert_eq!(moved.springs.forces, now.forces);
+            assert_eq!(moved.0.springs.forces, now.forces);
             assert!(before.0.forces != now.forces);
         }
     }
@@ -260,7 +231,7 @@ fn a_contact_that_shrank_has_a_loop_of_its_own() {
     for k in (0..60).rev() {
         moved.by(DEPTH * 1e3f64.powf(f64::from(k) / 59.0), NONE);
     }
-    assert!(moved.springs.reference < 6.4 * DEPTH);
+    assert!(moved.0.springs.reference < 6.4 * DEPTH);
     let mut worst: f64 = 0.0;
     for k in 1..=100 {
         let t = moved.by(DEPTH, Vector2::new(0.01 * sliding, 0.0));

@@ -2,6 +2,7 @@
 //! `twisting lubkin`: a bed of springs that hold force and torque (docs/theory.md, section 5.2). Stiffness and limit against closed forms,
 //! first loading against Lubkin's curve and the way back against Masing's, sliding in all directions, and what no history may do.
 
+use crate::support::held_contact::{HeldContact, NONE};
 use crate::support::random::Stream;
 use crate::support::scene::pair_law;
 use ellgran::force::elliptic_integrals::ellipse_integrals;
@@ -17,7 +18,6 @@ use std::f64::consts::PI;
 const DEPTH: f64 = 2e-3;
 const FRICTION: f64 = 0.4;
 const NU: f64 = 0.3;
-const NONE: Vector2 = Vector2 { u: 0.0, v: 0.0 };
 const CIRCLE: Symmetric2 = Symmetric2 {
     uu: 1.0,
     uv: 0.0,
@@ -26,58 +26,33 @@ const CIRCLE: Symmetric2 = Symmetric2 {
 
 /// One contact, displaced and turned by hand.
 struct Moved {
-    law: PairLaw,
-    curvature: Symmetric2,
-    springs: Springs<Vector2>,
+    held: HeldContact,
     torques: [f64; SPRINGS],
-    memory: Vector2,
-    energy: f64,
-    /// Work done on the contact.
-    work: f64,
-    force: Vector2,
     torque: f64,
 }
 
 impl Moved {
     fn new(words: &str, curvature: Symmetric2) -> Moved {
+        let words =
+            format!("{words} tangential tfd {FRICTION} displacement hysteretic twisting lubkin");
         Moved {
-            law: pair_law(&format!(
-                "{words} tangential tfd {FRICTION} displacement hysteretic twisting lubkin"
-            )),
-            curvature,
-            springs: Springs {
-                forces: [NONE; SPRINGS],
-                reference: 0.0,
-                penetration: 0.0,
-            },
+            held: HeldContact::new(&words, curvature),
             torques: [0.0; SPRINGS],
-            memory: NONE,
-            energy: 0.0,
-            work: 0.0,
-            force: NONE,
             torque: 0.0,
         }
     }
 
-    fn normal_force(&self, depth: f64) -> (f64, f64) {
-        let (law, m) = (&self.law, self.curvature);
-        let factors = exact(m.trace(), m.determinant(), true);
-        let (kinds, constants) = (&law.kinds.normal, &law.constants.normal);
-        let n = normal_force(kinds, constants, depth, 0.0, m.determinant(), &factors, 1.0);
-        (n.force, n.stiffness)
-    }
-
     fn spring(&self, depth: f64) -> TwistSpring {
-        let m = self.curvature;
-        let factors = exact(m.trace(), m.determinant(), true);
-        let c = &self.law.constants.tangential;
-        TwistSpring::of_elastic_bodies(c, depth, self.normal_force(depth).1, &factors, m)
+        let held = &self.held;
+        let stiffness = held.normal_force(depth).1;
+        let c = &held.law.constants.tangential;
+        TwistSpring::of_elastic_bodies(c, depth, stiffness, &held.factors(), held.curvature)
     }
 
     /// The torque of sliding, and the angle that it would make without slip.
     fn scales(&self, depth: f64) -> (f64, f64) {
         let spring = self.spring(depth);
-        let most = spring.friction * self.normal_force(depth).0;
+        let most = spring.friction * self.held.normal_force(depth).0;
         (most, most / spring.stiffness)
     }
 
@@ -88,18 +63,19 @@ impl Moved {
         (turn, turning): (f64, f64),
         passes: bool,
     ) -> (TangentialForce, TorqueOfSprings) {
-        let m = self.curvature;
+        let c = &mut self.held;
+        let (normal, factors) = (c.normal_force(depth), c.factors());
         force_and_torque_of_springs(
-            &self.law.kinds.tangential,
-            &self.law.constants.tangential,
-            self.normal_force(depth),
-            &exact(m.trace(), m.determinant(), true),
-            m,
+            &c.law.kinds.tangential,
+            &c.law.constants.tangential,
+            normal,
+            &factors,
+            c.curvature,
             depth,
-            &mut self.springs,
+            &mut c.springs,
             &mut self.torques,
-            self.memory,
-            self.energy,
+            c.memory,
+            c.energy,
             passes,
             by,
             velocity,
@@ -111,10 +87,10 @@ impl Moved {
     /// Force against the displacement, and torque against the turn, after this.
     fn by(&mut self, depth: f64, by: Vector2, turn: f64) -> (Vector2, f64) {
         let (f, t) = self.evaluate(depth, (by, NONE), (turn, 0.0), true);
-        let torque = t.elastic + t.viscous;
-        self.work -= 0.5 * ((self.force + f.force).dot(by) + (self.torque + torque) * turn);
-        (self.memory, self.energy) = (f.memory, f.elastic_energy);
-        (self.force, self.torque) = (f.force, torque);
+        let (c, torque) = (&mut self.held, t.elastic + t.viscous);
+        c.work -= 0.5 * ((c.force + f.force).dot(by) + (self.torque + torque) * turn);
+        (c.memory, c.energy, c.force) = (f.memory, f.elastic_energy, f.force);
+        self.torque = torque;
         (f.force * -1.0, -torque)
     }
 }
@@ -200,7 +176,7 @@ fn stiffness_and_limit_are_the_exact_ones() {
         for angle in [0.0f64, 0.7, 2.0] {
             let (c, s) = (angle.cos(), angle.sin());
             let mut moved = Moved::new("hertz 1e6 0.3", CIRCLE);
-            moved.curvature = Symmetric2::new(
+            moved.held.curvature = Symmetric2::new(
                 c * c + ratio * s * s,
                 (1.0 - ratio) * c * s,
                 s * s + ratio * c * c,
@@ -293,7 +269,7 @@ fn a_contact_that_slides_and_turns_is_on_one_limit() {
         for (slide, turn) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.02), (0.02, 1.0)] {
             let mut moved = Moved::new("hertz 1e6 0.3", CIRCLE);
             let (most_torque, angle) = moved.scales(DEPTH);
-            let most_force = FRICTION * moved.normal_force(DEPTH).0;
+            let most_force = FRICTION * moved.held.normal_force(DEPTH).0;
             let sliding = FRICTION * (2.0 - NU) / (2.0 * (1.0 - NU)) * DEPTH;
             let mut loads = (NONE, 0.0);
             for _ in 0..steps {
@@ -338,11 +314,11 @@ fn without_a_twist_it_is_the_bed_of_forces() {
         let depth = DEPTH * stream.uniform(0.5, 1.5);
         let by = Vector2::new(stream.uniform(-1.0, 1.0), stream.uniform(-1.0, 1.0)) * 1e-4;
         let velocity = by * 1e3;
-        let m = moved.curvature;
+        let m = moved.held.curvature;
         let expected = ellgran::force::force_of_springs(
-            &moved.law.kinds.tangential,
-            &moved.law.constants.tangential,
-            moved.normal_force(depth),
+            &moved.held.law.kinds.tangential,
+            &moved.held.law.constants.tangential,
+            moved.held.normal_force(depth),
             &exact(m.trace(), m.determinant(), true),
             m,
             depth,
@@ -359,7 +335,7 @@ fn without_a_twist_it_is_the_bed_of_forces() {
         assert!((found.elastic_energy / expected.elastic_energy - 1.0).abs() < 1e-12);
         assert!(torque.elastic == 0.0 && torque.viscous == 0.0);
         (memory, energy) = (expected.memory, expected.elastic_energy);
-        (moved.memory, moved.energy) = (found.memory, found.elastic_energy);
+        (moved.held.memory, moved.held.energy) = (found.memory, found.elastic_energy);
     }
 }
 
@@ -382,7 +358,7 @@ fn no_history_gives_work() {
                 depth = (depth * stream.log_uniform(0.5, 2.0)).clamp(1e-4 * DEPTH, 4.0 * DEPTH);
                 if step % 50 == 0 {
                     let (sin, cos) = stream.uniform(0.0, 3.0).sin_cos();
-                    moved.curvature = Symmetric2::new(
+                    moved.held.curvature = Symmetric2::new(
                         cos * cos + ratio * sin * sin,
                         (1.0 - ratio) * sin * cos,
                         sin * sin + ratio * cos * cos,
@@ -397,12 +373,12 @@ fn no_history_gives_work() {
                     stream.uniform(-1.0, 1.0) * unit,
                 );
             }
-            assert!(moved.energy >= 0.0);
-            least = least.min((moved.work - moved.energy) / (limit * unit));
+            assert!(moved.held.energy >= 0.0);
+            least = least.min((moved.held.work - moved.held.energy) / (limit * unit));
             let (most, _) = moved.scales(depth);
             assert!(moved.torque.abs() <= most * (1.0 + 1e-12));
-            let force = moved.force;
-            let now = FRICTION * moved.normal_force(depth).0;
+            let force = moved.held.force;
+            let now = FRICTION * moved.held.normal_force(depth).0;
             assert!(force.dot(force).sqrt() <= now * (1.0 + 1e-12));
         }
     }
@@ -421,8 +397,8 @@ fn nothing_changes_where_no_time_passes() {
             let depth = DEPTH * (1.0 + 0.02 * f64::from(k));
             let rates = (Vector2::new(0.3, 0.1), 2.0);
             let (f, t) = moved.evaluate(depth, (by, rates.0), (0.1 * unit * back, rates.1), true);
-            (moved.memory, moved.energy) = (f.memory, f.elastic_energy);
-            let now = (moved.springs.forces, moved.torques);
+            (moved.held.memory, moved.held.energy) = (f.memory, f.elastic_energy);
+            let now = (moved.held.springs.forces, moved.torques);
             let (again, torque) = moved.evaluate(depth, (NONE, rates.0), (0.0, rates.1), false);
             let apart = again.force - f.force;
             assert!(apart.dot(apart) < 1e-26 * f.force.dot(f.force), "step {k}");
@@ -430,7 +406,7 @@ fn nothing_changes_where_no_time_passes() {
             assert!(off.abs() < 1e-13 * t.elastic.abs(), "step {k}: {off:e}");
             assert_eq!(again.memory, f.memory);
             assert_eq!(again.elastic_energy, f.elastic_energy);
-            assert_eq!((moved.springs.forces, moved.torques), now);
+            assert_eq!((moved.held.springs.forces, moved.torques), now);
         }
     }
 }
