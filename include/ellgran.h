@@ -281,7 +281,8 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ERROR_PARTICLE 200
 
 /*
- Invalid history: that of a touching contact holds a number that no call writes, for example NaN.
+ Invalid history: that of a touching contact holds a number that no call writes, for example NaN. A normal that is not a
+ unit vector is no error: the search then begins anew.
  */
 #define ELLGRAN_ERROR_HISTORY 201
 
@@ -464,8 +465,9 @@ typedef struct EllgranStep {
    */
   size_t size;
   /*
-   1 in a time step: histories are advanced and written. 0 where forces are evaluated without a step, as when a run is
-   set up: histories are read and not changed.
+   1 in a time step: histories are advanced. 0 where forces are evaluated without a step, as when a run is set up: nothing
+   slips, and what is remembered of a contact turns with its normal alone. Both write `touching` and histories, for the
+   present positions: to try other positions, give a copy of them.
    */
   int32_t advance_history;
   /*
@@ -2792,7 +2794,8 @@ int32_t ellgran_staged_section_area(const struct EllgranStagedContact *staged,
 /*
  Second stage: the normal force with its torques, including the additional terms of `conservative`, without tangential
  force. `effective_mass`, from 0 to 1e50, is used by damping with a coefficient of restitution. The semi-axes of the
- contact ellipse are not computed.
+ contact ellipse are not computed. A law with `viscosity memory` or `displacement hysteretic` is refused: stages have no room
+ for what it remembers.
 
  # Safety
  The pointers are NULL or valid.
@@ -2806,7 +2809,7 @@ int32_t ellgran_staged_normal(const struct EllgranStagedContact *staged,
 
 /*
  Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
- of `history`.
+ of `history`. Laws that `ellgran_staged_normal` refuses are refused, and those that resist rolling or twisting.
 
  `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
  keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default) or `hysteretic`, else 3. The first three
@@ -2827,7 +2830,7 @@ int32_t ellgran_staged_tangential(const struct EllgranStagedContact *staged,
 
 /*
  Second and third stage together: the sum of `ellgran_staged_normal` and `ellgran_staged_tangential`, in about the time of
- one of them.
+ one of them. It refuses what they refuse.
 
  # Safety
  The pointers are NULL or valid.

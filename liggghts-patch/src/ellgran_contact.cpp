@@ -256,7 +256,12 @@ void EllgranContact::check_models() const
     lmp->error->all(FLERR, "rolling_friction luding takes its stiffness from model luding; use cdt, epsd, epsd2 or epsd3");
   if (matches("surface", "multicontact"))
     lmp->error->all(FLERR, "model nfd is not available with surface multicontact; use surface default or ellipsoid");
-  if (!surface_is_ellipsoid) return;
+  if (!surface_is_ellipsoid) {
+    // Of pairs, surface default would take the sphere around each grain, and say nothing.
+    if (lmp->atom->superquadric_flag)
+      lmp->error->all(FLERR, "model nfd with atom_style superquadric needs surface ellipsoid: surface default is for spheres");
+    return;
+  }
   if (!matches("cohesion", "off"))
     lmp->error->all(FLERR, "surface ellipsoid: the cohesion models take each grain for a sphere; "
                            "only 'cohesion off' is available");

@@ -417,7 +417,9 @@ void FixNVEEllipsoid::unpack_restart(int particle, int place)
   if (word_ == HALF) return;
   double *extra = atom->extra[particle];
   for (int k = 0; k < place; k++) extra += static_cast<int>(*extra);
-  if (static_cast<int>(extra[0]) != 1 + STATE) refuse("the restart file is damaged: it has other values per particle than its format");
+  // not refuse(), which waits for all ranks: those without grains do not come here
+  if (static_cast<int>(extra[0]) != 1 + STATE)
+    error->one(FLERR, "fix nve/ellipsoid: the restart file is damaged: it has other values per particle than its format");
   unpack_exchange(particle, extra + 1);
 }
 

@@ -229,9 +229,15 @@ void FixWallGranEllipsoid::unpack_restart(int particle, int place)
 {
   double *extra = atom->extra[particle];
   for (int k = 0; k < place; k++) extra += static_cast<int>(*extra);
-  if (static_cast<int>(extra[0]) != 1 + histories_length_)
-    error->fix_error(FLERR, this,
-                     "the restart file keeps other values per contact: give the fix the models and the wall that it had, or another ID");
+  if (static_cast<int>(extra[0]) != 1 + histories_length_) {
+    // one, not fix_error, which waits for all ranks: those without grains do not come here
+    char message[300];
+    snprintf(message, sizeof(message),
+             "fix %s (%s): the restart file keeps other values per contact: give the fix the models and the wall that it had, or "
+             "another ID",
+             id, style);
+    error->one(FLERR, message);
+  }
   unpack_exchange(particle, extra + 1);
 }
 

@@ -10,9 +10,12 @@ import numpy as np
 def in_place(value: Any, shape: Tuple[Optional[int], ...], name: str, kind: Any = np.float64) -> Any:
     """The array itself where it has this type, is C-contiguous, aligned and of this shape, else a copy that is.
 
-    A length of None is any. A value that lacks the first axis is repeated along it where that length is known.
+    A length of None is any. A value that lacks the first axis is repeated along it where that length is known. An empty list has no
+    rows of any shape.
     """
     array = np.asarray(value)
+    if array.shape == (0,) and not shape[0]:
+        array = array.reshape((0,) + tuple(length or 0 for length in shape[1:]))
     if array.ndim == len(shape) - 1 and shape[0] is not None:
         array = np.broadcast_to(array, (shape[0],) + array.shape)
     fits = array.ndim == len(shape) and all(
@@ -23,6 +26,11 @@ def in_place(value: Any, shape: Tuple[Optional[int], ...], name: str, kind: Any 
         raise ValueError(f"{name} has the shape {np.shape(value)}, it must be {wanted_shape}")
     if kind is not np.float64 and array.dtype.kind not in "iu" and array.size:
         raise TypeError(f"{name} must hold integers, not {array.dtype}")
+    if kind is not np.float64 and array.size and not np.can_cast(array.dtype, kind):
+        least, most = np.iinfo(kind).min, np.iinfo(kind).max
+        for number in (array.min(), array.max()):
+            if not least <= int(number) <= most:
+                raise ValueError(f"{name} holds {number}, which is not from {least} to {most}")
     return np.require(array, dtype=kind, requirements=["C", "A"])
 
 

@@ -152,7 +152,10 @@ def read_dump(path: Union[str, os.PathLike]) -> Iterator[Frame]:
     opened = gzip.open(path, "rt") if str(path).endswith(".gz") else open(path, encoding="utf-8")
     with opened as file:
         while True:
-            frame = _frame(file, str(path))
+            try:
+                frame = _frame(file, str(path))
+            except UnicodeDecodeError as wrong:
+                raise ValueError(f"{path} is no text dump of LAMMPS: {wrong}") from None
             if frame is None:
                 return
             yield frame

@@ -325,6 +325,8 @@ def packing(
     """
     if not 0.0 < solid_fraction < 0.9:
         raise ValueError(f"solid_fraction = {solid_fraction} must be above 0 and below 0.9")
+    if count < 1:
+        raise ValueError(f"count = {count} must be 1 or greater")
     laws = as_laws(law)
     generator = np.random.default_rng(seed)
     bodies = Bodies(

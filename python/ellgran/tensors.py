@@ -19,8 +19,16 @@ def coordination_numbers(contacts: PackingContacts, count: int) -> NDArray[np.in
     contacts : PackingContacts
     count : int
         Number of bodies.
+
+    Raises
+    ------
+    ValueError
+        A contact names a body that is not one of `count`.
     """
-    return np.bincount(contacts.pairs.ravel(), minlength=count)
+    numbers = np.bincount(contacts.pairs.ravel(), minlength=count)
+    if len(numbers) > count:
+        raise ValueError(f"contacts name body {len(numbers) - 1}, which is not one of {count}")
+    return numbers
 
 
 def fabric_tensor(normals: ArrayLike, weights: Optional[ArrayLike] = None) -> Floats:

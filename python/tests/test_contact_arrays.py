@@ -183,6 +183,11 @@ def test_wrong_arguments_are_named():
         ellgran.contacts("hertz 1 0.3", bodies, [0, 1])
     with pytest.raises(TypeError, match="pairs must hold integers"):
         ellgran.contacts("hertz 1 0.3", bodies, [[0.0, 1.0]])
+    # As 32 bits these would be bodies 0 and 1, and type 1.
+    with pytest.raises(ValueError, match=r"pairs holds 4294967297, which is not from -2147483648 to 2147483647"):
+        ellgran.contacts("hertz 1 0.3", bodies, np.array([[0, 2**32 + 1]]))
+    with pytest.raises(ValueError, match="types holds 4294967297"):
+        ellgran.Bodies(np.zeros((2, 3)), 1.0, types=[1, 2**32 + 1])
     with pytest.raises(ellgran.LawError, match="'herz'"):
         ellgran.contacts("herz 1 0.3", bodies, [[0, 1]])
     with pytest.raises(ellgran.ArgumentError, match="time_step = -1"):
@@ -203,6 +208,8 @@ def test_wrong_arguments_are_named():
 
 def test_no_pairs_and_no_bodies():
     assert len(ellgran.contacts("hertz 1 0.3", two_spheres(), np.zeros((0, 2), np.int32))) == 0
+    assert ellgran.contacts("hertz 1 0.3", two_spheres(), []).force.shape == (0, 3)
+    assert len(ellgran.Bodies([], [])) == 0
     none = ellgran.Bodies(np.zeros((0, 3)), 1.0)
     assert len(ellgran.contacts("hertz 1 0.3", none, np.zeros((0, 2), np.int32))) == 0
 

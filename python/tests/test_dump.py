@@ -75,6 +75,9 @@ def test_what_is_no_dump_is_said(tmp_path):
     path.write_text("".join(UPRIGHT.format(step=0, z=1).splitlines(True)[:-1]))
     with pytest.raises(ValueError, match="step 0 ends after 1 of 2 lines"):
         list(ellgran.read_dump(path))
+    path.write_bytes(b"\x00\xe8\xff" * 40)
+    with pytest.raises(ValueError, match="no.dump is no text dump of LAMMPS"):
+        list(ellgran.read_dump(path))
     path.write_text("")
     with pytest.raises(ValueError, match="is empty"):
         ellgran.last_frame(path)

@@ -89,6 +89,8 @@ def test_a_packing_in_three_lines(packed):
     same = ellgran.packing(ELASTIC, [1.5, 1.0, 1.0], 0.3, count=20, seed=5)
     assert np.array_equal(again.bodies.positions, same.bodies.positions)
     assert len(again.contacts(ELASTIC)) <= 20
+    with pytest.raises(ValueError, match="count = 0 must be 1 or greater"):
+        ellgran.packing(ELASTIC, 1.0, 0.5, count=0)
     with pytest.raises(ValueError, match="solid_fraction = 1.5"):
         ellgran.packing(ELASTIC, 1.0, 1.5)
 
@@ -129,6 +131,8 @@ def test_fabric_and_orientation(packed):
     weighted = ellgran.fabric_tensor(contacts.normal, contacts.normal_force)
     assert np.trace(weighted) == pytest.approx(1.0)
     assert ellgran.fabric_tensor([[0, 0, 1], [0, 0, -1]])[2, 2] == 1.0
+    with pytest.raises(ValueError, match=r"contacts name body \d+, which is not one of 4"):
+        ellgran.coordination_numbers(contacts, 4)
     with pytest.raises(ValueError, match="at least one contact"):
         ellgran.fabric_tensor(np.zeros((0, 3)))
 

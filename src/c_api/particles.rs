@@ -89,8 +89,9 @@ growing!(EllgranParticles, torques: *mut f64);
 pub struct EllgranStep {
     /// `sizeof(EllgranStep)`; `ELLGRAN_INIT` sets it.
     pub size: usize,
-    /// 1 in a time step: histories are advanced and written. 0 where forces are evaluated without a step, as when a run is
-    /// set up: histories are read and not changed.
+    /// 1 in a time step: histories are advanced. 0 where forces are evaluated without a step, as when a run is set up: nothing
+    /// slips, and what is remembered of a contact turns with its normal alone. Both write `touching` and histories, for the
+    /// present positions: to try other positions, give a copy of them.
     pub advance_history: i32,
     /// Time step, from 0 to 1e15. Velocities given to this library must be those of the half step, with which the particles
     /// moved to their present positions: in velocity Verlet those between its two halves, in leapfrog those that it has.

@@ -533,7 +533,8 @@ pub unsafe extern "C" fn ellgran_staged_section_area(
 
 /// Second stage: the normal force with its torques, including the additional terms of `conservative`, without tangential
 /// force. `effective_mass`, from 0 to 1e50, is used by damping with a coefficient of restitution. The semi-axes of the
-/// contact ellipse are not computed.
+/// contact ellipse are not computed. A law with `viscosity memory` or `displacement hysteretic` is refused: stages have no room
+/// for what it remembers.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -571,7 +572,7 @@ pub unsafe extern "C" fn ellgran_staged_normal(
 }
 
 /// Third stage: the tangential force and its torques, with the tangential law of the types and the coefficient of friction
-/// of `history`.
+/// of `history`. Laws that `ellgran_staged_normal` refuses are refused, and those that resist rolling or twisting.
 ///
 /// `memory`: the part of a contact's history from `ellgran_laws_memory_offset` on; set it to 0 before the first step and
 /// keep it from step to step: 4 doubles where any law has `displacement rescaled` (the default) or `hysteretic`, else 3. The first three
@@ -616,7 +617,7 @@ pub unsafe extern "C" fn ellgran_staged_tangential(
 }
 
 /// Second and third stage together: the sum of `ellgran_staged_normal` and `ellgran_staged_tangential`, in about the time of
-/// one of them.
+/// one of them. It refuses what they refuse.
 ///
 /// # Safety
 /// The pointers are NULL or valid.

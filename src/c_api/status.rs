@@ -19,7 +19,8 @@ pub const ELLGRAN_ERROR_LAW: i32 = 100;
 pub const ELLGRAN_ERROR_HALE: i32 = 101;
 /// Block 200 to 299, bodies: invalid particle input; the message names the particle and the value.
 pub const ELLGRAN_ERROR_PARTICLE: i32 = 200;
-/// Invalid history: that of a touching contact holds a number that no call writes, for example NaN.
+/// Invalid history: that of a touching contact holds a number that no call writes, for example NaN. A normal that is not a
+/// unit vector is no error: the search then begins anew.
 pub const ELLGRAN_ERROR_HISTORY: i32 = 201;
 /// The result is out of the range of double precision, although each input is within its own range.
 pub const ELLGRAN_ERROR_RESULT: i32 = 202;

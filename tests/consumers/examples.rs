@@ -40,8 +40,8 @@ fn assert_same(printed: &str, expected: &str, what: &str) {
     let same = left.len() == right.len()
         && left.iter().zip(&right).all(|(a, b)| {
             match (a.parse::<f64>(), b.parse::<f64>()) {
-                // Half a unit in the last printed place of the smallest column, or a part in a thousand.
-                (Ok(a), Ok(b)) => (a - b).abs() <= 0.002 + 0.001 * b.abs(),
+                // Half a unit in the last printed place of the smallest column, or of the fourth digit.
+                (Ok(a), Ok(b)) => (a - b).abs() <= 0.002 + 2e-4 * b.abs(),
                 _ => a == b,
             }
         });

@@ -205,6 +205,29 @@ fn atoms_that_are_spheres() {
     );
 }
 
+/// LIGGGHTS takes `surface default` where no surface is named, and each grain then for the sphere around it.
+#[test]
+fn ellipsoids_without_their_surface() {
+    let words = ["model nfd", "superquadric needs surface ellipsoid"];
+    for (name, surface) in [
+        ("none", ""),
+        ("default", " surface default"),
+        ("superquadric", " surface superquadric"),
+    ] {
+        let model = format!("nfd tangential tfd{surface}");
+        refuse(name, Deck { model, ..plain() }, &words);
+    }
+    let wall = "fix floor all wall/gran model nfd tangential tfd primitive type 1 zplane -0.05";
+    refuse(
+        "of_a_wall",
+        Deck {
+            fixes: vec![wall.into()],
+            ..plain()
+        },
+        &words,
+    );
+}
+
 #[test]
 fn the_engines_own_walls() {
     refuse(
