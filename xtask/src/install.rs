@@ -97,8 +97,8 @@ fn fill(target: Option<&str>, place: &Place, library: &Path, beside: Beside) -> 
             "--shared is made for the linkers of Linux: leave it out, and link the static library"
         );
     }
-    let built = target_directory()?.join(prefix::TEST_PROFILE);
-    let system_libraries = prefix::system_libraries(&root(), &built, target)?;
+    let scratch = target_directory()?.join("system-libraries");
+    let system_libraries = prefix::system_libraries_of_an_empty_library(&root(), &scratch, target)?;
     let metadata: serde_json::Value = serde_json::from_str(&process::output_of(cargo().args([
         "metadata",
         "--format-version=1",

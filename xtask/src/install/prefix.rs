@@ -5,10 +5,11 @@
 use std::ffi::OsStr;
 use std::io::{Error, Result};
 use std::path::{Component, Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::{env, fs};
 
 /// The profile of libraries that tests link: the code of a release, built in a fraction of the time.
+#[allow(dead_code)] // of xtask itself: tests alone need it
 pub const TEST_PROFILE: &str = "consumers";
 
 /// What the templates of packaging/ leave open.
@@ -186,6 +187,7 @@ fn template(templates: &Path, directory: &Path, name: &str, values: &[(&str, &st
 
 /// The system libraries that rustc says a static link of the crate needs, each once, but for the unwinder. Leaves the library itself, built with
 /// [`TEST_PROFILE`], in `target_directory`, under the name of the profile. `target` is another machine's, where it is for one.
+#[allow(dead_code)] // of xtask itself: tests alone need it
 pub fn system_libraries(
     root: &Path,
     target_directory: &Path,
@@ -205,6 +207,34 @@ pub fn system_libraries(
         .args(["--color", "never", "--", "--print", "native-static-libs"])
         .stdin(Stdio::null())
         .output()?;
+    named_by_rustc(&output)
+}
+
+/// Those of a static library that is empty, made in `directory`. The crate and what it uses link no others than the standard library does, so that
+/// these are its own too, known in a second: the tests of consumers hold what is installed to [`system_libraries`].
+pub fn system_libraries_of_an_empty_library(
+    root: &Path,
+    directory: &Path,
+    target: Option<&str>,
+) -> Result<String> {
+    fs::create_dir_all(directory).map_err(|e| naming(directory, e))?;
+    let mut command = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    if let Some(target) = target {
+        command.args(["--target", target]);
+    }
+    let output = command
+        .current_dir(root)
+        .args(["--crate-name", "empty", "--crate-type", "staticlib"])
+        .args(["--print", "native-static-libs", "--out-dir"])
+        .arg(directory)
+        .arg("-")
+        .stdin(Stdio::null())
+        .output()?;
+    named_by_rustc(&output)
+}
+
+/// What rustc names on its way to a static library.
+fn named_by_rustc(output: &Output) -> Result<String> {
     let text = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
         return Err(Error::other(format!("the library does not build:\n{text}")));
