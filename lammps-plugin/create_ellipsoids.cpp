@@ -65,9 +65,11 @@ void CreateEllipsoids::command(int narg, char **arg)
   const double at_rest[3] = {0.0, 0.0, 0.0};
   for (const EllgranGrain &grain : placed) placement.create(grain, type, ++tag, 1, at_rest);
   placement.end_creation(static_cast<bigint>(placed.size()), tag);
-  if (comm->me == 0)
-    utils::logmesg(lmp, "Created {} grains\n  solid fraction {:.6g} of region {}, volume {:.6g}\n", placed.size(), reached, region->id,
-                   placement.volume());
+  if (comm->me != 0) return;
+  utils::logmesg(lmp, "Created {} grains\n", placed.size());
+  // A region that is flat, with centres in it, has no volume.
+  if (placement.volume() > 0.0)
+    utils::logmesg(lmp, "  solid fraction {:.6g} of region {}, volume {:.6g}\n", reached, region->id, placement.volume());
 }
 
 void CreateEllipsoids::parse(int narg, char **arg)
@@ -127,6 +129,12 @@ std::vector<EllgranGrain> CreateEllipsoids::grains() const
   if (target > MOST_GRAINS * mean)
     error->all(FLERR, "{}: fill {} of region {} would be {:.3g} grains of mean volume {:.4g}: are the diameters of 'shape' in the units "
                       "of the box?", CALLER, fill, region->id, target / mean, mean);
+  // Those on the edge of a region may stick out of it.
+  double room = 1.0;
+  for (int k = 0; k < 3; k++) room *= placement.high()[k] - placement.low()[k] + 2.0 * mixture.largest();
+  if (static_cast<double>(number) * mean > room)
+    error->all(FLERR, "{}: number {} of grains of mean volume {:.4g} is more than there is room for in and around region {}, {:.4g}: ask for "
+                      "less, or give 'fill' a solid fraction", CALLER, number, mean, region->id, room);
   std::vector<EllgranGrain> wanted;
   double volume = 0.0;
   while (true) {

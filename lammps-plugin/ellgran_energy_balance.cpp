@@ -180,8 +180,27 @@ void FixEllgranEnergyBalance::note_energy()
 {
   Terms terms{};
   add_motion(terms);
-  energy_then = terms[TRANSLATION] + terms[ROTATION] + terms[GRAVITY];
+  energy_then = terms[TRANSLATION] + terms[ROTATION] + terms[GRAVITY] + energy_of_half_step();
   noted = true;
+}
+
+/* Places are those of the step there, and velocities those of half a step before: what gravity adds to the kinetic energy until both are
+   of one time. It is all that is known of the forces of this step. */
+
+double FixEllgranEnergyBalance::energy_of_half_step() const
+{
+  int dimension = 0;
+  double sum = 0.0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    double kick[3] = {0.0, 0.0, 0.0};
+    for (Fix *fix : gravities) {
+      const auto *acceleration = static_cast<const double *>(fix->extract("gvec", dimension));
+      if (!acceleration || !(atom->mask[i] & fix->groupbit)) continue;
+      for (int k = 0; k < 3; k++) kick[k] += 0.5 * update->dt * acceleration[k];
+    }
+    for (int k = 0; k < 3; k++) sum += atom->rmass[i] * kick[k] * (atom->v[i][k] + 0.5 * kick[k]);
+  }
+  return sum;
 }
 
 void FixEllgranEnergyBalance::pre_neighbor()

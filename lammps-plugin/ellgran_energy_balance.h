@@ -101,6 +101,7 @@ class FixEllgranEnergyBalance : public Fix {
   [[nodiscard]] std::array<double, NUMBER_OF_COLUMNS> changes() const;
   void complete_start();
   void note_energy();
+  double energy_of_half_step() const;
   void record_box();
   void velocity_of_box(const double *position, double *velocity) const;
   [[nodiscard]] double power_of_motion(double *spin_now) const;

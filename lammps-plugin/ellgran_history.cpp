@@ -6,17 +6,20 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
+#include "force.h"
 #include "my_page.h"
 #include "neigh_list.h"
 #include "pair.h"
 
 #include <algorithm>
+#include <vector>
 
 using namespace LAMMPS_NS;
 
 FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
-    FixNeighHistory(lmp, narg, arg), list_is_current(false), round(-1)
+    FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), round(-1)
 {
   // Contacts are remembered by atom ID: LAMMPS then refuses to give atoms other IDs.
   stores_ids = 1;
@@ -32,6 +35,27 @@ void FixEllgranHistory::pre_exchange()
 {
   if (before_reading) before_reading();
   FixNeighHistory::pre_exchange();
+  if (tells_contacts_apart) refuse_second_contacts();
+}
+
+/* LAMMPS finds what a contact remembers by the ID of the other atom: two contacts of the same two would both get that of the first. */
+
+void FixEllgranHistory::refuse_second_contacts() const
+{
+  // Two images of an atom that one other atom reaches are no farther from each other than twice the cutoff.
+  bool possible = false;
+  for (int k = 0; k < 3; k++) possible |= domain->periodicity[k] && domain->prd[k] <= 2.0 * force->pair->cutforce;
+  if (!possible) return;
+  for (int i = 0; i < std::min(nlocal_neigh, atom->nlocal); i++) {
+    std::vector<tagint> others(partner[i], partner[i] + npartner[i]);
+    std::sort(others.begin(), others.end());
+    const auto twice = std::adjacent_find(others.begin(), others.end());
+    if (twice != others.end())
+      error->one(FLERR,
+                 "Pair gran/ellipsoid: particle {} touches {}, across a periodic boundary: contacts are remembered by atom ID, and one would take "
+                 "what the other remembers: the periodic box must be longer than twice the largest grain",
+                 atom->tag[i], (*twice == atom->tag[i]) ? "itself" : fmt::format("particle {} in two places", *twice));
+  }
 }
 
 void FixEllgranHistory::pre_exchange_newton()

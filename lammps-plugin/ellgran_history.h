@@ -26,6 +26,8 @@ class FixEllgranHistory : public FixNeighHistory {
 
   // Brings firstflag and firstvalue up to date.
   std::function<void()> before_reading;
+  // Whether contacts remember what must not be mixed up with that of others.
+  bool tells_contacts_apart;
 
   void init() override;
   void pre_exchange() override;
@@ -45,6 +47,7 @@ class FixEllgranHistory : public FixNeighHistory {
   int round;    // of messages under `comm_style tiled`, -1: the base class' messages
 
   void pre_exchange_newton() override;
+  void refuse_second_contacts() const;
 
   // Room for the history of one more contact of atom i.
   double *add_partner(int i, tagint partner_id);

@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <vector>
 
 using namespace LAMMPS_NS;
@@ -195,6 +196,65 @@ class Surfaces {
 void LAMMPS_NS::add_region(LAMMPS *lmp, const std::string &caller, Region *region, EllgranWall *wall)
 {
   Surfaces(lmp, caller, wall).add(region, false);
+}
+
+std::string LAMMPS_NS::measures_of_region(Region *region)
+{
+  const std::string style = region->style;
+  std::string text = fmt::format("{} {} {} {}", style, region->interior, region->dynamic, region->varshape);
+  for (int k = 0; k < 6; k++) text += region->open_faces[k] ? " open" : " closed";
+  const auto add = [&text](std::initializer_list<double> numbers) {
+    for (const double number : numbers) text += fmt::format(" {}", number);
+  };
+  if (style == "union" || style == "intersect") {
+    for (int k = 0; k < region->nregion; k++) text += " (" + measures_of_region(region->reglist[k]) + ")";
+  } else if (style == "block") {
+    auto &r = *static_cast<RegBlock *>(region);
+    add({r.*member_of(BlockXlo()), r.*member_of(BlockXhi()), r.*member_of(BlockYlo()), r.*member_of(BlockYhi()),
+         r.*member_of(BlockZlo()), r.*member_of(BlockZhi())});
+  } else if (style == "plane") {
+    auto &r = *static_cast<RegPlane *>(region);
+    const double *const normal = r.*member_of(PlaneNormal());
+    add({r.*member_of(PlaneX()), r.*member_of(PlaneY()), r.*member_of(PlaneZ()), normal[0], normal[1], normal[2]});
+  } else if (style == "sphere") {
+    auto &r = *static_cast<RegSphere *>(region);
+    add({r.*member_of(SphereX()), r.*member_of(SphereY()), r.*member_of(SphereZ()), r.*member_of(SphereRadius())});
+  } else if (style == "cylinder") {
+    auto &r = *static_cast<RegCylinder *>(region);
+    text += r.*member_of(CylinderAxis());
+    add({r.*member_of(CylinderFirst()), r.*member_of(CylinderSecond()), r.*member_of(CylinderRadius()), r.*member_of(CylinderLow()),
+         r.*member_of(CylinderHigh())});
+  } else if (style == "cone") {
+    auto &r = *static_cast<RegCone *>(region);
+    text += r.*member_of(ConeAxis());
+    add({r.*member_of(ConeFirst()), r.*member_of(ConeSecond()), r.*member_of(ConeRadiusLow()), r.*member_of(ConeRadiusHigh()),
+         r.*member_of(ConeLow()), r.*member_of(ConeHigh())});
+  }
+  return text;
+}
+
+std::vector<std::array<double, 3>> LAMMPS_NS::planes_of_region(Region *region, const double *low, const double *high)
+{
+  const std::string style = region->style;
+  std::vector<std::array<double, 3>> found;
+  if (style == "union" || style == "intersect") {
+    for (int k = 0; k < region->nregion; k++)
+      for (const auto &normal : planes_of_region(region->reglist[k], low, high)) found.push_back(normal);
+  } else if (style == "plane") {
+    const double *const normal = static_cast<RegPlane *>(region)->*member_of(PlaneNormal());
+    found.push_back({normal[0], normal[1], normal[2]});
+  } else if (style == "block" && !region->openflag) {
+    auto &r = *static_cast<RegBlock *>(region);
+    const double lower[3] = {r.*member_of(BlockXlo()), r.*member_of(BlockYlo()), r.*member_of(BlockZlo())};
+    const double upper[3] = {r.*member_of(BlockXhi()), r.*member_of(BlockYhi()), r.*member_of(BlockZhi())};
+    for (int k = 0; k < 3; k++) {
+      const bool beyond = (lower[k] <= low[k] && lower[k] > -INFINITE) || (upper[k] >= high[k] && upper[k] < INFINITE);
+      if (!beyond) continue;
+      found.push_back({0.0, 0.0, 0.0});
+      found.back()[k] = 1.0;
+    }
+  }
+  return found;
 }
 
 double LAMMPS_NS::volume_of_region(Region *region, const double *low, const double *high)

@@ -9,13 +9,21 @@
 
 #include "ellgran.h"
 
+#include <array>
 #include <string>
+#include <vector>
 
 namespace LAMMPS_NS {
 
 /// Adds the surfaces of a region, in the place where it has not moved, to a wall. Stops with a message that begins with `caller`
 /// and names the region where it has none.
 void add_region(LAMMPS *lmp, const std::string &caller, class Region *region, EllgranWall *wall);
+
+/// All that the surfaces of a region follow from, as text: another text means that a region of that name was defined anew.
+[[nodiscard]] std::string measures_of_region(class Region *region);
+
+/// Normals of the endless planes that it has as a wall. Faces of a block count where they are not inside of the box from `low` to `high`.
+[[nodiscard]] std::vector<std::array<double, 3>> planes_of_region(class Region *region, const double *low, const double *high);
 
 /// Volume of a region that stays where it is, of a style with a formula: block, sphere, cylinder or cone, side in. What is
 /// endless ends at `low` and `high`, three coordinates each; -1 where there is no formula.

@@ -264,6 +264,8 @@ int FixWallGranEllipsoid::parse_region(int iarg, int narg, char **arg)
   Region *const region = domain->get_region_by_id(region_id);
   if (!region) error->all(FLERR, "{} {}: region {} does not exist", CALLER, id, region_id);
   add_region(lmp, std::string(CALLER) + " " + id, region, wall);
+  region_measures = measures_of_region(region);
+  plane_normals = planes_of_region(region, domain->boxlo, domain->boxhi);
   if (ellgran_wall_part_count(wall) == 0)
     error->all(FLERR, "{} {}: region {} has no surface", CALLER, id, region_id);
   return iarg + 2;
@@ -272,8 +274,17 @@ int FixWallGranEllipsoid::parse_region(int iarg, int narg, char **arg)
 int FixWallGranEllipsoid::parse_shapes(int iarg, int narg, char **arg)
 {
   const std::string caller = std::string(CALLER) + " " + id;
-  while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0)
-    iarg += 1 + add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
+  while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0) {
+    const int words = add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
+    if (std::strcmp(arg[iarg + 1], "plane") == 0) {
+      std::array<double, 3> normal{0.0, 0.0, 1.0};
+      for (int word = iarg + 2; word + 3 <= iarg + words; word++)
+        if (std::strcmp(arg[word], "axis") == 0)
+          for (int k = 0; k < 3; k++) normal[k] = number("axis", arg[word + 1 + k]);
+      plane_normals.push_back(normal);
+    }
+    iarg += 1 + words;
+  }
   return iarg;
 }
 
@@ -443,9 +454,14 @@ void FixWallGranEllipsoid::check_servo() const
   if (plane_slots[0] >= 0 && plane_slots[1] >= 0)
     error->all(FLERR, "{} {}: servo moves one plane: give NULL in the place of the other, and another fix to that", CALLER, id);
   const double side = (plane_slots[0] >= 0) ? 1.0 : (plane_slots[1] >= 0) ? -1.0 : 0.0;
-  if (side != 0.0 && side * servo->direction()[dimension] < 0.0)
+  if (side == 0.0) return;
+  const double towards = side * servo->direction()[dimension];
+  if (towards < 0.0)
     error->all(FLERR, "{} {}: servo must press towards the grains, and these are on the other side of the plane: turn its direction",
                CALLER, id);
+  if (towards == 0.0)
+    error->all(FLERR, "{} {}: servo must press towards the grains, and its direction lies in the plane: give it a part along {}", CALLER, id,
+               "xyz"[dimension]);
 }
 
 void FixWallGranEllipsoid::parse_triangle_file(char **arg)
@@ -465,10 +481,12 @@ void FixWallGranEllipsoid::parse_triangle_file(char **arg)
 void FixWallGranEllipsoid::check_periodicity() const
 {
   for (int k = 0; k < 3; k++) {
-    const bool across = is_cylinder ? k != dimension : k == dimension;
-    if (dimension >= 0 && across && domain->periodicity[k])
+    bool across = dimension >= 0 && (is_cylinder ? k != dimension : k == dimension);
+    for (const auto &normal : plane_normals) across |= normal[k] != 0.0;
+    if (across && domain->periodicity[k])
       error->all(FLERR,
-                 "{} {}: the wall is in a periodic dimension, {}: use 'boundary' with f, s or m in that dimension",
+                 "{} {}: the wall is in a periodic dimension, {}: use 'boundary' with f, s or m in that dimension, and INF for faces of a "
+                 "block that are not meant to be there",
                  CALLER, id, "xyz"[k]);
   }
 }
@@ -485,9 +503,14 @@ void FixWallGranEllipsoid::init()
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
   check_periodicity();
-  if (!region_id.empty() && !domain->get_region_by_id(region_id))
-    error->all(FLERR, "{} {}: region {} does not exist any more", CALLER, id, region_id);
+  // The surfaces were taken from the region when the fix was made.
+  if (!region_id.empty() && measures_of_region(present_region()) != region_measures)
+    error->all(FLERR, "{} {}: region {} was defined anew, with another shape or place, since the fix was made: give the fix anew, too", CALLER,
+               id, region_id);
   atoms.require_shapes(groupbit);
+  // Contacts of grains that are not in the group any more are over.
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->mask[i] & groupbit)) FixWallGranEllipsoid::set_arrays(i);
   refuse_styles(lmp, CALLER, histories_length > 0);
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
   rotation_rate.require_variable(lmp);
@@ -578,7 +601,7 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
     const double phase = rate * time;
     motion.displacement[motion_axis] = amplitude * (1.0 - std::cos(phase));
     // As the grains' velocities, that of the wall is the one that brought it here in this step.
-    motion.velocity[motion_axis] = time_passes
+    motion.velocity[motion_axis] = (time_passes && time_step > 0.0)
         ? 2.0 * amplitude * std::sin(phase - 0.5 * rate * time_step) *
             std::sin(0.5 * rate * time_step) / time_step
         : amplitude * rate * std::sin(phase);
@@ -612,11 +635,18 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
   return motion;
 }
 
+Region *FixWallGranEllipsoid::present_region() const
+{
+  Region *const region = domain->get_region_by_id(region_id);
+  if (!region) error->all(FLERR, "{} {}: region {} does not exist any more", CALLER, id, region_id);
+  return region;
+}
+
 /* The velocities are those over the step; where no step was made since the fix is there, none. */
 
 void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool time_passes)
 {
-  Region *const region = domain->get_region_by_id(region_id);
+  Region *const region = present_region();
   if (!region->dynamic) return;
   const RegionPose now = region_pose(lmp, region);
   if (time_passes && pose_is_known && update->dt > 0.0) {
@@ -733,7 +763,7 @@ void FixWallGranEllipsoid::post_force(int vflag)
 void FixWallGranEllipsoid::add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes)
 {
   if (!has_forces) {
-    if (varies() || (!region_id.empty() && domain->get_region_by_id(region_id)->dynamic)) return;
+    if (varies() || (!region_id.empty() && present_region()->dynamic)) return;
     follow_time(false);
     motion_of_forces = motion_now(false);
   }

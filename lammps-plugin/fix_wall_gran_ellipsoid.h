@@ -18,6 +18,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 #include "ellgran_region.h"
 #include "ellgran_wall_servo.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -79,6 +80,8 @@ class FixWallGranEllipsoid : public Fix {
   int plane_slots[2];          // part of the lower and of the upper plane; -1: there is none
   bool is_cylinder, is_mesh;
   std::string region_id;       // empty: no region
+  std::string region_measures; // of that region, as the wall has them
+  std::vector<std::array<double, 3>> plane_normals;    // of endless planes, from words or a region
 
   // The motion: at most one of wiggle and shear, velocity, and rotation, which may go together; and a servo
   bool wiggles, shears, rotates, moves;
@@ -190,6 +193,7 @@ class FixWallGranEllipsoid : public Fix {
   [[nodiscard]] bool varies() const;
   void follow_variables(bool time_passes);
   [[nodiscard]] EllgranWallMotion motion_now(bool time_passes);
+  class Region *present_region() const;
   void add_region_motion(EllgranWallMotion &motion, bool time_passes);
   void tell_contacts();
   void write_triangle_file(const EllgranWallMotion &motion);

@@ -802,6 +802,8 @@ void PairGranEllipsoid::place_history_fix()
                id_history);
   fix_history->pair = this;
   fix_history->before_reading = [this] { write_history(); };
+  // Where only normals are remembered, from which a search starts, any will do.
+  fix_history->tells_contacts_apart = ellgran_laws_memory_offset(laws) >= 0;
 }
 
 /* Stops where LAMMPS would go on and compute something else than it says. */

@@ -15,6 +15,17 @@ pub const SHAPE_SYNTAX: &str =
 const SIDES: [&str; 3] = ["centre", "inside", "outside"];
 const ENDS: [&str; 3] = ["none", "open", "closed"];
 
+/// The words of a shape of this name; all where there is none, which is told of where the shape is made.
+fn words_of(name: &str) -> &'static [&'static str] {
+    match name {
+        "plane" => &["point", "axis", "side"],
+        "sphere" => &["point", "radius", "side"],
+        "cylinder" => &["point", "axis", "radius", "bounds", "ends", "side"],
+        "cone" => &["point", "axis", "radii", "bounds", "ends", "side"],
+        _ => &["point", "axis", "radius", "radii", "bounds", "ends", "side"],
+    }
+}
+
 /// A shape as a deck describes it; what is not given is as in `Default`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeWords<'w> {
@@ -90,7 +101,7 @@ impl<'w> ShapeWords<'w> {
     /// where the shape is made.
     ///
     /// # Errors
-    /// A word that is missing, given twice, not a number or not one of its choices.
+    /// A word that is missing, given twice, not of this shape, not a number or not one of its choices.
     ///
     /// # Example
     /// ```
@@ -125,6 +136,10 @@ impl<'w> ShapeWords<'w> {
                 "ends" => shape.ends = w.choices(keyword, name, &ENDS)?,
                 "side" => [shape.side] = w.choices(keyword, name, &SIDES)?,
                 _ => return Ok((shape, before)),
+            }
+            if !words_of(name).contains(&keyword) {
+                let of_it = words_of(name).join(", ");
+                return Err(format!("shape {name} has no '{keyword}', but {of_it}"));
             }
             if given.contains(&keyword) {
                 return Err(format!("'{keyword}' of shape {name} is given twice"));

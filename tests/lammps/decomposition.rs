@@ -2,9 +2,10 @@
 //! Is the motion the same on one and four ranks, with newton on and off, and across a periodic boundary; is momentum kept?
 
 use crate::harness::{
-    angular_momentum, crowd, largest_difference, momentum_error, run, Deck, Engine, Frame, Grain,
-    Scene,
+    angular_momentum, attempt, crowd, largest_difference, momentum_error, run, Deck, Engine, Frame,
+    Grain, Scene,
 };
+use crate::refusal::refused;
 use crate::shapes::{add, length, sub, Random, Vector};
 
 /// Friction, viscosity and every other thing that needs history or rates.
@@ -229,4 +230,64 @@ fn both_versions_remembered_normals_give_the_forces_of_a_fresh_search() {
     println!("{touching} grains in contact; forces differ by {:.1e}, torques by {:.1e} of the largest force", force / largest, torque / largest);
     assert!(touching > 20);
     assert!(force < 1e-10 * largest && torque < 1e-10 * largest);
+}
+
+/// Two grains that touch each other on both sides of a short periodic box, and one that touches itself: contacts are remembered by ID, so
+/// that friction of the two would be mixed up. Without friction, and where they touch once, they may.
+#[test]
+fn both_versions_two_contacts_of_the_same_grains_are_refused_with_friction() {
+    let engine = Engine::from_environment();
+    let edge = 1.98;
+    let alone = vec![Grain::new([1.0, 0.5, 0.5], [1.0, 2.0, 2.0])];
+    let two = |shift: f64| {
+        vec![
+            Grain::new([0.5, 0.4, 0.3], [0.25 * edge, 2.0, 2.0]),
+            Grain::new([0.5, 0.4, 0.3], [0.75 * edge + shift, 2.0, 2.0]),
+        ]
+    };
+    let friction = "hertz 1e7 0.3 tangential mindlin 0.5";
+    for (grains, law, newton, refusal) in [
+        (
+            two(0.0),
+            friction,
+            true,
+            Some("particle 1 touches particle 2 in two places"),
+        ),
+        (
+            two(0.0),
+            friction,
+            false,
+            Some("particle 1 touches particle 2 in two places"),
+        ),
+        (
+            alone.clone(),
+            friction,
+            true,
+            Some("particle 1 touches itself"),
+        ),
+        (two(0.015), friction, true, None),
+        (two(0.0), "hertz 1e7 0.3", true, None),
+        (alone, "hertz 1e7 0.3", true, None),
+    ] {
+        let mut scene = Scene::periodic([0.0; 3], [edge, 4.0, 4.0], grains);
+        scene.boundary = "p f f".into();
+        let deck = Deck {
+            newton,
+            time_step: 1e-6,
+            steps: 10,
+            skin: 0.05,
+            before_data: vec!["neigh_modify delay 0 every 5 check no".into()],
+            ..Deck::new(law)
+        };
+        let outcome = attempt(&engine, "two_contacts", &scene, &deck, 1);
+        match refusal {
+            Some(words) => refused(
+                law,
+                outcome.success,
+                &outcome.output,
+                &[words, "periodic box"],
+            ),
+            None => drop(outcome.succeeded()),
+        }
+    }
 }

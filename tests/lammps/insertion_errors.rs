@@ -283,6 +283,11 @@ const FILLS: &[(&str, &str, &[&str])] = &[
     ),
     (
         "",
+        "1 7 region top number 2000000000 partial yes shape one 0.004 0.002 0.002",
+        &["number 2000000000", "room", "region top"],
+    ),
+    (
+        "",
         "1 7 fill 0.2 shape one 0.004 0.002 0.002",
         &["no region"],
     ),

@@ -507,6 +507,14 @@ fn both_versions_walls() {
             "hertz 1e7 0.3 shape plane shear x 1",
             &["only a plane", "can shear", "velocity"],
         ),
+        (
+            "hertz 1e7 0.3 shape plane radius 3",
+            &["shape plane has no 'radius'", "point, axis, side"],
+        ),
+        (
+            "hertz 1e7 0.3 shape cone radius 3 bounds 0 1",
+            &["shape cone has no 'radius'", "radii"],
+        ),
         ("hertz 1e7 0.3 region", &["'region' needs 1 value"]),
         (
             "hertz 1e7 0.3 region nowhere",
@@ -608,6 +616,14 @@ fn both_versions_walls() {
         (
             "hertz 1e7 0.3 zplane -5 NULL servo 0 0 -1 5 1",
             &["servo must press towards the grains", "other side"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 1 0 0 5 1",
+            &[
+                "servo must press towards the grains",
+                "lies in the plane",
+                "along z",
+            ],
         ),
         (
             "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 servo 0 0 1 5 1",
@@ -775,12 +791,105 @@ fn both_versions_walls() {
     }
     let mut periodic = pair_of_grains();
     periodic.boundary = "p p p".into();
-    refused(
-        "wall in a periodic direction",
-        &periodic,
-        &wall("hertz 1e7 0.3 zplane -5 NULL"),
-        &["periodic dimension, z"],
-    );
+    let mut slab = pair_of_grains();
+    slab.boundary = "p f f".into();
+    let of_region = |region: &str| {
+        let mut deck = wall("hertz 1e7 0.3 region r");
+        deck.fixes.insert(0, format!("region r {region}"));
+        deck
+    };
+    for (name, scene, deck, dimension) in [
+        (
+            "zplane",
+            &periodic,
+            wall("hertz 1e7 0.3 zplane -5 NULL"),
+            "z",
+        ),
+        (
+            "shape plane",
+            &periodic,
+            wall("hertz 1e7 0.3 shape plane"),
+            "z",
+        ),
+        (
+            "inclined plane",
+            &slab,
+            wall("hertz 1e7 0.3 shape plane point 0 0 -5 axis 0.1 0 1"),
+            "x",
+        ),
+        (
+            "inclined region",
+            &slab,
+            of_region("plane 0 0 -5 0.1 0 1"),
+            "x",
+        ),
+        (
+            "block that ends where the box does",
+            &slab,
+            of_region("block EDGE EDGE -5 5 -5 5"),
+            "x",
+        ),
+    ] {
+        refused(
+            &format!("{name} in a periodic direction"),
+            scene,
+            &deck,
+            &[&format!("periodic dimension, {dimension}"), "INF"],
+        );
+    }
+    for deck in [
+        wall("hertz 1e7 0.3 shape plane point 0 0 -5"),
+        of_region("block INF INF -5 5 -5 5"),
+        of_region("block -4 4 -5 5 -5 5"),
+    ] {
+        attempt(&Engine::from_environment(), "misuse_none", &slab, &deck, 1).succeeded();
+    }
+}
+
+/// A wall has the surfaces that its region had when the fix was made: another region of that name stops the run, also where LAMMPS
+/// initialises nothing anew.
+#[test]
+fn both_versions_walls_whose_region_changes_between_runs() {
+    let scene = pair_of_grains();
+    let engine = Engine::from_environment();
+    let whole = "block -5 5 -5 5 -5 5";
+    let deck = |between: &[&str], run: &str| Deck {
+        fixes: vec![
+            format!("region r {whole}"),
+            "fix floor all wall/gran/ellipsoid hertz 1e7 0.3 region r".into(),
+        ],
+        runs: [&["run 0", "region r delete"], between, &[run]]
+            .concat()
+            .iter()
+            .map(|line| line.to_string())
+            .collect(),
+        ..Deck::new(LAW)
+    };
+    let same = format!("region r {whole}");
+    attempt(
+        &engine,
+        "misuse_same_region",
+        &scene,
+        &deck(&[&same], "run 1"),
+        1,
+    )
+    .succeeded();
+    for region in [
+        "block -5 5 -5 5 -4 5",
+        "sphere 0 0 0 5",
+        "block -5 5 -5 5 -5 5 open 6",
+    ] {
+        refused(
+            &format!("other region {region}"),
+            &scene,
+            &deck(&[&format!("region r {region}")], "run 1"),
+            &["floor", "region r was defined anew", "give the fix anew"],
+        );
+    }
+    for run in ["run 1", "run 1 pre no"] {
+        let words = ["floor", "region r does not exist any more"];
+        refused(&format!("no region {run}"), &scene, &deck(&[], run), &words);
+    }
 }
 
 #[test]

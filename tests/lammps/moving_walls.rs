@@ -458,3 +458,21 @@ fn both_versions_a_region_that_moves_by_variables_is_the_wall_that_moves() {
         assert!(largest_difference(wanted.last(), wanted.first()).0 > 1e-3);
     }
 }
+
+/// In a step of no length a wall is at rest or moves at the speed of that instant, and no number is missing.
+#[test]
+fn both_versions_walls_move_in_a_step_of_no_length() {
+    let engine = Engine::from_environment();
+    for motion in ["wiggle z 0.1 1", "velocity 0 0 1", "omega 0 0 0 0 0 1 1"] {
+        let deck = Deck {
+            fixes: vec![format!(
+                "fix floor all wall/gran/ellipsoid {LAW} zplane 0 NULL {motion}"
+            )],
+            time_step: 0.0,
+            steps: 3,
+            ..Deck::new(LAW)
+        };
+        let scene = Scene::open(10.0, vec![Grain::sphere(1.0, [0.0, 0.0, 0.999])]);
+        run(&engine, "no_length", &scene, &deck, 1);
+    }
+}

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Are the 21 columns of `contacts` the contacts that acted, and the outputs of a wall their sums?
 
-use crate::harness::{attempt_in, fresh_directory, last_rows, Deck, Engine, Outcome, Scene};
+use crate::harness::{
+    attempt_in, fresh_directory, last_rows, run, Deck, Engine, Grain, Outcome, Scene,
+};
 use crate::mesh_walls::{binary, cube};
 use crate::moving_walls::load;
 use crate::shapes::{
@@ -271,4 +273,46 @@ fn both_versions_the_columns_of_contacts_are_the_geometry() {
     );
     assert!(parts.iter().filter(|count| **count > 0).count() >= 3);
     assert!(worst.iter().all(|e| *e < 1e-8), "{worst:?}");
+}
+
+/// A grain that has left the group of a wall, and comes back to it, has no friction of its earlier contact.
+#[test]
+fn both_versions_a_grain_that_comes_back_to_the_group_remembers_nothing() {
+    let engine = Engine::from_environment();
+    let law = "hertz 1e7 0.3 tangential mindlin 0.5";
+    let grain = Grain::sphere(1.0, [0.0, 0.0, 0.999]).moving([1.0, 0.0, 0.0]);
+    let runs = [
+        "run 100",
+        "group held clear",
+        "run 1",
+        "group held id 1",
+        "run 0",
+    ];
+    let deck = Deck {
+        fixes: vec![
+            "group held id 1".into(),
+            format!("fix floor held wall/gran/ellipsoid {law} zplane 0 NULL"),
+        ],
+        runs: runs.iter().map(|line| line.to_string()).collect(),
+        time_step: 1e-5,
+        thermo_every: 100,
+        thermo_columns: "step f_floor[10] f_floor[14]".into(),
+        ..Deck::new(law)
+    };
+    let outcome = run(
+        &engine,
+        "group_of_wall",
+        &Scene::open(10.0, vec![grain]),
+        &deck,
+        1,
+    );
+    let rows = outcome.thermo();
+    let held = rows.iter().find(|r| r["Step"] == 100.0).unwrap();
+    let last = rows.last().unwrap();
+    println!(
+        "friction {} before, {} after",
+        held["f_floor[14]"], last["f_floor[14]"]
+    );
+    assert!(held["f_floor[14]"] > 0.0);
+    assert_eq!((last["f_floor[10]"], last["f_floor[14]"]), (1.0, 0.0));
 }
