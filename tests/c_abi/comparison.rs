@@ -421,7 +421,7 @@ impl Run<'_> {
                     scale,
                 );
                 if self.number > 0 && k < handed {
-                    let motion = [b.velocity, b.angular_velocity][part % 2];
+                    let motion = at_half_step(b)[part % 2];
                     let half = 0.5 * STEP.time_step;
                     self.works[part / 2] -= half * dot(*expected, motion);
                     self.work_scale += half * scale * length(motion);
@@ -474,7 +474,7 @@ impl Run<'_> {
         if number > 0 {
             for (b, loads) in bodies.iter().zip(&sums.loads).take(OWNED) {
                 for (part, load) in loads.iter().enumerate() {
-                    let motion = [b.velocity, b.angular_velocity][part % 2];
+                    let motion = at_half_step(b)[part % 2];
                     self.works[part / 2] -= 0.5 * STEP.time_step * dot(*load, motion);
                 }
             }
@@ -560,6 +560,20 @@ impl Sums {
         };
         rounding * left
     }
+}
+
+/// Velocity and angular velocity of the half step, in which loads do their work.
+fn at_half_step(b: &EllgranBody) -> [[f64; 3]; 2] {
+    let mut motion = [b.velocity, b.angular_velocity];
+    if b.velocities_of_step != 0 {
+        for (of, change) in motion
+            .iter_mut()
+            .zip([b.velocity_change, b.angular_velocity_change])
+        {
+            *of = std::array::from_fn(|k| of[k] - change[k]);
+        }
+    }
+    motion
 }
 
 fn add(sum: &mut [f64], term: &[f64], sign: f64) {
