@@ -43,7 +43,7 @@ pub struct Options {
     #[arg(long)]
     missed: bool,
     /// Tests that take longer, in seconds, are left out where a shorter one sees the mutant
-    #[arg(long, default_value_t = 3.0)]
+    #[arg(long, default_value_t = 0.5)]
     longest_test: f64,
     /// Only tests with this in their name
     #[arg(long)]
@@ -69,14 +69,16 @@ pub fn mutants(options: &Options) -> Result<()> {
         of_files.into_iter().map(|m| m.name).collect()
     };
     let mut stored = Stored::read(&names);
-    let left: Vec<Mutant> = all
-        .iter()
-        .filter(|m| wanted.contains(&m.name))
-        .filter(|m| match stored.of(&m.name) {
-            Some(outcome) => (options.missed || options.lanes) && outcome.survived(),
-            None => !options.missed && !options.lanes,
-        })
-        .cloned()
+    let survived = |m: &Mutant| stored.of(&m.name).is_some_and(Outcome::survived);
+    // Those that have been tried are compiled too: the same programs as last time need not be watched again.
+    let mut compiled = all.clone();
+    compiled.retain(|m| wanted.contains(&m.name));
+    if options.missed || options.lanes {
+        compiled.retain(survived);
+    }
+    let again = options.missed || options.lanes;
+    let left: BTreeSet<usize> = (0..compiled.len())
+        .filter(|k| again || stored.of(&compiled[*k].name).is_none())
         .collect();
     say(format!(
         "{} mutants, {} of them to be tried",
@@ -84,7 +86,7 @@ pub fn mutants(options: &Options) -> Result<()> {
         left.len()
     ));
     if !left.is_empty() {
-        try_all(&left, options, end, &mut stored)?;
+        try_all(&compiled, &left, options, end, &mut stored)?;
         stored.write()?;
     }
     println!("{}", stored.table(&names).markdown());
@@ -95,7 +97,13 @@ pub fn mutants(options: &Options) -> Result<()> {
     Ok(())
 }
 
-fn try_all(mutants: &[Mutant], options: &Options, end: Instant, stored: &mut Stored) -> Result<()> {
+fn try_all(
+    mutants: &[Mutant],
+    left: &BTreeSet<usize>,
+    options: &Options,
+    end: Instant,
+    stored: &mut Stored,
+) -> Result<()> {
     let without_lanes = target_directory()?.join("mutants");
     let place = if options.lanes {
         without_lanes.join("lanes")
@@ -134,7 +142,7 @@ fn try_all(mutants: &[Mutant], options: &Options, end: Instant, stored: &mut Sto
     let mut progress = Progress::start("mutants");
     let mut written = Instant::now();
     let mut killers = Killers::default();
-    for (&index, &switch) in &copy.switches {
+    for (&index, &switch) in copy.switches.iter().filter(|(k, _)| left.contains(k)) {
         if Instant::now() > end {
             break;
         }
@@ -152,7 +160,15 @@ fn try_all(mutants: &[Mutant], options: &Options, end: Instant, stored: &mut Sto
     }
     progress.finish();
     if options.one_by_one {
-        one_by_one(mutants, &copy, (&tests, options.longest_test), end, stored)?;
+        let fixed = &copy.fixed & left;
+        one_by_one(
+            mutants,
+            &fixed,
+            &copy,
+            (&tests, options.longest_test),
+            end,
+            stored,
+        )?;
     }
     Ok(())
 }
@@ -232,6 +248,7 @@ fn is_compared(mutant: &Mutant) -> bool {
 /// Those that are constants and the like: each takes a compilation, and all tests, since nobody knows which see it.
 fn one_by_one(
     mutants: &[Mutant],
+    fixed: &BTreeSet<usize>,
     copy: &Copy,
     (tests, longest_test): (&[Watched], f64),
     end: Instant,
@@ -241,14 +258,14 @@ fn one_by_one(
         copy.write_original(file)?;
     }
     let mut progress = Progress::start("mutants one by one");
-    for (done, &index) in copy.fixed.iter().enumerate() {
+    for (done, &index) in fixed.iter().enumerate() {
         if Instant::now() > end {
             break;
         }
         let mutant = &mutants[index];
         progress.update(
-            Some(done as f64 / copy.fixed.len() as f64),
-            &format!("{done} of {}, {}", copy.fixed.len(), mutant.name),
+            Some(done as f64 / fixed.len() as f64),
+            &format!("{done} of {}, {}", fixed.len(), mutant.name),
         );
         copy.write_alone(mutant)?;
         let programs = copy.tests()?;

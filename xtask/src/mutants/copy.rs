@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{bail, Context, Result};
@@ -25,6 +25,11 @@ const EXAMPLES: &str = "examples_of_the_documentation";
 
 /// What the library does in the place of lanes where it is compiled without them.
 const NO_LANES: &str = "panic!(\"compiled without lanes\");";
+
+/// Files that are changed beside those with mutants.
+const LANES: &str = "src/simd/mod.rs";
+const LIBRARY: &str = "src/lib.rs";
+const SWITCHES: &str = "\n#[doc(hidden)]\npub mod switches;\n";
 
 /// Rounds of compilation after which something else is wrong: rustc looks at names, types and lifetimes one after the other.
 const MOST_ROUNDS: usize = 20;
@@ -59,9 +64,6 @@ pub struct Copy {
 impl Copy {
     /// Copies what git knows, and what it does not ignore. Compiled in `build`, with the lanes of one set of instructions or none.
     pub fn make(sources: PathBuf, build: PathBuf, mutants: &[Mutant], lanes: bool) -> Result<Self> {
-        if sources.exists() {
-            fs::remove_dir_all(&sources)?;
-        }
         let mut list = Command::new("git");
         list.current_dir(root()).args([
             "ls-files",
@@ -70,33 +72,45 @@ impl Copy {
             "--others",
             "--exclude-standard",
         ]);
-        for name in output_of(&mut list)?.split('\0').filter(|n| !n.is_empty()) {
-            let from = root().join(name);
-            // One that was deleted is still in the index.
-            if from.is_file() {
-                let to = sources.join(name);
-                fs::create_dir_all(to.parent().context("no folder")?)?;
-                fs::copy(&from, &to).with_context(|| format!("cannot copy {name}"))?;
+        // One that was deleted is still in the index.
+        let listed = output_of(&mut list)?;
+        let names: BTreeSet<&str> = listed
+            .split('\0')
+            .filter(|name| !name.is_empty() && root().join(name).is_file())
+            .collect();
+        let copied = sources.with_extension("copied");
+        for gone in fs::read_to_string(&copied).unwrap_or_default().lines() {
+            if !names.contains(gone) {
+                let _ = fs::remove_file(sources.join(gone));
             }
         }
+        let mutated: BTreeSet<&str> = mutants.iter().map(|m| m.file.as_str()).collect();
+        for name in names.iter().filter(|name| !mutated.contains(*name)) {
+            let mut text = fs::read(root().join(name))?;
+            match *name {
+                LIBRARY => text.extend(SWITCHES.as_bytes()),
+                LANES if lanes => {
+                    // The kernels of the set that every machine has take minutes to compile, those of all sets many times that.
+                    let original = String::from_utf8(text)?;
+                    if original.matches(NO_LANES).count() != 1 {
+                        bail!("{LANES} does not refuse lanes as it did");
+                    }
+                    text = original
+                        .replace(NO_LANES, "return run_on_baseline(stage);")
+                        .into_bytes();
+                }
+                _ => {}
+            }
+            write(&sources.join(name), &text)?;
+        }
+        let names: Vec<&str> = names.into_iter().collect();
+        fs::write(&copied, names.join("\n"))?;
         let mut texts = BTreeMap::new();
         for mutant in mutants {
             if !texts.contains_key(&mutant.file) {
                 let text = fs::read_to_string(root().join(&mutant.file))?;
                 texts.insert(mutant.file.clone(), text);
             }
-        }
-        if lanes {
-            // The kernels of the set that every machine has take minutes to compile, those of all sets many times that.
-            let file = sources.join("src/simd/mod.rs");
-            let text = fs::read_to_string(&file)?;
-            if text.matches(NO_LANES).count() != 1 {
-                bail!("src/simd/mod.rs does not refuse lanes as it did");
-            }
-            fs::write(
-                file,
-                text.replace(NO_LANES, "return run_on_baseline(stage);"),
-            )?;
         }
         Ok(Copy {
             sources,
@@ -110,9 +124,6 @@ impl Copy {
 
     /// Writes all mutants into the copy, and takes out what cannot be compiled.
     pub fn switch(&mut self, mutants: &[Mutant]) -> Result<()> {
-        let library = self.sources.join("src/lib.rs");
-        let text = fs::read_to_string(&library)?;
-        fs::write(&library, text + "\n#[doc(hidden)]\npub mod switches;\n")?;
         let texts = std::mem::take(&mut self.texts);
         let mut files = Vec::new();
         for (file, text) in &texts {
@@ -141,14 +152,28 @@ impl Copy {
             .collect();
         let switches =
             include_str!("switches.rs").replace("PLACES_OF_THE_COPY", &places.len().to_string());
-        fs::write(self.sources.join("src/switches.rs"), switches)?;
+        write(&self.sources.join("src/switches.rs"), switches.as_bytes())?;
         let examples = self.sources.join("tests").join(format!("{EXAMPLES}.rs"));
-        fs::write(examples, examples_of(&root().join("src"))?)?;
+        write(&examples, examples_of(&root().join("src"))?.as_bytes())?;
+        // What rustc refused last time it will refuse again.
+        let kept = self.sources.with_extension("refused");
+        for line in fs::read_to_string(&kept).unwrap_or_default().lines() {
+            let (alone, name) = line.split_once(' ').unwrap_or_default();
+            if let Some(mutant) = mutants.iter().position(|m| m.name == name) {
+                let refused = if alone == "fixed" {
+                    &mut self.fixed
+                } else {
+                    &mut self.unviable
+                };
+                refused.insert(mutant);
+            }
+        }
         for _ in 0..MOST_ROUNDS {
             let left_out = &self.unviable | &self.fixed;
             let mut first = 0;
             for (file, schemata) in &files {
-                fs::write(self.sources.join(file), schemata.write(first, &left_out))?;
+                let text = schemata.write(first, &left_out);
+                write(&self.sources.join(file), text.as_bytes())?;
                 first += schemata.places().len();
             }
             let refused = self.check()?;
@@ -157,6 +182,10 @@ impl Copy {
                 for mutant in &left_out {
                     self.switches.remove(mutant);
                 }
+                let line = |of: &str, k: &usize| format!("{of} {}\n", mutants[*k].name);
+                let fixed = self.fixed.iter().map(|k| line("fixed", k));
+                let unviable = self.unviable.iter().map(|k| line("unviable", k));
+                fs::write(&kept, fixed.chain(unviable).collect::<String>())?;
                 return Ok(());
             }
             let known = left_out.len();
@@ -179,12 +208,12 @@ impl Copy {
     /// Writes one mutant alone.
     pub fn write_alone(&self, mutant: &Mutant) -> Result<()> {
         let text = changed(&self.texts[&mutant.file], mutant)?;
-        Ok(fs::write(self.sources.join(&mutant.file), text)?)
+        write(&self.sources.join(&mutant.file), text.as_bytes())
     }
 
     /// Writes a file as it was.
     pub fn write_original(&self, file: &str) -> Result<()> {
-        Ok(fs::write(self.sources.join(file), &self.texts[file])?)
+        write(&self.sources.join(file), self.texts[file].as_bytes())
     }
 
     fn cargo(&self, what: &str) -> Command {
@@ -265,6 +294,15 @@ impl Copy {
         }
         Ok(Some(programs))
     }
+}
+
+/// Leaves a file of the same bytes alone, so that cargo need not compile it again.
+fn write(file: &Path, text: &[u8]) -> Result<()> {
+    if fs::read(file).is_ok_and(|there| there == text) {
+        return Ok(());
+    }
+    fs::create_dir_all(file.parent().context("no folder")?)?;
+    fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))
 }
 
 /// What cargo says, a JSON object a line.

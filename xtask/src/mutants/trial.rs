@@ -13,8 +13,8 @@ use super::copy::{Program, Switch};
 const MOST_MEMORY: u64 = 6_000_000;
 
 /// Of a processor: what a mutant may take at least, and how many times that of the original. A slow machine does not change it.
-const LEAST_LIMIT: f64 = 5.0;
-const TIMES_THE_ORIGINAL: f64 = 10.0;
+const LEAST_LIMIT: f64 = 2.0;
+const TIMES_THE_ORIGINAL: f64 = 5.0;
 
 /// Seconds by the clock, for one that waits and never ends.
 const LONGEST_WAIT: f64 = 600.0;
