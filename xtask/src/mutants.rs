@@ -13,20 +13,24 @@ mod watched;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{bail, Context, Result};
 
 use crate::progress::{human_time, say, Progress};
 use crate::workspace::target_directory;
 use copy::{Copy, Switch};
 use list::{mutants_of, Genre, Mutant};
 use stored::{Outcome, Stored};
-use trial::Verdict;
+use trial::{mutated, Test, Verdict};
 use watched::{names_kept, watch, Watched};
 
 /// What is mutated.
 const FILES: [&str; 2] = ["src/force/**", "src/geometry/**"];
+
+/// Of the tests in one process.
+const GROUP_SECONDS: f64 = 0.2;
 
 /// How often outcomes are written.
 const WRITTEN_EVERY: Duration = Duration::from_secs(30);
@@ -142,12 +146,14 @@ fn try_all(
     let mut progress = Progress::start("mutants");
     let mut written = Instant::now();
     let mut killers = Killers::default();
+    let said = place.join("said");
     for (&index, &switch) in copy.switches.iter().filter(|(k, _)| left.contains(k)) {
         if Instant::now() > end {
             break;
         }
         let mutant = &mutants[index];
-        let outcome = judge(mutant, switch, &tests, options.longest_test, &mut killers)?;
+        let longest = options.longest_test;
+        let outcome = judge(mutant, switch, &tests, longest, &mut killers, &said)?;
         stored.set_unless_less(&mutant.name, outcome);
         progress.update(
             Some(index as f64 / mutants.len() as f64),
@@ -168,6 +174,7 @@ fn try_all(
             (&tests, options.longest_test),
             end,
             stored,
+            &said,
         )?;
     }
     Ok(())
@@ -201,6 +208,7 @@ fn judge(
     tests: &[Watched],
     longest_test: f64,
     killers: &mut Killers,
+    said: &Path,
 ) -> Result<Outcome> {
     if !tests.iter().any(|test| test.reaches(switch)) {
         return Ok(Outcome::Unreached);
@@ -217,16 +225,39 @@ fn judge(
     if seeing.iter().any(short) {
         seeing.retain(short);
     }
-    for k in killers.order(&mutant.file, tests, seeing) {
-        match tests[k].test.mutated(Some(switch), tests[k].seconds)? {
-            Verdict::Passed => {}
-            verdict => {
-                killers.add(&mutant.file, k);
-                return Ok(outcome_of(verdict));
+    let ordered = killers.order(&mutant.file, tests, seeing);
+    for group in groups(&ordered, tests) {
+        let of_group: Vec<&Test> = group.iter().map(|k| &tests[*k].test).collect();
+        let seconds = group.iter().map(|k| tests[*k].seconds).sum();
+        let (verdict, failed) = mutated(&of_group, Some(switch), seconds, said)?;
+        if verdict != Verdict::Passed {
+            let named = |k: &&usize| Some(&tests[**k].test.name) == failed.as_ref();
+            if let Some(killer) = group.iter().find(named) {
+                killers.add(&mutant.file, *killer);
             }
+            return Ok(outcome_of(verdict));
         }
     }
     Ok(Outcome::Missed)
+}
+
+/// The likeliest tests alone, the others in processes of so many seconds: to start one costs more than most tests.
+fn groups(ordered: &[usize], tests: &[Watched]) -> Vec<Vec<usize>> {
+    let (alone, others) = ordered.split_at(ordered.len().min(3));
+    let mut groups: Vec<Vec<usize>> = alone.iter().map(|k| vec![*k]).collect();
+    let mut open = BTreeMap::<&Path, (Vec<usize>, f64)>::new();
+    for &k in others {
+        let (group, seconds) = open.entry(&tests[k].test.program).or_default();
+        group.push(k);
+        *seconds += tests[k].seconds;
+        if *seconds > GROUP_SECONDS {
+            groups.push(std::mem::take(group));
+            *seconds = 0.0;
+        }
+    }
+    let rest = open.into_values().map(|(group, _)| group);
+    groups.extend(rest.filter(|group| !group.is_empty()));
+    groups
 }
 
 fn outcome_of(verdict: Verdict) -> Outcome {
@@ -253,6 +284,7 @@ fn one_by_one(
     (tests, longest_test): (&[Watched], f64),
     end: Instant,
     stored: &mut Stored,
+    said: &Path,
 ) -> Result<()> {
     for file in mutants.iter().map(|m| &m.file).collect::<BTreeSet<_>>() {
         copy.write_original(file)?;
@@ -275,11 +307,12 @@ fn one_by_one(
             Some(programs) => {
                 let mut outcome = Outcome::Missed;
                 for test in tests.iter().filter(|t| t.seconds <= longest_test) {
-                    let mut test_of_mutant = test.test.clone();
-                    // The name of a program has a part that follows the flags, not the text: it is the same file.
-                    let program = programs.iter().find(|p| p.path == test.test.program);
-                    test_of_mutant.program = program.context("another program")?.path.clone();
-                    outcome = outcome_of(test_of_mutant.mutated(None, test.seconds)?);
+                    // The name of a program follows from the flags, not from the text: it is the same file.
+                    if programs.iter().all(|p| p.path != test.test.program) {
+                        bail!("cargo has made another program");
+                    }
+                    let (verdict, _) = mutated(&[&test.test], None, test.seconds, said)?;
+                    outcome = outcome_of(verdict);
                     if outcome != Outcome::Missed {
                         break;
                     }
