@@ -36,6 +36,23 @@ fn shear_viscosity_alone_nu_0_3() {
     hold(material(0.3, 1.0, 0.0), [0.173333, 0.978095, 0.674074]);
 }
 
+/// What the two rows above leave to the bulk viscosity, where a closure is linear; `eta2 (1 - nu^2)(1 - 2 nu)/(E nu^2)` by
+/// Brilliantov's.
+#[test]
+fn bulk_viscosity_alone_nu_0_3() {
+    hold(material(0.3, 0.0, 1.0), [1.04, 0.297143, 4.044444]);
+}
+
+#[test]
+fn without_viscosity_nothing_relaxes() {
+    for closure in ALL {
+        assert_eq!(
+            normal_relaxation_time(&material(0.3, 0.0, 0.0), closure),
+            0.0
+        );
+    }
+}
+
 #[test]
 fn both_viscosities_nearly_incompressible_nu_0_499() {
     hold(material(0.499, 1.0, 1.0), [0.006995, 1.496022, 0.001609]);

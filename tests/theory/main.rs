@@ -18,6 +18,7 @@ mod hale;
 mod hertz_collision;
 mod hertz_factors;
 mod integrate;
+mod law_kinds;
 mod memory;
 mod mixing;
 mod partial_slip;

@@ -1,89 +1,99 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Do the tests notice a changed formula? Each mutant of the contact law and of the geometry is compiled without the lanes and held against the
-//! tests of the theory and of the properties, by cargo-mutants. A run can be stopped and gone on with; what came out is stored.
+//! Do the tests notice a changed formula? cargo-mutants says which mutants of the contact law and of the geometry there are. All
+//! of them are compiled into one copy of the library, without lanes, and turned on one at a time; each is held against the
+//! tests that see another value there. A run can be stopped and gone on with; what came out is stored.
+
+mod copy;
+mod examples;
+mod list;
+mod schemata;
+mod stored;
+mod trial;
+mod watched;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{bail, Context, Result};
 
-use crate::process::{output_of, run_open};
-use crate::progress::{human_time, say};
-use crate::workspace::{cargo, root, target_directory};
-use crate::{cache, demo::table::Table};
-
-/// Of cargo-mutants.
-const VERSION: &str = "27.1.0";
+use crate::progress::{human_time, say, Progress};
+use crate::workspace::target_directory;
+use copy::{Copy, Switch};
+use list::{mutants_of, Genre, Mutant};
+use stored::{Outcome, Stored};
+use trial::{mutated, Test, Verdict};
+use watched::{names_kept, watch, Watched};
 
 /// What is mutated.
 const FILES: [&str; 2] = ["src/force/**", "src/geometry/**"];
 
-/// The tests that may kill a mutant, and what of them needs lanes.
-const TESTS: [&str; 2] = ["theory", "properties"];
-const NEEDS_LANES: [&str; 5] = [
-    "free_rotation",
-    "global_minimum",
-    "lone_contacts",
-    "preparation",
-    "walls_in_lanes",
-];
+/// Of the tests in one process.
+const GROUP_SECONDS: f64 = 0.2;
 
-/// Seconds after which a mutant is taken for one that never ends; the tests take a quarter of a minute.
-const LONGEST: u32 = 120;
-
-/// What can become of a mutant: the names of the lists that cargo-mutants writes.
-const OUTCOMES: [&str; 4] = ["caught", "missed", "timeout", "unviable"];
+/// How often outcomes are written.
+const WRITTEN_EVERY: Duration = Duration::from_secs(30);
 
 #[derive(clap::Args)]
 pub struct Options {
     /// How long; then the run stops, to be gone on with
     #[arg(long, default_value_t = 60.0)]
     minutes: f64,
-    /// Mutants at a time
-    #[arg(long, default_value_t = 1)]
-    jobs: usize,
     /// Files to mutate [default: src/force/** and src/geometry/**]
     #[arg(long)]
     file: Vec<String>,
-    /// Only those that were missed, since tests have been added
+    /// Only those that survived, since tests have been added
     #[arg(long)]
     missed: bool,
+    /// Tests that take longer, in seconds, are left out where a shorter one sees the mutant
+    #[arg(long, default_value_t = 0.5)]
+    longest_test: f64,
+    /// Only tests with this in their name
+    #[arg(long)]
+    test: Option<String>,
+    /// Those that cannot be switched too, each compiled on its own
+    #[arg(long)]
+    one_by_one: bool,
+    /// Those that survived, held against the tests that need lanes
+    #[arg(long)]
+    lanes: bool,
 }
 
 pub fn mutants(options: &Options) -> Result<()> {
     let started = Instant::now();
-    let program = program()?;
-    let files: Vec<String> = if options.file.is_empty() {
-        FILES.map(str::to_string).into()
+    let end = started + Duration::from_secs_f64(60.0 * options.minutes);
+    let program = list::program()?;
+    let all = mutants_of(&program, &FILES.map(str::to_string))?;
+    let names: BTreeSet<&str> = all.iter().map(|m| m.name.as_str()).collect();
+    let wanted: BTreeSet<String> = if options.file.is_empty() {
+        names.iter().map(|name| name.to_string()).collect()
     } else {
-        options.file.clone()
+        let of_files = mutants_of(&program, &options.file)?;
+        of_files.into_iter().map(|m| m.name).collect()
     };
-    let all = list(&program, &FILES.map(str::to_string))?;
-    let wanted = list(&program, &files)?;
-    let mut stored = Stored::read(&all)?;
-    let left: BTreeSet<String> = if options.missed {
-        stored.take_missed(&wanted)
-    } else {
-        let untried = wanted.iter().filter(|m| !stored.has(m));
-        untried.cloned().collect()
-    };
+    let mut stored = Stored::read(&names);
+    let survived = |m: &Mutant| stored.of(&m.name).is_some_and(Outcome::survived);
+    // Those that have been tried are compiled too: the same programs as last time need not be watched again.
+    let mut compiled = all.clone();
+    compiled.retain(|m| wanted.contains(&m.name));
+    if options.missed || options.lanes {
+        compiled.retain(survived);
+    }
+    let again = options.missed || options.lanes;
+    let left: BTreeSet<usize> = (0..compiled.len())
+        .filter(|k| again || stored.of(&compiled[*k].name).is_none())
+        .collect();
     say(format!(
         "{} mutants, {} of them to be tried",
         wanted.len(),
         left.len()
     ));
     if !left.is_empty() {
-        let output = target_directory()?.join("mutants");
-        let _ = fs::remove_dir_all(&output);
-        let tried: Vec<String> = wanted.difference(&left).cloned().collect();
-        run(&program, &files, &tried, options, &output)?;
-        stored.add(&output.join("mutants.out"))?;
+        try_all(&compiled, &left, options, end, &mut stored)?;
         stored.write()?;
     }
-    println!("{}", stored.table(&all).markdown());
+    println!("{}", stored.table(&names).markdown());
     say(format!(
         "the lists are in validation/mutants; done in {}",
         human_time(started.elapsed())
@@ -91,202 +101,228 @@ pub fn mutants(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// cargo-mutants, installed in the cache.
-fn program() -> Result<PathBuf> {
-    let _lock = cache::lock("cargo-mutants")?;
-    let place = cache::directory()?.join(format!("cargo-mutants-{VERSION}"));
-    let program = place.join("bin").join("cargo-mutants");
-    if !program.is_file() {
-        say(format!("installing cargo-mutants {VERSION}"));
-        let version = format!("={VERSION}");
-        let mut install = cargo();
-        install.args([
-            "install",
-            "--quiet",
-            "--locked",
-            "cargo-mutants",
-            "--version",
-        ]);
-        run_open(install.arg(version).arg("--root").arg(&place))?;
-    }
-    Ok(program)
-}
-
-fn command(program: &Path, files: &[String]) -> Command {
-    let mut command = Command::new(program);
-    command
-        .current_dir(root())
-        .args(["mutants", "--package", "ellgran", "--colors", "never"]);
-    for file in files {
-        command.args(["--file", file]);
-    }
-    command
-}
-
-/// All mutants of some files.
-fn list(program: &Path, files: &[String]) -> Result<BTreeSet<String>> {
-    let text = output_of(command(program, files).arg("--list"))?;
-    Ok(text.lines().map(str::to_string).collect())
-}
-
-/// Runs those that have not been tried, for so long.
-fn run(
-    program: &Path,
-    files: &[String],
-    tried: &[String],
+fn try_all(
+    mutants: &[Mutant],
+    left: &BTreeSet<usize>,
     options: &Options,
-    output: &Path,
+    end: Instant,
+    stored: &mut Stored,
 ) -> Result<()> {
-    // What cargo-mutants leaves out are those that an earlier run of its own has caught.
-    let lists = output.join("mutants.out");
-    fs::create_dir_all(&lists)?;
-    fs::write(lists.join("caught.txt"), lines(tried))?;
-    for other in ["missed", "timeout", "unviable"] {
-        fs::write(lists.join(format!("{other}.txt")), "")?;
+    let without_lanes = target_directory()?.join("mutants");
+    let place = if options.lanes {
+        without_lanes.join("lanes")
+    } else {
+        without_lanes.clone()
+    };
+    fs::create_dir_all(&place)?;
+    let (sources, build) = (place.join("sources"), without_lanes.join("build"));
+    let mut copy = Copy::make(sources, build, mutants, options.lanes)?;
+    let compiling = Progress::start("compiling all mutants into one library");
+    copy.switch(mutants)?;
+    say(format!(
+        "{} can be switched, {} cannot be compiled, {} can only be compiled one by one",
+        copy.switches.len(),
+        copy.unviable.len(),
+        copy.fixed.len()
+    ));
+    for &index in &copy.unviable {
+        stored.set(&mutants[index].name, Outcome::Unviable);
     }
-    fs::write(lists.join("outcomes.json"), "{\"outcomes\":[]}")?;
-    let mut command = command(program, files);
-    command
-        .env("RUSTFLAGS", "--cfg ellgran_without_lanes")
-        .env_remove("CARGO_TARGET_DIR")
-        .args([
-            "--iterate",
-            "--shuffle",
-            "--no-times",
-            "--cap-lints",
-            "true",
-        ])
-        .args(["--profile", "mutants", "--timeout", &LONGEST.to_string()])
-        .args(["--jobs", &options.jobs.to_string(), "--output"])
-        .arg(output)
-        .arg("--");
-    for test in TESTS {
-        command.args(["--test", test]);
-    }
-    command.arg("--");
-    for test in NEEDS_LANES {
-        command.args(["--skip", test]);
-    }
-    let mut child = command.spawn().context("cannot start cargo-mutants")?;
-    let end = Instant::now() + Duration::from_secs_f64(60.0 * options.minutes);
-    loop {
-        if let Some(status) = child.try_wait()? {
-            // 2: some were missed, 3: some never ended.
-            return match status.code() {
-                Some(0 | 2 | 3) => Ok(()),
-                _ => bail!("cargo-mutants: {status}"),
-            };
+    stored.write()?;
+    let programs = copy.tests()?.context("the tests cannot be compiled")?;
+    compiling.finish();
+    let mut tests = watch(&programs, &place)?;
+    if options.lanes {
+        // The others have been tried.
+        for program in &programs {
+            let tried = names_kept(&without_lanes, &program.name);
+            tests.retain(|t| t.of != program.name || !tried.contains(&t.test.name));
         }
+    }
+    if let Some(part) = &options.test {
+        tests.retain(|t| t.test.name.contains(part.as_str()));
+    }
+    tests.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let mut progress = Progress::start("mutants");
+    let mut written = Instant::now();
+    let mut killers = Killers::default();
+    let said = place.join("said");
+    for (&index, &switch) in copy.switches.iter().filter(|(k, _)| left.contains(k)) {
         if Instant::now() > end {
-            // It takes an interrupt for the end, and writes each outcome at once.
-            let identifier = child.id().to_string();
-            run_open(Command::new("kill").args(["-INT", &identifier]))?;
-            child.wait()?;
-            return Ok(());
+            break;
         }
-        std::thread::sleep(Duration::from_secs(1));
-    }
-}
-
-fn lines<'a>(names: impl IntoIterator<Item = &'a String>) -> String {
-    names.into_iter().map(|name| format!("{name}\n")).collect()
-}
-
-/// What became of the mutants of the present sources.
-struct Stored {
-    by_outcome: BTreeMap<&'static str, BTreeSet<String>>,
-}
-
-impl Stored {
-    fn file(outcome: &str) -> PathBuf {
-        root()
-            .join("validation/mutants")
-            .join(format!("{outcome}.txt"))
-    }
-
-    /// Outcomes of mutants that there still are; a file that was changed has new ones.
-    fn read(all: &BTreeSet<String>) -> Result<Stored> {
-        let mut by_outcome = BTreeMap::new();
-        for outcome in OUTCOMES {
-            let text = fs::read_to_string(Self::file(outcome)).unwrap_or_default();
-            let names = text.lines().map(str::to_string);
-            by_outcome.insert(outcome, names.filter(|name| all.contains(name)).collect());
-        }
-        Ok(Stored { by_outcome })
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.by_outcome.values().any(|names| names.contains(name))
-    }
-
-    /// Takes out those that were missed among these. What a run does not come to is then as if it had never been tried.
-    fn take_missed(&mut self, of: &BTreeSet<String>) -> BTreeSet<String> {
-        let missed = self.by_outcome.entry("missed").or_default();
-        let (taken, kept) = missed.iter().cloned().partition(|name| of.contains(name));
-        *missed = kept;
-        taken
-    }
-
-    fn add(&mut self, lists: &Path) -> Result<()> {
-        for outcome in OUTCOMES {
-            let file = lists.join(format!("{outcome}.txt"));
-            let text = fs::read_to_string(&file)
-                .with_context(|| format!("cannot read {}", file.display()))?;
-            for name in text.lines().filter(|name| !name.is_empty()) {
-                if !self.has(name) {
-                    let names = self.by_outcome.entry(outcome).or_default();
-                    names.insert(name.to_string());
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn write(&self) -> Result<()> {
-        for (outcome, names) in &self.by_outcome {
-            let file = Self::file(outcome);
-            fs::create_dir_all(file.parent().context("no folder")?)?;
-            fs::write(&file, lines(names))
-                .with_context(|| format!("cannot write {}", file.display()))?;
-        }
-        Ok(())
-    }
-
-    fn table(&self, all: &BTreeSet<String>) -> Table {
-        let mut table = Table::new(
-            "Mutants of the contact law and of the geometry",
-            &[
-                "file",
-                "mutants",
-                "tried",
-                "caught",
-                "never end",
-                "cannot be compiled",
-                "missed",
-            ],
+        let mutant = &mutants[index];
+        let longest = options.longest_test;
+        let outcome = judge(mutant, switch, &tests, longest, &mut killers, &said)?;
+        stored.set_unless_less(&mutant.name, outcome);
+        progress.update(
+            Some(index as f64 / mutants.len() as f64),
+            &format!("{index} of {}, {}", mutants.len(), mutant.name),
         );
-        let file_of = |name: &str| name.split(':').next().unwrap_or_default().to_string();
-        let files: BTreeSet<String> = all.iter().map(|name| file_of(name)).collect();
-        for file in &files {
-            let of = |outcome: &str| {
-                let names = &self.by_outcome[outcome];
-                names.iter().filter(|name| file_of(name) == *file).count()
-            };
-            let counts = OUTCOMES.map(of);
-            let [caught, missed, never_end, cannot] = counts;
-            let there_are = all.iter().filter(|name| file_of(name) == *file).count();
-            let numbers = [
-                there_are,
-                counts.iter().sum(),
-                caught,
-                never_end,
-                cannot,
-                missed,
-            ];
-            let mut row = vec![file.clone()];
-            row.extend(numbers.map(|n| n.to_string()));
-            table.row(row);
+        if written.elapsed() > WRITTEN_EVERY {
+            stored.write()?;
+            written = Instant::now();
         }
-        table
     }
+    progress.finish();
+    if options.one_by_one {
+        let fixed = &copy.fixed & left;
+        one_by_one(
+            mutants,
+            &fixed,
+            &copy,
+            (&tests, options.longest_test),
+            end,
+            stored,
+            &said,
+        )?;
+    }
+    Ok(())
+}
+
+/// How many mutants of a file each test has killed: what has killed its neighbours is likely to kill the next.
+#[derive(Default)]
+struct Killers(BTreeMap<(String, usize), usize>);
+
+impl Killers {
+    /// In the order of time per chance.
+    fn order(&self, file: &str, tests: &[Watched], mut chosen: Vec<usize>) -> Vec<usize> {
+        let cost = |k: &usize| {
+            let kills = self.0.get(&(file.to_string(), *k)).copied().unwrap_or(0);
+            // A process takes some milliseconds, whatever it runs.
+            (0.003 + tests[*k].seconds) / (1.0 + kills as f64)
+        };
+        chosen.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        chosen
+    }
+
+    fn add(&mut self, file: &str, test: usize) {
+        *self.0.entry((file.to_string(), test)).or_default() += 1;
+    }
+}
+
+/// Runs the tests that see the mutant, until one fails.
+fn judge(
+    mutant: &Mutant,
+    switch: Switch,
+    tests: &[Watched],
+    longest_test: f64,
+    killers: &mut Killers,
+    said: &Path,
+) -> Result<Outcome> {
+    if !tests.iter().any(|test| test.reaches(switch)) {
+        return Ok(Outcome::Unreached);
+    }
+    let compared = is_compared(mutant);
+    let mut seeing: Vec<usize> = (0..tests.len())
+        .filter(|k| tests[*k].sees(switch, compared))
+        .collect();
+    if seeing.is_empty() {
+        return Ok(Outcome::Same);
+    }
+    // Long tests where there is no shorter one.
+    let short = |k: &usize| tests[*k].seconds <= longest_test;
+    if seeing.iter().any(short) {
+        seeing.retain(short);
+    }
+    let ordered = killers.order(&mutant.file, tests, seeing);
+    for group in groups(&ordered, tests) {
+        let of_group: Vec<&Test> = group.iter().map(|k| &tests[*k].test).collect();
+        let seconds = group.iter().map(|k| tests[*k].seconds).sum();
+        let (verdict, failed) = mutated(&of_group, Some(switch), seconds, said)?;
+        if verdict != Verdict::Passed {
+            let named = |k: &&usize| Some(&tests[**k].test.name) == failed.as_ref();
+            if let Some(killer) = group.iter().find(named) {
+                killers.add(&mutant.file, *killer);
+            }
+            return Ok(outcome_of(verdict));
+        }
+    }
+    Ok(Outcome::Missed)
+}
+
+/// The likeliest tests alone, the others in processes of so many seconds: to start one costs more than most tests.
+fn groups(ordered: &[usize], tests: &[Watched]) -> Vec<Vec<usize>> {
+    let (alone, others) = ordered.split_at(ordered.len().min(3));
+    let mut groups: Vec<Vec<usize>> = alone.iter().map(|k| vec![*k]).collect();
+    let mut open = BTreeMap::<&Path, (Vec<usize>, f64)>::new();
+    for &k in others {
+        let (group, seconds) = open.entry(&tests[k].test.program).or_default();
+        group.push(k);
+        *seconds += tests[k].seconds;
+        if *seconds > GROUP_SECONDS {
+            groups.push(std::mem::take(group));
+            *seconds = 0.0;
+        }
+    }
+    let rest = open.into_values().map(|(group, _)| group);
+    groups.extend(rest.filter(|group| !group.is_empty()));
+    groups
+}
+
+fn outcome_of(verdict: Verdict) -> Outcome {
+    match verdict {
+        Verdict::Passed => Outcome::Missed,
+        Verdict::Failed => Outcome::Caught,
+        Verdict::NeverEnds => Outcome::NeverEnds,
+    }
+}
+
+/// Whether the copy looks at the value of a mutant beside that of the original: of operators whose operands it can use twice.
+fn is_compared(mutant: &Mutant) -> bool {
+    let assigns = mutant.replacement.ends_with('=')
+        && !matches!(mutant.replacement.as_str(), "==" | "!=" | "<=" | ">=");
+    let lazy = matches!(mutant.replacement.as_str(), "&&" | "||");
+    mutant.genre == Genre::BinaryOperator && !assigns && !lazy
+}
+
+/// Those that are constants and the like: each takes a compilation, and all tests, since nobody knows which see it.
+fn one_by_one(
+    mutants: &[Mutant],
+    fixed: &BTreeSet<usize>,
+    copy: &Copy,
+    (tests, longest_test): (&[Watched], f64),
+    end: Instant,
+    stored: &mut Stored,
+    said: &Path,
+) -> Result<()> {
+    for file in mutants.iter().map(|m| &m.file).collect::<BTreeSet<_>>() {
+        copy.write_original(file)?;
+    }
+    let mut progress = Progress::start("mutants one by one");
+    for (done, &index) in fixed.iter().enumerate() {
+        if Instant::now() > end {
+            break;
+        }
+        let mutant = &mutants[index];
+        progress.update(
+            Some(done as f64 / fixed.len() as f64),
+            &format!("{done} of {}, {}", fixed.len(), mutant.name),
+        );
+        copy.write_alone(mutant)?;
+        let programs = copy.tests()?;
+        copy.write_original(&mutant.file)?;
+        let outcome = match programs {
+            None => Outcome::Unviable,
+            Some(programs) => {
+                let mut outcome = Outcome::Missed;
+                for test in tests.iter().filter(|t| t.seconds <= longest_test) {
+                    // The name of a program follows from the flags, not from the text: it is the same file.
+                    if programs.iter().all(|p| p.path != test.test.program) {
+                        bail!("cargo has made another program");
+                    }
+                    let (verdict, _) = mutated(&[&test.test], None, test.seconds, said)?;
+                    outcome = outcome_of(verdict);
+                    if outcome != Outcome::Missed {
+                        break;
+                    }
+                }
+                outcome
+            }
+        };
+        stored.set(&mutant.name, outcome);
+        stored.write()?;
+    }
+    progress.finish();
+    Ok(())
 }
