@@ -222,20 +222,8 @@ fn both_versions_grains_that_come_and_go_bring_and_take_their_energy() {
         } else {
             [balance, gravity, pour, &table]
         };
-        let deck = Deck {
-            fixes: fixes.map(String::from).to_vec(),
-            time_step: 2e-5,
-            steps: 8000,
-            thermo_every: 1000,
-            thermo_columns: "step atoms f_pour c_balance[*]".into(),
-            skin: 1e-3,
-            runs: vec!["thermo_modify lost ignore\nrun 8000".into()],
-            ..Deck::new(LAW)
-        };
-        let mut scene = cloud();
-        scene.grains.truncate(1);
-        scene.grains[0].position = [0.017, 0.017, 0.0045];
-        scene.low[2] = -0.02;
+        let deck = pouring(&fixes, 1000);
+        let scene = one_above_an_open_end([0.017, 0.017, 0.0045]);
         let outcome = run(&engine, "balance_pour", &scene, &deck, 1);
         let rows = outcome.thermo();
         let all = all_columns(&outcome);
@@ -254,34 +242,43 @@ fn both_versions_grains_that_come_and_go_bring_and_take_their_energy() {
     }
 }
 
+/// Grains that come from a fix and leave the box below.
+fn pouring(fixes: &[&str], thermo_every: u64) -> Deck {
+    Deck {
+        fixes: fixes.iter().map(|line| line.to_string()).collect(),
+        time_step: 2e-5,
+        steps: 8000,
+        thermo_every,
+        thermo_columns: "step atoms f_pour c_balance[*]".into(),
+        skin: 1e-3,
+        runs: vec!["thermo_modify lost ignore\nrun 8000".into()],
+        ..Deck::new(LAW)
+    }
+}
+
+/// One grain of the cloud, in a box that goes on below.
+fn one_above_an_open_end(position: [f64; 3]) -> Scene {
+    let mut scene = cloud();
+    scene.grains.truncate(1);
+    scene.grains[0].position = position;
+    scene.low[2] = -0.02;
+    scene
+}
+
 /// Grains that are inserted, fall freely and leave the box below: velocity Verlet keeps their energy to rounding, and so does the balance.
 #[test]
 fn both_versions_grains_that_only_fall_leave_nothing_over() {
     let engine = Engine::from_environment();
     let pour = "region top block 0.008 0.026 0.008 0.026 0.03 0.06\nfix pour all pour/ellipsoid 40 1 4711 region top shape one 0.006 0.004 0.004 dens 2500 2500 vel 0 0 0 0 -0.5";
-    let deck = Deck {
-        fixes: [
-            "fix gravity all gravity 9.81 vector 0 0 -1",
-            pour,
-            "compute balance all energy/ellipsoid",
-        ]
-        .map(String::from)
-        .to_vec(),
-        time_step: 2e-5,
-        steps: 8000,
-        thermo_every: 100,
-        thermo_columns: "step atoms f_pour c_balance[*]".into(),
-        skin: 1e-3,
-        runs: vec!["thermo_modify lost ignore\nrun 8000".into()],
-        ..Deck::new(LAW)
-    };
-    let mut scene = cloud();
-    scene.grains.truncate(1);
+    let gravity = "fix gravity all gravity 9.81 vector 0 0 -1";
+    let deck = pouring(
+        &[gravity, pour, "compute balance all energy/ellipsoid"],
+        100,
+    );
     // out of the way of the others
-    scene.grains[0].position = [0.003, 0.003, 0.0045];
+    let mut scene = one_above_an_open_end([0.003, 0.003, 0.0045]);
     // the integrator of this deck turns a grain with an error
     scene.grains[0].angular_momentum = [0.0; 3];
-    scene.low[2] = -0.02;
     let outcome = run(&engine, "balance_fall", &scene, &deck, 1);
     let rows = outcome.thermo();
     let last = rows.last().unwrap();
