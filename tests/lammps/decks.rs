@@ -344,6 +344,7 @@ const PRINTED: [Printed; 10] = [
 fn the_rows_of_the_page_are_printed() {
     let engine = Engine::from_environment();
     let page = crate::engines::printed::page("examples/lammps/README.md");
+    let mut others = Vec::new();
     for (deck, variables, ranks, tolerance) in PRINTED {
         let (_, section) = page
             .split_once(&format!("\n### {deck}\n"))
@@ -396,7 +397,10 @@ fn the_rows_of_the_page_are_printed() {
                 worst.0,
                 worst.1
             );
-            assert!(worst.0 < tolerance, "{deck}: {} of {}", worst.0, worst.1);
+            if worst.0 >= tolerance {
+                others.push(format!("{deck}: off by {:.1e} in {}", worst.0, worst.1));
+            }
         }
     }
+    assert!(others.is_empty(), "{}", others.join("\n"));
 }

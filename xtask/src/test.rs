@@ -34,22 +34,57 @@ pub const LINTED: [&[&str]; 2] = [
     &["--test", "lammps", "--test", "liggghts", "--test", "wheel"],
 ];
 
-/// Names and times of the steps so far.
+/// Names and times of the steps so far, and what failed of those that no other step needs.
 struct Steps {
     done: Vec<(&'static str, Duration)>,
+    failed: Vec<(&'static str, anyhow::Error)>,
 }
 
 impl Steps {
+    /// A step whose result others need: its failure ends the run.
     fn run<T>(&mut self, name: &'static str, step: impl FnOnce() -> Result<T>) -> Result<T> {
+        let result = self.timed(name, step);
+        if result.is_err() {
+            self.summary();
+            self.say_failures();
+            say(format!("FAILED: {name}"));
+        }
+        result
+    }
+
+    /// A step that no other needs. The run goes on after its failure, so that one run tells everything that fails.
+    fn check(&mut self, name: &'static str, step: impl FnOnce() -> Result<()>) {
+        if let Err(error) = self.timed(name, step) {
+            say(format!("FAILED: {name}: {error:#}"));
+            self.failed.push((name, error));
+        }
+    }
+
+    fn timed<T>(&mut self, name: &'static str, step: impl FnOnce() -> Result<T>) -> Result<T> {
         say(format!("== {name}"));
         let started = Instant::now();
         let result = step();
         self.done.push((name, started.elapsed()));
-        if result.is_err() {
-            self.summary();
-            say(format!("FAILED: {name}"));
-        }
         result
+    }
+
+    fn say_failures(&self) {
+        for (name, error) in &self.failed {
+            say(format!("FAILED: {name}: {error:#}"));
+        }
+    }
+
+    fn end(self) -> Result<()> {
+        self.summary();
+        self.say_failures();
+        match self.failed.len() {
+            0 => {
+                say("all steps passed");
+                Ok(())
+            }
+            1 => anyhow::bail!("one step failed"),
+            count => anyhow::bail!("{count} steps failed"),
+        }
     }
 
     fn summary(&self) {
@@ -61,8 +96,15 @@ impl Steps {
 }
 
 pub fn test(options: &Options) -> Result<()> {
-    let mut steps = Steps { done: Vec::new() };
-    let steps = &mut steps;
+    let mut steps = Steps {
+        done: Vec::new(),
+        failed: Vec::new(),
+    };
+    those_of(options, &mut steps)?;
+    steps.end()
+}
+
+fn those_of(options: &Options, steps: &mut Steps) -> Result<()> {
     let filter: Vec<&str> = options.filter.as_deref().into_iter().collect();
     steps.run("tools and headers", || {
         setup::setup()?;
@@ -88,22 +130,23 @@ pub fn test(options: &Options) -> Result<()> {
                 "NOT TESTED: {target}: rustc cannot compile for it here; `cargo xtask other-systems` installs what it needs and looks"
             ));
         }
-        steps.run("documentation", || {
+        steps.check("documentation", || {
             run_open(
                 cargo()
                     .args(["doc", "--workspace", "--no-deps"])
                     .env("RUSTDOCFLAGS", "-Dwarnings"),
             )
-        })?;
-        steps.run("C header", || header::header(true))?;
-        steps.run("rooms", rooms::check)?;
-        steps.run("examples of public items", shown::check)?;
-        steps.run("kernels for GPUs", gpu::check_sources)?;
+        });
+        steps.check("C header", || header::header(true));
+        steps.check("rooms", rooms::check);
+        steps.check("examples of public items", shown::check);
+        steps.check("kernels for GPUs", gpu::check_sources);
         documentation_site(steps)?;
     }
     let prefix = tempfile::tempdir()?;
     let mut core = cargo();
-    core.args(["test", "--workspace"])
+    // The word after `--`: as an argument of cargo it would also build the tests of packages that have them switched off.
+    core.args(["test", "--workspace", "--no-fail-fast", "--"])
         .args(&filter)
         // setup() has installed them: their lack is a failure.
         .env("ELLGRAN_REQUIRE_TOOLS", "1");
@@ -111,26 +154,24 @@ pub fn test(options: &Options) -> Result<()> {
         steps.run("install", || install::into(prefix.path()))?;
         core.env("ELLGRAN_TEST_PREFIX", prefix.path());
     }
-    steps.run("core, C and CMake consumers", || run_open(&mut core))?;
+    steps.check("core, C and CMake consumers", || run_open(&mut core));
     if options.filter.is_none() {
-        steps.run("ten million steps of free rotation", || {
+        steps.check("ten million steps of free rotation", || {
             let one = "free_rotation::energy_has_no_drift_in_ten_million_steps";
             run_open(cargo().args(["test", "--test", "theory", "--", "--ignored", one]))
-        })?;
-        steps.run("bench, quick kernels", || {
+        });
+        steps.check("bench, quick kernels", || {
             let output = tempfile::tempdir()?;
             bench::quick_kernels(output.path())
-        })?;
-        steps.run("report, quick, without engines", || {
+        });
+        steps.check("report, quick, without engines", || {
             let output = tempfile::tempdir()?;
             report::quick(output.path(), false)
-        })?;
-    }
-    if options.filter.is_none() {
-        full_problem(steps)?;
-    }
-    if options.quick && options.filter.is_none() {
-        steps.run("Python", || python::test(None))?;
+        });
+        full_problem(steps);
+        if options.quick {
+            steps.check("Python", || python::test(None));
+        }
     }
     if !options.quick {
         if options.filter.is_none() {
@@ -138,51 +179,53 @@ pub fn test(options: &Options) -> Result<()> {
         }
         engines(steps, &filter)?;
     }
-    steps.summary();
-    say("all steps passed");
     Ok(())
 }
 
 /// Left out, and said, where Python's packages for it are not to be had.
-fn full_problem(steps: &mut Steps) -> Result<()> {
+fn full_problem(steps: &mut Steps) {
     let name = "the theory against the full problem";
-    if cfg!(target_os = "linux") {
-        return match validate::environment() {
-            Ok(environment) => steps.run(name, || validate::check(environment)),
-            Err(why) => {
-                say(format!("NOT TESTED: {name}: {why:#}"));
-                Ok(())
-            }
-        };
+    if !cfg!(target_os = "linux") {
+        say(format!(
+            "NOT TESTED: {name}: the shared library is made on Linux"
+        ));
+        return;
     }
-    say(format!(
-        "NOT TESTED: {name}: the shared library is made on Linux"
-    ));
-    Ok(())
+    match validate::environment() {
+        Ok(environment) => steps.check(name, || validate::check(environment)),
+        Err(why) => say(format!("NOT TESTED: {name}: {why:#}")),
+    }
 }
 
 /// Made in any case; the look through a browser is left out, and said, where none is to be had.
 fn documentation_site(steps: &mut Steps) -> Result<()> {
     let output = tempfile::tempdir()?;
     let pages = output.path().join("site");
-    steps.run("documentation site", || site::build(&pages))?;
+    // Without pages there is nothing to look at, and the run goes on.
+    let mut built = false;
+    steps.check("documentation site", || {
+        site::build(&pages)?;
+        built = true;
+        Ok(())
+    });
+    if !built {
+        return Ok(());
+    }
     let mut browser = None;
     steps.run("browser", || {
         browser = Some(site::browser());
         Ok(())
     })?;
     match browser {
-        Some(Ok(browser)) => steps.run("documentation site in the browser", || {
+        Some(Ok(browser)) => steps.check("documentation site in the browser", || {
             site::check(&pages, &browser, None)
         }),
-        Some(Err(why)) => {
-            say(format!(
-                "NOT TESTED: the documentation site in a browser: {why:#}"
-            ));
-            Ok(())
-        }
-        None => Ok(()),
+        Some(Err(why)) => say(format!(
+            "NOT TESTED: the documentation site in a browser: {why:#}"
+        )),
+        None => {}
     }
+    Ok(())
 }
 
 /// Left out, and said, where its compilers are not to be had: they are no part of what a user needs. A test does not change
@@ -201,12 +244,10 @@ fn on_aarch64(steps: &mut Steps) -> Result<()> {
         Ok(())
     })?;
     match lacking {
-        Some(why) => {
-            say(format!("NOT TESTED: AArch64: {why}"));
-            Ok(())
-        }
-        None => steps.run("core, C and CMake consumers on AArch64", aarch64::quick),
+        Some(why) => say(format!("NOT TESTED: AArch64: {why}")),
+        None => steps.check("core, C and CMake consumers on AArch64", aarch64::quick),
     }
+    Ok(())
 }
 
 fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
@@ -240,33 +281,33 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     } else {
         filter
     };
-    steps.run("through LAMMPS", || {
+    steps.check("through LAMMPS", || {
         run_open(
             with_engine(engine_tests("lammps"), &newest)?
                 .args(["--", "--skip", KOKKOS_TESTS])
                 .args(newest_filter),
         )
-    })?;
+    });
     with_kokkos(steps, &newest, filter)?;
     let both = filter.is_empty() || filter.iter().any(|word| word.contains("both_versions"));
     if both && oldest.2 != newest.2 {
-        steps.run("through the oldest supported LAMMPS", || {
+        steps.check("through the oldest supported LAMMPS", || {
             run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
-        })?;
+        });
     }
     if cfg!(target_os = "linux") {
         let directory = tempfile::tempdir()?;
         let wheel = steps.run("wheel", || {
             wheel::build(directory.path(), wheel::Target::ThisMachine)
         })?;
-        steps.run("through the wheel", || {
+        steps.check("through the wheel", || {
             run_open(
                 with_engine(engine_tests("wheel"), &oldest)?
                     .env("ELLGRAN_TEST_WHEEL", &wheel)
                     .arg("--")
                     .args(filter),
             )
-        })?;
+        });
     }
     if root().join("tests").join("liggghts").is_dir() {
         let liggghts = steps.run("LIGGGHTS", liggghts::binary)?;
@@ -274,7 +315,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         if let Err(error) = &vtk {
             say(format!("NOT TESTED: LIGGGHTS' VTK dumps: {error:#}"));
         }
-        steps.run("through LIGGGHTS", || {
+        steps.check("through LIGGGHTS", || {
             run_open(
                 with_engine(engine_tests("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
@@ -283,27 +324,27 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
                     .arg("--")
                     .args(filter),
             )
-        })?;
+        });
     }
     if filter.is_empty() {
-        steps.run("Python", || python::test(Some((&newest.0, &newest.1))))?;
-        steps.run("bench, quick, through both engines", || {
+        steps.check("Python", || python::test(Some((&newest.0, &newest.1))));
+        steps.check("bench, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             bench::quick_scene(output.path())
-        })?;
-        steps.run("report, quick, through both engines", || {
+        });
+        steps.check("report, quick, through both engines", || {
             let output = tempfile::tempdir()?;
             report::quick(output.path(), true)
-        })?;
-        steps.run("demo", || {
+        });
+        steps.check("demo", || {
             let output = tempfile::tempdir()?;
             demo::run(demo::Which::Lammps, output.path())
-        })?;
+        });
         if root().join("examples").join("liggghts").is_dir() {
-            steps.run("demo through LIGGGHTS", || {
+            steps.check("demo through LIGGGHTS", || {
                 let output = tempfile::tempdir()?;
                 demo::run(demo::Which::Liggghts, output.path())
-            })?;
+            });
         }
     }
     Ok(())
@@ -333,13 +374,14 @@ fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()
     let lammps = steps.run("LAMMPS with KOKKOS", || {
         lammps_kokkos::binary(&source, Backend::OpenMp)
     })?;
-    steps.run("through LAMMPS with KOKKOS", || {
+    steps.check("through LAMMPS with KOKKOS", || {
         run_open(
             with_engine(engine_tests("lammps"), newest)?
                 .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps)
                 .args(["--", KOKKOS_TESTS]),
         )
-    })
+    });
+    Ok(())
 }
 
 fn engine_tests(name: &str) -> Command {
