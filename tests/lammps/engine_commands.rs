@@ -393,6 +393,7 @@ fn newest() -> Vec<Case> {
         superellipsoid(refused("`compute contact/atom`, `compute fabric`, `compute rattlers/atom`", "compute c all contact/atom", &["contact/atom", "enclosing spheres", "contact/ellipsoid/atom"])),
         superellipsoid(refused("`compute contact/atom`, `compute fabric`, `compute rattlers/atom`", "compute c all fabric radius contact", &["fabric", "contact/ellipsoid/atom"])),
         superellipsoid(refused("`fix viscous/nonlinear`", "fix g all viscous/nonlinear 1.2 1.8e-5", &["viscous/nonlinear", "enclosing spheres"])),
+        superellipsoid(refused("`fix damping/cundall`", "fix d all damping/cundall 0.5 0.5", &["damping/cundall", "omega"])),
         superellipsoid(refused("`fix adapt ... diameter`", "variable d equal 0.01\nfix a all adapt 1 atom diameter v_d", &["adapt", "shape"])),
         superellipsoid(Case { boundary: "p p f", ..refused("`fix pour`, `fix deposit`", "region top block 0 0.05 0 0.05 0.04 0.06\nfix p all pour 1 1 123 region top diam one 0.01", &["pour", "no shape"]) }),
         superellipsoid(Case { boundary: "p p f", ..refused("`fix wall/gran`, `fix wall/gran/region`", "fix w all wall/gran hertz/history 1e6 NULL 50 NULL 0.5 1 zplane 0 NULL", &["wall/gran", "omega"]) }),

