@@ -297,3 +297,11 @@ fn commands_are_read_as_a_shell_would() {
     let page = "a\n```sh\n# all\nls  -l \\\n   x   # why\n\ncd y\n```\n\n```sh\nz\n```\n";
     assert_eq!(commands(page), ["ls -l x", "cd y", "z"]);
 }
+
+/// As it is typed, which is not the name of the program that cargo runs.
+#[test]
+fn the_help_of_a_command_names_it_as_it_is_typed() {
+    let help = Arguments::try_parse_from(["xtask", "path", "--help"]);
+    let help = help.err().expect("help").to_string();
+    assert!(help.contains("Usage: cargo xtask path <WHAT>"), "{help}");
+}

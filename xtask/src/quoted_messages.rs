@@ -57,7 +57,10 @@ fn sources() -> String {
     )
     .expect("git");
     let mut whole = String::new();
-    for file in list.lines().filter(|file| !file.ends_with("quoted_messages.rs")) {
+    for file in list
+        .lines()
+        .filter(|file| !file.ends_with("quoted_messages.rs"))
+    {
         let text = fs::read_to_string(root().join(file)).expect(file);
         // C++ and Python go on in another string, Rust after a backslash at the end of the line.
         let mut pieces = text.split('"').peekable();
@@ -73,10 +76,7 @@ fn sources() -> String {
         }
         whole.push('\n');
     }
-    whole
-        .split("\\\n")
-        .map(str::trim_start)
-        .collect::<String>()
+    whole.split("\\\n").map(str::trim_start).collect::<String>()
 }
 
 /// The messages of a table: what the first cell of each row has as code.
