@@ -411,6 +411,7 @@ void EllgranGrainPlacement::end_creation(bigint count, bigint last_tag)
                all);
   atom->natoms += count;
   if (atom->natoms < 0 || atom->natoms >= MAXBIGINT) error->all(FLERR, "{}: too many atoms", caller);
+  atoms.count_ellipsoids();
   if (last_tag >= MAXTAGINT) error->all(FLERR, "{}: new atom IDs exceed the largest possible ID", caller);
   if (atom->map_style != Atom::MAP_NONE) {
     atom->map_init();

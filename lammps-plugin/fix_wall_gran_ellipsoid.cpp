@@ -674,6 +674,7 @@ void FixWallGranEllipsoid::post_integrate()
   if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_wall_tally_following_half_step(wall, &particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  atoms.require_finite(tallies.viscous_dissipation, tallies.tangential_work);
 }
 
 void FixWallGranEllipsoid::post_force(int vflag)

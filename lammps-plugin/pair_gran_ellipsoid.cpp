@@ -340,6 +340,7 @@ void PairGranEllipsoid::add_following_half_step()
   // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
   tallies.viscous_dissipation -= 0.5 * update->dt * image_powers[0];
   tallies.tangential_work -= 0.5 * update->dt * image_powers[1];
+  atoms.require_finite(tallies.viscous_dissipation, tallies.tangential_work);
 }
 
 /* Powers of the viscous forces and of the other tangential ones on the centres of the first atoms. Images turn as their
@@ -515,6 +516,7 @@ void PairGranEllipsoid::init_style()
                    "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
                    CALLER, force->special_lj[k]);
   atoms.require_shapes(~0);
+  atoms.count_ellipsoids();
   warn_of_masses();
 
   shapes_may_change = atoms.shapes_may_change();
