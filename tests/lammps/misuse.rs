@@ -931,30 +931,6 @@ fn both_versions_commands_before_a_run_without_set_up() {
     }
 }
 
-/// The balance of energies meets what is not a number before the forces do.
-#[test]
-fn both_versions_a_run_that_has_become_unstable_names_a_particle() {
-    // the barostat has no temperature to make an inertia of
-    let mut deck = Deck::new(VISCOUS);
-    deck.integrate = false;
-    deck.time_step = 1e-5;
-    deck.skin = 2e-3;
-    deck.fixes = vec![
-        "velocity all set 0 0 0".into(),
-        "fix move all nph/asphere iso 1e3 1e3 0.01".into(),
-        "compute energies all pair gran/ellipsoid".into(),
-        "thermo_style custom step c_energies[3]".into(),
-    ];
-    deck.thermo_columns = "step c_energies[3]".into();
-    deck.steps = 100;
-    refused(
-        "unstable",
-        &crowd(64),
-        &deck,
-        &["particle", "is not finite"],
-    );
-}
-
 #[test]
 fn both_versions_computes_of_time_step_and_contacts() {
     let scene = pair_of_grains();
