@@ -18,6 +18,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 using namespace LAMMPS_NS;
 
@@ -338,6 +339,29 @@ void EllgranAtoms::set_grain(int i, const double *axes, const double *quaternion
   const Shapes found = shapes();
   std::copy_n(quaternion, 4, const_cast<double *>(entry(found.quaternions, found.stride, atom->ellipsoid[i])));
   std::fill_n(atom->angmom[i], 3, 0.0);
+}
+
+/* LAMMPS counts them where it reads, sets or deletes some, not where a command inserts them or a boundary loses them. */
+
+void EllgranAtoms::count_ellipsoids() const
+{
+  const bigint owned = std::count_if(atom->ellipsoid, atom->ellipsoid + atom->nlocal, [](int index) { return index >= 0; });
+  MPI_Allreduce(&owned, &atom->nellipsoids, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+}
+
+/* Their velocities are those that have just led them here. */
+
+void EllgranAtoms::require_finite(double viscous_dissipation, double tangential_work) const
+{
+  if (std::isfinite(viscous_dissipation) && std::isfinite(tangential_work)) return;
+  const auto finite = [](const double *v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); };
+  for (int i = 0; i < atom->nlocal; i++)
+    for (const auto &[values, name] : {std::pair(atom->x[i], "position"), std::pair(atom->v[i], "velocity"),
+                                       std::pair(atom->angmom[i], "angular momentum")})
+      if (!finite(values))
+        error->one(FLERR, "{}: particle {}: {} = ({} {} {}) is not finite", caller, atom->tag[i], name, values[0], values[1], values[2]);
+  error->one(FLERR, "{}: the energy dissipated is not finite: the run has become unstable, often because the time step is too large",
+             caller);
 }
 
 EllgranParticles EllgranAtoms::view() const

@@ -62,6 +62,13 @@ class EllgranAtoms : protected Pointers {
   /// Makes an owned atom, new or not, an ellipsoid at rest about its centre.
   void set_grain(int i, const double *semi_axes, const double *quaternion, double mass);
 
+  /// Sets LAMMPS' number of ellipsoids, which data and restart files state, to those that all ranks own.
+  void count_ellipsoids() const;
+
+  /// Stops with a message that says that the run has become unstable, and which owned atom shows it, if one of the sums
+  /// over a step is not finite.
+  void require_finite(double viscous_dissipation, double tangential_work) const;
+
   /// Position, attitude, shape, velocities and mass of one owned or ghost atom.
   /// `contact_mass` replaces the atom's mass in the contact (rigid body, frozen atom). Velocity and
   /// angular momentum are those given, or the atom's present ones for nullptr.

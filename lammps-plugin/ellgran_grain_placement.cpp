@@ -9,6 +9,7 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "math_extra.h"
 #include "modify.h"
 #include "region.h"
 
@@ -27,6 +28,9 @@ constexpr double INFINITE = 1e20;
 
 // A region that reaches beyond the box by less than this part of the box does so by rounding.
 constexpr double ROUNDING = 1e-10;
+
+// Bodies that are apart by less than this part of what they reach may touch by rounding: the contact search tells.
+constexpr double NEARLY = 1e-9;
 
 // Most cells along an axis: a memory of some ten megabytes.
 constexpr int MOST_CELLS = 100;
@@ -197,10 +201,10 @@ bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain)
   return ellgran_wall_recorded_count(wall) > 0;
 }
 
-/* The periodic images of a ball that reach into the cells, itself first. */
+/* The periodic images of a box that reach into the cells, itself first. */
 
 template <typename Visit>
-void EllgranGrainPlacement::each_image(const double *position, double radius, Visit visit) const
+void EllgranGrainPlacement::each_image(const double *position, const double *reach, Visit visit) const
 {
   int images[3];
   for (int k = 0; k < 3; k++) images[k] = domain->periodicity[k] ? 3 : 1;
@@ -213,30 +217,30 @@ void EllgranGrainPlacement::each_image(const double *position, double radius, Vi
         bool reaches = true;
         for (int a = 0; a < 3; a++) {
           there[a] = position[a] + shifts[index[a]] * domain->prd[a];
-          reaches &= there[a] + radius >= cell_low[a] && there[a] - radius <= cell_low[a] + cell_count[a] * cell_size;
+          reaches &= there[a] + reach[a] >= cell_low[a] && there[a] - reach[a] <= cell_low[a] + cell_count[a] * cell_size;
         }
         if (reaches) visit(there);
       }
 }
 
-void EllgranGrainPlacement::cells_of(const double *position, double radius, int range[3][2]) const
+void EllgranGrainPlacement::cells_of(const double *position, const double *reach, int range[3][2]) const
 {
   for (int k = 0; k < 3; k++)
     for (int side = 0; side < 2; side++) {
-      const double place = (position[k] + (side == 0 ? -radius : radius) - cell_low[k]) / cell_size;
+      const double place = (position[k] + (side == 0 ? -reach[k] : reach[k]) - cell_low[k]) / cell_size;
       range[k][side] = static_cast<int>(std::clamp(std::floor(place), 0.0, cell_count[k] - 1.0));
     }
 }
 
 void EllgranGrainPlacement::remember(const Present &grain)
 {
-  each_image(grain.position, grain.largest, [&](const double *there) {
+  each_image(grain.position, grain.reach, [&](const double *there) {
     const auto index = static_cast<int>(present.size());
     present.push_back(grain);
     std::copy_n(there, 3, present.back().position);
     asked.push_back(0);
     int range[3][2];
-    cells_of(there, grain.largest, range);
+    cells_of(there, grain.reach, range);
     for (int i = range[0][0]; i <= range[0][1]; i++)
       for (int j = range[1][0]; j <= range[1][1]; j++)
         for (int k = range[2][0]; k <= range[2][1]; k++)
@@ -282,11 +286,10 @@ void EllgranGrainPlacement::collect(double largest, double typical, double rise,
     std::copy_n(body.position, 3, grain.position);
     std::copy_n(body.quaternion, 4, grain.quaternion);
     std::copy_n(body.semi_axes, 3, grain.semi_axes);
-    grain.largest = std::max({body.semi_axes[0], body.semi_axes[1], body.semi_axes[2]});
-    grain.smallest = std::min({body.semi_axes[0], body.semi_axes[1], body.semi_axes[2]});
+    find_axes(grain);
     grain.tag = static_cast<double>(body.identifier);
     bool reaches = false;
-    each_image(grain.position, grain.largest, [&](const double *) { reaches = true; });
+    each_image(grain.position, grain.reach, [&](const double *) { reaches = true; });
     if (reaches) here.push_back(grain);
   }
   MPI_Datatype datatype;
@@ -307,58 +310,99 @@ bool EllgranGrainPlacement::is_inside(const double *position) const
   return region->match(position[0], position[1], position[2] - raised) != 0;
 }
 
-bool EllgranGrainPlacement::overlaps(const EllgranBody &grain, double largest, double smallest, const Present &other) const
+/* What follows from semi-axes and quaternion. */
+
+void EllgranGrainPlacement::find_axes(Present &grain)
 {
-  const double distance = square_of_distance(grain.position, other.position);
-  const double outer = largest + other.largest, inner = smallest + other.smallest;
-  // Enclosing balls apart, or balls within them that overlap: both for speed alone.
-  if (distance > outer * outer) return false;
-  if (distance < inner * inner) return true;
-  EllgranBody there = ELLGRAN_INIT(EllgranBody);
-  std::copy_n(other.position, 3, there.position);
-  std::copy_n(other.quaternion, 4, there.quaternion);
-  std::copy_n(other.semi_axes, 3, there.semi_axes);
-  there.mass = 1.0;
-  there.particle_type = 1;
-  there.identifier = static_cast<int64_t>(other.tag);
-  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
-  check(ellgran_contact_geometry(nullptr, &grain, &there, nullptr, &geometry));
-  return geometry.touching != 0;
+  double rotation[3][3];
+  MathExtra::quat_to_mat(grain.quaternion, rotation);
+  int order[3] = {0, 1, 2};
+  std::sort(order, order + 3, [&](int a, int b) { return grain.semi_axes[a] > grain.semi_axes[b]; });
+  for (int m = 0; m < 3; m++)
+    for (int k = 0; k < 3; k++) grain.axes[m][k] = grain.semi_axes[order[m]] * rotation[k][order[m]];
+  for (int k = 0; k < 3; k++)
+    grain.reach[k] = std::sqrt(grain.axes[0][k] * grain.axes[0][k] + grain.axes[1][k] * grain.axes[1][k] + grain.axes[2][k] * grain.axes[2][k]);
+  grain.largest = grain.semi_axes[order[0]];
+  grain.smallest = grain.semi_axes[order[2]];
 }
 
-bool EllgranGrainPlacement::is_free(const EllgranGrain &grain)
+EllgranGrainPlacement::Present EllgranGrainPlacement::present_of(const EllgranGrain &grain)
 {
-  if (!is_inside(grain.position)) return false;
-  const double largest = grain.largest(), smallest = grain.smallest();
+  Present there{};
+  std::copy_n(grain.position, 3, there.position);
+  std::copy_n(grain.quaternion, 4, there.quaternion);
+  std::copy_n(grain.semi_axes, 3, there.semi_axes);
+  find_axes(there);
+  return there;
+}
+
+EllgranBody EllgranGrainPlacement::body_of(const Present &grain)
+{
   EllgranBody body = ELLGRAN_INIT(EllgranBody);
   std::copy_n(grain.position, 3, body.position);
   std::copy_n(grain.quaternion, 4, body.quaternion);
   std::copy_n(grain.semi_axes, 3, body.semi_axes);
   body.mass = 1.0;
   body.particle_type = 1;
+  body.identifier = static_cast<int64_t>(grain.tag);
+  return body;
+}
+
+bool EllgranGrainPlacement::overlaps(const Present &grain, const EllgranBody &body, const Present &other) const
+{
+  const double distance = square_of_distance(grain.position, other.position);
+  const double outer = grain.largest + other.largest, inner = grain.smallest + other.smallest;
+  // Balls around them apart, balls within them that overlap, a plane between them: all for speed alone.
+  if (distance > outer * outer) return false;
+  if (distance < inner * inner) return true;
+  double d[3], across[3];
+  MathExtra::sub3(other.position, grain.position, d);
+  // As far along any vector n as both reach together: not for the last digits.
+  const auto apart = [&](const double *n) {
+    double reaches = 0.0;
+    for (const Present *one : {&grain, &other}) {
+      const double a = MathExtra::dot3(one->axes[0], n), b = MathExtra::dot3(one->axes[1], n), c = MathExtra::dot3(one->axes[2], n);
+      reaches += std::sqrt(a * a + b * b + c * c);
+    }
+    return std::fabs(MathExtra::dot3(d, n)) > (1.0 + NEARLY) * reaches;
+  };
+  if (apart(d)) return false;
+  // Between needles: across both, and across each towards the other.
+  MathExtra::cross3(grain.axes[0], other.axes[0], across);
+  if (apart(across)) return false;
+  for (const Present *one : {&grain, &other}) {
+    const double along = MathExtra::dot3(d, one->axes[0]) / (one->largest * one->largest);
+    for (int k = 0; k < 3; k++) across[k] = d[k] - along * one->axes[0][k];
+    if (apart(across)) return false;
+  }
+  const EllgranBody there = body_of(other);
+  EllgranContactGeometry geometry = ELLGRAN_INIT(EllgranContactGeometry);
+  check(ellgran_contact_geometry(nullptr, &body, &there, nullptr, &geometry));
+  return geometry.touching != 0;
+}
+
+bool EllgranGrainPlacement::is_free(const EllgranGrain &grain)
+{
+  if (!is_inside(grain.position)) return false;
+  const Present asking = present_of(grain);
+  const EllgranBody body = body_of(asking);
   question++;
   int range[3][2];
-  cells_of(grain.position, largest, range);
+  cells_of(grain.position, asking.reach, range);
   for (int i = range[0][0]; i <= range[0][1]; i++)
     for (int j = range[1][0]; j <= range[1][1]; j++)
       for (int k = range[2][0]; k <= range[2][1]; k++)
         for (const int index : cells[(static_cast<std::size_t>(i) * cell_count[1] + j) * cell_count[2] + k]) {
           if (asked[index] == question) continue;
           asked[index] = question;
-          if (overlaps(body, largest, smallest, present[index])) return false;
+          if (overlaps(asking, body, present[index])) return false;
         }
   return !touches_wall(grain);
 }
 
 void EllgranGrainPlacement::add(const EllgranGrain &grain)
 {
-  Present there{};
-  std::copy_n(grain.position, 3, there.position);
-  std::copy_n(grain.quaternion, 4, there.quaternion);
-  std::copy_n(grain.semi_axes, 3, there.semi_axes);
-  there.largest = grain.largest();
-  there.smallest = grain.smallest();
-  remember(there);
+  remember(present_of(grain));
 }
 
 tagint EllgranGrainPlacement::greatest_tag() const
@@ -411,6 +455,7 @@ void EllgranGrainPlacement::end_creation(bigint count, bigint last_tag)
                all);
   atom->natoms += count;
   if (atom->natoms < 0 || atom->natoms >= MAXBIGINT) error->all(FLERR, "{}: too many atoms", caller);
+  atoms.count_ellipsoids();
   if (last_tag >= MAXTAGINT) error->all(FLERR, "{}: new atom IDs exceed the largest possible ID", caller);
   if (atom->map_style != Atom::MAP_NONE) {
     atom->map_init();

@@ -64,6 +64,8 @@ class EllgranGrainPlacement : protected Pointers {
   struct Present {
     double position[3], quaternion[4], semi_axes[3];
     double largest, smallest;
+    double axes[3][3];    // from the centre to the tips, the longest first
+    double reach[3];      // half of the box around it
     double tag;
   };
 
@@ -81,7 +83,7 @@ class EllgranGrainPlacement : protected Pointers {
   EllgranWorkspace *workspace = nullptr;
   std::vector<double> wall_histories;
 
-  // Grains by the cells that their enclosing balls reach into.
+  // Grains by the cells that the boxes around them reach into: those around balls have no end of cells for needles.
   std::vector<Present> present;
   std::vector<std::vector<int>> cells;
   std::vector<int> asked;    // the last question in which a grain came up
@@ -95,11 +97,14 @@ class EllgranGrainPlacement : protected Pointers {
   void make_wall();
   void add_plane(int axis, double position, double direction);
   bool touches_wall(const EllgranGrain &grain);
-  bool overlaps(const EllgranBody &grain, double largest, double smallest, const Present &other) const;
-  void cells_of(const double *position, double radius, int range[3][2]) const;
+  static void find_axes(Present &grain);
+  static Present present_of(const EllgranGrain &grain);
+  static EllgranBody body_of(const Present &grain);
+  bool overlaps(const Present &grain, const EllgranBody &body, const Present &other) const;
+  void cells_of(const double *position, const double *reach, int range[3][2]) const;
   /// With all images that reach into the cells.
   void remember(const Present &grain);
-  template <typename Visit> void each_image(const double *position, double radius, Visit visit) const;
+  template <typename Visit> void each_image(const double *position, const double *reach, Visit visit) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -45,6 +45,9 @@ const char MOTIONS[] =
 
 constexpr double TWO_PI = 6.283185307179586476925286766559;
 
+// Directions and planes that are parallel but for rounding
+constexpr double IN_THE_PLANE = 1e-12;
+
 // A row of the local array
 constexpr int CONTACT_COLUMNS = 21;
 
@@ -231,7 +234,9 @@ int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
     shape.side = ELLGRAN_SIDE_INSIDE;
     check_words(ellgran_wall_add_shape(wall, &shape));
     plane_slots[k] = count++;
+    only_plane = Plane{{shape.axis[0], shape.axis[1], shape.axis[2]}, 1.0};
   }
+  if (count == 2) only_plane.reset();
   if (count == 0)
     error->all(FLERR, "{} {}: '{} NULL NULL' has no plane: give at least one position", CALLER, id,
                word);
@@ -268,6 +273,7 @@ int FixWallGranEllipsoid::parse_region(int iarg, int narg, char **arg)
   plane_normals = planes_of_region(region, domain->boxlo, domain->boxhi);
   if (ellgran_wall_part_count(wall) == 0)
     error->all(FLERR, "{} {}: region {} has no surface", CALLER, id, region_id);
+  if (std::strcmp(region->style, "plane") == 0) only_plane = Plane{plane_normals.front(), region->interior ? 1.0 : -1.0};
   return iarg + 2;
 }
 
@@ -277,14 +283,21 @@ int FixWallGranEllipsoid::parse_shapes(int iarg, int narg, char **arg)
   while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0) {
     const int words = add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
     if (std::strcmp(arg[iarg + 1], "plane") == 0) {
-      std::array<double, 3> normal{0.0, 0.0, 1.0};
-      for (int word = iarg + 2; word + 3 <= iarg + words; word++)
+      Plane plane{{0.0, 0.0, 1.0}, 0.0};
+      for (int word = iarg + 2; word < iarg + words; word++) {
         if (std::strcmp(arg[word], "axis") == 0)
-          for (int k = 0; k < 3; k++) normal[k] = number("axis", arg[word + 1 + k]);
-      plane_normals.push_back(normal);
+          for (int k = 0; k < 3; k++) plane.normal[k] = number("axis", arg[word + 1 + k]);
+        if (std::strcmp(arg[word], "side") == 0) {
+          const std::string side = arg[word + 1];
+          plane.side = (side == "inside") ? 1.0 : (side == "outside") ? -1.0 : 0.0;
+        }
+      }
+      plane_normals.push_back(plane.normal);
+      only_plane = plane;
     }
     iarg += 1 + words;
   }
+  if (ellgran_wall_part_count(wall) != 1) only_plane.reset();
   return iarg;
 }
 
@@ -453,15 +466,15 @@ void FixWallGranEllipsoid::check_servo() const
 {
   if (plane_slots[0] >= 0 && plane_slots[1] >= 0)
     error->all(FLERR, "{} {}: servo moves one plane: give NULL in the place of the other, and another fix to that", CALLER, id);
-  const double side = (plane_slots[0] >= 0) ? 1.0 : (plane_slots[1] >= 0) ? -1.0 : 0.0;
-  if (side == 0.0) return;
-  const double towards = side * servo->direction()[dimension];
-  if (towards < 0.0)
+  if (!only_plane) return;
+  const double *const normal = only_plane->normal.data();
+  const double towards = dot(normal, servo->direction());
+  if (std::fabs(towards) <= IN_THE_PLANE * std::sqrt(dot(normal, normal)))
+    error->all(FLERR, "{} {}: servo must press towards the grains, and its direction lies in the plane: give it a part along its normal, {} {} {}",
+               CALLER, id, normal[0], normal[1], normal[2]);
+  if (only_plane->side * towards < 0.0)
     error->all(FLERR, "{} {}: servo must press towards the grains, and these are on the other side of the plane: turn its direction",
                CALLER, id);
-  if (towards == 0.0)
-    error->all(FLERR, "{} {}: servo must press towards the grains, and its direction lies in the plane: give it a part along {}", CALLER, id,
-               "xyz"[dimension]);
 }
 
 void FixWallGranEllipsoid::parse_triangle_file(char **arg)
@@ -674,6 +687,7 @@ void FixWallGranEllipsoid::post_integrate()
   if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
   if (ellgran_wall_tally_following_half_step(wall, &particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  atoms.require_finite(tallies.viscous_dissipation, tallies.tangential_work);
 }
 
 void FixWallGranEllipsoid::post_force(int vflag)

@@ -20,6 +20,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,11 @@ class FixWallGranEllipsoid : public Fix {
   std::string region_id;       // empty: no region
   std::string region_measures; // of that region, as the wall has them
   std::vector<std::array<double, 3>> plane_normals;    // of endless planes, from words or a region
+  struct Plane {
+    std::array<double, 3> normal;
+    double side;    // of the grains: 1 for that of the normal, -1 for the other, 0 for both
+  };
+  std::optional<Plane> only_plane;    // where the wall is one plane
 
   // The motion: at most one of wiggle and shear, velocity, and rotation, which may go together; and a servo
   bool wiggles, shears, rotates, moves;

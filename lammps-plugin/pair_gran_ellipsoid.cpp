@@ -116,7 +116,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
-    shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), contacts_wanted(false), step_of_contacts(-1), fix_rigid(nullptr),
+    shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), contacts_wanted(false), step_of_contacts(-1), listed(0), fix_rigid(nullptr),
     freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
@@ -178,6 +178,8 @@ PairGranEllipsoid::~PairGranEllipsoid()
 void PairGranEllipsoid::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  if (neighbor->ago > 0) require_listed_atoms();
+  listed = atom->nlocal + atom->nghost;
   if (neighbor->ago == 0 || shapes_may_change || update->setupflag) require_allowed_sizes();
   if (neighbor->ago == 0) {
     // A fix may have added atoms.
@@ -241,6 +243,7 @@ EllgranNeighbourList PairGranEllipsoid::view_list() const
 void PairGranEllipsoid::write_history()
 {
   if (!fix_history || !list) return;
+  if (update->setupflag == 0) require_listed_atoms();
   const EllgranNeighbourList neighbours = view_list();
   if (ellgran_write_history(workspace, &neighbours) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
@@ -340,6 +343,7 @@ void PairGranEllipsoid::add_following_half_step()
   // Loads of images act on their owners now, but images across the boundaries of a deforming box have other velocities.
   tallies.viscous_dissipation -= 0.5 * update->dt * image_powers[0];
   tallies.tangential_work -= 0.5 * update->dt * image_powers[1];
+  atoms.require_finite(tallies.viscous_dissipation, tallies.tangential_work);
 }
 
 /* Powers of the viscous forces and of the other tangential ones on the centres of the first atoms. Images turn as their
@@ -515,6 +519,7 @@ void PairGranEllipsoid::init_style()
                    "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
                    CALLER, force->special_lj[k]);
   atoms.require_shapes(~0);
+  atoms.count_ellipsoids();
   warn_of_masses();
 
   shapes_may_change = atoms.shapes_may_change();
@@ -587,6 +592,19 @@ void PairGranEllipsoid::find_largest_semi_axes()
     else if (axis <= 0.0)
       axis = largest_of_all;
   }
+}
+
+/* Some commands between two runs (velocity create, delete_atoms) take images away, or move atoms to other places of the
+   arrays. A run without set-up goes on with the list of the one before it. */
+
+void PairGranEllipsoid::require_listed_atoms() const
+{
+  const int now = atom->nlocal + atom->nghost;
+  if (now != listed)
+    error->one(FLERR,
+               "{}: the neighbour list is of {} atoms and images, but there are {} now: a command between two runs has changed "
+               "them: leave out 'pre no' in the run that follows it",
+               CALLER, listed, now);
 }
 
 /* Atoms that another fix made larger, or added, since the cutoffs were made would miss contacts. */

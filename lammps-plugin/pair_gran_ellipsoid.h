@@ -120,6 +120,8 @@ class PairGranEllipsoid : public Pair {
   bool contacts_wanted;
   bigint step_of_contacts;
 
+  int listed;    // atoms and images when the neighbour list was built
+
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;
 
@@ -158,6 +160,7 @@ class PairGranEllipsoid : public Pair {
   void refresh_contact_masses();
   [[nodiscard]] double contact_mass(int i) const;
   void require_allowed_sizes() const;
+  void require_listed_atoms() const;
   void require_same_images();
   void gather_work();
   void follow_dissipation();

@@ -657,6 +657,46 @@ print \"COUNTS $(v_before) $(f_pour) $(atoms) $(c_most:%.0f)\"
     }
 }
 
+/// A data file states how many ellipsoids it has: those that were inserted and not those that fell out of the box.
+#[test]
+fn both_versions_a_data_file_has_the_inserted_grains() {
+    let engine = Engine::from_environment();
+    let start = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.1]);
+    let created = "region low block INF INF INF INF 0.03 0.06
+create_ellipsoids 2 5 region low number 20 shape one 0.006 0.004 0.004 dens 2500 2500
+write_data created.data
+";
+    let poured = "region top block 0 0.05 0 0.05 0.07 0.1
+fix g all gravity 9.81 vector 0 0 -1
+fix pour all pour/ellipsoid 40 1 4711 region top shape one 0.006 0.004 0.004 dens 2500 2500 vol 0.04 50 vel 0 0 0 0 -1
+thermo_modify lost ignore
+run 2000
+write_data poured.data
+print \"COUNTS $(atoms) $(f_pour)\"
+";
+    let read = |name: &str| {
+        format!(
+            "clear\nplugin load {}\nunits si\natom_style ellipsoid\nboundary p p f\nread_data {name}.data\nprint \"READ $(count(all))\"\n",
+            engine.plugin.display()
+        )
+    };
+    let deck = start + created + poured + &read("created") + &read("poured");
+    let directory = fresh_directory("insertion_data_file");
+    let (success, output) = execute(&engine, &directory, &deck, 2);
+    assert!(success, "{}", last_lines(&output));
+    let numbers = |word: &str| -> Vec<f64> {
+        let lines = output.lines().filter_map(|l| l.strip_prefix(word));
+        let words = lines.flat_map(str::split_whitespace);
+        words.map(|w| w.parse().unwrap()).collect()
+    };
+    let [left, inserted] = numbers("COUNTS ")[..] else {
+        panic!("no counts")
+    };
+    println!("20 created, {inserted} poured, {left} left");
+    assert!(inserted > 20.0 && left < 20.0 + inserted);
+    assert_eq!(numbers("READ "), [20.0, left]);
+}
+
 /// *ignore*, *inside centre* and *partial yes*.
 #[test]
 fn both_versions_words_that_allow_more_are_obeyed() {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Does every misuse stop the run with a message that names what is wrong?
 
-use crate::harness::{attempt, attempt_in, fresh_directory, Deck, Engine, Grain, Outcome, Scene};
+use crate::harness::{
+    attempt, attempt_in, crowd, fresh_directory, run, Deck, Engine, Grain, Outcome, Scene,
+};
 use crate::refusal;
 
 const LAW: &str = "hertz 1e7 0.3";
+const VISCOUS: &str = "nfd 1e7 0.3 200 200 tangential tfd 0.5";
 
 fn pair_of_grains() -> Scene {
     Scene::open(
@@ -622,8 +625,21 @@ fn both_versions_walls() {
             &[
                 "servo must press towards the grains",
                 "lies in the plane",
-                "along z",
+                "along its normal, 0 0 1",
             ],
+        ),
+        // a plane of any direction, with a side: it would leave the grains for ever
+        (
+            "hertz 1e7 0.3 shape plane point 0 0 -5 axis 0 1 2 side inside servo 0 -1 -2 5 1",
+            &["servo must press towards the grains", "other side"],
+        ),
+        (
+            "hertz 1e7 0.3 shape plane point 0 0 -5 axis 0 1 2 side outside servo 0 0 1 5 1",
+            &["servo must press towards the grains", "other side"],
+        ),
+        (
+            "hertz 1e7 0.3 shape plane point 0 0 -5 axis 0 1 2 servo 0 2 -1 5 1",
+            &["lies in the plane", "along its normal, 0 1 2"],
         ),
         (
             "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5 1 servo 0 0 1 5 1",
@@ -889,6 +905,29 @@ fn both_versions_walls_whose_region_changes_between_runs() {
     for run in ["run 1", "run 1 pre no"] {
         let words = ["floor", "region r does not exist any more"];
         refused(&format!("no region {run}"), &scene, &deck(&[], run), &words);
+    }
+}
+
+/// A run without set-up goes on with a neighbour list that such commands make useless, and would give histories to other contacts.
+#[test]
+fn both_versions_commands_before_a_run_without_set_up() {
+    for command in [
+        "velocity all create 1e15 4711",
+        "delete_atoms group gone",
+        "region low block INF INF INF INF INF INF\ncreate_ellipsoids 1 5 region low number 1 shape one 1e-3 1e-3 1e-3",
+    ] {
+        let mut deck = Deck::new(VISCOUS);
+        deck.time_step = 1e-5;
+        deck.skin = 2e-3;
+        deck.fixes = vec!["group gone id 1:5".into()];
+        let lines = std::iter::once("run 5").chain(command.lines());
+        deck.runs = lines.map(String::from).collect();
+        deck.runs.push("run 5 pre no".into());
+        let words = ["atoms and images", "between two runs", "pre no"];
+        refused(command, &crowd(64), &deck, &words);
+        let with_set_up = deck.runs.len() - 1;
+        deck.runs[with_set_up] = "run 5".into();
+        run(&Engine::from_environment(), "with_set_up", &crowd(64), &deck, 1);
     }
 }
 
