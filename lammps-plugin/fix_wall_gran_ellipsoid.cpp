@@ -277,11 +277,9 @@ int FixWallGranEllipsoid::parse_shapes(int iarg, int narg, char **arg)
   while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0) {
     const int words = add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
     if (std::strcmp(arg[iarg + 1], "plane") == 0) {
-      std::array<double, 3> normal{0.0, 0.0, 1.0};
-      for (int word = iarg + 2; word + 3 <= iarg + words; word++)
-        if (std::strcmp(arg[word], "axis") == 0)
-          for (int k = 0; k < 3; k++) normal[k] = number("axis", arg[word + 1 + k]);
-      plane_normals.push_back(normal);
+      plane_normals.emplace_back();
+      const std::size_t part = ellgran_wall_part_count(wall) - 1;
+      check_words(ellgran_wall_part_plane_normal(wall, part, plane_normals.back().data()));
     }
     iarg += 1 + words;
   }
