@@ -654,7 +654,7 @@ typedef struct EllgranParticles {
    */
   const double *semi_axes;
   /*
-   Bytes from one entry of `semi_axes` to the next.
+   Bytes from one entry of `semi_axes` to the next, 24 or more.
    */
   size_t semi_axes_stride;
   /*
@@ -663,7 +663,7 @@ typedef struct EllgranParticles {
    */
   const double *quaternions;
   /*
-   Bytes from one entry of `quaternions` to the next.
+   Bytes from one entry of `quaternions` to the next, 32 or more.
    */
   size_t quaternions_stride;
   /*
@@ -1159,7 +1159,7 @@ typedef struct EllgranMotion {
    */
   const double *semi_axes;
   /*
-   Bytes from one entry of `semi_axes` to the next.
+   Bytes from one entry of `semi_axes` to the next, 24 or more.
    */
   size_t semi_axes_stride;
   /*
@@ -1168,7 +1168,7 @@ typedef struct EllgranMotion {
    */
   double *quaternions;
   /*
-   Bytes from one entry of `quaternions` to the next.
+   Bytes from one entry of `quaternions` to the next, 32 or more.
    */
   size_t quaternions_stride;
   /*
@@ -2366,8 +2366,8 @@ int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
 
 /*
  Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
- `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
- `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+ `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
+ precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
 
  # Safety
  The pointers are NULL or valid; `path` ends with NUL.
@@ -2435,6 +2435,20 @@ int32_t ellgran_compute_wall(const struct EllgranLaws *laws,
                              const struct EllgranStep *step,
                              struct EllgranWallLoad *load,
                              struct EllgranTallies *tallies);
+
+/*
+ The plane without an end that a part of a wall is: its unit normal, where the wall has not yet moved, goes to `normal`, 3 doubles, and
+ whether it acts on both its sides, 1 or 0, to `both_sides`, which may be NULL. The normal is towards the particles, or along the `axis` of the
+ description where the plane acts on both sides. Such parts are a shape "plane", and the closed ends of a cylinder or a cone around the
+ particles, which go on beyond their edges. Zeros for any other part. The parts are numbered in the order in which they were added.
+
+ # Safety
+ The pointers are NULL or valid; `normal` has 3 doubles.
+ */
+int32_t ellgran_wall_part_plane(const struct EllgranWall *wall,
+                                size_t part,
+                                double *normal,
+                                int32_t *both_sides);
 
 /*
  Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.

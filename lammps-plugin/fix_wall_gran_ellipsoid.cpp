@@ -283,15 +283,10 @@ int FixWallGranEllipsoid::parse_shapes(int iarg, int narg, char **arg)
   while (iarg < narg && std::strcmp(arg[iarg], "shape") == 0) {
     const int words = add_wall_shape(lmp, caller, wall, narg - iarg - 1, arg + iarg + 1);
     if (std::strcmp(arg[iarg + 1], "plane") == 0) {
-      Plane plane{{0.0, 0.0, 1.0}, 0.0};
-      for (int word = iarg + 2; word < iarg + words; word++) {
-        if (std::strcmp(arg[word], "axis") == 0)
-          for (int k = 0; k < 3; k++) plane.normal[k] = number("axis", arg[word + 1 + k]);
-        if (std::strcmp(arg[word], "side") == 0) {
-          const std::string side = arg[word + 1];
-          plane.side = (side == "inside") ? 1.0 : (side == "outside") ? -1.0 : 0.0;
-        }
-      }
+      Plane plane{{}, 1.0};
+      int32_t both_sides = 0;
+      check_words(ellgran_wall_part_plane(wall, ellgran_wall_part_count(wall) - 1, plane.normal.data(), &both_sides));
+      if (both_sides) plane.side = 0.0;
       plane_normals.push_back(plane.normal);
       only_plane = plane;
     }

@@ -12,6 +12,7 @@
 #include "comm.h"
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
+#include "domain.h"
 #include "error.h"
 #include "ellgran_shape.h"
 #include "fix_contact_history_ellgran.h"
@@ -104,6 +105,42 @@ void EllgranContact::write_kept_histories(LAMMPS *lmp)
     const EllgranNeighbourList neighbours = contact->neighbour_list(contact->keeps_histories_of);
     contact->keeps_histories_of = NULL;
     contact->check(ellgran_write_history(contact->workspace, &neighbours));
+  }
+}
+
+void EllgranContact::refuse_second_contacts(LAMMPS *lmp)
+{
+  for (Table::iterator entry = table().begin(); entry != table().end(); ++entry) {
+    const EllgranContact *const contact = entry->second;
+    const PairGran *const pair = dynamic_cast<PairGran *>(contact->owner);
+    if (contact->lmp != lmp || !pair || !contact->surface_is_ellipsoid || !contact->tells_contacts_apart()) continue;
+    // two images of a particle that one other particle reaches are no farther from each other than twice the cutoff
+    bool possible = false;
+    for (int k = 0; k < 3; k++)
+      possible = possible || (lmp->domain->periodicity[k] && lmp->domain->prd[k] <= 2.0 * pair->cutforce);
+    if (possible) contact->refuse_second_contacts(pair->list, pair->listgranhistory->firstneigh);
+  }
+}
+
+void EllgranContact::refuse_second_contacts(const NeighList *list, int *const *touching) const
+{
+  const int *const tag = lmp->atom->tag;
+  std::vector<int> others;
+  for (int ii = 0; ii < list->inum; ii++) {
+    const int i = list->ilist[ii];
+    others.clear();
+    for (int k = 0; k < list->numneigh[i]; k++)
+      if (touching[i][k]) others.push_back(tag[list->firstneigh[i][k] & NEIGHMASK]);
+    std::sort(others.begin(), others.end());
+    const std::vector<int>::iterator twice = std::adjacent_find(others.begin(), others.end());
+    if (twice == others.end()) continue;
+    char message[300], other[60] = "itself";
+    if (*twice != tag[i]) snprintf(other, sizeof(other), "particle %d in two places", *twice);
+    snprintf(message, sizeof(message),
+             "surface ellipsoid: particle %d touches %s, across a periodic boundary: LIGGGHTS remembers contacts by particle ID, and "
+             "one would take what the other remembers: the periodic box must be longer than twice the largest grain",
+             tag[i], other);
+    lmp->error->one(FLERR, message);
   }
 }
 
@@ -248,6 +285,12 @@ bool EllgranContact::has_own_models_alone() const
 {
   return laws && surface_is_ellipsoid && (tangential_is_tfd || matches("tangential", "off")) && matches("cohesion", "off") &&
       matches("rolling_friction", "off");
+}
+
+bool EllgranContact::tells_contacts_apart() const
+{
+  return !(matches("tangential", "off") || matches("tangential", "no_history")) ||
+      !(matches("rolling_friction", "off") || matches("rolling_friction", "cdt")) || matches("normal", "hooke/hysteresis");
 }
 
 void EllgranContact::check_models() const

@@ -16,6 +16,7 @@
 
 class PropertyRegistry;
 namespace LAMMPS_NS {
+class NeighList;
 class PairGran;
 }
 
@@ -35,6 +36,9 @@ struct EllgranContact {
   static bool any_has_friction();
   // brings LIGGGHTS' own histories of pairs up to date
   static void write_kept_histories(LAMMPS_NS::LAMMPS *lmp);
+  // LIGGGHTS finds what a contact remembers by the ID of the other particle: stops where two particles touch in two places across a
+  // short periodic box, or one touches itself. The histories of pairs are up to date.
+  static void refuse_second_contacts(LAMMPS_NS::LAMMPS *lmp);
 
   IContactHistorySetup *owner;
   EllgranStagedContact *staged;
@@ -102,6 +106,9 @@ private:
   EllgranContact(const EllgranContact &);
   EllgranContact &operator=(const EllgranContact &);
 
+  // whether a model remembers of a contact what is wrong of another one
+  bool tells_contacts_apart() const;
+  void refuse_second_contacts(const LAMMPS_NS::NeighList *list, int *const *touching) const;
   void build_list_laws();
   bool takes_list(LAMMPS_NS::PairGran *pair, int vflag, int addflag) const;
   EllgranNeighbourList neighbour_list(LAMMPS_NS::PairGran *pair) const;

@@ -49,4 +49,5 @@ bool FixContactHistoryEllgran::may_keep(LAMMPS *lmp)
 void FixContactHistoryEllgran::write()
 {
   EllgranContact::write_kept_histories(lmp);
+  EllgranContact::refuse_second_contacts(lmp);
 }

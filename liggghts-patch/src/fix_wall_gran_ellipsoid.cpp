@@ -161,6 +161,8 @@ void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters
 {
   const int axis = style[0] - 'x';
   const bool is_plane = is(style + 1, "plane");
+  if (is_plane && shear_ && shearDim_ == axis)
+    error->fix_error(FLERR, this, "a plane cannot shear along its own normal; use a mesh with fix move/mesh");
   EllgranWallShape shape = ELLGRAN_INIT(EllgranWallShape);
   shape.name = is_plane ? "plane" : "cylinder";
   shape.side = ELLGRAN_SIDE_OF_CENTRE;

@@ -525,6 +525,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_histories_length": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_histories_used": (ctypes.c_size_t, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_compute_wall": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
+    "ellgran_wall_part_plane": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_part_force": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
     "ellgran_wall_record_contacts": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),
     "ellgran_wall_keep_inelastic_loads": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32]),

@@ -2,7 +2,7 @@
 //! A step of an engine's ellipsoids under given forces: velocity Verlet.
 
 use super::growing::{given, growing};
-use super::particles::EllgranWorkspace;
+use super::particles::{check_strides, EllgranWorkspace};
 use super::status::{
     at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_PARTICLE,
 };
@@ -41,12 +41,12 @@ pub struct EllgranMotion {
     pub shape_indices: *const i32,
     /// Semi-axes, 3 doubles an entry, from 1e-20 to 1e20; two or three that are equal bit for bit make a body of revolution or a sphere.
     pub semi_axes: *const f64,
-    /// Bytes from one entry of `semi_axes` to the next.
+    /// Bytes from one entry of `semi_axes` to the next, 24 or more.
     pub semi_axes_stride: usize,
     /// Quaternions (w, x, y, z), body to world, 4 doubles an entry; of any length but zero. `ellgran_start_step` writes them
     /// with length 1.
     pub quaternions: *mut f64,
-    /// Bytes from one entry of `quaternions` to the next.
+    /// Bytes from one entry of `quaternions` to the next, 32 or more.
     pub quaternions_stride: usize,
     /// Group bits of each body, [count], or NULL: all bodies move.
     pub masks: *const i32,
@@ -175,6 +175,7 @@ unsafe fn arrays(
     if n > 0 {
         required_pointer(motion.semi_axes, "semi_axes")?;
         required_pointer(motion.quaternions.cast_const(), "quaternions")?;
+        check_strides(motion.semi_axes_stride, motion.quaternions_stride)?;
     }
     let rows = |pointer: *const f64, name: &str| {
         // SAFETY: promised by the caller.

@@ -249,6 +249,16 @@ unsafe fn entries_of(list: &EllgranNeighbourList) -> Result<Entries, Failure> {
                     ),
                 )
             })?;
+        if (list.index_mask >> entries.shift) & 3 != 0 {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!(
+                    "index_mask = {:#x} holds bits {shift} and above, which select a factor: special_shift = {shift}",
+                    list.index_mask,
+                    shift = entries.shift
+                ),
+            ));
+        }
         for (e, f) in entries.excluded.iter_mut().zip(factors) {
             *e = *f == 0.0;
         }

@@ -53,12 +53,12 @@ pub struct EllgranParticles {
     /// Semi-axes, 3 doubles per entry, from 1e-20 to 1e20, the largest at most 1e6 times the smallest. `count` entries, or
     /// as many as `shape_indices` refer to.
     pub semi_axes: *const f64,
-    /// Bytes from one entry of `semi_axes` to the next.
+    /// Bytes from one entry of `semi_axes` to the next, 24 or more.
     pub semi_axes_stride: usize,
     /// Quaternions (w, x, y, z) from body frame to world frame, 4 doubles per entry. They need not have unit length, but
     /// not zero length.
     pub quaternions: *const f64,
-    /// Bytes from one entry of `quaternions` to the next.
+    /// Bytes from one entry of `quaternions` to the next, 32 or more.
     pub quaternions_stride: usize,
     /// Numbers by which error messages name the particles, [count] integers of `identifier_bytes` each. NULL: index + 1.
     pub identifiers: *const c_void,
@@ -308,6 +308,7 @@ pub(super) unsafe fn prepare(
             ));
         }
     }
+    check_strides(p.semi_axes_stride, p.quaternions_stride)?;
     // SAFETY: promised by the caller, for all arrays below.
     let rows =
         |pointer: *const f64, name: &str| unsafe { slice(pointer.cast::<[f64; 3]>(), count, name) };
@@ -377,6 +378,22 @@ pub(super) unsafe fn prepare(
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }
     .map_err(|e| Failure::new(ELLGRAN_ERROR_PARTICLE, e.to_string()))
+}
+
+/// Entries that overlap are the mark of a field that was left zero: every particle would have the shape of the first.
+pub(super) fn check_strides(semi_axes: usize, quaternions: usize) -> Result<(), Failure> {
+    for (stride, entry, name) in [
+        (semi_axes, size_of::<[f64; 3]>(), "semi_axes_stride"),
+        (quaternions, size_of::<[f64; 4]>(), "quaternions_stride"),
+    ] {
+        if stride < entry {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_ARGUMENT,
+                format!("{name} = {stride} must be at least {entry}, the bytes of an entry"),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Semi-axes and quaternion of an entry.

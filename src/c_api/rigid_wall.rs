@@ -4,8 +4,8 @@
 use super::growing::{given, growing, Output};
 use super::law::{check_type, given_words, EllgranLaws};
 use super::particles::{
-    hale_failure, handles, history_failure, identifier, prepare, shape_of, EllgranParticles,
-    EllgranStep, EllgranWorkspace, Purpose,
+    check_strides, hale_failure, handles, history_failure, identifier, prepare, shape_of,
+    EllgranParticles, EllgranStep, EllgranWorkspace, Purpose,
 };
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
@@ -20,9 +20,9 @@ use crate::list::Workspace;
 use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
-    compute_wall, compute_wall_in_lanes, stl, write_triangle_loads, End, Mesh, Motion,
-    RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall, WallError, WallInput,
-    WallOutput, WrongHistory,
+    compute_wall, compute_wall_in_lanes, shape_has_axis, stl, write_triangle_loads, End, Mesh,
+    Motion, RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall, WallError,
+    WallInput, WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -159,10 +159,21 @@ pub(super) fn wrong(what: impl Into<String>) -> Failure {
     Failure::new(ELLGRAN_ERROR_ARGUMENT, what)
 }
 
+fn check_part(wall: &Wall, part: usize) -> Result<(), Failure> {
+    let count = wall.part_count();
+    if part < count {
+        return Ok(());
+    }
+    Err(wrong(format!(
+        "part = {part} is not one of the {count} parts of the wall"
+    )))
+}
+
 impl EllgranWallShape {
     fn add_to(self, wall: &mut Wall, name: &str) -> Result<(), Failure> {
         let parameters = self.to_core()?;
-        if parameters.axis == Vector3::ZERO && name != "sphere" {
+        // An unknown name is told of below.
+        if parameters.axis == Vector3::ZERO && shape_has_axis(name) {
             return Err(wrong(format!(
                 "wall shape '{name}': axis = 0 0 0 has no direction"
             )));
@@ -375,8 +386,8 @@ pub unsafe extern "C" fn ellgran_wall_add_triangles(
 }
 
 /// Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
-/// `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Their number goes to
-/// `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+/// `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
+/// precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `path` ends with NUL.
@@ -531,6 +542,7 @@ pub(super) unsafe fn prepare_near(
         unsafe { required(p.semi_axes, "semi_axes") }?;
         // SAFETY: the arrays of shapes are NULL or valid for reads, as `EllgranParticles` demands.
         unsafe { required(p.quaternions, "quaternions") }?;
+        check_strides(p.semi_axes_stride, p.quaternions_stride)?;
     }
     let centre_and_reach = |k: usize| {
         if !acts_on(k) {
@@ -707,6 +719,38 @@ pub unsafe extern "C" fn ellgran_compute_wall(
     })
 }
 
+/// The plane without an end that a part of a wall is: its unit normal, where the wall has not yet moved, goes to `normal`, 3 doubles, and
+/// whether it acts on both its sides, 1 or 0, to `both_sides`, which may be NULL. The normal is towards the particles, or along the `axis` of the
+/// description where the plane acts on both sides. Such parts are a shape "plane", and the closed ends of a cylinder or a cone around the
+/// particles, which go on beyond their edges. Zeros for any other part. The parts are numbered in the order in which they were added.
+///
+/// # Safety
+/// The pointers are NULL or valid; `normal` has 3 doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_part_plane(
+    wall: *const EllgranWall,
+    part: usize,
+    normal: *mut f64,
+    both_sides: *mut i32,
+) -> i32 {
+    at_border("ellgran_wall_part_plane", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `normal` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
+        let out = unsafe { required_mut(normal.cast::<[f64; 3]>(), "normal") }?;
+        check_part(wall, part)?;
+        let plane = wall.whole_plane(part);
+        *out = (plane.as_ref())
+            .map_or(Vector3::ZERO, |plane| plane.normal)
+            .to_array();
+        // SAFETY: as above.
+        if let Some(both_sides) = unsafe { both_sides.as_mut() } {
+            *both_sides = i32::from(plane.is_some_and(|plane| plane.both_sides));
+        }
+        Ok(())
+    })
+}
+
 /// Force on a part of a wall in the last call, world frame, to `force`, 3 doubles.
 ///
 /// # Safety
@@ -722,12 +766,7 @@ pub unsafe extern "C" fn ellgran_wall_part_force(
         let wall = &unsafe { required(wall, "wall") }?.wall;
         // SAFETY: `force` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
         let out = unsafe { required_mut(force.cast::<[f64; 3]>(), "force") }?;
-        if part >= wall.part_count() {
-            return Err(wrong(format!(
-                "part = {part} is not one of the {} parts of the wall",
-                wall.part_count()
-            )));
-        }
+        check_part(wall, part)?;
         // none before the first call
         *out = wall
             .part_forces()

@@ -46,6 +46,7 @@ pub use shape::{
     Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
     WholePlane,
 };
+use shape_words::words_of;
 pub use shape_words::{ShapeWords, SHAPE_SYNTAX};
 pub use step_sums::WallMasses;
 pub use touching_loads::TouchingLoad;
@@ -62,6 +63,11 @@ const SHAPES: [(&str, Constructor); 4] = [
     ("cone", cone::add_cone),
     ("sphere", sphere::add),
 ];
+
+/// Whether a shape of this name has an axis; a name that is not known has none.
+pub(crate) fn shape_has_axis(name: &str) -> bool {
+    SHAPES.iter().any(|(known, _)| *known == name) && words_of(name).contains(&"axis")
+}
 
 /// The constructor of a name, or what there is.
 fn constructor(name: &str) -> Result<Constructor, String> {

@@ -16,7 +16,7 @@ const SIDES: [&str; 3] = ["centre", "inside", "outside"];
 const ENDS: [&str; 3] = ["none", "open", "closed"];
 
 /// The words of a shape of this name; all where there is none, which is told of where the shape is made.
-fn words_of(name: &str) -> &'static [&'static str] {
+pub(super) fn words_of(name: &str) -> &'static [&'static str] {
     match name {
         "plane" => &["point", "axis", "side"],
         "sphere" => &["point", "radius", "side"],

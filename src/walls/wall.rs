@@ -7,7 +7,7 @@ use super::lent_triangles::LentTriangles;
 use super::lone_contacts::LoneContacts;
 use super::mesh::Mesh;
 use super::motion::Motion;
-use super::shape::{Ball, Block, Shape};
+use super::shape::{Ball, Block, Shape, ShapeInLanes, WholePlane};
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::geometry::triangles::Triangle;
@@ -33,6 +33,7 @@ use crate::vector::Vector3;
 /// let mut wall = Wall::new();
 /// wall.add_mesh(mesh);
 /// assert_eq!((wall.part_count(), wall.triangles().count()), (1, 2));
+/// assert!(wall.whole_plane(0).is_none(), "it has edges");
 /// wall.records_contacts = true;
 /// wall.records_triangles = true;
 /// wall.keeps_inelastic_loads = true;
@@ -220,6 +221,14 @@ impl Wall {
     /// How many parts there are.
     pub fn part_count(&self) -> usize {
         self.shapes().count()
+    }
+
+    /// The plane that a part is, in the frame of the wall; `None` for another shape, and where there is no such part.
+    pub fn whole_plane(&self, part: usize) -> Option<WholePlane> {
+        match self.shapes().nth(part)?.in_lanes()? {
+            ShapeInLanes::Plane(plane) => Some(plane),
+            ShapeInLanes::Cone(_) | ShapeInLanes::PlaneInPlaces => None,
+        }
     }
 
     /// How the histories of a particle are laid out, with the library's own contact laws.

@@ -735,6 +735,49 @@ fn arguments_of_a_list() {
     row.check();
 }
 
+/// A stride that was left zero would give every particle the shape of the first.
+#[test]
+fn entries_that_overlap() {
+    type Change = fn(&mut EllgranParticles, usize);
+    let of_semi_axes: Change = |p, stride| p.semi_axes_stride = stride;
+    let of_quaternions: Change = |p, stride| p.quaternions_stride = stride;
+    let mut row = Row::new(HERTZ, &row());
+    for (change, name, entry) in [
+        (of_semi_axes, "semi_axes_stride", 24),
+        (of_quaternions, "quaternions_stride", 32),
+    ] {
+        for stride in [0, 8, entry - 1] {
+            let words = [
+                &format!("{name} = {stride} ")[..],
+                &format!("at least {entry}"),
+            ];
+            let in_pairs = row.pairs(|p| change(p, stride), &STEP);
+            fails(in_pairs, ELLGRAN_ERROR_ARGUMENT, &words);
+            let at_a_wall = row.plane(|p| change(p, stride), -0.9, 1, &STEP);
+            fails(at_a_wall, ELLGRAN_ERROR_ARGUMENT, &words);
+        }
+    }
+    row.check();
+}
+
+/// Bits that select a factor and belong to the index too: pairs would be left out by their index.
+#[test]
+fn factors_whose_bits_the_index_has() {
+    let mut row = Row::new(HERTZ, &row());
+    let particles = row.arrays.particles();
+    let mut view = row.list.view(true);
+    let factors = [1.0, 0.0, 0.0, 0.0];
+    view.special_factors = factors.as_ptr();
+    for (mask, shift) in [(-1, 0), (-1, 30), (0x3fff_ffff, 29), (0x7fff_ffff, 30)] {
+        (view.index_mask, view.special_shift) = (mask, shift);
+        let workspace = WorkspaceHandle::new();
+        let status = (row.laws).pairs(&workspace, &particles, &view, &STEP, null_mut());
+        let words = ["index_mask = 0x", &format!("special_shift = {shift}")];
+        fails(status, ELLGRAN_ERROR_ARGUMENT, &words);
+    }
+    row.check();
+}
+
 #[test]
 fn a_list_where_hales_form_breaks() {
     // The good contacts come first, and must not be written either.

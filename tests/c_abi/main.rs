@@ -36,3 +36,4 @@ mod stable_step;
 mod stages;
 mod threads;
 mod unchanged;
+mod wall_planes;

@@ -340,6 +340,20 @@ fn what_cannot_move_is_an_error_that_names_it() {
     let status = unsafe { ellgran_start_step(bodies.workspace, &motion, 0.1) };
     assert_eq!(status, ELLGRAN_ERROR_NULL_POINTER);
     assert!(message().contains("torques"), "{}", message());
+    for (semi_axes_stride, quaternions_stride, said) in [
+        (0, 32, "semi_axes_stride = 0 must be at least 24"),
+        (24, 31, "quaternions_stride = 31 must be at least 32"),
+    ] {
+        let overlapping = EllgranMotion {
+            semi_axes_stride,
+            quaternions_stride,
+            ..bodies.motion()
+        };
+        // SAFETY: as above.
+        let status = unsafe { ellgran_start_step(bodies.workspace, &overlapping, 0.1) };
+        assert_eq!(status, ELLGRAN_ERROR_ARGUMENT);
+        assert!(message().contains(said), "{}", message());
+    }
     // No bodies need no arrays.
     let none = EllgranMotion {
         count: 0,

@@ -267,6 +267,22 @@ fn tfd_without_nfd() {
     );
 }
 
+/// It would do work on what it presses and stay in its place.
+#[test]
+fn a_plane_that_shears_along_its_normal() {
+    for plane in ["xplane", "yplane", "zplane"] {
+        let wall = format!("primitive type 1 {plane} -0.05 shear {} 0.1", &plane[..1]);
+        refuse(
+            &format!("shear_{plane}"),
+            Deck {
+                walls: vec![wall],
+                ..plain()
+            },
+            &["a plane cannot shear along its own normal"],
+        );
+    }
+}
+
 /// A needle touches a primitive cylinder at both ends, and LIGGGHTS' store for stresses has room for one contact.
 #[test]
 fn stored_stresses_of_a_primitive_cylinder() {
