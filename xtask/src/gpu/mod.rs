@@ -2,6 +2,7 @@
 //! The kernels of `gpu/` as PTX: made with the pinned nightly, taken by NVIDIA's assembler, and held to their sources.
 
 mod assembler;
+mod names;
 mod page;
 mod sources;
 
@@ -38,7 +39,7 @@ fn head(hash: &str) -> String {
 /// Makes the PTX and the page about it, or compares them.
 pub fn gpu(options: &Options) -> Result<()> {
     let hash = sources::hash()?;
-    let ptx = head(&hash) + &build()?;
+    let ptx = head(&hash) + &names::without_places(&build()?)?;
     let figures = assembler::figures(&ptx)?;
     let page = page::page(&figures);
     for (name, text) in [(PTX, ptx), (PAGE, page)] {
