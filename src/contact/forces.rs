@@ -608,6 +608,18 @@ fn time_in_contact<T: Real>(x: &Contact<T>, motion: &Motion<T>, remembered: &Rem
     T::select(remembered.continued, remembered.time, since)
 }
 
+/// The relative error that rounding leaves in the penetration, which is a small difference of lengths, and so in the normal force.
+#[inline(always)]
+fn rounding_of_penetration<T: Real, const WALL: bool>(x: &Contact<T>) -> T {
+    let lengths = if WALL {
+        x.i.h.abs()
+    } else {
+        x.i.h.abs() + x.j.h.abs()
+    };
+    // Some tens of roundings: of centres, of both support functions, and of the normal that the search found.
+    lengths * 1e-14 / x.penetration
+}
+
 /// Springs of partial slip as a contact has them, world frame: of forces alone in lanes, or of forces and torques.
 pub trait SpringBed<T: Real> {
     /// Whether they resist a twist.
@@ -622,7 +634,7 @@ pub trait SpringBed<T: Real> {
     fn forces(
         &mut self,
         law: (&TangentialKinds, &TangentialConstants<T>),
-        normal: (T, T),
+        normal: (T, T, T),
         ellipse: (&Factors<T>, Symmetric2<T>, T),
         bed: &mut Springs<Vector2<T>, T>,
         remembered: (Vector2<T>, T, T::Mask),
@@ -643,7 +655,7 @@ impl<T: Real> SpringBed<T> for Springs<Vector3<T>, T> {
     fn forces(
         &mut self,
         (kinds, c): (&TangentialKinds, &TangentialConstants<T>),
-        normal: (T, T),
+        normal: (T, T, T),
         (factors, curvature, penetration): (&Factors<T>, Symmetric2<T>, T),
         bed: &mut Springs<Vector2<T>, T>,
         (memory, energy, passes): (Vector2<T>, T, T::Mask),
@@ -683,7 +695,7 @@ impl<T: Real> SpringBed<T> for NoBed {
     fn forces(
         &mut self,
         _: (&TangentialKinds, &TangentialConstants<T>),
-        _: (T, T),
+        _: (T, T, T),
         _: (&Factors<T>, Symmetric2<T>, T),
         _: &mut Springs<Vector2<T>, T>,
         _: (Vector2<T>, T, T::Mask),
@@ -712,7 +724,7 @@ impl SpringBed<f64> for TwistedSprings<'_> {
     fn forces(
         &mut self,
         (kinds, c): (&TangentialKinds, &TangentialConstants),
-        normal: (f64, f64),
+        normal: (f64, f64, f64),
         (factors, curvature, penetration): (&Factors, Symmetric2, f64),
         bed: &mut Springs<Vector2>,
         (memory, energy, passes): (Vector2, f64, bool),
@@ -881,7 +893,8 @@ pub fn contact_forces<
         // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
         // step before.
         let passes = zero.less(remembered.time);
-        let of_normal = (normal.force, normal.stiffness);
+        let rounding = rounding_of_penetration::<T, WALL>(x);
+        let of_normal = (normal.force, normal.stiffness, rounding);
         let memory = turn.carry(x, remembered.memory);
         let t: TangentialForce<T> = match springs {
             Some(held) if kinds.tangential.has_springs() => {

@@ -94,7 +94,7 @@ pub(super) struct Shares<T> {
 }
 
 impl<T: Real> Shares<T> {
-    /// At a penetration that is at most the reference.
+    /// At a penetration that is at most the reference, but for rounding.
     #[inline(always)]
     fn of<B: Spread<T>>(reference: T, penetration: T) -> Self {
         let zero = penetration.constant(0.0);
@@ -128,17 +128,18 @@ pub(super) const LEAST_SHARE: f64 = 1e-30;
 
 impl<T: Real> Springs<Vector2<T>, T> {
     /// The bed of a contact of this penetration, before it is moved: what left the contact has taken its force with it. Returns the
-    /// shares of its elements.
+    /// shares of its elements. Where no time `passes` the elements stay what they are: the contact is as deep as it was but for rounding.
     #[inline(always)]
-    pub(super) fn follow<B: Spread<T>>(&mut self, penetration: T) -> Shares<T> {
+    pub(super) fn follow<B: Spread<T>>(&mut self, penetration: T, passes: T::Mask) -> Shares<T> {
         let zero = penetration.constant(0.0);
         let one = penetration.constant(1.0);
         let none = Vector2::new(zero, zero);
         let reference = T::select(zero.less(self.reference), self.reference, penetration);
         let before = T::select(zero.less(self.penetration), self.penetration, penetration);
         let (mut forces, mut reference) = (self.forces, reference);
+        let deepest = T::select(passes, penetration, zero);
         for _ in 0..MOST_GROWTHS {
-            let outgrown = reference.less(penetration);
+            let outgrown = reference.less(deepest);
             let mut merged = [none; SPRINGS];
             for (both, two) in merged.iter_mut().zip(forces.chunks_exact(2)) {
                 *both = two[0] + two[1];
@@ -148,7 +149,7 @@ impl<T: Real> Springs<Vector2<T>, T> {
             }
             reference = T::select(outgrown, reference * GROWTH, reference);
         }
-        reference = reference.max(penetration);
+        reference = T::select(reference.less(deepest), penetration, reference);
 
         let was = Shares::of::<B>(reference, before);
         let mut now = Shares::of::<B>(reference, penetration);
@@ -163,7 +164,8 @@ impl<T: Real> Springs<Vector2<T>, T> {
 
         for _ in 0..MOST_FALLS {
             // Only the first two elements carry.
-            let shrank = (penetration * (GROWTH * GROWTH)).less(reference);
+            let least = T::select(passes, penetration * (GROWTH * GROWTH), reference);
+            let shrank = least.less(reference);
             let finer = T::select(shrank, reference * (1.0 / GROWTH), reference);
             let shares = Shares::of::<B>(finer, penetration);
             let old = forces;
@@ -206,8 +208,18 @@ impl<T: Real> Springs<Vector2<T>, T> {
     }
 }
 
+/// The part of the whole limit below which an element sticks, that has this share in the stiffness and this one in the limit. One that slides is on its
+/// limit but for rounding, at the next evaluation too. The share in the limit of a narrow element at the rim is a small difference: what
+/// `rounding` leaves in it goes with its width, as its share in the stiffness does.
+#[inline(always)]
+pub(super) fn sticks_below<T: Real>(stiffness: T, load: T, rounding: T) -> T {
+    let of_shares = stiffness * rounding * 4.0 + 1e-15;
+    load * (1.0 - 1e-9) - of_shares
+}
+
 /// Tangential force of `displacement hysteretic`; the arguments are those of [`tangential_force`](super::tangential_force), and
 ///
+/// - `rounding`: read in each call;
 /// - `penetration` > 0;
 /// - `memory`: the sum of the remembered forces, returned where no time passes;
 /// - `springs`: what is remembered, in the tangent basis; written.
@@ -234,7 +246,7 @@ impl<T: Real> Springs<Vector2<T>, T> {
 /// let (mut memory, mut energy) = (none, 0.0);
 /// let mut slide = |by: f64| {
 ///     let t = force_of_springs(
-///         &kinds.tangential, &constants.tangential, (n.force, n.stiffness), &factors, curvature, depth,
+///         &kinds.tangential, &constants.tangential, (n.force, n.stiffness, 0.0), &factors, curvature, depth,
 ///         &mut springs, memory, energy, true, Vector2::new(by, 0.0), none,
 ///     );
 ///     (memory, energy) = (t.memory, t.elastic_energy);
@@ -252,7 +264,7 @@ impl<T: Real> Springs<Vector2<T>, T> {
 pub fn force_of_springs<T: Real>(
     kinds: &TangentialKinds,
     c: &TangentialConstants<T>,
-    (normal_force, normal_stiffness): (T, T),
+    (normal_force, normal_stiffness, rounding): (T, T, T),
     factors: &Factors<T>,
     curvature: Symmetric2<T>,
     penetration: T,
@@ -271,7 +283,7 @@ pub fn force_of_springs<T: Real>(
     let without_slip = WithoutSlip::of_ellipse(c, factors, curvature, normal_stiffness);
 
     let mut bed = *springs;
-    let shares = bed.follow::<OfForce>(penetration);
+    let shares = bed.follow::<OfForce>(penetration, passes);
     // The present contact may hold more at these forces than it took: its ellipse turned or changed.
     let holds = bed
         .energy(&without_slip, &shares)
@@ -289,8 +301,7 @@ pub fn force_of_springs<T: Real>(
         let size = square * inverse;
         let over = carries.less(size);
         bed.forces[k] = trial * T::select(over, carries * inverse, one);
-        // One that slides is on its limit but for rounding, at the next evaluation too.
-        let sticks = size.less(carries * (1.0 - 1e-9));
+        let sticks = size.less(limit * sticks_below(shares.stiffness[k], shares.load[k], rounding));
         sticking = sticking + T::select(sticks, shares.stiffness[k], zero);
     }
     let elastic = bed.force();

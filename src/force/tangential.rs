@@ -61,7 +61,7 @@
 //! assert!(bound >= springs.uu * (1.0 - 1e-12));
 //! let way = Vector2::new(1e-9, 0.0);
 //! let sheared = tangential_force(
-//!     &kinds.tangential, &constants.tangential, (normal.force, normal.stiffness), &factors, curvature,
+//!     &kinds.tangential, &constants.tangential, (normal.force, normal.stiffness, 0.0), &factors, curvature,
 //!     Vector2::new(0.0, 0.0), 0.0, true, way, Vector2::new(0.0, 0.0),
 //! );
 //! assert!((sheared.force.u / (-stiffness * 1e-9) - 1.0).abs() < 1e-9);
@@ -351,7 +351,8 @@ pub(super) fn within<T: Real>(limit: T, force: Vector2<T>) -> Vector2<T> {
 
 /// Tangential force of all laws but `displacement hysteretic`, which [`super::force_of_springs`] has.
 ///
-/// - `normal_force`, `normal_stiffness`: those of the present contact ([`super::NormalForce`]).
+/// - `normal_force`, `normal_stiffness`: those of the present contact ([`super::NormalForce`]); `rounding`: the relative error that
+///   rounding leaves in that force, which is large where the contact is shallow. Read only where no time passes.
 /// - `memory`: what is remembered, carried into the present tangent basis; `remembered_energy`: its elastic energy at the
 ///   last step (only `displacement rescaled`; 0 for a new contact).
 /// - `passes`: whether time passes. Where none does, as when a run starts, nothing slips and nothing is given up: memory and
@@ -364,7 +365,7 @@ pub(super) fn within<T: Real>(limit: T, force: Vector2<T>) -> Vector2<T> {
 pub fn tangential_force<T: Real>(
     kinds: &TangentialKinds,
     c: &TangentialConstants<T>,
-    (normal_force, normal_stiffness): (T, T),
+    (normal_force, normal_stiffness, rounding): (T, T, T),
     factors: &Factors<T>,
     curvature: Symmetric2<T>,
     memory: Vector2<T>,
@@ -421,8 +422,8 @@ pub fn tangential_force<T: Real>(
         _ => kept + stiffness.apply(increment),
     };
     let (zeta, slip) = on_the_cone(trial, most, law);
-    // Where no time passes a contact that slides is found on the cone but for rounding, of which the root would make 1e-8.
-    let slides = slip.root.less(one * 1e-6);
+    // Where no time passes a contact that slides is found on the cone but for rounding, of which the root would make its square root.
+    let slides = (slip.root * slip.root).less(rounding.max(one * 1e-12));
     let root = T::select(passes, slip.root, T::select(slides, zero, slip.root));
 
     let elastic = zeta * slip.factor;

@@ -20,7 +20,7 @@
 //! work done on them.
 
 use super::hertz_factors::Factors;
-use super::spring_bed::{OfForce, Shares, Spread, Springs, LEAST_SHARE, SPRINGS};
+use super::spring_bed::{sticks_below, OfForce, Shares, Spread, Springs, LEAST_SHARE, SPRINGS};
 use super::tangential::{
     compliance_matrix, within, TangentialConstants, TangentialForce, TangentialKinds, WithoutSlip,
 };
@@ -158,7 +158,7 @@ pub struct TorqueOfSprings {
 /// let (mut torques, mut memory, mut energy) = ([0.0; SPRINGS], none, 0.0);
 /// let mut moved = |by: f64, turn: f64| {
 ///     let (f, t): (_, TorqueOfSprings) = force_and_torque_of_springs(
-///         &kinds.tangential, &constants.tangential, (n.force, n.stiffness), &factors, curvature, depth,
+///         &kinds.tangential, &constants.tangential, (n.force, n.stiffness, 0.0), &factors, curvature, depth,
 ///         &mut springs, &mut torques, memory, energy, true, Vector2::new(by, 0.0), none, turn, 0.0,
 ///     );
 ///     (memory, energy) = (f.memory, f.elastic_energy);
@@ -175,7 +175,7 @@ pub struct TorqueOfSprings {
 pub fn force_and_torque_of_springs(
     kinds: &TangentialKinds,
     c: &TangentialConstants,
-    (normal_force, normal_stiffness): (f64, f64),
+    (normal_force, normal_stiffness, rounding): (f64, f64, f64),
     factors: &Factors,
     curvature: Symmetric2,
     penetration: f64,
@@ -201,8 +201,8 @@ pub fn force_and_torque_of_springs(
         forces: torques.map(|torque| Vector2::new(torque, 0.0)),
         ..bed
     };
-    let shares = bed.follow::<OfForce>(penetration);
-    let twist_shares = twist.follow::<OfTorque>(penetration);
+    let shares = bed.follow::<OfForce>(penetration, passes);
+    let twist_shares = twist.follow::<OfTorque>(penetration, passes);
     let energy_of = |bed: &Springs<Vector2>, twist: &Springs<Vector2>| {
         bed.energy(&without_slip, &shares) + energy_of_torques(twist, &spring, &twist_shares)
     };
@@ -226,8 +226,10 @@ pub fn force_and_torque_of_springs(
         let kept = if loaded > 1.0 { 1.0 / loaded } else { 1.0 };
         bed.forces[k] = force * kept;
         twist.forces[k] = Vector2::new(torque * kept, 0.0);
-        // One that slides is on its limit but for rounding, at the next evaluation too.
-        if loaded < 1.0 - 1e-9 {
+        let mut least = [share, twist_share]
+            .into_iter()
+            .zip([shares.load[k], twist_shares.load[k]]);
+        if least.all(|(share, load)| loaded * load < sticks_below(share, load, rounding)) {
             sticking += share;
             sticking_torque += twist_share;
         }

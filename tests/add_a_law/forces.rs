@@ -43,7 +43,7 @@ fn main() {
         let t = tangential_force(
             &law.kinds.tangential,
             c,
-            (normal, stiffness),
+            (normal, stiffness, 0.0),
             &Factors { phi: 1.0, sigma: 1.0 / 6.0 },
             Symmetric2::new(1.0, 0.0, 1.0),
             Vector2::new(0.0, 0.0),

@@ -227,7 +227,7 @@ impl Stage for Receded<'_> {
             force_of_springs(
                 kinds,
                 &c,
-                (zero, zero),
+                (zero, zero, zero),
                 &factors,
                 curvature,
                 one * 1e-9,
@@ -242,7 +242,7 @@ impl Stage for Receded<'_> {
             tangential_force(
                 kinds,
                 &c,
-                (zero, zero),
+                (zero, zero, zero),
                 &factors,
                 curvature,
                 memory,

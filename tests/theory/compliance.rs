@@ -64,7 +64,7 @@ impl Elliptical {
             let t = tangential_force(
                 &self.law.kinds.tangential,
                 &self.law.constants.tangential,
-                (self.normal.force, self.normal.stiffness),
+                (self.normal.force, self.normal.stiffness, 0.0),
                 &factors,
                 self.curvature,
                 zero,

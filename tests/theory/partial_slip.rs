@@ -29,7 +29,7 @@ fn slide(law: &PairLaw, curvature: Symmetric2, xi: Vector2, velocity: Vector2) -
     tangential_force(
         &law.kinds.tangential,
         &law.constants.tangential,
-        (n.force, n.stiffness),
+        (n.force, n.stiffness, 0.0),
         &exact(curvature.trace(), curvature.determinant(), true),
         curvature,
         xi,
@@ -221,7 +221,7 @@ fn the_default_is_the_published_form_at_a_steady_normal_force() {
                     tangential_force(
                         &law.kinds.tangential,
                         &law.constants.tangential,
-                        (n.force, n.stiffness),
+                        (n.force, n.stiffness, 0.0),
                         &factors,
                         m,
                         memory,
@@ -265,7 +265,7 @@ fn nothing_is_forgotten_where_no_time_passes() {
                 tangential_force(
                     &law.kinds.tangential,
                     &law.constants.tangential,
-                    (n.force, n.stiffness),
+                    (n.force, n.stiffness, 0.0),
                     &factors,
                     m,
                     memory,

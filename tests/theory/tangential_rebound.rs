@@ -33,7 +33,7 @@ fn rebound(nu: f64, inverse_tangential_mass: f64) -> f64 {
             let t = tangential_force(
                 &law.kinds.tangential,
                 &law.constants.tangential,
-                (n.force, n.stiffness),
+                (n.force, n.stiffness, 0.0),
                 &factors,
                 curvature,
                 Vector2::new(memory, 0.0),
