@@ -39,8 +39,14 @@ impl Held {
     }
 
     fn by(&mut self, increment: Vector2, velocity: Vector2) -> TangentialForce {
+        let t = self.evaluate(increment, velocity, true);
+        (self.memory, self.energy) = (t.memory, t.elastic_energy);
+        t
+    }
+
+    fn evaluate(&self, increment: Vector2, velocity: Vector2, passes: bool) -> TangentialForce {
         let m = self.curvature;
-        let t = tangential_force(
+        tangential_force(
             &self.law.kinds.tangential,
             &self.law.constants.tangential,
             self.normal(),
@@ -48,12 +54,10 @@ impl Held {
             m,
             self.memory,
             self.energy,
-            true,
+            passes,
             increment,
             velocity,
-        );
-        (self.memory, self.energy) = (t.memory, t.elastic_energy);
-        t
+        )
     }
 }
 
@@ -107,6 +111,25 @@ fn the_energy_of_mindlins_spring() {
             assert!((t.displacement.v / way - 1.0).abs() < 1e-9);
             assert!((t.elastic_energy / (0.5 * stiffness * way * way) - 1.0).abs() < 1e-9);
         }
+    }
+}
+
+/// Where no time passes the force is the same again, viscous part and all, below sliding and beyond.
+#[test]
+fn the_dashpot_acts_where_no_time_passes() {
+    let mut held = Held::new(
+        "nfd 1e6 0.3 30 20 tangential tfd 0.4",
+        Symmetric2::new(1.0, 0.0, 1.0),
+    );
+    let limit = 0.4 * held.normal().0;
+    let velocity = Vector2::new(0.3, 0.1);
+    for (way, slides) in [(1e-5, false), (1e-4, false), (1e-2, true)] {
+        let t = held.by(Vector2::new(way, 0.0), velocity);
+        let again = held.evaluate(NONE, velocity, false);
+        let apart = again.force - t.force;
+        assert!(apart.dot(apart).sqrt() < 1e-7 * limit);
+        let viscous = t.force - t.elastic_force;
+        assert_eq!(viscous.dot(viscous).sqrt() < 1e-12 * limit, slides, "{way}");
     }
 }
 

@@ -332,6 +332,8 @@ fn without_a_twist_it_is_the_bed_of_forces() {
         let (found, torque) = moved.evaluate(depth, (by, velocity), (0.0, 0.0), true);
         let apart = found.force - expected.force;
         assert!(apart.dot(apart) <= 1e-26 * expected.force.dot(expected.force));
+        let apart = found.elastic_force - expected.elastic_force;
+        assert!(apart.dot(apart) <= 1e-26 * expected.force.dot(expected.force));
         assert!((found.elastic_energy / expected.elastic_energy - 1.0).abs() < 1e-12);
         assert!(torque.elastic == 0.0 && torque.viscous == 0.0);
         (memory, energy) = (expected.memory, expected.elastic_energy);
@@ -374,6 +376,21 @@ fn a_contact_that_shrinks_without_slip_keeps_its_angle() {
             assert!((moved.held.energy / energy - 1.0).abs() < 1e-6, "{what}");
         }
     }
+}
+
+/// Bodies that become rounder while the contact keeps its depth: the contact has half the radius and an eighth of the stiffness, and would hold
+/// eight times the energy at the same torque. Torque and energy fall to an eighth.
+#[test]
+fn a_contact_that_becomes_smaller_gives_up_torque() {
+    let mut moved = Moved::new("hertz 1e6 0.3", CIRCLE);
+    let angle = 1e-9 * moved.scales(DEPTH).1;
+    moved.by(DEPTH, NONE, 0.0);
+    let (_, torque) = moved.by(DEPTH, NONE, angle);
+    let energy = moved.held.energy;
+    moved.held.curvature = CIRCLE * 4.0;
+    let (_, after) = moved.by(DEPTH, NONE, 0.0);
+    assert!((after / torque - 0.125).abs() < 1e-9);
+    assert!((moved.held.energy / energy - 0.125).abs() < 1e-9);
 }
 
 /// The dashpot of a twist of the circle, which is shear alone: the stiffness times the relaxation time of shear, up to the torque of sliding.
