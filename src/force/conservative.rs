@@ -142,3 +142,35 @@ pub fn additional_torque<T: Real>(
         s.v.multiply_add(lambda.u, s.u.negative_multiply_add(lambda.v, own.twist));
     (tangent, normal)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Radii of 2 and 5 in any directions: the response of each is its own, with the penetration up to 0.95 of the smaller one.
+    #[test]
+    fn the_normal_answers_along_the_principal_directions() {
+        for angle in [0.0f64, 0.4, 0.8, 2.1] {
+            let (s, c) = angle.sin_cos();
+            let radii = Symmetric2::new(
+                2.0 * c * c + 5.0 * s * s,
+                -3.0 * s * c,
+                2.0 * s * s + 5.0 * c * c,
+            );
+            for (penetration, shift) in [(0.3, 0.3), (1.89, 1.89), (1.96, 1.9), (4.0, 1.9)] {
+                let gamma = Vector2::new(c * 7.0 - s * 11.0, s * 7.0 + c * 11.0);
+                let found = normal_response(radii, penetration, gamma);
+                let (along, across) = (7.0 / (2.0 - shift), 11.0 / (5.0 - shift));
+                let wanted = Vector2::new(c * along - s * across, s * along + c * across);
+                let apart = found.lambda - wanted;
+                assert!(
+                    apart.dot(apart).sqrt() < 1e-12 * along,
+                    "{angle}, {penetration}: {:?} {wanted:?}",
+                    found.lambda
+                );
+                let excess = found.half_excess.map_or(0.0, |half| 2.0 * half);
+                assert!((excess - (penetration - shift)).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -103,6 +103,20 @@ mod tests {
         }
     }
 
+    /// What counts is how old the contact is in steps, whatever the units.
+    #[test]
+    fn the_units_do_not_matter() {
+        for begin in [Begin::Jump, Begin::FourthRoot, Begin::SquareRoot] {
+            for theta in [0.1, 0.5, 0.9] {
+                let factor = begin_factor(begin, theta, 1.0, 1.0);
+                for (rate, time) in [(1e-3, 1e-6), (7.0, 1e-5), (1e4, 30.0)] {
+                    let found = begin_factor(begin, theta * rate * time, rate, time);
+                    assert!((found / factor - 1.0).abs() < 1e-13, "{theta}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn older_and_receding_contacts_are_left_alone() {
         for begin in [Begin::Jump, Begin::FourthRoot, Begin::SquareRoot] {

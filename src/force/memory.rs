@@ -550,4 +550,167 @@ mod tests {
             }
         }
     }
+
+    /// The foundation of docs/theory.md, section 3.1, spring by spring: each of its gap `g` carries `h''(g) dg`, and lets go where its
+    /// force vanishes. Force, force at rest, root of the area and energy, by the midpoint rule.
+    fn foundation(
+        a: f64,
+        dashpot_time: f64,
+        (penetration, rate): (f64, f64),
+        rest: f64,
+    ) -> [f64; 4] {
+        let count = 10_000;
+        let furthest = penetration.max(rest).sqrt();
+        let mut sums = [0.0; 4];
+        for k in 0..count {
+            // With g = u^2 all springs of the same du are equally stiff.
+            let u = (k as f64 + 0.5) / count as f64 * furthest;
+            let gap = u * u;
+            let stiffness = 1.5 * furthest / count as f64;
+            let (way, remembered) = (penetration - gap, (rest - gap).max(0.0));
+            let at_rest = way + a * (way - remembered);
+            let with_dashpot = at_rest + dashpot_time * rate;
+            if way > 0.0 && at_rest > 0.0 {
+                sums[1] += stiffness * at_rest;
+                if rate > 0.0 || with_dashpot > 0.0 {
+                    sums[0] += stiffness * with_dashpot;
+                    sums[2] += stiffness / 1.5;
+                }
+            }
+            // One that has let go is where its own force vanishes, at the penetration of the bodies or further out.
+            let free = a * remembered / (1.0 + a);
+            let x = way.max(free);
+            sums[3] += stiffness * 0.5 * (x * x + a * (x - remembered).powi(2));
+        }
+        sums
+    }
+
+    /// Force, area and energy of a part against the sum over the springs: ahead of its rest, behind it, and where springs have let go.
+    #[test]
+    fn a_part_is_the_sum_of_its_springs() {
+        let mut least_edge: f64 = 1.0;
+        for a in [0.3, 2.0, 9.0] {
+            let part = Part {
+                share: 1.0,
+                ratio: a,
+                rate: 1.0,
+            };
+            for rest in [0.0, 0.2, 0.95, 1.0, 1.05, 1.3, 1.8] {
+                for speed in [-0.5, -0.1, 0.0, 0.2] {
+                    let now = Approach {
+                        penetration: 1.0,
+                        before: 1.0,
+                        time: 0.0,
+                        rate: speed,
+                    };
+                    let dashpot_time = 0.7;
+                    let found = part_force(&part, dashpot_time, &now, rest);
+                    let wanted = foundation(a, dashpot_time, (1.0, speed), rest);
+                    let got = [found.force, found.elastic, found.root, found.energy];
+                    for (k, (got, wanted)) in got.into_iter().zip(wanted).enumerate() {
+                        // The spring at an edge counts or does not.
+                        let allowed = 2e-4 * (1.0 + wanted);
+                        assert!(
+                            (got - wanted).abs() < allowed,
+                            "{k}: a {a}, rest {rest}, rate {speed}: {got} {wanted}"
+                        );
+                    }
+                    least_edge = least_edge.min(found.root);
+                }
+            }
+        }
+        assert_eq!(least_edge, 0.0);
+    }
+
+    /// What a part is ahead by decays in `h`, what it is behind by in the penetration, each exactly for a motion that is linear in it.
+    #[test]
+    fn a_part_relaxes_as_its_equation_says() {
+        let (a, rate, time) = (1.5, 2.0, 0.3f64);
+        let part = Part {
+            share: 1.0,
+            ratio: a,
+            rate,
+        };
+        let power = |x: f64| x * x.sqrt();
+        let kept = (-rate * time).exp();
+        let mean = (1.0 - kept) / (rate * time);
+        let after = |before: f64, now: f64, rest: f64| {
+            let approach = Approach {
+                penetration: now,
+                before,
+                time,
+                rate: 0.0,
+            };
+            part_force(&part, 0.0, &approach, rest).rest
+        };
+        for (before, now) in [(0.0, 0.7), (0.8, 1.1), (1.1, 0.9), (1.0, 1.0)] {
+            for rest in [0.0, 0.1, 0.5] {
+                let ahead =
+                    kept * (power(before) - power(rest)) + mean * (power(now) - power(before));
+                if ahead < 0.0 {
+                    continue;
+                }
+                let wanted = power(now) - ahead;
+                let found = power(after(before, now, rest));
+                assert!((found - wanted).abs() < 1e-14, "{before} {now} {rest}");
+            }
+        }
+        for (before, now, rest) in [(1.0, 1.0, 1.3), (1.0, 0.8, 1.2), (1.0, 1.02, 1.5)] {
+            let behind = kept * (before - rest) + mean * (now - before);
+            let found = after(before, now, rest);
+            assert!(
+                (now - behind - found).abs() < 1e-14,
+                "{before} {now} {rest}"
+            );
+        }
+    }
+
+    /// Held, a part loses to relaxation what its energy falls by; in motion so in the limit of small steps.
+    #[test]
+    fn what_relaxes_is_what_the_energy_falls_by() {
+        let part = Part {
+            share: 1.0,
+            ratio: 1.5,
+            rate: 2.0,
+        };
+        for rest in [0.0, 0.4, 1.2] {
+            let held = Approach {
+                penetration: 1.0,
+                before: 1.0,
+                time: 0.4,
+                rate: 0.0,
+            };
+            let still = Approach { time: 0.0, ..held };
+            let before = part_force(&part, 0.0, &still, rest).energy;
+            let found = part_force(&part, 0.0, &held, rest);
+            assert!(found.relaxed > 1e-3 * before);
+            assert!(
+                (before - found.energy - found.relaxed).abs() < 1e-14,
+                "{rest}"
+            );
+        }
+        // Out and back, in steps: work = energy + what relaxed.
+        let open = [200, 800].map(|steps| {
+            let (mut rest, mut energy, mut work, mut relaxed, mut force) =
+                (0.0, 0.0, 0.0, 0.0, 0.0);
+            let mut before = 0.0;
+            for k in 1..=steps {
+                let t = k as f64 / steps as f64;
+                let now = (3.0 * t).sin().powi(2);
+                let approach = Approach {
+                    penetration: now,
+                    before,
+                    time: 1.0 / steps as f64,
+                    rate: 0.0,
+                };
+                let found = part_force(&part, 0.0, &approach, rest);
+                work += 0.5 * (force + found.elastic) * (now - before);
+                relaxed += found.relaxed;
+                (rest, energy, force, before) = (found.rest, found.energy, found.elastic, now);
+            }
+            (work - relaxed - energy).abs()
+        });
+        println!("balance open by {open:?}");
+        assert!(open[1] < 1e-4 && open[1] < open[0] / 6.0, "{open:?}");
+    }
 }

@@ -171,8 +171,8 @@ pub fn parse(words: &[&str]) -> Result<(LawParameters, usize), ParameterError> {
 /// // Soft grains (10 MPa) on steel (200 GPa), and on a rigid wall.
 /// let (grain, _) = parse(&["hertz", "1e7", "0.3"])?;
 /// let (steel, read) = parse_wall_material(&grain, &["material", "2e11", "0.3"])?;
-/// let (rigid, _) = parse_wall_material(&grain, &["material", "rigid"])?;
-/// assert_eq!(read, 3);
+/// let (rigid, of_rigid) = parse_wall_material(&grain, &["material", "rigid"])?;
+/// assert_eq!((read, of_rigid), (3, 2));
 /// let modulus = |wall| Ok::<f64, ellgran::force::ParameterError>(PairLaw::resolve(&grain, wall)?.effective_modulus());
 /// let of_grain = 1e7 / (1.0 - 0.3 * 0.3);
 /// assert!((modulus(&rigid)? / of_grain - 1.0).abs() < 1e-14);
@@ -212,4 +212,24 @@ pub fn parse_wall_material(
     wall.validate()
         .map_err(|e| ParameterError(format!("material of the wall: {e}")))?;
     Ok((wall, w.position))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse;
+
+    /// What lacks is named with the keyword that it belongs behind, which the normal law has not.
+    #[test]
+    fn messages_name_the_place() {
+        for (deck, says) in [
+            ("hertz 1e7 0.3 tfd 0.5", "did you mean 'tangential tfd'?"),
+            ("hertz 1e7 0.3 hale", "did you mean 'factors hale'?"),
+            ("nfd 1e7 0.3", "'nfd'"),
+            ("hertz 1e7 0.3 tangential tfd", "'tangential tfd'"),
+        ] {
+            let words: Vec<&str> = deck.split(' ').collect();
+            let message = parse(&words).unwrap_err().to_string();
+            assert!(message.contains(says), "{deck}: {message}");
+        }
+    }
 }

@@ -184,4 +184,36 @@ mod tests {
             }
         }
     }
+
+    /// Along each axis alone two boxes may be apart, and one may reach beyond the other, on either side.
+    #[test]
+    fn boxes_overlap_and_contain_along_all_axes() {
+        let whole = Extent {
+            low: [0.0; 3],
+            high: [1.0; 3],
+        };
+        for axis in 0..3 {
+            for (low, high, overlaps, contains) in [
+                (0.2, 0.7, true, true),
+                (0.0, 1.0, true, true),
+                (-0.1, 0.5, true, false),
+                (0.5, 1.1, true, false),
+                (-0.5, 1.5, true, false),
+                (1.0, 1.2, true, false),
+                (-0.2, 0.0, true, false),
+                (1.1, 1.2, false, false),
+                (-0.2, -0.1, false, false),
+            ] {
+                let mut other = Extent {
+                    low: [0.3; 3],
+                    high: [0.6; 3],
+                };
+                (other.low[axis], other.high[axis]) = (low, high);
+                let what = format!("{low} to {high} along {axis}");
+                assert_eq!(whole.overlaps(&other), overlaps, "{what}");
+                assert_eq!(other.overlaps(&whole), overlaps, "{what}");
+                assert_eq!(whole.contains(&other), contains, "{what}");
+            }
+        }
+    }
 }

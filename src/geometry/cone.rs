@@ -651,6 +651,77 @@ mod tests {
         assert!(touching > 300 && alone > 50, "{touching} {alone}");
     }
 
+    /// The depth as a function of the angle against the support function, its slopes against differences, and where they say that it has one
+    /// maximum against all directions.
+    #[test]
+    fn the_depth_in_a_cone_and_its_slopes() {
+        let axis = Vector3::new(0.48, 0.6, 0.64);
+        let basis = Tangent::new(axis);
+        let quaternion = [0.7, -0.3, 0.5, 0.2];
+        let body = Ellipsoid::new([0.3, 0.9, 0.5], quaternion).unwrap();
+        let mut concave = [0, 0];
+        for slope in [0.0, 0.4, -0.3] {
+            for (radius, off_axis, along) in [(2.0, 1.4, 0.3), (9.0, 8.4, -0.2), (40.0, 39.6, 0.1)]
+            {
+                let cone = Cone {
+                    slope,
+                    ..Cone::cylinder(Vector3::ZERO, axis, radius)
+                };
+                let centre = axis * along + basis.u * off_axis;
+                let depth = DepthInCone::new(&cone, &body, (axis, basis), [off_axis, along]);
+                let c = 1.0 / (1.0 + slope * slope).sqrt();
+                let normal = |angle: f64| {
+                    let u = basis.u * angle.cos() + basis.v * angle.sin();
+                    (u - axis * slope) * c
+                };
+                let of = |angle: f64| {
+                    let n = normal(angle);
+                    body.support(n).h - (c * radius - n.dot(centre))
+                };
+                let mut bends_down = true;
+                for k in 0..40 {
+                    let angle = 0.157 * f64::from(k);
+                    let (sin, cos) = angle.sin_cos();
+                    let n = normal(angle);
+                    let support = body.support(n);
+                    let (height, h) = (depth.height(cos), depth.support(cos, sin));
+                    assert!((h - support.h).abs() < 1e-13);
+                    assert!((height - (c * radius - n.dot(centre))).abs() < 1e-12 * radius);
+                    // Of the wall, where the body is deepest behind it.
+                    let place = support.point + n * (height - h);
+                    let found = depth.along(cos, sin, [height, h]);
+                    assert!((found - axis.dot(place)).abs() < 1e-12 * radius);
+                    let step = 1e-3;
+                    let [before, now, after] = [-step, 0.0, step].map(|by| of(angle + by));
+                    let (first, second) = depth.slopes(cos, sin);
+                    let allowed = 1e-5 * radius;
+                    assert!((first - (after - before) / (2.0 * step)).abs() < allowed);
+                    let bend = (after - 2.0 * now + before) / (step * step);
+                    assert!((second - bend).abs() < allowed, "{second} {bend}");
+                    let (_, change, [next_cos, next_sin]) = depth.step(cos, sin);
+                    assert!((change * second + first).abs() < 1e-12 * radius);
+                    let turned = angle + change.atan();
+                    assert!((next_cos - turned.cos()).abs() < 1e-12);
+                    assert!((next_sin - turned.sin()).abs() < 1e-12);
+                    let root = |angle: f64| {
+                        // Of the vector as long as the support function.
+                        let b = body.to_body(normal(angle));
+                        Vector3::new(0.3 * b.x, 0.9 * b.y, 0.5 * b.z)
+                    };
+                    let speed = (root(angle + step) - root(angle - step)) * (0.5 / step);
+                    let found = depth.speed_squared(cos, sin);
+                    assert!((found - speed.dot(speed)).abs() < 1e-5);
+                    // Where the body may touch it bends down, if so it is said.
+                    bends_down &= height > h.max(0.9) || second < 0.0;
+                }
+                let said = depth.is_concave([0.9, 0.3]);
+                assert!(bends_down || !said);
+                concave[usize::from(said)] += 1;
+            }
+        }
+        assert!(concave[0] > 0 && concave[1] > 0, "{concave:?}");
+    }
+
     #[test]
     fn a_sphere_in_a_cone_touches_the_nearest_side() {
         let sphere = Ellipsoid::new([0.1; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();

@@ -623,3 +623,64 @@ pub fn gap(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, n: Vector3) -> ContactSearc
     };
     pair.found(best, false)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// About y.
+    fn turned(semi_axes: [f64; 3], angle: f64) -> Ellipsoid {
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        Ellipsoid::new(semi_axes, [cos, 0.0, sin, 0.0]).unwrap()
+    }
+
+    /// Deeper than half of the smaller of both radii of curvature, which add up as matrices.
+    #[test]
+    fn a_contact_is_deep_by_its_smaller_radius() {
+        let sphere = turned([1.0; 3], 0.0);
+        let needle = turned([3.0, 1.0, 1.0], 0.0);
+        let across = turned([3.0, 1.0, 1.0], 0.3);
+        let x = Vector3::new(1.0, 0.0, 0.0);
+        let y = Vector3::new(0.0, 1.0, 0.0);
+        for (j, direction, reach, limit) in [
+            (&sphere, x, 2.0, 1.0),
+            // Tip on tip: twice 1/3.
+            (&needle, x, 6.0, 1.0 / 3.0),
+            // Side by side, 9 and 1 in the principal directions, which are 0.3 apart: 10 - 8 cos 0.3.
+            (&across, y, 2.0, 5.0 - 4.0 * 0.3f64.cos()),
+        ] {
+            let i = if reach == 2.0 && j.is_sphere() {
+                &sphere
+            } else {
+                &needle
+            };
+            for (penetration, deep) in [(0.99 * limit, false), (1.01 * limit, true)] {
+                let d = direction * (reach - penetration);
+                let Outcome::Touching(found) = search(i, j, d, None) else {
+                    panic!("they overlap by {penetration}");
+                };
+                assert!((found.penetration - penetration).abs() < 1e-12);
+                assert_eq!(found.deep, deep, "{limit}: {penetration}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_shape_matrices_map_it_to_the_distance() {
+        let i = Ellipsoid::new([3.0, 1.0, 0.5], [0.5, -0.3, 0.7, 0.2]).unwrap();
+        let j = Ellipsoid::new([0.4, 2.0, 1.5], [0.1, 0.8, -0.2, 0.4]).unwrap();
+        let d = Vector3::new(0.3, -0.7, 0.4);
+        for (ci, cj) in [(1.0, 1.0), (0.2, 3.0)] {
+            let n = solve_shape_sum(&i, &j, ci, cj, d).unwrap();
+            let times = |body: &Ellipsoid| {
+                let support = body.support(n);
+                // S n = h times the point of the support function.
+                support.point * support.h
+            };
+            let back = times(&i) * ci + times(&j) * cj;
+            let back = back * (1.0 / back.norm());
+            assert!((n.norm() - 1.0).abs() < 1e-14);
+            assert!((back - d * (1.0 / d.norm())).norm() < 1e-12);
+        }
+    }
+}

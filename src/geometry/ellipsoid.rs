@@ -356,3 +356,23 @@ impl<T: Real> ConvexBody<T> for Ellipsoid<T> {
         (self.semi_axes.x, self.inverse_semi_axes.x)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_has_three_equal_semi_axes() {
+        let turn = [1.0, 0.0, 0.0, 0.0];
+        for (semi_axes, is) in [
+            ([2.0, 2.0, 2.0], true),
+            ([2.0, 2.0, 1.0], false),
+            ([2.0, 1.0, 2.0], false),
+            ([1.0, 2.0, 2.0], false),
+            ([1.0, 2.0, 3.0], false),
+        ] {
+            let body = Ellipsoid::new(semi_axes, turn).unwrap();
+            assert_eq!(body.is_sphere(), is, "{semi_axes:?}");
+        }
+    }
+}

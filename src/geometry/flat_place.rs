@@ -124,6 +124,30 @@ mod tests {
         }
     }
 
+    /// A body belongs to the place of a ball of radius 1 where its own ball, and what is looked at around it, lies within.
+    #[test]
+    fn a_place_has_what_lies_within_its_ball() {
+        let place = FlatPlace {
+            centre: Vector3::new(3.0, -2.0, 5.0),
+            radius: 1.0,
+            plane: Plane {
+                point: Vector3::ZERO,
+                normal: Vector3::new(0.0, 0.0, 1.0),
+            },
+        };
+        let direction = Vector3::new(0.36, -0.48, 0.8);
+        for radius in [0.01, 0.3, 0.7] {
+            let room = 1.0 - radius * (1.0 + LOOKS_BEYOND);
+            for (off, has) in [(0.0, true), (0.99, true), (1.01, false), (3.0, false)] {
+                let centre = place.centre + direction * (off * room);
+                assert_eq!(place.has(centre, radius), has, "{radius}, {off}");
+            }
+        }
+        for off in [0.0, 0.1, 0.5, 5.0] {
+            assert!(!place.has(place.centre + direction * off, 1.5));
+        }
+    }
+
     /// Bodies in flat places touch the plane where the search finds them to touch the triangles, and nowhere else: sheets with and without
     /// holes, inclined ones, with a fold, two of them close to one another.
     #[test]

@@ -73,3 +73,60 @@ impl<'a> Outline<'a> {
         n
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of slender bodies too the direction is one in which the distance is smallest to the last digits: its slope vanishes, it bends up, and no
+    /// direction of many is better.
+    #[test]
+    fn the_direction_is_that_of_the_smallest_distance() {
+        let mut state = 5u64;
+        let mut uniform = |low: f64, high: f64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut within, mut beside) = (0, 0);
+        for _ in 0..400 {
+            let semi_axes = [0; 3].map(|_| 10f64.powf(uniform(-3.0, 0.0)));
+            let body = Ellipsoid::new(semi_axes, [0; 4].map(|_| uniform(-1.0, 1.0))).unwrap();
+            let along = Vector3::from_array([0; 3].map(|_| uniform(-1.0, 1.0))).normalised();
+            // The line passes by the surface, within or beside.
+            let basis = Tangent::new(along);
+            let angle = uniform(0.0, 6.3);
+            let towards = basis.u * angle.cos() + basis.v * angle.sin();
+            let y = body.support(towards).point * uniform(0.8, 1.2) + along * uniform(-1.0, 1.0);
+            let n = match nearest_across(&body, y, along) {
+                Some(n) => {
+                    within += 1;
+                    n
+                }
+                None => {
+                    beside += 1;
+                    towards_line(&body, y, along)
+                }
+            };
+            assert!((n.norm() - 1.0).abs() < 1e-14 && n.dot(along).abs() < 1e-14);
+            let at = |n: Vector3| body.support(n).h - n.dot(y);
+            let t = along.cross(n);
+            let slope = t.dot(body.support(n).point - y);
+            // One rounding of the direction makes so much of it.
+            let stretch = body.semi_axes.componentwise(body.to_body(t)).norm_squared();
+            let bend = stretch / body.support(n).h + at(n).abs();
+            let allowed = 40.0 * f64::EPSILON * (1.0 + bend + y.norm());
+            assert!(
+                slope.abs() < allowed,
+                "{semi_axes:?}: {slope:e} {allowed:e}"
+            );
+            for k in 0..200 {
+                let angle = 0.0314 * f64::from(k);
+                let other = n * angle.cos() + t * angle.sin();
+                assert!(at(other) > at(n) - 1e-14, "{semi_axes:?}, {angle}");
+            }
+        }
+        assert!(within > 50 && beside > 50, "{within} {beside}");
+    }
+}

@@ -41,6 +41,16 @@ fn a_linear_spring_has_a_dashpot_where_it_is_given_one() {
     }
 }
 
+/// Of spheres whose viscosities are in proportion at Poisson's ratio 0 the shape of the ellipse is of no meaning: one of the two constants of the
+/// dashpot is zero, and the dashpot is there all the same.
+#[test]
+fn proportional_viscosity_has_a_tangential_dashpot() {
+    let law = pair_law("nfd 1e7 0 30 10 tangential mindlin 0.3");
+    let c = &law.constants.tangential;
+    assert!(c.tau0 > 0.0 && c.tau1 == 0.0, "{c:?}");
+    assert!(law.kinds.tangential.viscous);
+}
+
 #[test]
 fn a_law_takes_another_restitution_as_if_it_had_been_given() {
     let deck = |e: f64| format!("hertz 1e7 0.3 damping restitution {e}");

@@ -74,6 +74,30 @@ fn tangential_relaxation_of_the_other_closures_is_that_of_shear() {
     }
 }
 
+/// Constants of a contact: geometric means, and two springs in series.
+#[test]
+fn constants_of_the_contact_are_means() {
+    let law = |i: &str, j: &str| PairLaw::resolve(&parameters(i), &parameters(j)).unwrap();
+    let deck =
+        |e: f64, mu: f64| format!("hertz 1e7 0.3 damping restitution {e} tangential mindlin {mu}");
+    let mixed = law(&deck(0.36, 0.9), &deck(0.81, 0.4));
+    let wanted = pair_law(&deck(0.54, 0.6));
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
+    let of = |law: &PairLaw| law.constants.normal.restitution;
+    assert!(close(of(&mixed), of(&wanted)));
+    assert!(close(mixed.constants.tangential.friction, 0.6));
+    let deck = |kn: f64, cn: f64, kt: f64, ct: f64| {
+        format!("lsd {kn} {cn} tangential linear {kt} {ct} 0.5")
+    };
+    let mixed = law(&deck(100.0, 4.0, 60.0, 9.0), &deck(300.0, 1.0, 20.0, 0.0));
+    let wanted = pair_law(&deck(150.0, 2.0, 30.0, 0.0));
+    let (found, wanted) = (&mixed.constants, &wanted.constants);
+    assert!(close(found.normal.stiffness, wanted.normal.stiffness));
+    assert!(close(found.normal.damping, wanted.normal.damping));
+    assert!(close(found.tangential.stiffness, 30.0));
+    assert_eq!(found.tangential.damping, 0.0);
+}
+
 #[test]
 fn a_pair_mixed_with_itself_is_the_pair() {
     let law = PairLaw::resolve(&parameters(SOFT), &parameters(SOFT)).unwrap();
@@ -127,11 +151,20 @@ fn a_law_in_words() {
             vec!["twisting marshall"],
         ),
         (
+            "nfd 1e7 0.3 50 60 viscosity memory",
+            vec!["A_n", "memory A_n at once", " + ", " in "],
+        ),
+        (
             "hertz 1e7 0.3 factors hale conservative no",
             vec!["factors hale"],
         ),
     ] {
-        let said = pair_law(deck).describe();
+        let law = pair_law(deck);
+        let said = law.describe();
+        if deck.starts_with("nfd") {
+            let time = format!(" A_n {} ", law.normal_relaxation_time());
+            assert!(said.contains(&time), "{said:?} lacks{time}");
+        }
         for term in terms {
             assert!(said.contains(term), "{deck}: {said:?} lacks {term}");
         }
@@ -140,6 +173,7 @@ fn a_law_in_words() {
             ("rolling", deck.contains("rolling")),
             ("twisting", deck.contains("twisting")),
             ("hale", deck.contains("hale")),
+            (" memory", deck.contains("memory")),
         ] {
             assert_eq!(said.contains(word), asked, "{deck}: {said:?} and {word}");
         }

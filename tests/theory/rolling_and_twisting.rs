@@ -6,7 +6,8 @@ use crate::support::scene::{body, laws, wall, Rotation, Vector};
 use ellgran::contact::Body;
 use ellgran::force::hertz_factors::{contact_ellipse, exact};
 use ellgran::force::twisting::{mean_radius, squared_semi_axes};
-use ellgran::vector::Symmetric2;
+use ellgran::force::{rolling_force, twisting_torque, RollingConstants, TwistSpring};
+use ellgran::vector::{Symmetric2, Vector2};
 
 const GRAVITY: f64 = 10.0;
 const MODULUS: f64 = 1e8;
@@ -202,4 +203,127 @@ fn mean_radius_by_integral(a: f64, b: f64) -> f64 {
         })
         .sum();
     2.0 / 3.0 * sum / steps as f64
+}
+
+/// Spring, dashpot and slider of rolling by numbers: the way it holds, its force and its energy, below the limit and above it.
+#[test]
+fn the_spring_of_rolling() {
+    let c = RollingConstants {
+        stiffness: 300.0,
+        damping: 4.0,
+        friction: 0.1,
+    };
+    let still = Vector2::new(0.0, 0.0);
+    let is = |found: Vector2, u: f64, v: f64| {
+        (found.u - u).abs().max((found.v - v).abs()) < 1e-14 * (1.0 + u.abs() + v.abs())
+    };
+    // 300 * (0.03, 0.04) is a force of 15, 0.1 * 200 the limit.
+    let (way, by) = (Vector2::new(0.02, 0.01), Vector2::new(0.01, 0.03));
+    let t = rolling_force(&c, 200.0, way, by, still, true);
+    assert!(
+        is(t.force, -9.0, -12.0) && is(t.elastic, -9.0, -12.0),
+        "{t:?}"
+    );
+    assert!(is(t.way, 0.03, 0.04) && (t.energy - 0.375).abs() < 1e-14);
+    // The dashpot adds to it: (9, 12) + 4 (0.5, 0) is a force of 16.3.
+    let t = rolling_force(&c, 200.0, way, by, Vector2::new(0.5, 0.0), true);
+    assert!(
+        is(t.force, -11.0, -12.0) && is(t.elastic, -9.0, -12.0),
+        "{t:?}"
+    );
+    // A limit of 5: the spring is cut, and its energy with it; the dashpot adds nothing.
+    for velocity in [still, Vector2::new(0.3, 0.4)] {
+        let t = rolling_force(&c, 50.0, way, by, velocity, true);
+        assert!(
+            is(t.force, -3.0, -4.0) && is(t.elastic, -3.0, -4.0),
+            "{t:?}"
+        );
+        assert!(is(t.way, 0.01, 4.0 / 300.0) && (t.energy - 25.0 / 600.0).abs() < 1e-14);
+    }
+    // Where no time passes nothing of the way is given up, and the force is within the limit.
+    let t = rolling_force(&c, 50.0, Vector2::new(0.03, 0.04), still, still, false);
+    assert!(is(t.force, -3.0, -4.0) && is(t.way, 0.03, 0.04), "{t:?}");
+    assert!((t.energy - 0.375).abs() < 1e-14);
+    // Without a spring there is only the dashpot, and nothing to remember.
+    let c = RollingConstants {
+        stiffness: 0.0,
+        ..c
+    };
+    let t = rolling_force(&c, 200.0, way, by, Vector2::new(0.5, 0.0), true);
+    assert!(is(t.force, -2.0, 0.0) && is(t.elastic, 0.0, 0.0), "{t:?}");
+    assert!(is(t.way, 0.0, 0.0) && t.energy == 0.0);
+    // None at all at a force that draws the bodies together.
+    let t = rolling_force(&c, -3.0, still, by, Vector2::new(0.5, 0.0), true);
+    assert!(is(t.force, 0.0, 0.0), "{t:?}");
+}
+
+/// Spring, dashpot and slider of twisting by numbers: torque, what is remembered and its energy, where the contact stays as it was, shrinks and
+/// grows.
+#[test]
+fn the_spring_of_twisting() {
+    let spring = |stiffness: f64| TwistSpring {
+        stiffness,
+        damping: 3.0,
+        friction: 0.1,
+    };
+    let check = |(stiffness, normal_force): (f64, f64),
+                 (held, increment, velocity): ([f64; 2], f64, f64),
+                 passes: bool,
+                 wanted: [f64; 5]| {
+        for sign in [1.0, -1.0] {
+            let t = twisting_torque(
+                &spring(stiffness),
+                normal_force,
+                held.map(|x| sign * x),
+                sign * increment,
+                sign * velocity,
+                passes,
+            );
+            let found = [-t.torque, -t.elastic, t.held[0], t.held[1]].map(|x| sign * x);
+            for (found, wanted) in found.iter().chain([&t.energy]).zip(wanted) {
+                assert!((found - wanted).abs() < 1e-14, "{t:?}, wanted {wanted}");
+            }
+        }
+    };
+    let at_rest = ([4.0, 0.02], 0.01, 0.0);
+    // The same contact; one of half the stiffness gives up half; a stiffer one keeps the torque.
+    check((200.0, 100.0), at_rest, true, [6.0, 6.0, 6.0, 0.03, 0.09]);
+    check((100.0, 100.0), at_rest, true, [3.0, 3.0, 3.0, 0.03, 0.045]);
+    check((400.0, 100.0), at_rest, true, [8.0, 8.0, 8.0, 0.02, 0.08]);
+    // With the dashpot, up to the limit of 10.
+    let turning = |velocity| ([4.0, 0.02], 0.01, velocity);
+    check(
+        (200.0, 100.0),
+        turning(1.0),
+        true,
+        [9.0, 6.0, 6.0, 0.03, 0.09],
+    );
+    check(
+        (200.0, 100.0),
+        turning(5.0),
+        true,
+        [10.0, 6.0, 6.0, 0.03, 0.09],
+    );
+    // The spring slides.
+    check(
+        (200.0, 100.0),
+        ([4.0, 0.02], 0.1, 2.0),
+        true,
+        [10.0, 10.0, 10.0, 0.05, 0.25],
+    );
+    // Where no time passes all is kept, whatever the stiffness.
+    check(
+        (100.0, 100.0),
+        ([4.0, 0.02], 0.0, 0.0),
+        false,
+        [4.0, 4.0, 4.0, 0.02, 0.04],
+    );
+    // Without a spring nothing is remembered; without a load nothing resists.
+    check(
+        (0.0, 100.0),
+        ([0.0; 2], 0.01, 2.0),
+        true,
+        [6.0, 0.0, 0.0, 0.0, 0.0],
+    );
+    check((200.0, -1.0), ([0.0; 2], 0.01, 2.0), true, [0.0; 5]);
 }

@@ -259,3 +259,108 @@ fn it_goes_with_tfd_alone() {
     assert!(law.describe().contains("displacement hysteretic"));
     assert!(!law.can_create_energy());
 }
+
+/// Without slip each element has gone the same way, so that it holds its share of the stiffness `c sqrt(d)`: between two edges the
+/// difference of their roots.
+fn assert_shares(moved: &Moved, depth: f64, per_root: f64, what: &str) {
+    let of = &moved.0.springs;
+    let root = |k: usize| {
+        let edge = of.reference * (k as f64 / 8.0).powf(4.0 / 3.0);
+        edge.min(depth).sqrt()
+    };
+    for (k, force) in of.forces.iter().enumerate() {
+        let wanted = per_root * (root(k + 1).max(root(k)) - root(k));
+        // The last edge is the contact's own.
+        let found = force.u;
+        assert!(
+            (found - wanted).abs() < 1e-9 * per_root * depth.sqrt() && force.v == 0.0,
+            "{what}, element {k}: {found:e} {wanted:e}"
+        );
+    }
+}
+
+/// A contact that shrinks, slowly or at once, gives up what the elements lose that leave it, and divides the others by their stiffness.
+#[test]
+fn a_contact_that_shrinks_without_slip_keeps_its_displacement() {
+    for shrinks_to in [0.99, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 1e-3] {
+        for steps in [1, 3, 40] {
+            let mut moved = Moved::new("hertz 1e6 0.3", Symmetric2::new(1.0, 0.0, 1.0));
+            let (_, sliding) = scales(&moved);
+            moved.by(DEPTH, NONE);
+            let way = 1e-9 * sliding;
+            let force = -moved.by(DEPTH, Vector2::new(way, 0.0)).force.u;
+            let per_root = force / DEPTH.sqrt();
+            assert_shares(&moved, DEPTH, per_root, "loaded");
+            let mut depth = DEPTH;
+            for k in 1..=steps {
+                depth = DEPTH * f64::powf(shrinks_to, f64::from(k) / f64::from(steps));
+                moved.by(depth, NONE);
+            }
+            let what = format!("to {shrinks_to} in {steps} steps");
+            assert_shares(&moved, depth, per_root, &what);
+            let t = moved.by(depth, NONE);
+            let wanted = 0.5 * per_root * depth.sqrt() * way;
+            assert!((t.elastic_energy / wanted - 1.0).abs() < 1e-6, "{what}");
+            // Divided as often as one step may, until more than two elements carry.
+            if shrinks_to > 0.02 || steps == 40 {
+                assert!(moved.0.springs.reference < 6.4 * depth, "{what}");
+            }
+        }
+    }
+}
+
+/// A contact that grows keeps the force of each element; two become one where the contact outgrows the grid.
+#[test]
+fn a_contact_that_grows_keeps_its_forces() {
+    for grows_to in [1.01, 1.5, 2.0, 5.0, 12.0, 100.0] {
+        for steps in [1, 3, 40] {
+            let mut moved = Moved::new("hertz 1e6 0.3", Symmetric2::new(1.0, 0.0, 1.0));
+            let (_, sliding) = scales(&moved);
+            moved.by(DEPTH, NONE);
+            moved.by(0.7 * DEPTH, NONE);
+            let way = 1e-9 * sliding;
+            let force = -moved.by(0.7 * DEPTH, Vector2::new(way, 0.0)).force.u;
+            let per_root = force / (0.7 * DEPTH).sqrt();
+            let mut depth = DEPTH;
+            for k in 1..=steps {
+                depth = DEPTH * f64::powf(grows_to, f64::from(k) / f64::from(steps));
+                let t = moved.by(depth, NONE);
+                assert!((-t.force.u / force - 1.0).abs() < 1e-12);
+            }
+            let of = &moved.0.springs;
+            let mut edge_before: f64 = 0.0;
+            for (k, found) in of.forces.iter().enumerate() {
+                let edge = of.reference * ((k + 1) as f64 / 8.0).powf(4.0 / 3.0);
+                let [low, high] = [edge_before, edge].map(|e| e.min(0.7 * DEPTH).sqrt());
+                let wanted = per_root * (high - low);
+                assert!(
+                    (found.u - wanted).abs() < 1e-9 * force,
+                    "to {grows_to} in {steps}, element {k}: {:e} {wanted:e}",
+                    found.u
+                );
+                edge_before = edge;
+            }
+            assert!(of.reference >= depth);
+        }
+    }
+}
+
+/// The force without its viscous part has its sign and what the springs hold.
+#[test]
+fn the_elastic_force_is_that_of_the_springs() {
+    for words in ["hertz 1e6 0.3", "nfd 1e6 0.3 30 20"] {
+        let mut moved = Moved::new(words, Symmetric2::new(1.0, 0.0, 1.0));
+        let (limit, sliding) = scales(&moved);
+        moved.by(DEPTH, NONE);
+        let by = Vector2::new(0.1 * sliding, 0.0);
+        let t = moved.evaluate(DEPTH, by, Vector2::new(1e-6, 0.0), true);
+        let held: f64 = moved.0.springs.forces.iter().map(|f| f.u).sum();
+        assert!(held > 0.1 * limit && (t.elastic_force.u / -held - 1.0).abs() < 1e-14);
+        let viscous = t.force.u - t.elastic_force.u;
+        assert!(if words.starts_with("nfd") {
+            viscous < 0.0
+        } else {
+            viscous == 0.0
+        });
+    }
+}

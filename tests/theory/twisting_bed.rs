@@ -332,11 +332,88 @@ fn without_a_twist_it_is_the_bed_of_forces() {
         let (found, torque) = moved.evaluate(depth, (by, velocity), (0.0, 0.0), true);
         let apart = found.force - expected.force;
         assert!(apart.dot(apart) <= 1e-26 * expected.force.dot(expected.force));
+        let apart = found.elastic_force - expected.elastic_force;
+        assert!(apart.dot(apart) <= 1e-26 * expected.force.dot(expected.force));
         assert!((found.elastic_energy / expected.elastic_energy - 1.0).abs() < 1e-12);
         assert!(torque.elastic == 0.0 && torque.viscous == 0.0);
         (memory, energy) = (expected.memory, expected.elastic_energy);
         (moved.held.memory, moved.held.energy) = (found.memory, found.elastic_energy);
     }
+}
+
+/// A contact that is turned without slip and shrinks, slowly or at once, keeps its angle: the elements up to a radius `s` hold the torque of a
+/// contact of that radius, `8/3 G s^3` times the angle.
+#[test]
+fn a_contact_that_shrinks_without_slip_keeps_its_angle() {
+    let shear = 1e6 / (2.0 * (1.0 + NU));
+    for shrinks_to in [0.99, 0.5, 0.2, 0.1, 0.05, 0.02, 1e-3] {
+        for steps in [1, 3, 40] {
+            let mut moved = Moved::new("hertz 1e6 0.3", CIRCLE);
+            let angle = 1e-9 * moved.scales(DEPTH).1;
+            moved.by(DEPTH, NONE, 0.0);
+            moved.by(DEPTH, NONE, angle);
+            let mut depth = DEPTH;
+            for k in 1..=steps {
+                depth = DEPTH * f64::powf(shrinks_to, f64::from(k) / f64::from(steps));
+                moved.by(depth, NONE, 0.0);
+            }
+            let what = format!("to {shrinks_to} in {steps} steps");
+            let of_depth = |z: f64| 8.0 / 3.0 * shear * (0.5 * z).powf(1.5) * angle;
+            let edge = |k: usize| {
+                let of_grid = moved.held.springs.reference * (k as f64 / 8.0).powf(4.0 / 3.0);
+                of_depth(of_grid.min(depth))
+            };
+            for (k, torque) in moved.torques.iter().enumerate() {
+                let wanted = edge(k + 1) - edge(k);
+                assert!(
+                    (torque - wanted).abs() < 1e-7 * of_depth(depth),
+                    "{what}, element {k}: {torque:e} {wanted:e}"
+                );
+            }
+            let (_, torque) = moved.by(depth, NONE, 0.0);
+            assert!((torque / of_depth(depth) - 1.0).abs() < 1e-7, "{what}");
+            let energy = 0.5 * of_depth(depth) * angle;
+            assert!((moved.held.energy / energy - 1.0).abs() < 1e-6, "{what}");
+        }
+    }
+}
+
+/// Bodies that become rounder while the contact keeps its depth: the contact has half the radius and an eighth of the stiffness, and would hold
+/// eight times the energy at the same torque. Torque and energy fall to an eighth.
+#[test]
+fn a_contact_that_becomes_smaller_gives_up_torque() {
+    let mut moved = Moved::new("hertz 1e6 0.3", CIRCLE);
+    let angle = 1e-9 * moved.scales(DEPTH).1;
+    moved.by(DEPTH, NONE, 0.0);
+    let (_, torque) = moved.by(DEPTH, NONE, angle);
+    let energy = moved.held.energy;
+    moved.held.curvature = CIRCLE * 4.0;
+    let (_, after) = moved.by(DEPTH, NONE, 0.0);
+    assert!((after / torque - 0.125).abs() < 1e-9);
+    assert!((moved.held.energy / energy - 0.125).abs() < 1e-9);
+}
+
+/// The dashpot of a twist of the circle, which is shear alone: the stiffness times the relaxation time of shear, up to the torque of sliding.
+#[test]
+fn the_dashpot_of_a_twist_is_that_of_shear() {
+    let mut moved = Moved::new("nfd 1e6 0.3 30 20", CIRCLE);
+    moved.by(DEPTH, NONE, 0.0);
+    let spring = moved.spring(DEPTH);
+    let (most, unit) = moved.scales(DEPTH);
+    let time = 30.0 * (1.0 + NU) / 1e6;
+    for (turning, wanted) in [
+        (1e-3 * unit / time, 1e-3 * most),
+        (-0.3 * unit / time, -0.3 * most),
+        (5.0 * unit / time, most),
+    ] {
+        let (_, t) = moved.evaluate(DEPTH, (NONE, NONE), (0.0, turning), true);
+        assert_eq!(t.elastic, 0.0);
+        assert!((t.viscous / -wanted - 1.0).abs() < 1e-9, "{t:?} {wanted}");
+    }
+    assert!((spring.damping / (spring.stiffness * time) - 1.0).abs() < 1e-12);
+    // Against a torque that is there already: what is left below the limit.
+    let (_, t) = moved.evaluate(DEPTH, (NONE, NONE), (0.5 * unit, 5.0 * unit / time), true);
+    assert!(t.elastic < -0.3 * most && (t.elastic + t.viscous + most).abs() < 1e-9 * most);
 }
 
 /// Whatever is done to it, a contact gives back no more than was put in.

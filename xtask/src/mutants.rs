@@ -14,6 +14,8 @@ mod watched;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use std::sync::Mutex;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{bail, Context, Result};
@@ -46,12 +48,15 @@ pub struct Options {
     /// Only those that survived, since tests have been added
     #[arg(long)]
     missed: bool,
+    /// Mutants that are tried at once [default: one for each processor]
+    #[arg(long)]
+    jobs: Option<usize>,
     /// Tests that take longer, in seconds, are left out where a shorter one sees the mutant
     #[arg(long, default_value_t = 0.5)]
     longest_test: f64,
-    /// Only tests with this in their name
+    /// Only tests with this in their name; may be given several times
     #[arg(long)]
-    test: Option<String>,
+    test: Vec<String>,
     /// Those that cannot be switched too, each compiled on its own
     #[arg(long)]
     one_by_one: bool,
@@ -74,15 +79,21 @@ pub fn mutants(options: &Options) -> Result<()> {
     };
     let mut stored = Stored::read(&names);
     let survived = |m: &Mutant| stored.of(&m.name).is_some_and(Outcome::survived);
-    // Those that have been tried are compiled too: the same programs as last time need not be watched again.
+    // All are compiled, whichever are to be tried: the same programs as last time need not be compiled and watched again. Lanes are slow to
+    // compile.
     let mut compiled = all.clone();
-    compiled.retain(|m| wanted.contains(&m.name));
-    if options.missed || options.lanes {
-        compiled.retain(survived);
+    if options.lanes {
+        compiled.retain(|m| wanted.contains(&m.name) && survived(m));
     }
-    let again = options.missed || options.lanes;
+    let to_be_tried = |m: &Mutant| {
+        if options.missed || options.lanes {
+            survived(m)
+        } else {
+            stored.of(&m.name).is_none()
+        }
+    };
     let left: BTreeSet<usize> = (0..compiled.len())
-        .filter(|k| again || stored.of(&compiled[*k].name).is_none())
+        .filter(|k| wanted.contains(&compiled[*k].name) && to_be_tried(&compiled[*k]))
         .collect();
     say(format!(
         "{} mutants, {} of them to be tried",
@@ -131,7 +142,7 @@ fn try_all(
     stored.write()?;
     let programs = copy.tests()?.context("the tests cannot be compiled")?;
     compiling.finish();
-    let mut tests = watch(&programs, &place)?;
+    let mut tests = watch(&programs, &place, &options.test)?;
     if options.lanes {
         // The others have been tried.
         for program in &programs {
@@ -139,31 +150,47 @@ fn try_all(
             tests.retain(|t| t.of != program.name || !tried.contains(&t.test.name));
         }
     }
-    if let Some(part) = &options.test {
-        tests.retain(|t| t.test.name.contains(part.as_str()));
-    }
     tests.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let mut progress = Progress::start("mutants");
-    let mut written = Instant::now();
-    let mut killers = Killers::default();
-    let said = place.join("said");
-    for (&index, &switch) in copy.switches.iter().filter(|(k, _)| left.contains(k)) {
-        if Instant::now() > end {
-            break;
+    let progress = Progress::start("mutants");
+    let longest = options.longest_test;
+    let switches = copy.switches.iter().filter(|(k, _)| left.contains(k));
+    let trials = Mutex::new(Trials {
+        stored,
+        progress,
+        written: Instant::now(),
+    });
+    let next = Mutex::new(switches);
+    let killers = Mutex::new(Killers::default());
+    let processors = thread::available_parallelism().map_or(1, |n| n.get());
+    let jobs = options.jobs.unwrap_or(processors);
+    let said = |job: usize| place.join(format!("said-{job}"));
+    let work = |job: usize| -> Result<()> {
+        while Instant::now() < end {
+            let Some((&index, &switch)) = held(&next).next() else {
+                break;
+            };
+            let mutant = &mutants[index];
+            let outcome = judge(mutant, switch, &tests, longest, &killers, &said(job))?;
+            held(&trials).add(mutant, outcome, (index, mutants.len()))?;
         }
-        let mutant = &mutants[index];
-        let longest = options.longest_test;
-        let outcome = judge(mutant, switch, &tests, longest, &mut killers, &said)?;
-        stored.set_unless_less(&mutant.name, outcome);
-        progress.update(
-            Some(index as f64 / mutants.len() as f64),
-            &format!("{index} of {}, {}", mutants.len(), mutant.name),
-        );
-        if written.elapsed() > WRITTEN_EVERY {
-            stored.write()?;
-            written = Instant::now();
-        }
-    }
+        Ok(())
+    };
+    let work = &work;
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..jobs)
+            .map(|job| scope.spawn(move || work(job)))
+            .collect();
+        let done = workers.into_iter().map(|worker| {
+            let done = worker.join();
+            done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        // All of them are waited for.
+        done.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
+    })?;
+    let Trials {
+        stored, progress, ..
+    } = trials.into_inner().unwrap_or_else(|e| e.into_inner());
+    let said = said(0);
     progress.finish();
     if options.one_by_one {
         let fixed = &copy.fixed & left;
@@ -178,6 +205,30 @@ fn try_all(
         )?;
     }
     Ok(())
+}
+
+/// What came out so far.
+struct Trials<'a> {
+    stored: &'a mut Stored,
+    progress: Progress,
+    written: Instant,
+}
+
+impl Trials<'_> {
+    fn add(&mut self, mutant: &Mutant, outcome: Outcome, (k, of): (usize, usize)) -> Result<()> {
+        self.stored.set_unless_less(&mutant.name, outcome);
+        let what = format!("{k} of {of}, {}", mutant.name);
+        self.progress.update(Some(k as f64 / of as f64), &what);
+        if self.written.elapsed() > WRITTEN_EVERY {
+            self.stored.write()?;
+            self.written = Instant::now();
+        }
+        Ok(())
+    }
+}
+
+fn held<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(|e| e.into_inner())
 }
 
 /// How many mutants of a file each test has killed: what has killed its neighbours is likely to kill the next.
@@ -207,7 +258,7 @@ fn judge(
     switch: Switch,
     tests: &[Watched],
     longest_test: f64,
-    killers: &mut Killers,
+    killers: &Mutex<Killers>,
     said: &Path,
 ) -> Result<Outcome> {
     if !tests.iter().any(|test| test.reaches(switch)) {
@@ -225,7 +276,7 @@ fn judge(
     if seeing.iter().any(short) {
         seeing.retain(short);
     }
-    let ordered = killers.order(&mutant.file, tests, seeing);
+    let ordered = held(killers).order(&mutant.file, tests, seeing);
     for group in groups(&ordered, tests) {
         let of_group: Vec<&Test> = group.iter().map(|k| &tests[*k].test).collect();
         let seconds = group.iter().map(|k| tests[*k].seconds).sum();
@@ -233,7 +284,7 @@ fn judge(
         if verdict != Verdict::Passed {
             let named = |k: &&usize| Some(&tests[**k].test.name) == failed.as_ref();
             if let Some(killer) = group.iter().find(named) {
-                killers.add(&mutant.file, *killer);
+                held(killers).add(&mutant.file, *killer);
             }
             return Ok(outcome_of(verdict));
         }

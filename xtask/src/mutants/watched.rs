@@ -43,8 +43,10 @@ impl Watched {
     }
 }
 
-/// All tests of the programs that run without lanes. What a program of the same bytes has shown is kept.
-pub fn watch(programs: &[Program], place: &Path) -> Result<Vec<Watched>> {
+/// All tests of the programs that run without lanes, or those of them with one of these words in their name. What a program of the same
+/// bytes has shown is kept where all were watched.
+pub fn watch(programs: &[Program], place: &Path, words: &[String]) -> Result<Vec<Watched>> {
+    let wanted = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word));
     let mut all = Vec::new();
     for program in programs {
         let digest = Sha256::digest(fs::read(&program.path)?);
@@ -55,22 +57,30 @@ pub fn watch(programs: &[Program], place: &Path) -> Result<Vec<Watched>> {
             .and_then(|text| serde_json::from_str::<Value>(&text).ok())
             .filter(|value| value["program"] == digest.as_str());
         if found.is_none() {
-            let value = watch_program(program, &digest, &place.join("seen"))?;
-            fs::write(&kept, value.to_string())?;
+            let value = watch_program(program, &digest, &place.join("seen"), &wanted)?;
+            if words.is_empty() {
+                fs::write(&kept, value.to_string())?;
+            }
             found = Some(value);
         }
         let found = found.context("nothing was watched")?;
         let tests = found["tests"].as_object().context("no tests")?;
-        for (name, test) in tests {
+        for (name, test) in tests.iter().filter(|(name, _)| wanted(name)) {
             all.push(read(program, name, test)?);
         }
     }
     Ok(all)
 }
 
-fn watch_program(program: &Program, digest: &str, output: &Path) -> Result<Value> {
+fn watch_program(
+    program: &Program,
+    digest: &str,
+    output: &Path,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Value> {
     let mut progress = Progress::start(format!("what the tests of {} see", program.name));
-    let tests = tests_of(program)?;
+    let mut tests = tests_of(program)?;
+    tests.retain(|test| wanted(&test.name));
     let mut shown = serde_json::Map::new();
     for (k, test) in tests.iter().enumerate() {
         progress.update(Some(k as f64 / tests.len() as f64), &test.name);
