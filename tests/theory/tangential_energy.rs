@@ -30,12 +30,12 @@ impl Held {
         }
     }
 
-    fn normal(&self) -> (f64, f64) {
+    fn normal(&self) -> (f64, f64, f64) {
         let m = self.curvature;
         let (kinds, constants) = (&self.law.kinds.normal, &self.law.constants.normal);
         let factors = exact(m.trace(), m.determinant(), true);
         let n = normal_force(kinds, constants, DEPTH, 0.0, m.determinant(), &factors, 1.0);
-        (n.force, n.stiffness)
+        (n.force, n.stiffness, 0.0)
     }
 
     fn by(&mut self, increment: Vector2, velocity: Vector2) -> TangentialForce {
