@@ -43,11 +43,11 @@ impl HeldContact {
         exact(self.curvature.trace(), self.curvature.determinant(), true)
     }
 
-    /// Force and stiffness of the contact at rest, at this penetration, and no rounding.
+    /// Force and stiffness of the contact at rest, at this penetration, and the rounding of one a hundred times as long as deep.
     pub fn normal_force(&self, depth: f64) -> (f64, f64, f64) {
         let (kinds, constants) = (&self.law.kinds.normal, &self.law.constants.normal);
         let (factors, determinant) = (self.factors(), self.curvature.determinant());
         let n = normal_force(kinds, constants, depth, 0.0, determinant, &factors, 1.0);
-        (n.force, n.stiffness, 0.0)
+        (n.force, n.stiffness, 1e-12)
     }
 }

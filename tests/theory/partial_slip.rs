@@ -307,3 +307,36 @@ fn nothing_is_forgotten_where_no_time_passes() {
         }
     }
 }
+
+/// The same of a contact that slides: rounding of its normal force must not give it back a viscous part, which goes with the root of what
+/// is left to Coulomb's limit.
+#[test]
+fn without_time_what_slides_is_not_viscous() {
+    let law = pair_law("nfd 1e6 0.3 2e2 2e2 tangential tfd 0.4");
+    let m = Symmetric2::new(1.0, 0.2, 3.0);
+    let n = normal(&law, m);
+    let velocity = Vector2::new(3.0, -1.0);
+    let rounding = 1e-8;
+    let call = |part: f64, memory, energy, passes, step| {
+        tangential_force(
+            &law.kinds.tangential,
+            &law.constants.tangential,
+            (n.force * part, n.stiffness, rounding),
+            &exact(m.trace(), m.determinant(), true),
+            m,
+            memory,
+            energy,
+            passes,
+            step,
+            velocity,
+        )
+    };
+    let none = Vector2::new(0.0, 0.0);
+    let slid = call(1.0, none, 0.0, true, Vector2::new(1.0, 0.3));
+    assert_eq!(slid.force, slid.elastic_force);
+    for part in [1.0 - 0.5 * rounding, 1.0, 1.0 + 0.5 * rounding] {
+        let again = call(part, slid.memory, slid.elastic_energy, false, none);
+        let viscous = again.force + again.elastic_force * -1.0;
+        assert!(viscous.dot(viscous).sqrt() < 1e-12 * n.force, "{part}");
+    }
+}

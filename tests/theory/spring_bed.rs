@@ -364,3 +364,33 @@ fn the_elastic_force_is_that_of_the_springs() {
         });
     }
 }
+
+/// A run that begins evaluates the contact of the last step once more, as deep but for rounding: the same elements stick, however narrow the one at
+/// the rim of a contact that has just begun to recede.
+#[test]
+fn without_time_the_same_elements_stick() {
+    let mut stream = Stream::new(27);
+    let mut worst = 0.0f64;
+    for _ in 0..4000 {
+        let mut moved = Moved::new("nfd 1e6 0.3 2e2 2e2", Symmetric2::new(1.0, 0.2, 3.0));
+        let limit = scales(&moved).0;
+        let way = |stream: &mut Stream, size: f64| {
+            Vector2::new(stream.uniform(-size, size), stream.uniform(-size, size))
+        };
+        let deepest = DEPTH * stream.uniform(0.4, 1.0);
+        for part in [0.5, 0.8, 1.0] {
+            let by = way(&mut stream, 0.2 * DEPTH);
+            moved.by(deepest * part, by);
+        }
+        let depth = deepest * (1.0 - 10f64.powf(stream.uniform(-8.0, -0.5)));
+        let (by, velocity) = (way(&mut stream, 0.05 * DEPTH), way(&mut stream, 10.0));
+        let t = moved.evaluate(depth, by, velocity, true);
+        (moved.0.memory, moved.0.energy) = (t.memory, t.elastic_energy);
+        let depth = depth * (1.0 + stream.uniform(-2e-13, 2e-13));
+        let again = moved.evaluate(depth, NONE, velocity, false);
+        let apart = t.force + again.force * -1.0;
+        worst = worst.max(apart.dot(apart).sqrt() / limit);
+    }
+    println!("apart by {worst:.1e} of Coulomb's limit");
+    assert!(worst < 1e-10, "{worst:e}");
+}
