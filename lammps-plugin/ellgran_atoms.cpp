@@ -345,7 +345,7 @@ void EllgranAtoms::set_grain(int i, const double *axes, const double *quaternion
 
 void EllgranAtoms::count_ellipsoids() const
 {
-  const bigint owned = std::count_if(atom->ellipsoid, atom->ellipsoid + atom->nlocal, [](int index) { return index >= 0; });
+  bigint owned = std::count_if(atom->ellipsoid, atom->ellipsoid + atom->nlocal, [](int index) { return index >= 0; });
   MPI_Allreduce(&owned, &atom->nellipsoids, 1, MPI_LMP_BIGINT, MPI_SUM, world);
 }
 
