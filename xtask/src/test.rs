@@ -158,7 +158,7 @@ fn those_of(options: &Options, steps: &mut Steps) -> Result<()> {
     if options.filter.is_none() {
         steps.check("ten million steps of free rotation", || {
             let one = "free_rotation::energy_has_no_drift_in_ten_million_steps";
-            run_open(cargo().args(["test", "--test", "theory", "--", "--ignored", one]))
+            run_open(test_program("theory").args(["--", "--ignored", one]))
         });
         steps.check("bench, quick kernels", || {
             let output = tempfile::tempdir()?;
@@ -283,7 +283,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     };
     steps.check("through LAMMPS", || {
         run_open(
-            with_engine(engine_tests("lammps"), &newest)?
+            with_engine(test_program("lammps"), &newest)?
                 .args(["--", "--skip", KOKKOS_TESTS])
                 .args(newest_filter),
         )
@@ -292,7 +292,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     let both = filter.is_empty() || filter.iter().any(|word| word.contains("both_versions"));
     if both && oldest.2 != newest.2 {
         steps.check("through the oldest supported LAMMPS", || {
-            run_open(with_engine(engine_tests("lammps"), &oldest)?.args(["--", "both_versions"]))
+            run_open(with_engine(test_program("lammps"), &oldest)?.args(["--", "both_versions"]))
         });
     }
     if cfg!(target_os = "linux") {
@@ -302,7 +302,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         })?;
         steps.check("through the wheel", || {
             run_open(
-                with_engine(engine_tests("wheel"), &oldest)?
+                with_engine(test_program("wheel"), &oldest)?
                     .env("ELLGRAN_TEST_WHEEL", &wheel)
                     .arg("--")
                     .args(filter),
@@ -317,7 +317,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
         }
         steps.check("through LIGGGHTS", || {
             run_open(
-                with_engine(engine_tests("liggghts"), &newest)?
+                with_engine(test_program("liggghts"), &newest)?
                     .env("ELLGRAN_TEST_LIGGGHTS", &liggghts)
                     .env("ELLGRAN_TEST_LIGGGHTS_SOURCE", liggghts::source_tree()?)
                     .env("ELLGRAN_TEST_LIGGGHTS_VTK", vtk.unwrap_or("no".into()))
@@ -376,7 +376,7 @@ fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()
     })?;
     steps.check("through LAMMPS with KOKKOS", || {
         run_open(
-            with_engine(engine_tests("lammps"), newest)?
+            with_engine(test_program("lammps"), newest)?
                 .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps)
                 .args(["--", KOKKOS_TESTS]),
         )
@@ -384,7 +384,8 @@ fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()
     Ok(())
 }
 
-fn engine_tests(name: &str) -> Command {
+/// One program of the tests.
+fn test_program(name: &str) -> Command {
     let mut command = cargo();
     // Of the workspace, as the core's tests: with the features of one package alone the library would be compiled once more.
     command.args(["test", "--workspace", "--test", name]);
