@@ -120,7 +120,6 @@ fn one_call_moves_the_grains_as_one_contact_after_the_other() {
         ("plane", deck(MODEL, "primitive type 2 zplane 0.0")),
         ("no_friction", deck(no_friction, "primitive type 2 zplane 0.0")),
         ("shear", deck(MODEL, "primitive type 1 zplane 0.0 shear x 0.7")),
-        ("rising", deck(MODEL, "primitive type 1 zplane 0.0 shear z 0.1")),
         ("restitution", restitution),
         ("total", total),
         ("step", step_velocities),
