@@ -3,8 +3,8 @@
 //! restarted go on as one that is not, under viscous laws too?
 
 use crate::harness::{
-    attempt_in, between_walls, crowd, largest_difference, last_lines, parse_frames, run, Deck,
-    Engine, Grain, Outcome, Scene, State,
+    attempt_in, between_walls, largest_difference, last_lines, run, Deck, Engine, Grain, Outcome,
+    Scene,
 };
 
 const HALF: u64 = 120;
@@ -108,48 +108,6 @@ fn both_versions_split_and_restarted_runs_go_on_under_every_law() {
     let engine = Engine::from_environment();
     for law in LAWS {
         goes_on(&engine, law, &between_walls(), &deck(law));
-    }
-}
-
-/// Forces are computed anew where a run begins. Those of shallow contacts, and of elements of `hysteretic` at the rim of a contact, must not
-/// slide in one evaluation and stick in the other by rounding.
-#[test]
-fn both_versions_a_run_that_begins_has_the_forces_of_the_last_step() {
-    let engine = Engine::from_environment();
-    let tfd = VISCOUS;
-    for law in [
-        tfd.into(),
-        format!("{tfd} displacement total"),
-        format!("{tfd} displacement hysteretic"),
-        format!("{tfd} displacement hysteretic twisting lubkin"),
-    ] {
-        let mut deck = deck(&law);
-        deck.fixes = vec!["fix move all nve/ellipsoid".into()];
-        let frame = |name: &str| {
-            format!("write_dump all custom {name} id xu yu zu fx fy fz tqx tqy tqz modify sort id format float %.17g")
-        };
-        deck.runs = vec![
-            "run 150".into(),
-            frame("ended"),
-            "run 0".into(),
-            frame("begun"),
-        ];
-        let outcome = run(&engine, "begins", &crowd(1000), &deck, 1);
-        let [ended, begun] = ["ended", "begun"].map(|name| {
-            let text = std::fs::read_to_string(outcome.directory.join(name)).unwrap();
-            parse_frames(&text).pop().expect("no frame")
-        });
-        let mut worst = 0.0f64;
-        for of in [|s: &State| s.force, |s: &State| s.torque] {
-            let [a, b] = [&ended, &begun].map(|frame| frame.states.iter().flat_map(of));
-            let largest = a.clone().fold(0.0, |m: f64, x| m.max(x.abs()));
-            assert!(largest > 0.0);
-            worst = a
-                .zip(b)
-                .fold(worst, |m, (a, b)| m.max((a - b).abs() / largest));
-        }
-        println!("{law}: apart by {worst:.1e} of the largest");
-        assert!(worst < 1e-11, "{law}: {worst:e}");
     }
 }
 
