@@ -366,7 +366,7 @@ fn the_elastic_force_is_that_of_the_springs() {
 }
 
 /// A run that begins evaluates the contact of the last step once more, as deep but for rounding: the same elements stick, however narrow the one at
-/// the rim of a contact that has just begun to recede.
+/// the rim of a contact that recedes.
 #[test]
 fn without_time_the_same_elements_stick() {
     let mut stream = Stream::new(27);
@@ -382,7 +382,9 @@ fn without_time_the_same_elements_stick() {
             let by = way(&mut stream, 0.2 * DEPTH);
             moved.by(deepest * part, by);
         }
-        let depth = deepest * (1.0 - 10f64.powf(stream.uniform(-8.0, -0.5)));
+        // Where the edge of the seventh of eight elements, (6/8)^(2/3), is almost the rim.
+        let edge = 0.75f64.powf(4.0 / 3.0) * moved.0.springs.reference;
+        let depth = edge * (1.0 + 10f64.powf(stream.uniform(-7.0, -1.0)));
         let (by, velocity) = (way(&mut stream, 0.05 * DEPTH), way(&mut stream, 10.0));
         let t = moved.evaluate(depth, by, velocity, true);
         (moved.0.memory, moved.0.energy) = (t.memory, t.elastic_energy);
