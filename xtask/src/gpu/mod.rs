@@ -2,6 +2,7 @@
 //! The kernels of `gpu/` as PTX: made with the pinned nightly, taken by NVIDIA's assembler, and held to their sources.
 
 mod assembler;
+mod bench;
 mod names;
 mod page;
 mod sources;
@@ -21,6 +22,12 @@ pub struct Options {
     /// Write nothing: fail where what is made differs from what is committed
     #[arg(long)]
     check: bool,
+    /// Time whole steps of packings on the GPU of this machine
+    #[arg(long, conflicts_with = "check")]
+    bench: bool,
+    /// Put what times and tests the kernels into a directory, for a machine with a GPU and without a compiler
+    #[arg(long, value_name = "DIRECTORY", conflicts_with_all = ["check", "bench"])]
+    pack: Option<PathBuf>,
 }
 
 /// What is committed.
@@ -38,6 +45,12 @@ fn head(hash: &str) -> String {
 
 /// Makes the PTX and the page about it, or compares them.
 pub fn gpu(options: &Options) -> Result<()> {
+    if options.bench {
+        return bench::bench();
+    }
+    if let Some(directory) = &options.pack {
+        return bench::pack(directory);
+    }
     let hash = sources::hash()?;
     let ptx = head(&hash) + &names::without_places(&build()?)?;
     let figures = assembler::figures(&ptx)?;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The stand-in for a driver, and an engine that has its arrays in the memory of its GPU.
+//!
+//! With ELLGRAN_TEST_GPU_DRIVER, the file of NVIDIA's driver (`libcuda.so.1`), all is on a GPU instead.
 
 #![allow(unsafe_code, dead_code)]
 // Each block calls a function of the driver or of the interface with pointers to locals that outlive the call.
@@ -19,6 +21,18 @@ use std::process::Command;
 /// The variable that makes a test run its body: it names the test.
 const CHILD: &str = "ELLGRAN_GPU_TEST";
 const DRIVER: &str = "ELLGRAN_GPU_DRIVER";
+
+/// Names the driver of a GPU to be tested.
+const ON_A_GPU: &str = "ELLGRAN_TEST_GPU_DRIVER";
+
+/// The driver of a GPU, if tests are to run there.
+fn driver_of_a_gpu() -> Option<PathBuf> {
+    std::env::var_os(ON_A_GPU).map(PathBuf::from)
+}
+
+fn driver_file() -> PathBuf {
+    driver_of_a_gpu().unwrap_or_else(stand_in)
+}
 
 /// The stand-in, which cargo has built beside the tests.
 pub fn stand_in() -> PathBuf {
@@ -43,7 +57,7 @@ pub fn with_driver(name: &str, settings: &[(&str, &str)], body: impl FnOnce()) {
     let output = Command::new(std::env::current_exe().unwrap())
         .args([name, "--exact", "--nocapture", "--test-threads=1"])
         .env(CHILD, name)
-        .env(DRIVER, stand_in())
+        .env(DRIVER, driver_file())
         .envs(settings.iter().copied())
         .output()
         .unwrap();
@@ -137,6 +151,9 @@ pub struct Engine {
     pub stream: Handle,
 }
 
+/// A mark in a stream.
+pub struct Event(Handle);
+
 /// An array on the device.
 pub struct Array<T> {
     pub address: u64,
@@ -166,13 +183,15 @@ pub enum Tally {
 impl Engine {
     /// In the context that all libraries share, with a stream of its own.
     pub fn new() -> Engine {
-        let library = unsafe { libloading::Library::new(stand_in()) }.unwrap();
+        let library = unsafe { libloading::Library::new(driver_file()) }.unwrap();
         let mut engine = Engine {
             library,
             context: core::ptr::null_mut(),
             stream: core::ptr::null_mut(),
         };
         unsafe {
+            let start = engine.function::<extern "system" fn(u32) -> u32>("cuInit");
+            assert_eq!(start(0), 0);
             let retain = engine.function::<extern "system" fn(*mut Handle, i32) -> u32>(
                 "cuDevicePrimaryCtxRetain",
             );
@@ -276,9 +295,72 @@ impl Engine {
         elements
     }
 
-    /// Makes calls of a step: they allocate nothing, copy nothing, wait for nothing, and keep to the stream.
+    /// Bytes of the GPU that nobody has taken.
+    fn free_memory(&self) -> usize {
+        let (mut free, mut total) = (0usize, 0usize);
+        unsafe {
+            let ask = self
+                .function::<extern "system" fn(*mut usize, *mut usize) -> u32>("cuMemGetInfo_v2");
+            assert_eq!(ask(&mut free, &mut total), 0);
+        }
+        free
+    }
+
+    /// What the GPU is called.
+    pub fn name(&self) -> String {
+        let mut name = [0 as c_char; 100];
+        unsafe {
+            let ask = self.function::<extern "system" fn(*mut c_char, i32, i32) -> u32>(
+                "cuDeviceGetName",
+            );
+            assert_eq!(ask(name.as_mut_ptr(), name.len() as i32, 0), 0);
+            CStr::from_ptr(name.as_ptr()).to_string_lossy().into_owned()
+        }
+    }
+
+    /// A mark in the stream that knows when it was reached.
+    pub fn event(&self) -> Event {
+        let mut event = Event(core::ptr::null_mut());
+        unsafe {
+            let create =
+                self.function::<extern "system" fn(*mut Handle, u32) -> u32>("cuEventCreate");
+            assert_eq!(create(&mut event.0, 0), 0);
+        }
+        event
+    }
+
+    /// Puts it into the stream.
+    pub fn record(&self, event: &Event) {
+        unsafe {
+            let record =
+                self.function::<extern "system" fn(Handle, Handle) -> u32>("cuEventRecord");
+            assert_eq!(record(event.0, self.stream), 0);
+        }
+    }
+
+    /// Time between two that were reached.
+    pub fn milliseconds(&self, from: &Event, to: &Event) -> f64 {
+        let mut time = 0f32;
+        unsafe {
+            let elapsed = self
+                .function::<extern "system" fn(*mut f32, Handle, Handle) -> u32>(
+                    "cuEventElapsedTime",
+                );
+            assert_eq!(elapsed(&mut time, from.0, to.0), 0);
+        }
+        f64::from(time)
+    }
+
+    /// Makes calls of a step: they allocate nothing, copy nothing, wait for nothing, and keep to the stream. On a GPU the first of
+    /// these is what can be seen.
     #[track_caller]
     pub fn in_a_step(&self, calls: impl FnOnce()) {
+        if driver_of_a_gpu().is_some() {
+            let before = self.free_memory();
+            calls();
+            assert_eq!(self.free_memory(), before);
+            return;
+        }
         use Tally::{
             Allocations, BytesIn, BytesOut, BytesWithin, Frees, Launches, OnDefaultStream, Waits,
         };
