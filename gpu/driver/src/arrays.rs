@@ -99,9 +99,10 @@ pub struct EllgranGpuHistories {
     pub count: usize,
     /// `ellgran_laws_history_length` of the laws.
     pub length: usize,
-    /// 1 where a pair touches, else 0, [count].
+    /// 1 where a pair touches, else 0, [count]. A pair of two owned grains is in the row of the one with the lower identifier; in the
+    /// other's row, 0.
     pub touching: *mut u32,
-    /// [count][length]. Of a pair: as of the pair whose first grain has the lower identifier.
+    /// [count][length]. Of a pair: as of the pair whose first grain has the lower identifier; where `touching` says it.
     pub histories: *mut f64,
 }
 

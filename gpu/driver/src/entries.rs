@@ -11,7 +11,7 @@ use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
     MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    ShapeArguments,
+    ShapeArguments, SumArguments, TermArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
@@ -117,7 +117,7 @@ impl<A> Entry<A> {
         })
     }
 
-    /// Starts it, a thread for each of `count` grains.
+    /// Starts it with `count` threads.
     ///
     /// # Errors
     /// Of the driver.
@@ -146,6 +146,10 @@ pub struct Common {
     pub has_moved: Entry<MovedArguments<OnDevice>>,
     /// Where grains were when candidates were selected.
     pub remember_poses: Entry<PoseArguments<OnDevice>>,
+    /// Which contacts add to the load of each grain.
+    pub terms: Entry<TermArguments<OnDevice>>,
+    /// The loads of each grain.
+    pub sum_contacts: Entry<SumArguments<OnDevice>>,
     /// What shapes are not.
     pub find_shapes: Entry<ShapeArguments<OnDevice>>,
     /// Where grains were in a list.
@@ -168,6 +172,8 @@ impl Common {
             finish_step: Entry::new(device, name("finish_step"))?,
             has_moved: Entry::new(device, name("has_moved"))?,
             remember_poses: Entry::new(device, name("remember_poses"))?,
+            terms: Entry::new(device, name("terms"))?,
+            sum_contacts: Entry::new(device, name("sum_contacts"))?,
             find_shapes: Entry::new(device, name("find_shapes"))?,
             file_identifiers: Entry::new(device, name("file_identifiers"))?,
             carry_pairs: Entry::new(device, name("carry_pairs"))?,
@@ -304,6 +310,8 @@ mod tests {
         is_of::<MotionArguments<OnDevice>>("ellgran_finish_step");
         is_of::<MovedArguments<OnDevice>>("ellgran_has_moved");
         is_of::<PoseArguments<OnDevice>>("ellgran_remember_poses");
+        is_of::<TermArguments<OnDevice>>("ellgran_terms");
+        is_of::<SumArguments<OnDevice>>("ellgran_sum_contacts");
         is_of::<ShapeArguments<OnDevice>>("ellgran_find_shapes");
         is_of::<FileArguments<OnDevice>>("ellgran_file_identifiers");
         is_of::<CarryPairsArguments<OnDevice>>("ellgran_carry_pairs");

@@ -20,14 +20,22 @@ use ellgran::vector::Vector3;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments, RowArguments,
-    SceneArguments, ShapeArguments, FAULT, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
+    SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES, FAULT, FOUND, KEPT,
+    MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, SELECTIONS,
 };
+use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::contacts::Load;
-use ellgran_kernels::pair_memory::{slots_for, WRONG_NEIGHBOUR, WRONG_ROW};
+use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::Grain;
+use ellgran_kernels::terms::ContactLoad;
 use std::sync::Arc;
+
+/// Threads that contacts get, at least, where there are so many pairs: few candidates may become more before the next list.
+const FEWEST_CONTACT_THREADS: usize = 1 << 14;
+/// Threads that look for marked contacts, at most: there are few of these.
+const MARKED_THREADS: usize = 1 << 16;
 
 fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
@@ -126,8 +134,19 @@ pub struct Scene {
     changes: Buffer<MotionChange>,
     inverse_masses: Buffer<f64>,
     poses: Buffer<[f64; 8]>,
-    candidates: Buffer<u32>,
-    candidate_counts: Buffer<u32>,
+    /// By their numbers.
+    candidates: Buffer<Candidate>,
+    contact_loads: Buffer<ContactLoad>,
+    /// Numbers of marked candidates.
+    marked: Buffer<u32>,
+    /// Of each row, the number of its first candidate, and how many it keeps.
+    firsts: Buffer<u32>,
+    counts: Buffer<u32>,
+    /// Which contacts add to the load of each grain, in its row, and how many. While candidates are selected, their places.
+    terms: Buffer<u32>,
+    term_counts: Buffer<u32>,
+    /// Threads that the contacts get: a few more than there were candidates with the list.
+    contact_threads: usize,
     /// Of grains that cannot be prepared, and of rows.
     faults: Buffer<u32>,
     /// Of grains that cannot be moved.
@@ -167,7 +186,13 @@ impl Scene {
             inverse_masses: Buffer::new(device),
             poses: Buffer::new(device),
             candidates: Buffer::new(device),
-            candidate_counts: Buffer::new(device),
+            contact_loads: Buffer::new(device),
+            marked: Buffer::new(device),
+            firsts: Buffer::new(device),
+            counts: Buffer::new(device),
+            terms: Buffer::new(device),
+            term_counts: Buffer::new(device),
+            contact_threads: 0,
             faults: Buffer::new(device),
             motion_faults: Buffer::new(device),
             notes: Buffer::new(device),
@@ -252,17 +277,6 @@ impl Scene {
         })
     }
 
-    fn row_arguments(&self, memory: &PairMemory, neighbours: Array<u32>) -> RowArguments<OnDevice> {
-        RowArguments {
-            starts: memory.starts.all(),
-            neighbours,
-            candidates: self.candidates.all(),
-            candidate_counts: self.candidate_counts.all(),
-            states: memory.states.all(),
-            histories: memory.histories.all(),
-        }
-    }
-
     fn launch_prepare(&self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
         let n = g.count;
         let arguments = PrepareArguments {
@@ -302,13 +316,34 @@ impl Scene {
         let (margin, always) = (listed.margin, u32::from(always));
         let arguments = CandidateArguments {
             scene: self.scene_arguments(g, &step)?,
-            rows: self.row_arguments(memory, listed.neighbours),
+            starts: memory.starts.all(),
+            neighbours: listed.neighbours,
+            places: self.terms.all(),
+            states: memory.states.all(),
+            histories: memory.histories.all(),
+            candidates: self.candidates.all(),
+            firsts: self.firsts.all(),
+            counts: self.counts.all(),
             notes: self.notes(),
             margin,
             always,
         };
         let candidates = &self.chosen()?.candidates;
         candidates.launch(&self.device, stream, listed.owned, &arguments)?;
+        let arguments = TermArguments {
+            identifiers: array(g.identifiers, g.count, "identifiers")?,
+            starts: memory.starts.all(),
+            neighbours: listed.neighbours,
+            candidates: self.candidates.all(),
+            firsts: self.firsts.all(),
+            counts: self.counts.all(),
+            terms: self.terms.all(),
+            term_counts: self.term_counts.all(),
+            notes: self.notes(),
+            always,
+        };
+        let terms = &self.common.terms;
+        terms.launch(&self.device, stream, listed.owned, &arguments)?;
         let arguments = PoseArguments {
             positions: array(g.positions, g.count, "positions")?,
             quaternions: array(g.quaternions, g.count, "quaternions")?,
@@ -373,6 +408,9 @@ impl Scene {
         self.allocate(&listed, pairs)?;
         self.faults.clear(stream)?;
         self.motion_faults.clear(stream)?;
+        for which in [KEPT, CANDIDATES, FOUND, MARKED] {
+            self.clear_note(which, stream)?;
+        }
         self.carry_over(g, starts, &listed, stream)?;
         if owned > 0 {
             let from = address(list.starts, "starts")?;
@@ -387,7 +425,14 @@ impl Scene {
         self.launch_prepare(g, stream)?;
         // A row that is wrong, or a type, would end the kernels that follow.
         self.report_faults(Some(g), stream)?;
+        // Of the pairs that the rows keep any may become a candidate in a later step.
+        let kept = self.read_notes(stream)?[KEPT] as usize;
+        self.candidates.resize(kept)?;
+        self.contact_loads.resize(kept)?;
+        self.marked.resize(kept)?;
         self.launch_candidates(g, &self.other, &listed, true, stream)?;
+        let found = self.read_notes(stream)?[CANDIDATES] as usize;
+        self.contact_threads = (found + found / 8).max(FEWEST_CONTACT_THREADS).min(kept);
         core::mem::swap(&mut self.now, &mut self.other);
         self.listed = Some(listed);
         Ok(())
@@ -458,8 +503,10 @@ impl Scene {
         self.poses.resize(count)?;
         self.faults.resize(count)?;
         self.motion_faults.resize(owned)?;
-        self.candidates.resize(pairs)?;
-        self.candidate_counts.resize(owned)?;
+        self.firsts.resize(owned)?;
+        self.counts.resize(owned)?;
+        self.terms.resize(pairs)?;
+        self.term_counts.resize(owned)?;
         // Those of the list before; as many as this one has, so that the next list of the same size takes no more.
         self.slots.resize(slots_for(self.now.owned.max(owned)))?;
         let memory = &mut self.other;
@@ -563,16 +610,33 @@ impl Scene {
         let listed = self.listed_for(g)?;
         let loads: Array<Load> = array(loads, listed.owned, "loads")?;
         let _entered = self.device.enter()?;
+        let now = &self.now;
         let arguments = ContactArguments {
             scene: self.scene_arguments(g, step)?,
-            rows: self.row_arguments(&self.now, listed.neighbours),
-            loads,
+            candidates: self.candidates.all(),
+            states: now.states.all(),
+            histories: now.histories.all(),
+            contact_loads: self.contact_loads.all(),
+            marked: self.marked.all(),
+            notes: self.notes(),
         };
-        let chosen = self.chosen()?;
-        for entry in [&chosen.contacts, &chosen.marked_contacts] {
-            entry.launch(&self.device, stream, listed.owned, &arguments)?;
-        }
-        Ok(())
+        let (chosen, device) = (self.chosen()?, &self.device);
+        let threads = self.contact_threads;
+        chosen
+            .contacts
+            .launch(device, stream, threads, &arguments)?;
+        let marked = &chosen.marked_contacts;
+        marked.launch(device, stream, threads.min(MARKED_THREADS), &arguments)?;
+        let arguments = SumArguments {
+            starts: now.starts.all(),
+            terms: self.terms.all(),
+            term_counts: self.term_counts.all(),
+            contact_loads: self.contact_loads.all(),
+            loads,
+            notes: self.notes(),
+        };
+        let sum = &self.common.sum_contacts;
+        sum.launch(device, stream, listed.owned, &arguments)
     }
 
     /// One more plane: its number.
@@ -873,6 +937,8 @@ impl Scene {
             format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
         } else if fault == WRONG_NEIGHBOUR {
             "its row names a neighbour that is not one of the grains, or itself".to_owned()
+        } else if fault == HALF_LIST {
+            "its row names a grain whose row does not name it: the list must be full, with each pair of owned grains twice".to_owned()
         } else {
             format!("fault {fault}")
         })
@@ -915,7 +981,12 @@ impl Scene {
             + self.inverse_masses.bytes()
             + self.poses.bytes()
             + self.candidates.bytes()
-            + self.candidate_counts.bytes()
+            + self.contact_loads.bytes()
+            + self.marked.bytes()
+            + self.firsts.bytes()
+            + self.counts.bytes()
+            + self.terms.bytes()
+            + self.term_counts.bytes()
             + self.faults.bytes()
             + self.motion_faults.bytes()
             + self.notes.bytes()

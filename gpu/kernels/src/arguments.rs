@@ -4,8 +4,10 @@
 //!
 //! Every kernel takes the number of its threads that have something to do first, a `u32`, and then one of these.
 
+use crate::candidates::Candidate;
 use crate::contacts::Load;
 use crate::shapes::Grain;
+use crate::terms::ContactLoad;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::contact::MotionChange;
 use ellgran::force::PairLaw;
@@ -29,8 +31,16 @@ pub const FAULT: usize = 2;
 pub const NO_SPHERE: usize = 3;
 /// A grain is no spheroid.
 pub const NO_SPHEROID: usize = 4;
+/// Entries of the list whose rows keep them.
+pub const KEPT: usize = 5;
+/// How many candidates there are.
+pub const CANDIDATES: usize = 6;
+/// How many candidates a selection that is under way has found.
+pub const FOUND: usize = 7;
+/// How many contacts of the step are marked.
+pub const MARKED: usize = 8;
 /// Number of notes.
-pub const NOTES: usize = 5;
+pub const NOTES: usize = 9;
 
 /// What all threads of a contact kernel read.
 #[repr(C)]
@@ -59,23 +69,6 @@ pub struct SceneArguments<M: Memory> {
     pub tangential: u32,
     /// 1 where some law has `displacement rescaled`.
     pub rescaled: u32,
-}
-
-/// Rows of a full neighbour list: row `k` is from `starts[k]` up to `starts[k + 1]`.
-#[repr(C)]
-pub struct RowArguments<M: Memory> {
-    /// One more than there are rows.
-    pub starts: M::Shared<u32>,
-    /// Indices of the neighbours.
-    pub neighbours: M::Shared<u32>,
-    /// Candidates of row `k` from `starts[k]` on, as many as `candidate_counts[k]`.
-    pub candidates: M::Parts<u32>,
-    /// How many of row `k` are candidates.
-    pub candidate_counts: M::Parts<u32>,
-    /// One state per neighbour.
-    pub states: M::Parts<u32>,
-    /// One history per neighbour.
-    pub histories: M::Parts<f64>,
 }
 
 /// Of `ellgran_prepare_*`: an engine's arrays, and what becomes of them.
@@ -126,18 +119,57 @@ pub struct MovedArguments<M: Memory> {
     pub margin: f64,
 }
 
-/// Of `ellgran_candidates_*`.
+/// Of `ellgran_candidates_*`. Row `k` of the full neighbour list is from `starts[k]` up to `starts[k + 1]`.
 #[repr(C)]
 pub struct CandidateArguments<M: Memory> {
     /// The scene.
     pub scene: SceneArguments<M>,
-    /// Its rows.
-    pub rows: RowArguments<M>,
-    /// [`MOVED`] is read.
+    /// One more than there are rows.
+    pub starts: M::Shared<u32>,
+    /// Indices of the neighbours.
+    pub neighbours: M::Shared<u32>,
+    /// One per neighbour, for this kernel alone.
+    pub places: M::Parts<u32>,
+    /// One state per neighbour.
+    pub states: M::Parts<u32>,
+    /// One history per neighbour.
+    pub histories: M::Parts<f64>,
+    /// Written: candidates, in whatever order the rows come.
+    pub candidates: M::Parts<Candidate>,
+    /// Written: the number of the first candidate of each row.
+    pub firsts: M::Parts<u32>,
+    /// Written: how many there are of each row.
+    pub counts: M::Parts<u32>,
+    /// [`MOVED`] is read, [`FOUND`] counted.
     pub notes: M::Shared<AtomicU32>,
     /// The sum of the ways of two grains for which candidates remain valid.
     pub margin: f64,
     /// 0: they are selected where [`MOVED`] is left.
+    pub always: u32,
+}
+
+/// Of `ellgran_terms`.
+#[repr(C)]
+pub struct TermArguments<M: Memory> {
+    /// Identifiers of all grains.
+    pub identifiers: M::Shared<i32>,
+    /// Rows.
+    pub starts: M::Shared<u32>,
+    /// Their neighbours.
+    pub neighbours: M::Shared<u32>,
+    /// Candidates.
+    pub candidates: M::Shared<Candidate>,
+    /// The number of the first candidate of each row.
+    pub firsts: M::Shared<u32>,
+    /// How many there are of each row.
+    pub counts: M::Shared<u32>,
+    /// Written: the terms of row `k` from `starts[k]` on.
+    pub terms: M::Parts<u32>,
+    /// Written: how many each row has.
+    pub term_counts: M::Parts<u32>,
+    /// [`MOVED`] is read.
+    pub notes: M::Shared<AtomicU32>,
+    /// 0: they are written where [`MOVED`] is left.
     pub always: u32,
 }
 
@@ -152,7 +184,7 @@ pub struct PoseArguments<M: Memory> {
     pub semi_axes: M::Shared<[f64; 3]>,
     /// Written.
     pub poses: M::Parts<[f64; 8]>,
-    /// [`MOVED`] is read, [`SELECTIONS`] counted.
+    /// [`MOVED`] is read, [`SELECTIONS`] counted, [`CANDIDATES`] left.
     pub notes: M::Shared<AtomicU32>,
     /// That of the candidates.
     pub margin: f64,
@@ -165,10 +197,35 @@ pub struct PoseArguments<M: Memory> {
 pub struct ContactArguments<M: Memory> {
     /// The scene.
     pub scene: SceneArguments<M>,
-    /// Its rows, with candidates.
-    pub rows: RowArguments<M>,
-    /// Written by the first, added to by the second.
+    /// Candidates: no two of the same entry.
+    pub candidates: M::Shared<Candidate>,
+    /// One state per neighbour.
+    pub states: M::Parts<u32>,
+    /// One history per neighbour.
+    pub histories: M::Parts<f64>,
+    /// Written, one per candidate.
+    pub contact_loads: M::Parts<ContactLoad>,
+    /// Numbers of the candidates that the first has marked; each once.
+    pub marked: M::Parts<u32>,
+    /// [`CANDIDATES`] is read, [`MARKED`] counted by the first and read by the second.
+    pub notes: M::Shared<AtomicU32>,
+}
+
+/// Of `ellgran_sum_contacts`.
+#[repr(C)]
+pub struct SumArguments<M: Memory> {
+    /// Rows.
+    pub starts: M::Shared<u32>,
+    /// The terms of row `k` from `starts[k]` on.
+    pub terms: M::Shared<u32>,
+    /// How many each row has.
+    pub term_counts: M::Shared<u32>,
+    /// One per candidate.
+    pub contact_loads: M::Shared<ContactLoad>,
+    /// Written.
     pub loads: M::Parts<Load>,
+    /// [`MARKED`] begins anew.
+    pub notes: M::Shared<AtomicU32>,
 }
 
 /// Of `ellgran_plane_*`. States and histories are the grains' own with this wall.
@@ -268,7 +325,7 @@ pub struct CarryPairsArguments<M: Memory> {
     pub histories: M::Parts<f64>,
     /// What is wrong with a row.
     pub faults: M::Parts<u32>,
-    /// [`FAULT`] is left.
+    /// [`FAULT`] is left, [`KEPT`] counted.
     pub notes: M::Shared<AtomicU32>,
     /// Doubles of a history.
     pub length: u32,

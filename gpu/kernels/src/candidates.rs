@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The neighbours of one grain that may touch before a grain has moved by half of a margin.
+//! The pairs of one grain that may touch before a grain has moved by half of a margin.
+//!
+//! A full neighbour list has each pair of owned grains twice. One of the two rows keeps it ([`keeps`]): its contact is computed
+//! once, for both grains, and remembered there. Such a pair that may touch is a candidate, and has a number.
 
 use crate::contacts::{comes_first, direction, Scene};
 use crate::one_lane::{vector, vector_of, OneLane};
@@ -7,13 +10,32 @@ use crate::shapes::Kind;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::lane_search::separating_planes;
 
+/// A candidate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Candidate {
+    /// The grain whose row keeps it.
+    pub grain: u32,
+    /// The other grain.
+    pub other: u32,
+    /// Its entry in the neighbour list, counted over all rows.
+    pub entry: u32,
+}
+
+/// Whether the row of the owned grain `k` keeps its pair with `other`: the row of the one with the lower identifier does, and of a grain
+/// and a ghost the only one.
+#[inline(always)]
+pub fn keeps(identifiers: &[i32], owned: usize, k: usize, other: usize) -> bool {
+    other >= owned || comes_first(identifiers, k, other)
+}
+
 /// The row of one grain in a full neighbour list, and what is remembered of its pairs.
 #[derive(Debug)]
 pub struct NewRow<'a> {
     /// Indices of the neighbours.
     pub neighbours: &'a [u32],
-    /// Written: places in the row of those that may touch. As long as `neighbours`.
-    pub candidates: &'a mut [u32],
+    /// Written: places in the row of the candidates. As long as `neighbours`.
+    pub places: &'a mut [u32],
     /// One state per neighbour. That of a neighbour that cannot touch becomes 0.
     pub states: &'a mut [u32],
     /// [`ellgran::contact::HistoryLayout::length`] doubles per neighbour. The normal of the widest gap is written, the start of the
@@ -21,12 +43,13 @@ pub struct NewRow<'a> {
     pub histories: &'a mut [f64],
 }
 
-/// Selects the candidates of grain `k`: how many there are. `margin` is a length, the sum of the ways of two grains for which
-/// they remain valid.
+/// Selects the candidates that the row of grain `k` keeps: how many there are. `owned` is the number of rows, and `margin` a length, the
+/// sum of the ways of two grains for which candidates remain valid.
 #[inline(always)]
 pub fn candidates_of_grain<K: Kind>(
     k: usize,
     scene: &Scene<'_>,
+    owned: usize,
     margin: f64,
     row: &mut NewRow<'_>,
 ) -> usize {
@@ -34,11 +57,10 @@ pub fn candidates_of_grain<K: Kind>(
     let mut count = 0;
     for (place, &other) in row.neighbours.iter().enumerate() {
         let other = other as usize;
-        let [i, j] = if comes_first(scene, k, other) {
-            [k, other]
-        } else {
-            [other, k]
-        };
+        if !keeps(scene.identifiers, owned, k, other) {
+            continue;
+        }
+        let [i, j] = scene.in_order(k, other);
         let (a, b) = (&scene.grains[i], &scene.grains[j]);
         let d = b.centre() - a.centre();
         let reach = K::radius(a) + K::radius(b) + margin;
@@ -62,7 +84,7 @@ pub fn candidates_of_grain<K: Kind>(
             }
         }
         if may_touch {
-            row.candidates[count] = place as u32;
+            row.places[count] = place as u32;
             count += 1;
         } else if row.states[place] != 0 {
             row.states[place] = 0;

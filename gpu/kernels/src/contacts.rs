@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Force and torque of the contacts of one grain, and their histories.
+//! Force and torques of one contact, and its history.
 //!
-//! A pair goes through the search of the lanes and the law ([`contacts_of_grain`]). One that this search hands back (a deep
-//! contact, a minimum without proof, a curvature ratio beyond the fit) is marked, and taken by [`marked_contacts_of_grain`],
+//! A pair goes through the search of the lanes and the law ([`contact_of_pair`]). One that this search hands back (a deep
+//! contact, a minimum without proof, a curvature ratio beyond the fit) is marked, and taken by [`marked_contact_of_pair`],
 //! which has every safeguard and needs kilobytes of memory a thread.
 
 use crate::one_lane::{basis_of, matrix_of, number, tangential_of, vector, vector_of, OneLane};
 use crate::shapes::{Grain, Kind};
+use crate::terms::ContactLoad;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::lane_search::{search, search_spheres, Found};
 use ellgran::contact::pair::{law_of_pair, normal_of_spheres_before, through_law, Pair};
@@ -24,8 +25,6 @@ use ellgran::contact::forces::Surface;
 
 /// Of a pair's state: it touches.
 pub const TOUCHES: u32 = 1;
-/// Of a pair's state: it is left for [`marked_contacts_of_grain`].
-pub const MARKED: u32 = 2;
 
 /// What all threads read.
 #[derive(Clone, Copy, Debug)]
@@ -67,24 +66,20 @@ impl Scene<'_> {
         self.changes.get(k).copied().filter(|_| asks)
     }
 
+    /// Two grains, the one with the lower identifier first.
+    #[inline(always)]
+    pub fn in_order(&self, k: usize, other: usize) -> [usize; 2] {
+        if comes_first(self.identifiers, k, other) {
+            [k, other]
+        } else {
+            [other, k]
+        }
+    }
+
     #[inline(always)]
     fn inverse_mass(&self, k: usize) -> f64 {
         self.inverse_masses.get(k).copied().unwrap_or(0.0)
     }
-}
-
-/// The neighbours of one grain, all of them (a full list), and what is remembered of its pairs, which is that of the pair whose
-/// first grain has the lower identifier.
-#[derive(Debug)]
-pub struct Row<'a> {
-    /// Indices of the neighbours.
-    pub neighbours: &'a [u32],
-    /// Places in the row of those that may touch.
-    pub candidates: &'a [u32],
-    /// One state per neighbour: [`TOUCHES`] and [`MARKED`].
-    pub states: &'a mut [u32],
-    /// [`HistoryLayout::length`] doubles per neighbour.
-    pub histories: &'a mut [f64],
 }
 
 /// Force on a grain, and torque about its centre; world frame.
@@ -103,20 +98,6 @@ impl Load {
         force: Vector3::ZERO,
         torque: Vector3::ZERO,
     };
-
-    /// With the load of one contact, of which this grain is the first or the second.
-    #[inline(always)]
-    fn with(self, is_first: bool, f: &ContactForces) -> Load {
-        let (force, torque) = if is_first {
-            (-f.force, f.torque_i)
-        } else {
-            (f.force, f.torque_j)
-        };
-        Load {
-            force: self.force + force,
-            torque: self.torque + torque,
-        }
-    }
 }
 
 impl core::ops::AddAssign for Load {
@@ -136,70 +117,58 @@ enum Outcome {
     Touching(ContactForces),
 }
 
-/// Force and torque of the contacts of grain `k`. `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the laws of the scene
-/// have at all, as for [`ellgran::contact::forces::contact_forces`].
 #[inline(always)]
-pub fn contacts_of_grain<
+pub(crate) fn comes_first(identifiers: &[i32], k: usize, other: usize) -> bool {
+    identifiers[k] <= identifiers[other]
+}
+
+/// The contact of a pair, the first grain of which has the lower identifier; `None` where it is marked, and state and history are left
+/// as they were. `FRICTION`, `RATE` and `CONSERVATIVE` say which terms the laws of the scene have at all, as for
+/// [`ellgran::contact::forces::contact_forces`].
+#[inline(always)]
+pub fn contact_of_pair<
     K: Kind,
     const FRICTION: bool,
     const RATE: bool,
     const CONSERVATIVE: bool,
 >(
-    k: usize,
     scene: &Scene<'_>,
-    row: &mut Row<'_>,
-) -> Load {
-    let length = scene.layout.length;
-    let mut load = Load::NONE;
-    for &place in row.candidates {
-        let place = place as usize;
-        let other = row.neighbours[place] as usize;
-        let is_first = comes_first(scene, k, other);
-        let pair = if is_first { [k, other] } else { [other, k] };
-        let history = &mut row.histories[place * length..(place + 1) * length];
-        let touched = row.states[place] & TOUCHES != 0;
-        let outcome = one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched);
-        row.states[place] = match outcome {
-            Outcome::Apart => 0,
-            Outcome::Marked => MARKED | u32::from(touched),
-            Outcome::Touching(f) => {
-                load = load.with(is_first, &f);
-                TOUCHES
-            }
-        };
-    }
-    load
-}
-
-/// What [`contacts_of_grain`] has left of grain `k`: to be added to its load.
-pub fn marked_contacts_of_grain<K: Kind>(k: usize, scene: &Scene<'_>, row: &mut Row<'_>) -> Load {
-    let length = scene.layout.length;
-    let mut load = Load::NONE;
-    for &place in row.candidates {
-        let place = place as usize;
-        let state = row.states[place];
-        if state & MARKED == 0 {
-            continue;
+    pair: [usize; 2],
+    state: &mut u32,
+    history: &mut [f64],
+) -> Option<ContactLoad> {
+    let touched = *state & TOUCHES != 0;
+    match one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched) {
+        Outcome::Marked => None,
+        Outcome::Apart => {
+            *state = 0;
+            Some(ContactLoad::NONE)
         }
-        let other = row.neighbours[place] as usize;
-        let is_first = comes_first(scene, k, other);
-        let pair = if is_first { [k, other] } else { [other, k] };
-        let history = &mut row.histories[place * length..(place + 1) * length];
-        let touched = state & TOUCHES != 0;
-        row.states[place] = match with_safeguards::<K>(scene, pair, history, touched) {
-            None => 0,
-            Some(f) => {
-                load = load.with(is_first, &f);
-                TOUCHES
-            }
-        };
+        Outcome::Touching(f) => {
+            *state = TOUCHES;
+            Some(f.into())
+        }
     }
-    load
 }
 
-#[inline(always)]
-pub(crate) fn comes_first(scene: &Scene<'_>, k: usize, other: usize) -> bool {
-    scene.identifiers[k] <= scene.identifiers[other]
+/// What [`contact_of_pair`] has marked.
+pub fn marked_contact_of_pair<K: Kind>(
+    scene: &Scene<'_>,
+    pair: [usize; 2],
+    state: &mut u32,
+    history: &mut [f64],
+) -> ContactLoad {
+    let touched = *state & TOUCHES != 0;
+    match with_safeguards::<K>(scene, pair, history, touched) {
+        None => {
+            *state = 0;
+            ContactLoad::NONE
+        }
+        Some(f) => {
+            *state = TOUCHES;
+            f.into()
+        }
+    }
 }
 
 /// A pair that does not touch remembers the normal of a plane between the bodies, and nothing else.

@@ -5,17 +5,18 @@
 //! A host runs them index by index (`tests/`), a device through the entries in `gpu/ptx`.
 //!
 //! - [`preparation`]: an engine's arrays become [`Grain`](shapes::Grain)s.
-//! - [`candidates`]: the neighbours that may touch before a grain has moved by half of a margin.
-//! - [`contacts`]: force and torque of one grain's contacts, and their histories.
+//! - [`candidates`]: the pairs that may touch before a grain has moved by half of a margin, each of them once.
+//! - [`contacts`]: force and torques of one of them, and its history.
+//! - [`terms`]: which contacts add to the load of a grain, and their sum.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
 //! - [`poses`]: has a grain moved too far for the present candidates.
 //! - [`pair_memory`]: histories go from one neighbour list to the next.
 //! - [`arguments`]: what each entry is called with.
 //!
-//! Each grain sums the forces of all its contacts, so each pair is computed twice, and no sum needs an atomic operation: the
-//! order of a sum is that of the neighbours, the same in every run. Both threads of a pair put its two grains in the same order,
-//! so they find the same force to the last bit, and momentum is conserved as exactly as on the host.
+//! Each pair is computed once, by one thread, and each grain then sums the loads of its contacts: no sum needs an atomic operation, and
+//! its order is that of the neighbours, the same in every run. The grain with the lower identifier is the first of a pair, as on
+//! the host.
 
 #![cfg_attr(not(test), no_std)]
 
@@ -32,3 +33,4 @@ pub mod planes;
 pub mod poses;
 pub mod preparation;
 pub mod shapes;
+pub mod terms;

@@ -2,12 +2,15 @@
 //! What is remembered of pairs and of walls goes from one neighbour list to the next by the identifiers of the grains: an engine may
 //! have brought its grains into another order.
 
+use crate::candidates::keeps;
 use core::sync::atomic::{AtomicU64, Ordering};
 
 /// Of a row: it does not lie within the list. A number of the same kind as [`crate::preparation::Fault`].
 pub const WRONG_ROW: u32 = 101;
 /// Of a row: it names no grain, or its own.
 pub const WRONG_NEIGHBOUR: u32 = 102;
+/// Of a row: it names an owned grain whose row does not name this one.
+pub const HALF_LIST: u32 = 103;
 
 /// What a slot holds: identifier and index + 1. 0 is none.
 fn entry(identifier: i32, index: u32) -> u64 {
@@ -85,12 +88,24 @@ pub struct CarriedRow<'a> {
     pub histories: &'a mut [f64],
 }
 
-/// Whether the entries of a row name grains, and not the one whose row it is.
+/// What is wrong with the row of grain `k`; 0 is nothing.
 #[inline(always)]
-pub fn names_others(k: usize, neighbours: &[u32], grains: usize) -> bool {
-    neighbours
-        .iter()
-        .all(|&other| (other as usize) < grains && other as usize != k)
+pub fn fault_of_row(k: usize, starts: &[u32], all_neighbours: &[u32], grains: usize) -> u32 {
+    let row = |k: usize| all_neighbours.get(starts[k] as usize..starts[k + 1] as usize);
+    let Some(own) = row(k) else {
+        return WRONG_ROW;
+    };
+    for &other in own {
+        let other = other as usize;
+        if other >= grains || other == k {
+            return WRONG_NEIGHBOUR;
+        }
+        let is_owned = other + 1 < starts.len();
+        if is_owned && !row(other).is_some_and(|theirs| theirs.contains(&(k as u32))) {
+            return HALF_LIST;
+        }
+    }
+    0
 }
 
 /// Place of an entry of the list before, from the row of grain `k`, whose partner this is. Lists are often built in the same order: it is
@@ -110,28 +125,50 @@ fn place(pairs: &PairsBefore<'_>, k: usize, partner: i32, next: &mut usize) -> O
     None
 }
 
-/// What is remembered of the pairs of grain `k`: by the row that it had in the list before, or where it was a ghost by the row of its
-/// neighbour, which remembers the same. Of pairs that neither had nothing is remembered. Where a grain is a neighbour of another with two
-/// of its images, what each of them gets is of one of the two.
+/// Where the pair of two grains was remembered: in the row that kept it, of the one with the lower identifier if that had a row. Of pairs
+/// that neither had nothing is remembered.
+#[inline(always)]
+fn place_before(
+    slots: &[AtomicU64],
+    pairs: &PairsBefore<'_>,
+    own: Option<usize>,
+    [identifier, partner]: [i32; 2],
+    next: &mut usize,
+) -> Option<usize> {
+    let theirs = match own {
+        Some(own) if identifier <= partner => return place(pairs, own, partner, next),
+        _ => find(slots, partner),
+    };
+    match (theirs, own) {
+        (Some(theirs), _) => place(pairs, theirs, identifier, &mut 0),
+        (None, Some(own)) => place(pairs, own, partner, next),
+        (None, None) => None,
+    }
+}
+
+/// What is remembered of the pairs that the row of grain `k` keeps, of `owned` rows: how many these are. Where a grain is a neighbour of
+/// another with two of its images, what each of them gets is of one of the two.
 #[inline(always)]
 pub fn carry_pairs(
     k: usize,
+    owned: usize,
     slots: &[AtomicU64],
     pairs: &PairsBefore<'_>,
     identifiers: &[i32],
     length: usize,
     row: &mut CarriedRow<'_>,
-) {
+) -> u32 {
     let own = find(slots, identifiers[k]);
-    let mut next = 0;
+    let (mut next, mut kept) = (0, 0);
     for (entry, &other) in row.neighbours.iter().enumerate() {
         let partner = identifiers[other as usize];
         row.partners[entry] = partner;
-        let found = match own {
-            Some(own) => place(pairs, own, partner, &mut next),
-            None => {
-                find(slots, partner).and_then(|theirs| place(pairs, theirs, identifiers[k], &mut 0))
-            }
+        let keeps = keeps(identifiers, owned, k, other as usize);
+        kept += u32::from(keeps);
+        let found = if keeps {
+            place_before(slots, pairs, own, [identifiers[k], partner], &mut next)
+        } else {
+            None
         };
         let history = &mut row.histories[entry * length..(entry + 1) * length];
         match found {
@@ -145,6 +182,7 @@ pub fn carry_pairs(
             }
         }
     }
+    kept
 }
 
 /// The same of a grain and a wall.
@@ -194,20 +232,22 @@ mod tests {
         assert_eq!(find(&filed(&[]), 3), None);
     }
 
-    /// Before: grains 10, 20 and 30, and the ghost 40, which touches 30.
+    /// Before: grains 10, 20 and 30, and the ghost 40, which touches 30. Each pair is remembered by one row.
     const BEFORE: PairsBefore<'static> = PairsBefore {
         starts: &[0, 2, 3, 5],
         partners: &[20, 30, 10, 10, 40],
-        states: &[0, 1, 0, 1, 1],
-        histories: &[1.0, 2.0, 1.5, 2.0, 4.0],
+        states: &[0, 1, 0, 0, 1],
+        histories: &[1.0, 2.0, 0.0, 0.0, 4.0],
     };
 
-    /// What is remembered of the pairs of grain `k`, after lists with these identifiers.
+    /// What is remembered of the pairs of grain `k`, of `owned`, after lists with these identifiers: partners, states, histories, and how
+    /// many pairs its row keeps.
     fn carried(
         k: usize,
+        owned: usize,
         identifiers: &[i32],
         neighbours: &[u32],
-    ) -> (Vec<i32>, Vec<u32>, Vec<f64>) {
+    ) -> (Vec<i32>, Vec<u32>, Vec<f64>, u32) {
         let slots = filed(&[10, 20, 30]);
         let n = neighbours.len();
         let (mut partners, mut states, mut histories) = (vec![0; n], vec![7; n], vec![9.0; n]);
@@ -217,26 +257,41 @@ mod tests {
             states: &mut states,
             histories: &mut histories,
         };
-        carry_pairs(k, &slots, &BEFORE, identifiers, 1, &mut row);
-        (partners, states, histories)
+        let kept = carry_pairs(k, owned, &slots, &BEFORE, identifiers, 1, &mut row);
+        (partners, states, histories, kept)
     }
 
+    /// In the order 30, 50, 10 all three are owned: the row of 10 keeps its pair with 30, and that of 30 the one with 50.
     #[test]
     fn what_is_remembered_follows_the_identifiers() {
-        let found = carried(2, &[30, 50, 10], &[1, 0]);
-        assert_eq!(found, (vec![50, 30], vec![0, 1], vec![0.0, 2.0]));
+        let identifiers = [30, 50, 10];
+        let found = carried(2, 3, &identifiers, &[1, 0]);
+        assert_eq!(found, (vec![50, 30], vec![0, 1], vec![0.0, 2.0], 2));
+        let found = carried(0, 3, &identifiers, &[1, 2]);
+        assert_eq!(found, (vec![50, 10], vec![0, 0], vec![0.0, 0.0], 1));
     }
 
-    /// A ghost that becomes a grain of one's own.
+    /// A ghost that becomes a grain of one's own, and a grain of one's own that becomes a ghost: another row keeps the pair then.
     #[test]
-    fn what_a_neighbour_remembers_serves() {
-        let found = carried(0, &[40, 30, 20], &[1, 2]);
-        assert_eq!(found, (vec![30, 20], vec![1, 0], vec![4.0, 0.0]));
+    fn what_another_row_has_kept_is_found() {
+        let found = carried(0, 1, &[40, 30, 20], &[1, 2]);
+        assert_eq!(found, (vec![30, 20], vec![1, 0], vec![4.0, 0.0], 2));
+        let found = carried(0, 1, &[30, 10], &[1]);
+        assert_eq!(found, (vec![10], vec![1], vec![2.0], 1));
     }
 
     #[test]
-    fn a_row_names_others() {
-        assert!(names_others(1, &[0, 2], 3));
-        assert!(!names_others(1, &[0, 1], 3) && !names_others(1, &[3], 3));
+    fn what_is_wrong_with_a_row_is_found() {
+        let fault = |k, starts: &[u32], neighbours: &[u32]| fault_of_row(k, starts, neighbours, 4);
+        let starts = [0, 2, 4];
+        assert_eq!(fault(0, &starts, &[1, 3, 0, 2]), 0);
+        assert_eq!(fault(1, &starts, &[1, 3, 0, 2]), 0);
+        assert_eq!(fault(1, &starts, &[1, 3, 1, 2]), WRONG_NEIGHBOUR);
+        assert_eq!(fault(1, &starts, &[1, 3, 4, 2]), WRONG_NEIGHBOUR);
+        assert_eq!(fault(0, &starts, &[1, 3, 3, 2]), HALF_LIST);
+        assert_eq!(fault(1, &[0, 2, 5], &[1, 3, 0, 2]), WRONG_ROW);
+        assert_eq!(fault(1, &[0, 2, 1], &[1, 3, 0, 2]), WRONG_ROW);
+        // The other's row is none.
+        assert_eq!(fault(1, &[0, 9, 4], &[1, 3, 0, 2]), WRONG_ROW);
     }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The entries: what a thread does with which arrays. One thread for each grain, in a grid of one dimension. Every kernel takes the
-//! number of grains first, and then one struct of `ellgran_kernels::arguments`.
+//! The entries: what a thread does with which arrays. One thread for each grain, or for some contacts, in a grid of one dimension. Every
+//! kernel takes the number of threads first, and then one struct of `ellgran_kernels::arguments`.
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
@@ -12,20 +12,21 @@ use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments, RowArguments,
-    SceneArguments, ShapeArguments, FAULT, MOVED, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
+    SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES, FAULT, FOUND, KEPT,
+    MARKED, MOVED, NO_SPHERE, NO_SPHEROID, SELECTIONS,
 };
-use ellgran_kernels::candidates::{candidates_of_grain, NewRow};
-use ellgran_kernels::contacts::{contacts_of_grain, marked_contacts_of_grain, Row, Scene};
+use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
+use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::pair_memory::{
-    carry_pairs, carry_wall, file, find, names_others, CarriedRow, PairsBefore, WRONG_NEIGHBOUR,
-    WRONG_ROW,
+    carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
 };
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::poses::{has_moved, remembered_pose};
 use ellgran_kernels::preparation::{inverse_mass, prepare_grain, EngineArrays};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
+use ellgran_kernels::terms::{sum_of_terms, terms_of_grain, AllCandidates};
 
 /// Leaves a note. Many threads may leave the same one.
 #[inline(always)]
@@ -59,19 +60,6 @@ fn scene_of(arrays: &SceneArguments<Here>, friction: bool) -> Scene<'_> {
             time_step: arrays.time_step,
             advance_history: arrays.advance_history != 0,
         },
-    }
-}
-
-/// The thread's row with the candidates that were selected; `length` doubles a history.
-#[inline(always)]
-fn selected<'t>(rows: &'t mut RowArguments<Here>, thread: &'t Thread, length: usize) -> Row<'t> {
-    let (starts, k) = (rows.starts.all(), thread.index());
-    let count = *rows.candidate_counts.one(thread) as usize;
-    Row {
-        neighbours: &rows.neighbours.all()[starts[k] as usize..starts[k + 1] as usize],
-        candidates: &rows.candidates.row(thread, starts, 1)[..count],
-        states: rows.states.row(thread, starts, 1),
-        histories: rows.histories.row(thread, starts, length),
     }
 }
 
@@ -134,25 +122,49 @@ prepare! {
 macro_rules! candidates {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
-            /// Selects the candidates.
+            /// Selects the candidates that each row keeps.
             fn $name(thread, arguments: CandidateArguments<Here>) {
-                let CandidateArguments { scene, mut rows, notes, margin, always } = arguments;
-                if always == 0 && !is_noted(notes.all(), MOVED) {
+                let CandidateArguments {
+                    scene,
+                    starts,
+                    neighbours,
+                    mut places,
+                    mut states,
+                    mut histories,
+                    mut candidates,
+                    mut firsts,
+                    mut counts,
+                    notes,
+                    margin,
+                    always,
+                } = arguments;
+                let notes = notes.all();
+                if always == 0 && !is_noted(notes, MOVED) {
                     return;
                 }
                 let scene = scene_of(&scene, scene.tangential != 0);
                 let length = scene.layout.length;
-                let starts = rows.starts.all();
+                let starts = starts.all();
                 let k = thread.index();
-                let neighbours = &rows.neighbours.all()[starts[k] as usize..starts[k + 1] as usize];
+                let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
                 let mut row = NewRow {
-                    neighbours,
-                    candidates: rows.candidates.row(&thread, starts, 1),
-                    states: rows.states.row(&thread, starts, 1),
-                    histories: rows.histories.row(&thread, starts, length),
+                    neighbours: &neighbours.all()[from..to],
+                    places: places.row(&thread, starts, 1),
+                    states: states.row(&thread, starts, 1),
+                    histories: histories.row(&thread, starts, length),
                 };
-                let found = candidates_of_grain::<$kind>(k, &scene, margin, &mut row);
-                *rows.candidate_counts.one(&thread) = found as u32;
+                let owned = starts.len() - 1;
+                let found = candidates_of_grain::<$kind>(k, &scene, owned, margin, &mut row);
+                let (first, own) = candidates.taken(&notes[FOUND], found);
+                for (candidate, &mut place) in own.iter_mut().zip(row.places) {
+                    *candidate = Candidate {
+                        grain: k as u32,
+                        other: row.neighbours[place as usize],
+                        entry: (from as u32) + place,
+                    };
+                }
+                *firsts.one(&thread) = first as u32;
+                *counts.one(&thread) = found as u32;
             }
         )*}
     };
@@ -167,13 +179,35 @@ candidates! {
 macro_rules! contacts {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
-            /// Writes the loads of all contacts but those that are marked.
+            /// Writes the loads of all contacts but those that it marks.
             fn $name(thread, arguments: ContactArguments<Here>) {
-                let ContactArguments { scene, mut rows, mut loads } = arguments;
+                let ContactArguments {
+                    scene,
+                    candidates,
+                    mut states,
+                    mut histories,
+                    mut contact_loads,
+                    mut marked,
+                    notes,
+                } = arguments;
                 let scene = scene_of(&scene, $friction);
-                let mut row = selected(&mut rows, &thread, scene.layout.length);
-                *loads.one(&thread) =
-                    contacts_of_grain::<$kind, $friction, true, $conservative>(thread.index(), &scene, &mut row);
+                let (length, notes) = (scene.layout.length, notes.all());
+                let candidates = candidates.all();
+                let count = notes[CANDIDATES].load(Ordering::Relaxed) as usize;
+                for own in thread.numbers(count) {
+                    let candidate = candidates[own.number()];
+                    let entry = own.within(|_| candidate.entry);
+                    let found = contact_of_pair::<$kind, $friction, true, $conservative>(
+                        &scene,
+                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        states.at(&entry),
+                        histories.part(&entry, length),
+                    );
+                    match found {
+                        Some(load) => *contact_loads.at(&own) = load,
+                        None => marked.taken(&notes[MARKED], 1).1[0] = own.number() as u32,
+                    }
+                }
             }
         )*}
     };
@@ -194,13 +228,33 @@ contacts! {
 macro_rules! marked_contacts {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
-            /// Adds the loads of the contacts that are marked.
+            /// Writes the loads of the contacts that are marked.
             fn $name(thread, arguments: ContactArguments<Here>) {
-                let ContactArguments { scene, mut rows, mut loads } = arguments;
+                let ContactArguments {
+                    scene,
+                    candidates,
+                    mut states,
+                    mut histories,
+                    mut contact_loads,
+                    mut marked,
+                    notes,
+                } = arguments;
                 let scene = scene_of(&scene, scene.tangential != 0);
-                let mut row = selected(&mut rows, &thread, scene.layout.length);
-                let added = marked_contacts_of_grain::<$kind>(thread.index(), &scene, &mut row);
-                *loads.one(&thread) += added;
+                let (length, notes) = (scene.layout.length, notes.all());
+                let candidates = candidates.all();
+                let count = notes[MARKED].load(Ordering::Relaxed) as usize;
+                for place in thread.numbers(count) {
+                    let number = *marked.at(&place);
+                    let own = place.within(|_| number);
+                    let candidate = candidates[own.number()];
+                    let entry = own.within(|_| candidate.entry);
+                    *contact_loads.at(&own) = marked_contact_of_pair::<$kind>(
+                        &scene,
+                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        states.at(&entry),
+                        histories.part(&entry, length),
+                    );
+                }
             }
         )*}
     };
@@ -280,6 +334,54 @@ macro_rules! moving {
 }
 
 entries! {
+    /// Which contacts add to the load of each grain.
+    fn ellgran_terms(thread, arguments: TermArguments<Here>) {
+        let TermArguments {
+            identifiers,
+            starts,
+            neighbours,
+            candidates,
+            firsts,
+            counts,
+            mut terms,
+            mut term_counts,
+            notes,
+            always,
+        } = arguments;
+        if always == 0 && !is_noted(notes.all(), MOVED) {
+            return;
+        }
+        let (k, starts) = (thread.index(), starts.all());
+        let all = AllCandidates {
+            candidates: candidates.all(),
+            firsts: firsts.all(),
+            counts: counts.all(),
+        };
+        let row = &neighbours.all()[starts[k] as usize..starts[k + 1] as usize];
+        let terms = terms.row(&thread, starts, 1);
+        let found = terms_of_grain(k, identifiers.all(), row, &all, terms);
+        *term_counts.one(&thread) = found as u32;
+    }
+
+    /// The loads of all contacts of each grain.
+    fn ellgran_sum_contacts(thread, arguments: SumArguments<Here>) {
+        let SumArguments {
+            starts,
+            terms,
+            term_counts,
+            contact_loads,
+            mut loads,
+            notes,
+        } = arguments;
+        let k = thread.index();
+        let from = starts.all()[k] as usize;
+        let terms = &terms.all()[from..from + term_counts.all()[k] as usize];
+        *loads.one(&thread) = sum_of_terms(terms, contact_loads.all());
+        if k == 0 {
+            notes.all()[MARKED].store(0, Ordering::Relaxed);
+        }
+    }
+
     /// The first half of a step. `faults` gets what is wrong: 1 shape, 2 quaternion, 3 mass, 4 a turn of more than half a
     /// circle, 5 a rotation that grows within the step, 6 a semi-axis.
     fn ellgran_start_step(thread, arguments: MotionArguments<Here>) {
@@ -330,6 +432,7 @@ entries! {
             remembered_pose(positions.all()[k], quaternions.all()[k], semi_axes.all()[k], margin);
         if k == 0 {
             notes[SELECTIONS].fetch_add(1, Ordering::Relaxed);
+            notes[CANDIDATES].store(notes[FOUND].swap(0, Ordering::Relaxed), Ordering::Relaxed);
         }
     }
 
@@ -370,31 +473,29 @@ entries! {
             notes,
             length,
         } = arguments;
-        let (k, length) = (thread.index(), length as usize);
+        let (k, length, notes) = (thread.index(), length as usize, notes.all());
         let (identifiers, starts, neighbours) = (identifiers.all(), starts.all(), neighbours.all());
-        let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
-        let fault = match neighbours.get(from..to) {
-            None => WRONG_ROW,
-            Some(row) if !names_others(k, row, identifiers.len()) => WRONG_NEIGHBOUR,
-            Some(row) => {
-                let pairs = PairsBefore {
-                    starts: starts_before.all(),
-                    partners: partners_before.all(),
-                    states: states_before.all(),
-                    histories: histories_before.all(),
-                };
-                let mut row = CarriedRow {
-                    neighbours: row,
-                    partners: partners.row(&thread, starts, 1),
-                    states: states.row(&thread, starts, 1),
-                    histories: histories.row(&thread, starts, length),
-                };
-                carry_pairs(k, slots.all(), &pairs, identifiers, length, &mut row);
-                return;
-            }
+        let fault = fault_of_row(k, starts, neighbours, identifiers.len());
+        if fault != 0 {
+            *faults.one(&thread) = fault;
+            note(notes, FAULT);
+            return;
+        }
+        let pairs = PairsBefore {
+            starts: starts_before.all(),
+            partners: partners_before.all(),
+            states: states_before.all(),
+            histories: histories_before.all(),
         };
-        *faults.one(&thread) = fault;
-        note(notes.all(), FAULT);
+        let mut row = CarriedRow {
+            neighbours: &neighbours[starts[k] as usize..starts[k + 1] as usize],
+            partners: partners.row(&thread, starts, 1),
+            states: states.row(&thread, starts, 1),
+            histories: histories.row(&thread, starts, length),
+        };
+        let owned = starts.len() - 1;
+        let kept = carry_pairs(k, owned, slots.all(), &pairs, identifiers, length, &mut row);
+        notes[KEPT].fetch_add(kept, Ordering::Relaxed);
     }
 
     /// Carries over what is remembered of a wall.

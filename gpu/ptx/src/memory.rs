@@ -6,13 +6,16 @@
 //!   kernel ends;
 //! - nothing writes to an array of the first kind while the kernel runs, unless it is of atomic numbers, and no array of the second
 //!   kind overlaps with another array of the call;
-//! - the grid has one dimension, so that no two threads have the same index.
+//! - the grid has one dimension, so that no two threads have the same index, and as many threads work as the kernel is told;
+//! - a table of which a thread takes a number for itself ([`Own::within`]) has each number once;
+//! - a counter by which threads divide an array ([`Parts::taken`]) serves that array alone, and began at 0.
 
 #![allow(unsafe_code)]
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::arch::nvptx;
 use core::marker::PhantomData;
+use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran_kernels::arguments::Memory;
 
 /// The memory of a device, on the device.
@@ -54,13 +57,39 @@ pub struct Parts<T> {
 /// what it names with it.
 pub struct Thread {
     index: usize,
+    /// How many work.
+    count: usize,
     /// Not to be sent.
     here: PhantomData<*mut ()>,
 }
 
-/// This thread.
+/// A number that this thread alone has.
+pub struct Own {
+    number: usize,
+    /// Not to be sent.
+    here: PhantomData<*mut ()>,
+}
+
+impl Own {
+    /// The number itself.
+    #[inline(always)]
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// What a table has for it; no other number has the same there.
+    #[inline(always)]
+    pub fn within(&self, table: impl FnOnce(usize) -> u32) -> Own {
+        Own {
+            number: table(self.number) as usize,
+            here: PhantomData,
+        }
+    }
+}
+
+/// This thread, of `count` that work.
 #[inline(always)]
-pub fn thread() -> Thread {
+pub fn thread(count: u32) -> Thread {
     // SAFETY: these read registers that every thread has.
     let index = unsafe {
         nvptx::_block_idx_x() as u32 as usize * nvptx::_block_dim_x() as u32 as usize
@@ -68,6 +97,7 @@ pub fn thread() -> Thread {
     };
     Thread {
         index,
+        count: count as usize,
         here: PhantomData,
     }
 }
@@ -77,6 +107,15 @@ impl Thread {
     #[inline(always)]
     pub fn index(&self) -> usize {
         self.index
+    }
+
+    /// The numbers below `end` that fall to this thread, each to one of those that work.
+    #[inline(always)]
+    pub fn numbers(&self, end: usize) -> impl Iterator<Item = Own> {
+        (self.index..end).step_by(self.count).map(|number| Own {
+            number,
+            here: PhantomData,
+        })
     }
 }
 
@@ -108,6 +147,25 @@ impl<T> Parts<T> {
         self.between(from * each, (to - from) * each)
     }
 
+    /// The part that goes with a number of this thread, `each` elements for each number.
+    #[inline(always)]
+    pub fn part<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
+        self.between(own.number * each, each)
+    }
+
+    /// The one element that goes with a number of this thread.
+    #[inline(always)]
+    pub fn at<'t>(&'t mut self, own: &'t Own) -> &'t mut T {
+        &mut self.part(own, 1)[0]
+    }
+
+    /// The next `count` elements that no thread has taken yet, by a counter of all threads: where they begin, and these.
+    #[inline(always)]
+    pub fn taken(&mut self, counter: &AtomicU32, count: usize) -> (usize, &mut [T]) {
+        let from = counter.fetch_add(count as u32, Ordering::Relaxed) as usize;
+        (from, self.between(from, count))
+    }
+
     #[inline(always)]
     fn between(&mut self, from: usize, count: usize) -> &mut [T] {
         assert!(from + count <= self.length as usize);
@@ -115,8 +173,9 @@ impl<T> Parts<T> {
             return &mut [];
         }
         // SAFETY: these elements are there, and within this array (just asserted). No other thread has one of them: a kernel
-        // divides an array in one way, so that parts are of one length and told apart by the threads' indices, and rows begin
-        // where the row before ends. This thread has them once: the array is borrowed for as long.
+        // divides an array in one way, so that parts are of one length and told apart by the threads' indices or by numbers that
+        // one thread alone has, rows begin where the row before ends, and so do the elements that a counter has handed out. This
+        // thread has them once: the array is borrowed for as long.
         unsafe { core::slice::from_raw_parts_mut(self.start.add(from), count) }
     }
 }
@@ -150,7 +209,7 @@ macro_rules! entries {
         #[allow(unsafe_code)]
         #[unsafe(no_mangle)]
         pub extern "ptx-kernel" fn $name(count: u32, $($argument: $type),*) {
-            let $thread = $crate::memory::thread();
+            let $thread = $crate::memory::thread(count);
             // The last block may have more threads than there are grains left.
             if $thread.index() < count as usize {
                 $body

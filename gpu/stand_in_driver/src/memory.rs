@@ -5,6 +5,7 @@
 
 use crate::settings;
 use core::marker::PhantomData;
+use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran_kernels::arguments::Memory;
 use std::alloc::{alloc, dealloc, Layout};
 use std::collections::BTreeMap;
@@ -154,11 +155,39 @@ pub struct Parts<T> {
 /// A thread.
 pub struct Thread {
     index: usize,
+    count: usize,
+}
+
+/// A number that one thread alone has.
+pub struct Own {
+    number: usize,
+}
+
+impl Own {
+    /// The number itself.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+    /// What a table has for it.
+    pub fn within(&self, table: impl FnOnce(usize) -> u32) -> Own {
+        Own {
+            number: table(self.number) as usize,
+        }
+    }
 }
 
 impl Thread {
-    pub fn new(index: usize) -> Self {
-        Thread { index }
+    pub fn new(index: usize, count: u32) -> Self {
+        Thread {
+            index,
+            count: count as usize,
+        }
+    }
+    /// The numbers below `end` that fall to this thread.
+    pub fn numbers(&self, end: usize) -> impl Iterator<Item = Own> {
+        (self.index..end)
+            .step_by(self.count)
+            .map(|number| Own { number })
     }
     /// Its index, counted over all blocks.
     pub fn index(&self) -> usize {
@@ -192,6 +221,22 @@ impl<T> Parts<T> {
         self.between(from * each, (to - from) * each)
     }
 
+    /// The part that goes with a number of this thread.
+    pub fn part<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
+        self.between(own.number * each, each)
+    }
+
+    /// The one element that goes with a number of this thread.
+    pub fn at<'t>(&'t mut self, own: &'t Own) -> &'t mut T {
+        &mut self.part(own, 1)[0]
+    }
+
+    /// The next elements that no thread has taken yet.
+    pub fn taken(&mut self, counter: &AtomicU32, count: usize) -> (usize, &mut [T]) {
+        let from = counter.fetch_add(count as u32, Ordering::Relaxed) as usize;
+        (from, self.between(from, count))
+    }
+
     fn between(&mut self, from: usize, count: usize) -> &mut [T] {
         assert!(from + count <= self.length as usize);
         if count == 0 {
@@ -223,7 +268,7 @@ macro_rules! entries {
             run: {
                 #[allow(unused_mut)]
                 unsafe fn run(index: usize, count: u32, arguments: *const u8) {
-                    let $thread = $crate::memory::Thread::new(index);
+                    let $thread = $crate::memory::Thread::new(index, count);
                     if $thread.index() < count as usize {
                         // SAFETY: `modules` gives a pointer to arguments of this size and alignment, which are numbers.
                         let $argument: $type = unsafe { arguments.cast::<$type>().read() };

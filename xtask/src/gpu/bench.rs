@@ -93,7 +93,10 @@ mod tests {
         let messages = "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"other\"},\"executable\":\"/a\"}\n\
                         {\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"steps\"},\"executable\":\"/b/steps-1\"}\n\
                         {\"reason\":\"build-finished\",\"success\":true}\n";
-        assert_eq!(executable(messages, "steps"), Some(PathBuf::from("/b/steps-1")));
+        assert_eq!(
+            executable(messages, "steps"),
+            Some(PathBuf::from("/b/steps-1"))
+        );
         assert_eq!(executable(messages, "none"), None);
     }
 }

@@ -32,7 +32,9 @@ use std::path::PathBuf;
 use support::{new, succeed, Engine};
 
 #[derive(Parser)]
-#[command(about = "Times whole steps of packings on a GPU; prints a table of comma-separated values")]
+#[command(
+    about = "Times whole steps of packings on a GPU; prints a table of comma-separated values"
+)]
 struct Options {
     /// Data files of LAMMPS with atom_style ellipsoid
     #[arg(required = true)]

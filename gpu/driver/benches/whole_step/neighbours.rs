@@ -30,7 +30,11 @@ pub fn full_list(grains: &Grains, owned: usize, skin: f64) -> (Vec<u32>, Vec<u32
     let mut neighbours = Vec::new();
     for (lengths, row) in parts {
         for length in lengths {
-            starts.push(starts[starts.len() - 1].checked_add(length).expect("fewer than 2^32 pairs"));
+            starts.push(
+                starts[starts.len() - 1]
+                    .checked_add(length)
+                    .expect("fewer than 2^32 pairs"),
+            );
         }
         neighbours.extend(row);
     }
@@ -63,7 +67,11 @@ impl Cells {
             starts: vec![0; count.iter().product::<usize>() + 1],
             members: vec![0; grains.positions.len()],
         };
-        let of: Vec<usize> = grains.positions.iter().map(|p| cells.index(cells.place(p))).collect();
+        let of: Vec<usize> = grains
+            .positions
+            .iter()
+            .map(|p| cells.index(cells.place(p)))
+            .collect();
         for &cell in &of {
             cells.starts[cell + 1] += 1;
         }

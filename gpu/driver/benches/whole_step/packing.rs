@@ -19,8 +19,7 @@ pub struct Grains {
 
 /// Of a file that `write_data` has written, `atom_style ellipsoid`.
 pub fn read(file: &Path) -> Grains {
-    let text =
-        std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let mut grains = Grains::default();
     let mut low = [0.0; 3];
     let mut section = "";
@@ -28,20 +27,32 @@ pub fn read(file: &Path) -> Grains {
     let mut velocities = HashMap::new();
     let mut shapes = HashMap::new();
     for line in text.lines().skip(1) {
-        let words: Vec<&str> = line.split('#').next().unwrap_or("").split_whitespace().collect();
+        let words: Vec<&str> = line
+            .split('#')
+            .next()
+            .unwrap_or("")
+            .split_whitespace()
+            .collect();
         let Some(first) = words.first() else {
             continue;
         };
         if let [from, to, "xlo" | "ylo" | "zlo", _] = words[..] {
-            let at = ["xlo", "ylo", "zlo"].iter().position(|w| *w == words[2]).unwrap();
+            let at = ["xlo", "ylo", "zlo"]
+                .iter()
+                .position(|w| *w == words[2])
+                .unwrap();
             low[at] = number(from);
             grains.box_length[at] = number(to) - low[at];
         } else if first.starts_with(|c: char| c.is_ascii_alphabetic()) {
             section = first;
-        } else {
+        } else if !section.is_empty() {
             let values: Vec<f64> = words.iter().map(|w| number(w)).collect();
             match section {
-                "Atoms" => atoms.push((values[0] as u64, values[3], [values[4], values[5], values[6]])),
+                "Atoms" => atoms.push((
+                    values[0] as u64,
+                    values[3],
+                    [values[4], values[5], values[6]],
+                )),
                 "Velocities" => drop(velocities.insert(values[0] as u64, values[1..7].to_vec())),
                 "Ellipsoids" => drop(shapes.insert(values[0] as u64, values[1..8].to_vec())),
                 _ => {}
@@ -51,18 +62,23 @@ pub fn read(file: &Path) -> Grains {
     for (identifier, density, x) in atoms {
         let (v, s) = (&velocities[&identifier], &shapes[&identifier]);
         let semi_axes = [0.5 * s[0], 0.5 * s[1], 0.5 * s[2]];
-        grains.positions.push(core::array::from_fn(|k| x[k] - low[k]));
+        grains
+            .positions
+            .push(core::array::from_fn(|k| x[k] - low[k]));
         grains.velocities.push([v[0], v[1], v[2]]);
         grains.angular_momenta.push([v[3], v[4], v[5]]);
         grains.quaternions.push([s[3], s[4], s[5], s[6]]);
-        grains.masses.push(4.0 / 3.0 * PI * semi_axes.iter().product::<f64>() * density);
+        grains
+            .masses
+            .push(4.0 / 3.0 * PI * semi_axes.iter().product::<f64>() * density);
         grains.semi_axes.push(semi_axes);
     }
     grains
 }
 
 fn number(word: &str) -> f64 {
-    word.parse().unwrap_or_else(|_| panic!("'{word}' is not a number"))
+    word.parse()
+        .unwrap_or_else(|_| panic!("'{word}' is not a number"))
 }
 
 impl Grains {
@@ -75,7 +91,8 @@ impl Grains {
         let if_it_moves = |v: [f64; 3]| if moves { v } else { [0.0; 3] };
         self.positions.push(position);
         self.velocities.push(if_it_moves(from.velocities[k]));
-        self.angular_momenta.push(if_it_moves(from.angular_momenta[k]));
+        self.angular_momenta
+            .push(if_it_moves(from.angular_momenta[k]));
         self.quaternions.push(from.quaternions[k]);
         self.semi_axes.push(from.semi_axes[k]);
         self.masses.push(from.masses[k]);

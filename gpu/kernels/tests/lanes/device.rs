@@ -7,14 +7,13 @@ use ellgran::force::PairLaw;
 use ellgran::geometry::Plane;
 use ellgran::vector::Vector3;
 use ellgran::walls;
-use ellgran_kernels::candidates::{candidates_of_grain, NewRow};
-use ellgran_kernels::contacts::{
-    self, contacts_of_grain, marked_contacts_of_grain, Load, Row, MARKED, TOUCHES,
-};
+use ellgran_kernels::candidates::{candidates_of_grain, keeps, Candidate, NewRow};
+use ellgran_kernels::contacts::{self, contact_of_pair, marked_contact_of_pair, Load, TOUCHES};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::preparation::{prepare_grain, EngineArrays, Fault};
 use ellgran_kernels::shapes::{Grain, Kind};
+use ellgran_kernels::terms::{sum_of_terms, terms_of_grain, AllCandidates, ContactLoad};
 
 pub struct Device {
     grains: Vec<Grain>,
@@ -24,10 +23,14 @@ pub struct Device {
     inverse_masses: Vec<f64>,
     identifiers: Vec<i32>,
     laws: [PairLaw; 1],
+    /// Grains that have a row; the others are ghosts.
+    owned: usize,
     starts: Vec<usize>,
     neighbours: Vec<u32>,
-    candidates: Vec<u32>,
-    candidate_counts: Vec<usize>,
+    candidates: Vec<Candidate>,
+    firsts: Vec<u32>,
+    counts: Vec<u32>,
+    terms: Vec<Vec<u32>>,
     states: Vec<u32>,
     histories: Vec<f64>,
     pub loads: Vec<Load>,
@@ -95,8 +98,11 @@ impl Device {
             identifiers: (1..=count as i32).collect(),
             laws: [*laws.get(1, 1)],
             starts,
-            candidates: vec![0; neighbours.len()],
-            candidate_counts: vec![0; count],
+            owned: count,
+            candidates: Vec::new(),
+            firsts: vec![0; count],
+            counts: vec![0; count],
+            terms: Vec::new(),
             states: vec![0; neighbours.len()],
             histories: vec![0.0; neighbours.len() * laws.layout().length],
             neighbours,
@@ -134,17 +140,43 @@ impl Device {
     pub fn select<K: Kind>(&mut self, scene: &Scene, laws: &Laws, margin: f64) {
         self.selected = scene.motion.clone();
         let length = laws.layout().length;
-        for k in 0..self.grains.len() {
+        self.candidates.clear();
+        // A device comes to the rows in any order.
+        for k in (0..self.owned).rev() {
             let (from, to) = (self.starts[k], self.starts[k + 1]);
+            let mut places = vec![0; to - from];
             let mut row = NewRow {
                 neighbours: &self.neighbours[from..to],
-                candidates: &mut self.candidates[from..to],
+                places: &mut places,
                 states: &mut self.states[from..to],
                 histories: &mut self.histories[from * length..to * length],
             };
-            self.candidate_counts[k] =
-                candidates_of_grain::<K>(k, &lent!(self, laws), margin, &mut row);
+            let scene = lent!(self, laws);
+            let found = candidates_of_grain::<K>(k, &scene, self.owned, margin, &mut row);
+            self.firsts[k] = self.candidates.len() as u32;
+            self.counts[k] = found as u32;
+            let candidates = places[..found].iter().map(|place| Candidate {
+                grain: k as u32,
+                other: self.neighbours[from + *place as usize],
+                entry: from as u32 + place,
+            });
+            self.candidates.extend(candidates);
         }
+        let all = AllCandidates {
+            candidates: &self.candidates,
+            firsts: &self.firsts,
+            counts: &self.counts,
+        };
+        self.terms = (0..self.owned)
+            .map(|k| {
+                let row = &self.neighbours[self.starts[k]..self.starts[k + 1]];
+                let mut terms = vec![0; row.len()];
+                let ids = &self.identifiers;
+                let found = terms_of_grain(k, ids, row, &all, &mut terms);
+                terms.truncate(found);
+                terms
+            })
+            .collect();
     }
 
     pub fn compute<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
@@ -153,20 +185,23 @@ impl Device {
     ) {
         let length = laws.layout().length;
         self.marked = 0;
-        for k in 0..self.grains.len() {
-            let (from, to) = (self.starts[k], self.starts[k + 1]);
-            let mut row = Row {
-                neighbours: &self.neighbours[from..to],
-                candidates: &self.candidates[from..from + self.candidate_counts[k]],
-                states: &mut self.states[from..to],
-                histories: &mut self.histories[from * length..to * length],
-            };
+        let mut contacts = Vec::with_capacity(self.candidates.len());
+        for candidate in &self.candidates {
+            let entry = candidate.entry as usize;
             let scene = lent!(self, laws);
-            let mut load =
-                contacts_of_grain::<K, FRICTION, true, CONSERVATIVE>(k, &scene, &mut row);
-            self.marked += row.states.iter().filter(|&&s| s & MARKED != 0).count();
-            load += marked_contacts_of_grain::<K>(k, &scene, &mut row);
-            self.loads[k] = load;
+            let pair = scene.in_order(candidate.grain as usize, candidate.other as usize);
+            let state = &mut self.states[entry];
+            let history = &mut self.histories[entry * length..(entry + 1) * length];
+            let found =
+                contact_of_pair::<K, FRICTION, true, CONSERVATIVE>(&scene, pair, state, history);
+            let load: ContactLoad = found.unwrap_or_else(|| {
+                self.marked += 1;
+                marked_contact_of_pair::<K>(&scene, pair, state, history)
+            });
+            contacts.push(load);
+        }
+        for (load, terms) in self.loads.iter_mut().zip(&self.terms) {
+            *load = sum_of_terms(terms, &contacts);
         }
     }
 
@@ -208,6 +243,10 @@ impl Device {
                     .find(|&k| lists.neighbours[k] == high as i32)
                     .unwrap();
                 let touches = self.states[at] & TOUCHES;
+                if !keeps(&self.identifiers, self.owned, i, j) {
+                    assert_eq!(touches, 0, "{i} {j}");
+                    continue;
+                }
                 assert_eq!(touches as i32, lists.touching[half], "{i} {j}");
                 if touches == 0 {
                     continue;
@@ -227,7 +266,7 @@ impl Device {
                 }
             }
         }
-        (touching / 2, self.marked)
+        (touching, self.marked)
     }
 
     /// The first half of a step from `before`, whose end is the scene.

@@ -128,7 +128,7 @@ fn deep_contacts_are_marked_and_taken() {
     assert!(counts.marked > STEPS, "{counts:?}");
 }
 
-/// Each pair is computed from both sides: momentum is conserved to the last bit of each force.
+/// Each grain gets the force of the one contact: momentum is conserved to the last bit of each force.
 #[test]
 fn both_sides_of_a_pair_agree_to_the_last_bit() {
     let laws = laws(WHOLE);
