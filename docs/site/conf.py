@@ -31,6 +31,7 @@ include_patterns = [
     "docs/tutorials/*.md",
     "docs/report/*.md",
     "docs/bench/*.md",
+    "docs/bench/*/*.md",
     "examples/*/README.md",
     "lammps-plugin/README.md",
     "liggghts-patch/README.md",

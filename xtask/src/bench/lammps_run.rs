@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One run of a benchmark deck in LAMMPS, and what its timing breakdown says.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -8,7 +9,7 @@ use anyhow::{bail, Context, Result};
 
 use crate::process::{find_program, output_of};
 use crate::progress::say;
-use crate::{lammps, mpi, plugin, workspace};
+use crate::{lammps, mpi, plugin};
 
 #[derive(Clone)]
 pub struct Lammps {
@@ -66,23 +67,41 @@ impl Lammps {
         let source = lammps::source()?;
         let binary = source.binary()?;
         let plugin = plugin::plugin(&source)?;
-        let help = output_of(Command::new(&binary).arg("-help"))?;
+        let help = help(&binary)?;
+        Ok(Self::with(binary, plugin, source.spelled()?, &help))
+    }
+
+    /// One that is there already, with a plugin that fits it.
+    pub fn given(binary: &Path, plugin: &Path) -> Result<Self> {
+        let found = |option: &str, file: &Path| {
+            file.canonicalize()
+                .with_context(|| format!("{option} {}", file.display()))
+        };
+        let (binary, plugin) = (found("--lammps", binary)?, found("--plugin", plugin)?);
+        let help = help(&binary)?;
+        let release = release(&help)
+            .with_context(|| format!("{} -help names no release", binary.display()))?
+            .to_string();
+        Ok(Self::with(binary, plugin, release, &help))
+    }
+
+    fn with(binary: PathBuf, plugin: PathBuf, release: String, help: &str) -> Self {
         let taskset = find_program("taskset");
         if taskset.is_none() {
             say("no taskset: runs are not pinned to a core");
         }
-        Ok(Lammps {
+        Lammps {
             superellipsoid: help
                 .split_whitespace()
                 .any(|word| word == "granular/superellipsoid"),
-            release: source.spelled()?,
+            release,
             binary,
             plugin,
             taskset,
-        })
+        }
     }
 
-    /// Runs a deck below examples/lammps/bench on `ranks` ranks (one is pinned to a core); what it printed.
+    /// Runs a deck of examples/lammps/bench on `ranks` ranks (one is pinned to a core); what it printed.
     pub fn run(
         &self,
         deck: &str,
@@ -90,8 +109,8 @@ impl Lammps {
         instruction_set: Option<&str>,
         variables: &[(&str, String)],
     ) -> Result<String> {
-        let deck = workspace::root().join("examples/lammps/bench").join(deck);
         let directory = tempfile::tempdir()?;
+        fs::write(directory.path().join(deck), text_of(deck)?)?;
         let mut command = match ranks {
             1 => on_one_core(self.taskset.as_deref(), &self.binary),
             _ => {
@@ -106,8 +125,7 @@ impl Lammps {
         command
             .current_dir(directory.path())
             .env("OMP_NUM_THREADS", "1")
-            .args(["-nocite", "-log", "none", "-in"])
-            .arg(&deck)
+            .args(["-nocite", "-log", "none", "-in", deck])
             .args(["-var", "plugin"])
             .arg(&self.plugin);
         match instruction_set {
@@ -117,20 +135,80 @@ impl Lammps {
         for (name, value) in variables {
             command.args(["-var", name, value]);
         }
-        output_of(&mut command).with_context(|| format!("LAMMPS stopped in {}", deck.display()))
+        output_of(&mut command).with_context(|| format!("LAMMPS stopped in {deck}"))
     }
+}
+
+/// The decks of examples/lammps/bench, within this program: it measures also where no checkout is.
+const DECKS: [(&str, &str); 4] = [
+    (
+        "layer.lmp",
+        include_str!("../../../examples/lammps/bench/layer.lmp"),
+    ),
+    (
+        "make.lmp",
+        include_str!("../../../examples/lammps/bench/make.lmp"),
+    ),
+    (
+        "run.lmp",
+        include_str!("../../../examples/lammps/bench/run.lmp"),
+    ),
+    (
+        "sizes.lmp",
+        include_str!("../../../examples/lammps/bench/sizes.lmp"),
+    ),
+];
+
+/// What a deck of examples/lammps/bench says.
+pub fn text_of(deck: &str) -> Result<&'static str> {
+    DECKS
+        .iter()
+        .find_map(|(name, text)| (*name == deck).then_some(*text))
+        .with_context(|| format!("no {deck} in examples/lammps/bench"))
+}
+
+fn help(binary: &Path) -> Result<String> {
+    output_of(Command::new(binary).arg("-help"))
+        .with_context(|| format!("{} does not run", binary.display()))
+}
+
+/// As LAMMPS spells it, from what it prints for `-help`: ... Massively Parallel Simulator - 4 Jul 2026 - Update 1
+fn release(help: &str) -> Option<&str> {
+    help.lines()
+        .find_map(|line| line.split_once("Parallel Simulator - "))
+        .map(|(_, rest)| rest.split(" - ").next().unwrap_or(rest).trim())
 }
 
 /// Pinned to a core with `taskset`, where there is one.
 pub fn on_one_core(taskset: Option<&Path>, binary: &Path) -> Command {
-    let Some(taskset) = taskset else {
+    let (Some(taskset), Some(core)) = (taskset, quiet_core()) else {
         return Command::new(binary);
     };
     let mut command = Command::new(taskset);
-    // Not the first core, which serves most interrupts.
-    let core = usize::from(crate::process::jobs() > 1);
     command.args(["-c", &core.to_string()]).arg(binary);
     command
+}
+
+/// Of the cores that this process may use the second: the first of a machine serves most interrupts.
+fn quiet_core() -> Option<usize> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let list = status
+        .lines()
+        .find_map(|line| line.strip_prefix("Cpus_allowed_list:"))?;
+    let cores = cores_of(list);
+    cores.get(1).or(cores.first()).copied()
+}
+
+/// Of a list such as `0-3,8`.
+fn cores_of(list: &str) -> Vec<usize> {
+    list.trim()
+        .split(',')
+        .filter_map(|range| {
+            let (first, last) = range.split_once('-').unwrap_or((range, range));
+            Some(first.parse().ok()?..=last.parse().ok()?)
+        })
+        .flatten()
+        .collect()
 }
 
 /// The words of variables that name a file.
@@ -270,5 +348,37 @@ touching pairs 2039.0
         assert!((found.per_grain(found.pair) - 2000.0).abs() < 1e-9);
         assert_eq!(touching(OUTPUT).unwrap(), 2039.0);
         assert!(timing("nothing").is_err());
+    }
+
+    #[test]
+    fn the_release_is_read_from_the_help() {
+        let help = |end: &str| {
+            format!(
+                "\nLarge-scale Atomic/Molecular Massively Parallel Simulator - {end}\n\nUsage\n"
+            )
+        };
+        assert_eq!(release(&help("4 Jul 2026")), Some("4 Jul 2026"));
+        let updated = help("29 Aug 2024 - Update 1");
+        assert_eq!(release(&updated), Some("29 Aug 2024"));
+        assert_eq!(release("Usage: lmp"), None);
+    }
+
+    #[test]
+    fn a_process_may_have_any_cores() {
+        assert_eq!(cores_of("\t0-3\n"), [0, 1, 2, 3]);
+        assert_eq!(cores_of("\t16-17,40\n"), [16, 17, 40]);
+        assert_eq!(cores_of("5"), [5]);
+        assert!(cores_of("").is_empty());
+    }
+
+    #[test]
+    fn every_deck_is_within_the_program() {
+        let directory = crate::workspace::root().join("examples/lammps/bench");
+        for entry in fs::read_dir(directory).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            assert_eq!(text_of(name).unwrap(), fs::read_to_string(&path).unwrap());
+        }
+        assert!(text_of("none.lmp").is_err());
     }
 }

@@ -18,7 +18,7 @@ mod walls;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{bail, Context, Result};
 
@@ -36,12 +36,27 @@ pub struct Options {
     /// Small scenes, short runs: under two minutes once engines and packings are there
     #[arg(long)]
     quick: bool,
-    /// Only this: kernels, walls, sizes, scaling, or a scene by its name (repeat for more)
+    /// Only this: kernels, walls, sizes, scaling, ranks (what scaling has of them), or a scene by its name (repeat for more)
     #[arg(long)]
     scene: Vec<String>,
     /// Only this engine's pair styles in the scenes [default: both; packings are always made by LAMMPS]
     #[arg(long)]
     engine: Option<Engine>,
+    /// This LAMMPS in place of one that is built here: walls, sizes, scaling and ranks then need no checkout, no sources and no
+    /// compilers
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "plugin",
+        conflicts_with = "against"
+    )]
+    lammps: Option<PathBuf>,
+    /// The plugin for it
+    #[arg(long, value_name = "FILE", requires = "lammps")]
+    plugin: Option<PathBuf>,
+    /// Of scaling and ranks no other round that is likely to end later than so many seconds after the first began
+    #[arg(long, value_name = "SECONDS", conflicts_with = "against")]
+    within: Option<u64>,
     /// Kernels and scenes in turns with this revision (any name that git knows), which is built in the cache when it is asked for the
     /// first time: the ratio of the times, and its scatter
     #[arg(long)]
@@ -63,6 +78,9 @@ struct Choice<'a> {
     quick: bool,
     only: &'a [String],
     engine: Option<Engine>,
+    /// LAMMPS and its plugin, where they are there already.
+    given: Option<(&'a Path, &'a Path)>,
+    within: Option<Duration>,
 }
 
 impl Choice<'_> {
@@ -83,12 +101,15 @@ pub struct Effort {
     pub rounds: usize,
     /// A run's wished length, s.
     pub seconds: f64,
+    /// After which no round of scaling begins that would end later.
+    pub within: Option<Duration>,
 }
 
 const KERNELS: &str = "kernels";
 const WALLS: &str = "walls";
 const SIZES: &str = "sizes";
 const SCALING: &str = "scaling";
+const RANKS: &str = "ranks";
 const SCENES_FILE: &str = "scenes";
 const SCENES_PICTURE: &str = "scenes.svg";
 const GRAINS_PICTURE: &str = "grains.svg";
@@ -102,6 +123,8 @@ pub fn bench(options: &Options) -> Result<()> {
         quick: options.quick,
         only: &options.scene,
         engine: options.engine,
+        given: options.lammps.as_deref().zip(options.plugin.as_deref()),
+        within: options.within.map(Duration::from_secs),
     };
     match &options.against {
         Some(revision) => against::run(&output, &choice, revision),
@@ -245,9 +268,10 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
         quick,
         rounds: if quick { 2 } else { 5 },
         seconds: if quick { 0.2 } else { 1.0 },
+        within: choice.within,
     };
     let all: &[Scene] = if quick { &QUICK_SCENES } else { &SCENES };
-    let names: Vec<&str> = [KERNELS, WALLS, SIZES, SCALING]
+    let names: Vec<&str> = [KERNELS, WALLS, SIZES, SCALING, RANKS]
         .into_iter()
         .chain(all.iter().map(|scene| scene.name))
         .collect();
@@ -272,7 +296,9 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
     let scaling = wanted(SCALING) && choice.engine != Some(Engine::Liggghts);
     let walls = wanted(WALLS) && choice.engine != Some(Engine::Liggghts);
     let sizes = wanted(SIZES) && choice.engine != Some(Engine::Liggghts);
-    if !scenes.is_empty() || walls || sizes || scaling {
+    // Of which `scaling` has the same.
+    let ranks = named(RANKS) && !scaling && choice.engine != Some(Engine::Liggghts);
+    if !scenes.is_empty() || walls || sizes || scaling || ranks {
         let engines = engines(choice, !scenes.is_empty())?;
         scenes::announce(&engines);
         report.head += &about_engines(&engines);
@@ -294,9 +320,13 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
             report.add(SIZES, [sizes::table(&found)], &sizes::csv(&found))?;
         }
         if scaling {
-            let found = scaling::run(&engines.lammps, &effort)?;
+            let found = scaling::run(&engines.lammps, &effort, true)?;
             scaling::picture(&report.picture(GRAINS_PICTURE), &found)?;
             report.add(SCALING, scaling::tables(&found), &scaling::csv(&found))?;
+        }
+        if ranks {
+            let found = scaling::run(&engines.lammps, &effort, false)?;
+            report.add(RANKS, scaling::tables(&found), &scaling::csv(&found))?;
         }
     }
     let path = report.directory.join(Report::TEXT);
@@ -310,7 +340,8 @@ fn run(output: &Path, choice: &Choice) -> Result<()> {
 
 /// Nothing of an earlier run may stand beside this one's.
 fn remove_earlier(output: &Path) -> Result<()> {
-    let csv = [KERNELS, SCENES_FILE, WALLS, SIZES, SCALING].map(|name| format!("{name}.csv"));
+    let csv =
+        [KERNELS, SCENES_FILE, WALLS, SIZES, SCALING, RANKS].map(|name| format!("{name}.csv"));
     let names = csv.iter().map(String::as_str);
     for name in names.chain([Report::TEXT, SCENES_PICTURE, GRAINS_PICTURE]) {
         let path = output.join(name);
@@ -331,10 +362,17 @@ fn head(choice: &Choice) -> String {
         text += &format!(" --scene {name}");
     }
     text += match choice.engine {
-        None => "`\n\n",
-        Some(Engine::Lammps) => " --engine lammps`\n\n",
-        Some(Engine::Liggghts) => " --engine liggghts`\n\n",
+        None => "",
+        Some(Engine::Lammps) => " --engine lammps",
+        Some(Engine::Liggghts) => " --engine liggghts",
     };
+    if choice.given.is_some() {
+        text += " --lammps FILE --plugin FILE";
+    }
+    if let Some(within) = choice.within {
+        text += &format!(" --within {}", within.as_secs());
+    }
+    text += "`\n\n";
     if machine::load().unwrap_or(0.0) > 0.5 {
         say("this machine is busy: times are processor times, but caches and ranks are disturbed");
     }
@@ -347,10 +385,16 @@ fn head(choice: &Choice) -> String {
 }
 
 fn engines(choice: &Choice, scenes: bool) -> Result<Engines> {
-    setup::setup()?;
-    let lammps = lammps_run::Lammps::prepare()?;
+    let lammps = match choice.given {
+        Some((binary, plugin)) => lammps_run::Lammps::given(binary, plugin)?,
+        None => {
+            setup::setup()?;
+            lammps_run::Lammps::prepare()?
+        }
+    };
     let both = [Optimisation::O2, Optimisation::O3];
     let liggghts = if scenes && choice.engine != Some(Engine::Lammps) {
+        setup::setup()?;
         // A second build of five minutes is too much for a quick look.
         let optimisations = if choice.quick { &both[..1] } else { &both };
         Some(liggghts_run::Liggghts::prepare(optimisations)?)

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::lammps_run::{path_word, Lammps};
+use super::lammps_run::{path_word, text_of, Lammps};
+use crate::cache;
 use crate::demo::material::Material;
 use crate::progress::Progress;
-use crate::{cache, workspace};
 
 /// Grains as soft as a time step of 4e-6 s allows; SI units.
 pub const MATERIAL: Material = Material {
@@ -120,11 +120,8 @@ impl Packing {
 
     /// The data file, made when missing.
     pub fn file(&self, lammps: &Lammps) -> Result<PathBuf> {
-        let deck = workspace::root().join("examples/lammps/bench/make.lmp");
-        let text =
-            fs::read_to_string(&deck).with_context(|| format!("cannot read {}", deck.display()))?;
         let mut words = self.variables();
-        let mut parts = vec![text.as_str(), lammps.release.as_str()];
+        let mut parts = vec![text_of("make.lmp")?, lammps.release.as_str()];
         parts.extend(
             words
                 .iter()

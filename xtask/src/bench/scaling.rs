@@ -2,10 +2,11 @@
 //! Our pair style in LAMMPS over ranks, and over the number of grains; what a billion grains would cost by that.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
-use super::contender::Contender;
+use super::contender::{Contender, Velocities};
 use super::lammps_run::{timing, Lammps};
 use super::packing::{Kind, Packing};
 use super::scenes::{run_variables, steps_for};
@@ -23,13 +24,14 @@ struct Point {
     side: usize,
     copies: [usize; 3],
     ranks: usize,
-    spheres: bool,
+    contender: Contender,
 }
 
 pub struct Found {
     what: &'static str,
     ranks: usize,
-    spheres: bool,
+    contender: Contender,
+    rounds: usize,
     grains: f64,
     /// Wall-clock milliseconds per step.
     step: Measured,
@@ -47,25 +49,27 @@ const STRONG: &str = "strong";
 const WEAK: &str = "weak";
 const SIZE: &str = "size";
 
-fn points(effort: &Effort) -> Vec<Point> {
-    let point = |what, side, copies, ranks| Point {
-        what,
-        side,
-        copies,
-        ranks,
-        spheres: false,
-    };
+fn points(effort: &Effort, sizes: bool) -> Vec<Point> {
+    let sets = Contender::instruction_sets();
+    let widest = sets[sets.len() - 1];
     let mut list = Vec::new();
     say(format!(
         "{0} cores: up to {0} ranks, so that none waits for a core",
         jobs()
     ));
     for ranks in rank_counts(jobs()) {
-        for spheres in [false, true] {
+        for contender in [
+            // Its velocities of the step are sent too.
+            Contender::OursMoved(widest, Velocities::Step),
+            Contender::Spheres,
+        ] {
             let mut push = |what, side, copies| {
                 list.push(Point {
-                    spheres,
-                    ..point(what, side, copies, ranks)
+                    what,
+                    side,
+                    copies,
+                    ranks,
+                    contender,
                 });
             };
             if effort.quick {
@@ -75,6 +79,9 @@ fn points(effort: &Effort) -> Vec<Point> {
                 push(WEAK, 16, [2 * ranks, 2, 2]);
             }
         }
+    }
+    if !sizes {
+        return list;
     }
     let sizes: &[(usize, [usize; 3])] = if effort.quick {
         &[(8, [1, 1, 1]), (8, [2, 2, 2])]
@@ -88,10 +95,13 @@ fn points(effort: &Effort) -> Vec<Point> {
         ]
     };
     for (side, copies) in sizes {
-        for spheres in [false, true] {
+        for contender in [Contender::Ours(widest), Contender::Spheres] {
             list.push(Point {
-                spheres,
-                ..point(SIZE, *side, *copies, 1)
+                what: SIZE,
+                side: *side,
+                copies: *copies,
+                ranks: 1,
+                contender,
             });
         }
     }
@@ -114,10 +124,9 @@ fn rank_counts(cores: usize) -> Vec<usize> {
 const WARM_STEPS: usize = 40;
 const STEPS: usize = 100;
 
-pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
-    let sets = Contender::instruction_sets();
-    let widest = sets[sets.len() - 1];
-    let list = points(effort);
+/// Ranks, and with `sizes` numbers of grains.
+pub fn run(lammps: &Lammps, effort: &Effort, sizes: bool) -> Result<Vec<Found>> {
+    let list = points(effort, sizes);
     let mut taken: Vec<Vec<(f64, f64, f64)>> = list.iter().map(|_| Vec::new()).collect();
     // Of grains, of images on a rank, bytes of a rank.
     let mut counted = vec![[0.0; 3]; list.len()];
@@ -127,19 +136,28 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
             Packing {
                 kind: Kind::Dense,
                 lattice: [point.side; 3],
-                spheres: point.spheres,
+                spheres: point.contender.spheres(),
             }
             .file(lammps)
         })
         .collect::<Result<_>>()?;
     let mut progress = Progress::start("Scaling over ranks and grains");
+    let started = Instant::now();
+    let mut longest = Duration::ZERO;
     for round in 0..effort.rounds.min(3) {
+        let begun = Instant::now();
+        if let Some(within) = effort.within.filter(|_| round > 0) {
+            if started.elapsed() + longest > within {
+                say(format!(
+                    "{round} of {} rounds: another would not end within {} s",
+                    effort.rounds.min(3),
+                    within.as_secs()
+                ));
+                break;
+            }
+        }
         for (k, point) in list.iter().enumerate() {
-            let contender = if point.spheres {
-                Contender::Spheres
-            } else {
-                Contender::Ours(widest)
-            };
+            let contender = point.contender;
             let count = point.side.pow(3) * point.copies.iter().product::<usize>();
             progress.update(
                 Some((round * list.len() + k) as f64 / (effort.rounds.min(3) * list.len()) as f64),
@@ -173,6 +191,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
                 of_rank.communication / time.wall,
             ));
         }
+        longest = longest.max(begun.elapsed());
     }
     progress.finish();
     list.iter()
@@ -185,7 +204,8 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
             Ok(Found {
                 what: point.what,
                 ranks: point.ranks,
-                spheres: point.spheres,
+                contender: point.contender,
+                rounds: step.len(),
                 grains,
                 step: Measured::of(&step).context("no round was run")?,
                 pair: Measured::of(&pair).context("no round was run")?,
@@ -198,8 +218,9 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Vec<Found>> {
 }
 
 pub fn tables(found: &[Found]) -> Vec<Table> {
+    let rounds = found.first().map_or(0, |row| row.rounds);
     let mut ranks = Table::new(
-        "Ranks: dense, AR 2, newton on",
+        &format!("Ranks: dense, AR 2, newton on, rounds: {rounds}"),
         &[
             "scaling",
             "pair style",
@@ -216,13 +237,13 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
         let one = found
             .iter()
             .find(|other| {
-                other.what == row.what && other.ranks == 1 && other.spheres == row.spheres
+                other.what == row.what && other.ranks == 1 && other.contender == row.contender
             })
             .unwrap_or(row);
         let speed = (one.step.median / one.grains) / (row.step.median / row.grains);
         ranks.row(vec![
             row.what.into(),
-            label(row.spheres).into(),
+            label(row.contender).into(),
             row.ranks.to_string(),
             row.grains.to_string(),
             row.step.show(),
@@ -248,11 +269,11 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
         // The smallest fits into the innermost caches.
         let base = found
             .iter()
-            .filter(|other| other.what == SIZE && other.spheres == row.spheres)
+            .filter(|other| other.what == SIZE && other.contender == row.contender)
             .nth(1)
             .unwrap_or(row);
         sizes.row(vec![
-            label(row.spheres).into(),
+            label(row.contender).into(),
             row.grains.to_string(),
             row.pair.show(),
             row.step.scaled(1e6 / row.grains).show(),
@@ -261,13 +282,11 @@ pub fn tables(found: &[Found]) -> Vec<Table> {
             short(row.ghosts / row.grains),
         ]);
     }
-    let mut tables = vec![ranks, sizes];
-    tables.extend(
-        found
-            .iter()
-            .find(|row| row.what == SIZE && !row.spheres && row.grains > 1e5)
-            .map(billion),
-    );
+    let mut tables = vec![ranks];
+    if found.iter().any(|row| row.what == SIZE) {
+        tables.push(sizes);
+    }
+    tables.extend(billion(found));
     tables
 }
 
@@ -289,10 +308,22 @@ const MOST_ON_A_RANK: f64 = (1 << 29) as f64;
 const MOST_IDENTIFIERS: f64 = i32::MAX as f64;
 
 /// What follows for a billion grains from one rank with as many grains as each would have: periodic on all sides, it has as many
-/// images too.
-fn billion(row: &Found) -> Table {
+/// images too. Ranks side by side on this machine tell what it costs that they share its memory.
+fn billion(found: &[Found]) -> Option<Table> {
+    let moved = |row: &&Found| matches!(row.contender, Contender::OursMoved(..));
+    let row = found
+        .iter()
+        .filter(moved)
+        .find(|row| row.what == STRONG && row.ranks == 1 && row.grains > 1e5)?;
+    let beside = found
+        .iter()
+        .filter(moved)
+        .filter(|row| row.what == WEAK && row.ranks > 1)
+        .max_by_key(|row| row.ranks);
     let of_rank = BILLION / MANY_RANKS;
-    let step = row.step.median * 1e-3 * of_rank / row.grains;
+    let alone = row.step.median * 1e-3 * of_rank / row.grains;
+    let step_of = |row: &Found| row.step.median * 1e-3 * of_rank * row.ranks as f64 / row.grains;
+    let step = beside.map_or(alone, |row| alone.max(step_of(row)));
     // A surface: images go with the power of two thirds.
     let images = row.ghosts * (of_rank / row.grains).powf(2.0 / 3.0);
     let sent = 8.0 * images * (FORWARD + OF_STEP + BACK);
@@ -315,9 +346,20 @@ fn billion(row: &Found) -> Table {
     );
     line(
         "time of a step without messages",
-        format!("{} ms", short(1e3 * step)),
+        format!("{} ms", short(1e3 * alone)),
         "measured: on a core that has the memory to itself; 64 ranks on a node share it",
     );
+    if let Some(row) = beside {
+        line(
+            "time of a step that shares the memory",
+            format!("{} ms", short(1e3 * step_of(row))),
+            &format!(
+                "measured: {} ranks of {} grains side by side, with the messages between them",
+                row.ranks,
+                row.grains / row.ranks as f64
+            ),
+        );
+    }
     line(
         "sent and received by a rank in a step",
         format!("{} MB", short(1e-6 * sent)),
@@ -340,7 +382,7 @@ fn billion(row: &Found) -> Table {
     line(
         "one million steps",
         format!("{} days", short(1e6 * (step + transfer) / 86400.0)),
-        "the sum of both times",
+        "the longer step and the time of the messages",
     );
     line(
         "a dump of all grains",
@@ -357,14 +399,14 @@ fn billion(row: &Found) -> Table {
         format!("to {MOST_ON_A_RANK:.1e}"),
         "29 bits of an entry of a neighbour list",
     );
-    table
+    Some(table)
 }
 
-fn label(spheres: bool) -> &'static str {
-    if spheres {
-        "granular, spheres"
-    } else {
-        "gran/ellipsoid"
+fn label(contender: Contender) -> &'static str {
+    match contender {
+        Contender::Spheres => "granular, spheres",
+        Contender::OursMoved(..) => "gran/ellipsoid, nve/ellipsoid",
+        _ => "gran/ellipsoid",
     }
 }
 
@@ -376,7 +418,7 @@ pub fn csv(found: &[Found]) -> String {
         text += &format!(
             "{},\"{}\",{},{},{:.4},{:.4},{:.2},{:.2},{:.4},{:.0},{:.0}\n",
             row.what,
-            label(row.spheres),
+            label(row.contender),
             row.ranks,
             row.grains,
             row.step.median,
@@ -393,11 +435,16 @@ pub fn csv(found: &[Found]) -> String {
 
 pub fn picture(path: &Path, found: &[Found]) -> Result<()> {
     let curve = |spheres: bool, colour, of: &dyn Fn(&Found) -> f64| {
-        let rows = found
+        let rows: Vec<&Found> = found
             .iter()
-            .filter(|row| row.what == SIZE && row.spheres == spheres);
-        let points = rows.map(|row| (row.grains.log10(), of(row))).collect();
-        Series::curve(label(spheres), points, colour, spheres)
+            .filter(|row| row.what == SIZE && row.contender.spheres() == spheres)
+            .collect();
+        let points = rows
+            .iter()
+            .map(|row| (row.grains.log10(), of(row)))
+            .collect();
+        let title = rows.first().map_or("", |row| label(row.contender));
+        Series::curve(title, points, colour, spheres)
     };
     let panel = |title: &str, y_label: &str, of: &dyn Fn(&Found) -> f64| {
         let curves = vec![curve(false, OURS, of), curve(true, GRANULAR, of)];
