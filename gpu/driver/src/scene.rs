@@ -143,8 +143,8 @@ pub struct Scene {
     firsts: Buffer<u32>,
     counts: Buffer<u32>,
     /// Which contacts add to the load of each grain, in its row, and how many. While candidates are selected, their places.
-    terms: Buffer<u32>,
-    term_counts: Buffer<u32>,
+    load_terms: Buffer<u32>,
+    load_term_counts: Buffer<u32>,
     /// Threads that the contacts get: a few more than there were candidates with the list.
     contact_threads: usize,
     /// Of grains that cannot be prepared, and of rows.
@@ -190,8 +190,8 @@ impl Scene {
             marked: Buffer::new(device),
             firsts: Buffer::new(device),
             counts: Buffer::new(device),
-            terms: Buffer::new(device),
-            term_counts: Buffer::new(device),
+            load_terms: Buffer::new(device),
+            load_term_counts: Buffer::new(device),
             contact_threads: 0,
             faults: Buffer::new(device),
             motion_faults: Buffer::new(device),
@@ -318,7 +318,7 @@ impl Scene {
             scene: self.scene_arguments(g, &step)?,
             starts: memory.starts.all(),
             neighbours: listed.neighbours,
-            places: self.terms.all(),
+            places: self.load_terms.all(),
             states: memory.states.all(),
             histories: memory.histories.all(),
             candidates: self.candidates.all(),
@@ -337,8 +337,8 @@ impl Scene {
             candidates: self.candidates.all(),
             firsts: self.firsts.all(),
             counts: self.counts.all(),
-            terms: self.terms.all(),
-            term_counts: self.term_counts.all(),
+            terms: self.load_terms.all(),
+            term_counts: self.load_term_counts.all(),
             notes: self.notes(),
             always,
         };
@@ -505,8 +505,8 @@ impl Scene {
         self.motion_faults.resize(owned)?;
         self.firsts.resize(owned)?;
         self.counts.resize(owned)?;
-        self.terms.resize(pairs)?;
-        self.term_counts.resize(owned)?;
+        self.load_terms.resize(pairs)?;
+        self.load_term_counts.resize(owned)?;
         // Those of the list before; as many as this one has, so that the next list of the same size takes no more.
         self.slots.resize(slots_for(self.now.owned.max(owned)))?;
         let memory = &mut self.other;
@@ -629,8 +629,8 @@ impl Scene {
         marked.launch(device, stream, threads.min(MARKED_THREADS), &arguments)?;
         let arguments = SumArguments {
             starts: now.starts.all(),
-            terms: self.terms.all(),
-            term_counts: self.term_counts.all(),
+            terms: self.load_terms.all(),
+            term_counts: self.load_term_counts.all(),
             contact_loads: self.contact_loads.all(),
             loads,
             notes: self.notes(),
@@ -985,8 +985,8 @@ impl Scene {
             + self.marked.bytes()
             + self.firsts.bytes()
             + self.counts.bytes()
-            + self.terms.bytes()
-            + self.term_counts.bytes()
+            + self.load_terms.bytes()
+            + self.load_term_counts.bytes()
             + self.faults.bytes()
             + self.motion_faults.bytes()
             + self.notes.bytes()

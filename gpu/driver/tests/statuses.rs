@@ -585,7 +585,7 @@ fn a_kernel_that_ends() {
     with_driver("a_kernel_that_ends", &[], || {
         let row = Row::new();
         succeed(row.new_list());
-        row.engine.write(&row.neighbours, 0, &[77]);
+        row.engine.write(&row.types, 0, &[77]);
         // The first kernel of the call is started, and ends; the next one is not.
         let words = ["has changed since", "715"];
         fail(row.compute(), ELLGRAN_GPU_ERROR_KERNEL, &words);

@@ -88,20 +88,24 @@ pub struct CarriedRow<'a> {
     pub histories: &'a mut [f64],
 }
 
-/// What is wrong with the row of grain `k`; 0 is nothing.
+/// What is wrong with the row of grain `k`; 0 is nothing. That a pair is missing in a row which is wrong itself is told of that row.
 #[inline(always)]
 pub fn fault_of_row(k: usize, starts: &[u32], all_neighbours: &[u32], grains: usize) -> u32 {
     let row = |k: usize| all_neighbours.get(starts[k] as usize..starts[k + 1] as usize);
+    let names_none = |k: usize, other: u32| other as usize >= grains || other as usize == k;
     let Some(own) = row(k) else {
         return WRONG_ROW;
     };
+    if own.iter().any(|&other| names_none(k, other)) {
+        return WRONG_NEIGHBOUR;
+    }
     for &other in own {
         let other = other as usize;
-        if other >= grains || other == k {
-            return WRONG_NEIGHBOUR;
-        }
-        let is_owned = other + 1 < starts.len();
-        if is_owned && !row(other).is_some_and(|theirs| theirs.contains(&(k as u32))) {
+        let Some(theirs) = (other + 1 < starts.len()).then(|| row(other)).flatten() else {
+            continue;
+        };
+        let named = theirs.contains(&(k as u32));
+        if !named && !theirs.iter().any(|&third| names_none(other, third)) {
             return HALF_LIST;
         }
     }
@@ -289,9 +293,11 @@ mod tests {
         assert_eq!(fault(1, &starts, &[1, 3, 1, 2]), WRONG_NEIGHBOUR);
         assert_eq!(fault(1, &starts, &[1, 3, 4, 2]), WRONG_NEIGHBOUR);
         assert_eq!(fault(0, &starts, &[1, 3, 3, 2]), HALF_LIST);
+        // The other's row is wrong itself.
+        assert_eq!(fault(0, &starts, &[1, 3, 4, 2]), 0);
+        assert_eq!(fault(0, &[0, 2, 9], &[1, 3, 3, 2]), 0);
         assert_eq!(fault(1, &[0, 2, 5], &[1, 3, 0, 2]), WRONG_ROW);
         assert_eq!(fault(1, &[0, 2, 1], &[1, 3, 0, 2]), WRONG_ROW);
-        // The other's row is none.
         assert_eq!(fault(1, &[0, 9, 4], &[1, 3, 0, 2]), WRONG_ROW);
     }
 }

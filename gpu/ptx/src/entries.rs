@@ -4,7 +4,7 @@
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Here, Thread};
+use crate::memory::{entries, Here};
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Step};
