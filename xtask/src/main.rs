@@ -118,7 +118,7 @@ enum Task {
     Sanitize(sanitize::Options),
     /// Change formulas of the law and of the geometry one at a time, and see whether a test notices; goes on where it stopped
     Mutants(mutants::Options),
-    /// Make the kernels for GPUs as PTX, and the page about them (some minutes; needs rustup)
+    /// Make the kernels for GPUs as PTX, and the page about them (some minutes; needs rustup), or time them on a GPU
     Gpu(gpu::Options),
     /// Make the documentation site, which opens from its files
     Site(site::Options),

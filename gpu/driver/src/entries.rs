@@ -10,8 +10,8 @@ use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    ShapeArguments, SumArguments, TermArguments,
+    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    PrepareArguments, ShapeArguments, SumArguments, TermArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
@@ -146,6 +146,8 @@ pub struct Common {
     pub has_moved: Entry<MovedArguments<OnDevice>>,
     /// Where grains were when candidates were selected.
     pub remember_poses: Entry<PoseArguments<OnDevice>>,
+    /// Numbers of the candidates.
+    pub number_candidates: Entry<NumberArguments<OnDevice>>,
     /// Which contacts add to the load of each grain.
     pub terms: Entry<TermArguments<OnDevice>>,
     /// The loads of each grain.
@@ -172,6 +174,7 @@ impl Common {
             finish_step: Entry::new(device, name("finish_step"))?,
             has_moved: Entry::new(device, name("has_moved"))?,
             remember_poses: Entry::new(device, name("remember_poses"))?,
+            number_candidates: Entry::new(device, name("number_candidates"))?,
             terms: Entry::new(device, name("terms"))?,
             sum_contacts: Entry::new(device, name("sum_contacts"))?,
             find_shapes: Entry::new(device, name("find_shapes"))?,
@@ -310,6 +313,7 @@ mod tests {
         is_of::<MotionArguments<OnDevice>>("ellgran_finish_step");
         is_of::<MovedArguments<OnDevice>>("ellgran_has_moved");
         is_of::<PoseArguments<OnDevice>>("ellgran_remember_poses");
+        is_of::<NumberArguments<OnDevice>>("ellgran_number_candidates");
         is_of::<TermArguments<OnDevice>>("ellgran_terms");
         is_of::<SumArguments<OnDevice>>("ellgran_sum_contacts");
         is_of::<ShapeArguments<OnDevice>>("ellgran_find_shapes");

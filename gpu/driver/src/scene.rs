@@ -20,9 +20,9 @@ use ellgran::vector::Vector3;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES, FAULT, FOUND, KEPT,
-    MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
+    FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::contacts::Load;
@@ -139,10 +139,11 @@ pub struct Scene {
     contact_loads: Buffer<ContactLoad>,
     /// Numbers of marked candidates.
     marked: Buffer<u32>,
-    /// Of each row, the number of its first candidate, and how many it keeps.
+    /// Of each row, places of the candidates that it keeps, the number of the first of them, and how many they are.
+    places: Buffer<u32>,
     firsts: Buffer<u32>,
     counts: Buffer<u32>,
-    /// Which contacts add to the load of each grain, in its row, and how many. While candidates are selected, their places.
+    /// Which contacts add to the load of each grain, in its row, and how many.
     load_terms: Buffer<u32>,
     load_term_counts: Buffer<u32>,
     /// Threads that the contacts get: a few more than there were candidates with the list.
@@ -188,6 +189,7 @@ impl Scene {
             candidates: Buffer::new(device),
             contact_loads: Buffer::new(device),
             marked: Buffer::new(device),
+            places: Buffer::new(device),
             firsts: Buffer::new(device),
             counts: Buffer::new(device),
             load_terms: Buffer::new(device),
@@ -318,11 +320,9 @@ impl Scene {
             scene: self.scene_arguments(g, &step)?,
             starts: memory.starts.all(),
             neighbours: listed.neighbours,
-            places: self.load_terms.all(),
+            places: self.places.all(),
             states: memory.states.all(),
             histories: memory.histories.all(),
-            candidates: self.candidates.all(),
-            firsts: self.firsts.all(),
             counts: self.counts.all(),
             notes: self.notes(),
             margin,
@@ -330,13 +330,23 @@ impl Scene {
         };
         let candidates = &self.chosen()?.candidates;
         candidates.launch(&self.device, stream, listed.owned, &arguments)?;
+        let arguments = NumberArguments {
+            counts: self.counts.all(),
+            firsts: self.firsts.all(),
+            notes: self.notes(),
+            always,
+        };
+        let number = &self.common.number_candidates;
+        let threads = listed.owned.div_ceil(ROWS_NUMBERED);
+        number.launch(&self.device, stream, threads, &arguments)?;
         let arguments = TermArguments {
             identifiers: array(g.identifiers, g.count, "identifiers")?,
             starts: memory.starts.all(),
             neighbours: listed.neighbours,
-            candidates: self.candidates.all(),
+            places: self.places.all(),
             firsts: self.firsts.all(),
             counts: self.counts.all(),
+            candidates: self.candidates.all(),
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             notes: self.notes(),
@@ -503,6 +513,7 @@ impl Scene {
         self.poses.resize(count)?;
         self.faults.resize(count)?;
         self.motion_faults.resize(owned)?;
+        self.places.resize(pairs)?;
         self.firsts.resize(owned)?;
         self.counts.resize(owned)?;
         self.load_terms.resize(pairs)?;
@@ -983,6 +994,7 @@ impl Scene {
             + self.candidates.bytes()
             + self.contact_loads.bytes()
             + self.marked.bytes()
+            + self.places.bytes()
             + self.firsts.bytes()
             + self.counts.bytes()
             + self.load_terms.bytes()

@@ -128,23 +128,35 @@ pub struct CandidateArguments<M: Memory> {
     pub starts: M::Shared<u32>,
     /// Indices of the neighbours.
     pub neighbours: M::Shared<u32>,
-    /// One per neighbour, for this kernel alone.
+    /// Written: places in row `k` of the candidates that it keeps, from `starts[k]` on.
     pub places: M::Parts<u32>,
     /// One state per neighbour.
     pub states: M::Parts<u32>,
     /// One history per neighbour.
     pub histories: M::Parts<f64>,
-    /// Written: candidates, in whatever order the rows come.
-    pub candidates: M::Parts<Candidate>,
-    /// Written: the number of the first candidate of each row.
-    pub firsts: M::Parts<u32>,
-    /// Written: how many there are of each row.
+    /// Written: how many candidates each row keeps.
     pub counts: M::Parts<u32>,
-    /// [`MOVED`] is read, [`FOUND`] counted.
+    /// [`MOVED`] is read.
     pub notes: M::Shared<AtomicU32>,
     /// The sum of the ways of two grains for which candidates remain valid.
     pub margin: f64,
     /// 0: they are selected where [`MOVED`] is left.
+    pub always: u32,
+}
+
+/// Rows of which one thread numbers the candidates: those that are close in memory have numbers that are.
+pub const ROWS_NUMBERED: usize = 128;
+
+/// Of `ellgran_number_candidates`.
+#[repr(C)]
+pub struct NumberArguments<M: Memory> {
+    /// How many candidates each row keeps.
+    pub counts: M::Shared<u32>,
+    /// Written: the number of the first candidate of each row; the others of the row follow it.
+    pub firsts: M::Parts<u32>,
+    /// [`MOVED`] is read, [`FOUND`] counted.
+    pub notes: M::Shared<AtomicU32>,
+    /// 0: they are numbered where [`MOVED`] is left.
     pub always: u32,
 }
 
@@ -157,12 +169,14 @@ pub struct TermArguments<M: Memory> {
     pub starts: M::Shared<u32>,
     /// Their neighbours.
     pub neighbours: M::Shared<u32>,
-    /// Candidates.
-    pub candidates: M::Shared<Candidate>,
+    /// Places of the candidates in their rows.
+    pub places: M::Shared<u32>,
     /// The number of the first candidate of each row.
     pub firsts: M::Shared<u32>,
     /// How many there are of each row.
     pub counts: M::Shared<u32>,
+    /// Written: candidates, by their numbers.
+    pub candidates: M::Parts<Candidate>,
     /// Written: the terms of row `k` from `starts[k]` on.
     pub terms: M::Parts<u32>,
     /// Written: how many each row has.

@@ -47,50 +47,79 @@ fn term(number: usize, is_first: bool) -> u32 {
     (number as u32) << 1 | u32::from(!is_first)
 }
 
-/// The candidates of all rows.
+/// The candidates of all rows of a full neighbour list.
 #[derive(Clone, Copy, Debug)]
-pub struct AllCandidates<'a> {
-    /// By their numbers.
-    pub candidates: &'a [Candidate],
+pub struct Candidates<'a> {
+    /// Row `k` is from `starts[k]` up to `starts[k + 1]`.
+    pub starts: &'a [u32],
+    /// Indices of the neighbours.
+    pub neighbours: &'a [u32],
+    /// Places in row `k` of those that it keeps, from `starts[k]` on.
+    pub places: &'a [u32],
     /// The number of the first candidate of each row; the others of the row follow it.
     pub firsts: &'a [u32],
     /// How many candidates each row keeps.
     pub counts: &'a [u32],
 }
 
-impl AllCandidates<'_> {
-    /// Numbers of those of a row.
+impl Candidates<'_> {
+    /// Neighbours of row `k`.
     #[inline(always)]
-    fn of_row(&self, k: usize) -> core::ops::Range<usize> {
-        let first = self.firsts[k] as usize;
-        first..first + self.counts[k] as usize
+    fn row(&self, k: usize) -> &[u32] {
+        &self.neighbours[self.starts[k] as usize..self.starts[k + 1] as usize]
+    }
+
+    /// The candidate `place` of those that row `k` keeps.
+    #[inline(always)]
+    fn candidate(&self, k: usize, place: usize) -> Candidate {
+        let from = self.starts[k];
+        let entry = from + self.places[from as usize + place];
+        Candidate {
+            grain: k as u32,
+            other: self.neighbours[entry as usize],
+            entry,
+        }
     }
 }
 
-/// Writes the terms of grain `k`, those that its row keeps first: how many there are.
+/// Numbers the candidates of some rows one after the other: `first` is the number of the first.
+#[inline(always)]
+pub fn number_rows(counts: &[u32], first: u32, firsts: &mut [u32]) {
+    let mut next = first;
+    for (first, count) in firsts.iter_mut().zip(counts) {
+        *first = next;
+        next += count;
+    }
+}
+
+/// Writes the candidates that the row of grain `k` keeps, which are `own`, and the terms of the grain, those first: how many terms there
+/// are.
 #[inline(always)]
 pub fn terms_of_grain(
     k: usize,
     identifiers: &[i32],
-    row: &[u32],
-    all: &AllCandidates<'_>,
+    all: &Candidates<'_>,
+    own: &mut [Candidate],
     terms: &mut [u32],
 ) -> usize {
     let owned = all.counts.len();
-    let neighbour = |number: usize| all.candidates[number].other as usize;
+    let first = all.firsts[k] as usize;
     let mut count = 0;
-    for number in all.of_row(k) {
-        terms[count] = term(number, comes_first(identifiers, k, neighbour(number)));
+    for candidate in own {
+        *candidate = all.candidate(k, count);
+        let is_first = comes_first(identifiers, k, candidate.other as usize);
+        terms[count] = term(first + count, is_first);
         count += 1;
     }
-    for &other in row {
+    for &other in all.row(k) {
         let other = other as usize;
         if keeps(identifiers, owned, k, other) {
             continue;
         }
+        let mut theirs = 0..all.counts[other] as usize;
         // It comes first, as its row keeps the pair.
-        if let Some(number) = all.of_row(other).find(|&number| neighbour(number) == k) {
-            terms[count] = term(number, false);
+        if let Some(place) = theirs.find(|&p| all.candidate(other, p).other as usize == k) {
+            terms[count] = term(all.firsts[other] as usize + place, false);
             count += 1;
         }
     }

@@ -12,11 +12,11 @@ use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES, FAULT, FOUND, KEPT,
-    MARKED, MOVED, NO_SPHERE, NO_SPHEROID, SELECTIONS,
+    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
+    FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
-use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
+use ellgran_kernels::candidates::{candidates_of_grain, NewRow};
 use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::pair_memory::{
@@ -26,7 +26,7 @@ use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::poses::{has_moved, remembered_pose};
 use ellgran_kernels::preparation::{inverse_mass, prepare_grain, EngineArrays};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
-use ellgran_kernels::terms::{sum_of_terms, terms_of_grain, AllCandidates};
+use ellgran_kernels::terms::{number_rows, sum_of_terms, terms_of_grain, Candidates};
 
 /// Leaves a note. Many threads may leave the same one.
 #[inline(always)]
@@ -131,15 +131,12 @@ macro_rules! candidates {
                     mut places,
                     mut states,
                     mut histories,
-                    mut candidates,
-                    mut firsts,
                     mut counts,
                     notes,
                     margin,
                     always,
                 } = arguments;
-                let notes = notes.all();
-                if always == 0 && !is_noted(notes, MOVED) {
+                if always == 0 && !is_noted(notes.all(), MOVED) {
                     return;
                 }
                 let scene = scene_of(&scene, scene.tangential != 0);
@@ -155,15 +152,6 @@ macro_rules! candidates {
                 };
                 let owned = starts.len() - 1;
                 let found = candidates_of_grain::<$kind>(k, &scene, owned, margin, &mut row);
-                let (first, own) = candidates.taken(&notes[FOUND], found);
-                for (candidate, &mut place) in own.iter_mut().zip(row.places) {
-                    *candidate = Candidate {
-                        grain: k as u32,
-                        other: row.neighbours[place as usize],
-                        entry: (from as u32) + place,
-                    };
-                }
-                *firsts.one(&thread) = first as u32;
                 *counts.one(&thread) = found as u32;
             }
         )*}
@@ -334,15 +322,30 @@ macro_rules! moving {
 }
 
 entries! {
-    /// Which contacts add to the load of each grain.
+    /// Numbers the candidates of some rows.
+    fn ellgran_number_candidates(thread, arguments: NumberArguments<Here>) {
+        let NumberArguments { counts, mut firsts, notes, always } = arguments;
+        let notes = notes.all();
+        if always == 0 && !is_noted(notes, MOVED) {
+            return;
+        }
+        let from = thread.index() * ROWS_NUMBERED;
+        let firsts = firsts.chunk(&thread, ROWS_NUMBERED);
+        let counts = &counts.all()[from..from + firsts.len()];
+        let found = counts.iter().sum();
+        number_rows(counts, notes[FOUND].fetch_add(found, Ordering::Relaxed), firsts);
+    }
+
+    /// The candidates by their numbers, and which contacts add to the load of each grain.
     fn ellgran_terms(thread, arguments: TermArguments<Here>) {
         let TermArguments {
             identifiers,
             starts,
             neighbours,
-            candidates,
+            places,
             firsts,
             counts,
+            mut candidates,
             mut terms,
             mut term_counts,
             notes,
@@ -351,15 +354,16 @@ entries! {
         if always == 0 && !is_noted(notes.all(), MOVED) {
             return;
         }
-        let (k, starts) = (thread.index(), starts.all());
-        let all = AllCandidates {
-            candidates: candidates.all(),
+        let all = Candidates {
+            starts: starts.all(),
+            neighbours: neighbours.all(),
+            places: places.all(),
             firsts: firsts.all(),
             counts: counts.all(),
         };
-        let row = &neighbours.all()[starts[k] as usize..starts[k + 1] as usize];
-        let terms = terms.row(&thread, starts, 1);
-        let found = terms_of_grain(k, identifiers.all(), row, &all, terms);
+        let own = candidates.range(&thread, all.firsts, all.counts);
+        let terms = terms.row(&thread, all.starts, 1);
+        let found = terms_of_grain(thread.index(), identifiers.all(), &all, own, terms);
         *term_counts.one(&thread) = found as u32;
     }
 

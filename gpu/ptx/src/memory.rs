@@ -8,6 +8,7 @@
 //!   kind overlaps with another array of the call;
 //! - the grid has one dimension, so that no two threads have the same index, and as many threads work as the kernel is told;
 //! - a table of which a thread takes a number for itself ([`Own::within`]) has each number once;
+//! - no number is in two of the ranges by which threads divide an array ([`Parts::range`]);
 //! - a counter by which threads divide an array ([`Parts::taken`]) serves that array alone, and began at 0.
 
 #![allow(unsafe_code)]
@@ -147,6 +148,26 @@ impl<T> Parts<T> {
         self.between(from * each, (to - from) * each)
     }
 
+    /// The thread's part of an array that has up to `each` elements for each thread, the last thread fewer.
+    #[inline(always)]
+    pub fn chunk<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
+        let from = thread.index * each;
+        let count = (self.length as usize).saturating_sub(from).min(each);
+        self.between(from, count)
+    }
+
+    /// The thread's part of an array in which each thread has a range of its own.
+    #[inline(always)]
+    pub fn range<'t>(
+        &'t mut self,
+        thread: &'t Thread,
+        firsts: &[u32],
+        counts: &[u32],
+    ) -> &'t mut [T] {
+        let k = thread.index;
+        self.between(firsts[k] as usize, counts[k] as usize)
+    }
+
     /// The part that goes with a number of this thread, `each` elements for each number.
     #[inline(always)]
     pub fn part<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
@@ -174,7 +195,8 @@ impl<T> Parts<T> {
         }
         // SAFETY: these elements are there, and within this array (just asserted). No other thread has one of them: a kernel
         // divides an array in one way, so that parts are of one length and told apart by the threads' indices or by numbers that
-        // one thread alone has, rows begin where the row before ends, and so do the elements that a counter has handed out. This
+        // one thread alone has, rows begin where the row before ends, ranges have no number in common, and neither do the elements that a
+        // counter has handed out. This
         // thread has them once: the array is borrowed for as long.
         unsafe { core::slice::from_raw_parts_mut(self.start.add(from), count) }
     }

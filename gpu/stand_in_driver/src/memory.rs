@@ -221,6 +221,24 @@ impl<T> Parts<T> {
         self.between(from * each, (to - from) * each)
     }
 
+    /// The thread's part of an array that has up to `each` elements for each thread, the last thread fewer.
+    pub fn chunk<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
+        let from = thread.index * each;
+        let count = (self.length as usize).saturating_sub(from).min(each);
+        self.between(from, count)
+    }
+
+    /// The thread's part of an array in which each thread has a range of its own.
+    pub fn range<'t>(
+        &'t mut self,
+        thread: &'t Thread,
+        firsts: &[u32],
+        counts: &[u32],
+    ) -> &'t mut [T] {
+        let k = thread.index;
+        self.between(firsts[k] as usize, counts[k] as usize)
+    }
+
     /// The part that goes with a number of this thread.
     pub fn part<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
         self.between(own.number * each, each)

@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::bench::lammps_run::Lammps;
 use crate::bench::packing::{Kind, Packing};
-use crate::process::run_open;
+use crate::process::output_of;
 use crate::progress::say;
 use crate::workspace::root;
 
@@ -23,13 +23,22 @@ const PACKINGS: [(&str, Kind, [usize; 3]); 4] = [
 
 /// Makes the packings, and times them on the GPU of this machine.
 pub fn bench() -> Result<()> {
-    let files = packings(&root().join("bench-output/gpu"))?;
-    run_open(
+    let directory = root().join("bench-output/gpu");
+    let files = packings(&directory)?;
+    let results = output_of(
         Command::new("cargo")
             .args(["bench", "-p", "ellgran-gpu", "--bench", "whole_step", "--"])
             .args(&files)
             .current_dir(root()),
-    )
+    )?;
+    print!("{results}");
+    let to = directory.join("whole_step.csv");
+    fs::write(&to, results).with_context(|| format!("cannot write {}", to.display()))?;
+    say(format!(
+        "results are in {}; docs/gpu.md shows those in docs/bench/gpu",
+        to.display()
+    ));
+    Ok(())
 }
 
 /// Puts into a directory what a machine with a GPU and without a compiler needs: the packings, the program that times them, and the
@@ -42,7 +51,7 @@ pub fn pack(directory: &Path) -> Result<()> {
             .args(["build", "--release", "-p", "ellgran-gpu", kind, name])
             .args(["--message-format", "json-render-diagnostics"])
             .current_dir(root());
-        let messages = crate::process::output_of(&mut cargo)?;
+        let messages = output_of(&mut cargo)?;
         let program = executable(&messages, name)
             .with_context(|| format!("cargo has built no program of {name}"))?;
         let to = directory.join(name);

@@ -33,6 +33,8 @@ pub struct Options {
 /// What is committed.
 const PTX: &str = "gpu/ptx/ellgran.ptx";
 const PAGE: &str = "docs/gpu.md";
+/// What was measured on a GPU.
+const RESULTS: &str = "docs/bench/gpu/whole_step.csv";
 
 /// The first lines of the committed PTX.
 fn head(hash: &str) -> String {
@@ -54,7 +56,8 @@ pub fn gpu(options: &Options) -> Result<()> {
     let hash = sources::hash()?;
     let ptx = head(&hash) + &names::without_places(&build()?)?;
     let figures = assembler::figures(&ptx)?;
-    let page = page::page(&figures);
+    let results = fs::read_to_string(root().join(RESULTS)).unwrap_or_default();
+    let page = page::page(&figures, &results);
     for (name, text) in [(PTX, ptx), (PAGE, page)] {
         let path = root().join(name);
         if !options.check {

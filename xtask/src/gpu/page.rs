@@ -48,8 +48,8 @@ const CARDS: [Card; 3] = [
 
 /// Registers of a processor.
 const REGISTERS: u32 = 65_536;
-/// Contacts of a grain in a dense packing: both grains of a contact compute it.
-const CONTACTS_PER_GRAIN: f64 = 10.0;
+/// Contacts of a grain in a dense packing, each counted once.
+const CONTACTS_PER_GRAIN: f64 = 5.0;
 /// Share of the cycles in which instructions are issued, assumed: two warps for each scheduler do not hide all latencies, and the
 /// threads of a warp do not all take the same branches.
 const BUSY: f64 = 0.4;
@@ -57,10 +57,10 @@ const BUSY: f64 = 0.4;
 /// Instructions of the machine on `f64` that a division or a root takes, about: an approximation and steps of Newton's method.
 const PER_DIVISION: f64 = 9.0;
 
-/// Bytes that a contact reads and writes, where nothing of a neighbour is in a cache: its record, type, identifier, mass; its place
-/// in the row, its index and its state, read and written; the history, read and written.
+/// Bytes that a contact reads and writes, where nothing of a grain is in a cache: the records, types, identifiers and masses of both; who
+/// they are; its state and its history, read and written; its load, written, and read by both grains.
 fn bytes_per_contact(history: u32) -> u32 {
-    128 + 4 + 4 + 8 + 4 + 4 + 2 * 4 + 2 * 8 * history
+    2 * (128 + 4 + 4 + 8) + 12 + 2 * 4 + 2 * 8 * history + 3 * 72
 }
 
 /// Rows of the predictions: kernel, what it is, doubles of history.
@@ -111,13 +111,15 @@ With CMake: `find_package(ellgran REQUIRED)`, `find_package(CUDAToolkit REQUIRED
 itself calls. `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 - **The device and context** are those of the thread (`ellgran_gpu_open_current`), as KOKKOS has chosen them, or the primary context of a \
 GPU by its number (`ellgran_gpu_open`).
-- **Opening a GPU** has the driver assemble the kernels. NVIDIA's `ptxas` needs some twenty seconds of a core for one generation; \
-what the driver needs is not known yet.
+- **Opening a GPU** has the driver assemble the kernels, which takes half a minute on a machine where it has not been done before. The \
+driver keeps the result in the user's home directory.
 - **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 20 bytes and \
-16 for each double of a history (132 with friction); there is a quarter more room than that. The kernel for deep contacts needs 18 kB a \
-thread, which the driver sets aside for as many threads as the GPU can hold.
+16 for each double of a history (132 with friction), and each pair of the list 88 bytes; there is a quarter more room than that. The kernel \
+for deep contacts needs 18 kB a thread, which the driver sets aside for as many threads as the GPU can hold. The driver takes some megabytes \
+more when it starts a kernel for the first time.
 - **A step** starts kernels and returns: nothing is allocated, copied or waited for. Whether the candidates still hold is found on the \
 device, which selects them anew by itself.
+- **The neighbour list** is a full one: that a pair is in one row alone is found, and is an error that names the grain.
 - **Histories** stay on the device. With a new list they are carried over by the identifiers of the grains, in whatever order the engine \
 has them now. Grains that come from another rank bring none with them.
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
@@ -145,8 +147,9 @@ A complete program, [gpu_two_grains.c](../examples/c/gpu_two_grains.c):
 
 `cargo test -p ellgran-gpu` runs this program, each status, and the scenes of the kernels' tests over 60 steps with five neighbour lists, \
 in each of which the engine has its grains in another order: loads and histories agree with the lists in lanes to 1e-12, and no step \
-allocates, copies or waits. **All of it is on the stand-in for a driver.** That runs one thread after the other and starts nothing late, \
-so it cannot show what goes wrong between threads or streams of a GPU, nor how long anything takes.
+allocates, copies or waits. That is on the stand-in for a driver, which runs one thread after the other. With \
+`ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1` the scenes of the kernels' tests run on the GPU of the machine, to the same bound \
+(`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
 What is not there: curved walls and triangles, loads that are added to arrays of the engine with forces and torques apart, motion of \
 a part of the grains, contact masses of rigid bodies, tallies of energies, histories of grains from other ranks.
@@ -158,26 +161,66 @@ fn significant(x: f64) -> String {
     format!("{:.1}e{exponent}", x / 10f64.powf(exponent))
 }
 
-pub fn page(figures: &Figures) -> String {
+/// Columns of the stored results that the page shows, and what they are.
+const SHOWN_COLUMNS: [(&str, &str); 9] = [
+    ("packing", "packing"),
+    ("grains", "grains"),
+    ("contacts_per_grain", "contacts a grain"),
+    ("start_ms", "first half of the step, ms"),
+    ("prepare_ms", "preparation, ms"),
+    ("pairs_ms", "contacts, ms"),
+    ("finish_ms", "second half, ms"),
+    ("step_ms", "whole step, ms"),
+    ("grain_steps_per_second", "grains a second"),
+];
+
+/// What was measured, from what `cargo xtask gpu --bench` has printed.
+fn measured(results: &str) -> String {
+    let mut lines = results.lines();
+    let (Some(about), Some(head)) = (lines.next(), lines.next()) else {
+        return String::new();
+    };
+    let names: Vec<&str> = head.split(',').collect();
+    let mut text = format!(
+        "## Measured\n\n\
+         `cargo xtask gpu --bench` ({}): whole steps on the device. Grains of a packing stand side by side in a layer of grains that do not \
+         move, so that each has all its neighbours. That is no engine: its neighbour lists, its communication and its output are not in these \
+         times.\n\n",
+        about.trim_start_matches('#').trim()
+    );
+    let row = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
+    text += &row(SHOWN_COLUMNS.iter().map(|(_, title)| *title).collect());
+    text += &row(vec!["---"; SHOWN_COLUMNS.len()]);
+    for line in lines.filter(|line| !line.is_empty()) {
+        let values: Vec<&str> = line.split(',').collect();
+        let cell = |name: &str| {
+            let at = names.iter().position(|n| *n == name);
+            at.and_then(|k| values.get(k).copied()).unwrap_or("")
+        };
+        text += &row(SHOWN_COLUMNS.iter().map(|(name, _)| cell(name)).collect());
+    }
+    text + "\n"
+}
+
+pub fn page(figures: &Figures, results: &str) -> String {
     let mut text = String::from(
         "<!-- SPDX-License-Identifier: MIT OR Apache-2.0 -->\n\
          <!-- Made by `cargo xtask gpu` from xtask/src/gpu/page.rs; not to be edited. -->\n\
          # On a GPU\n\n\
-         **State: kernels and a C interface, not yet a run.** The kernels are compiled from the library's own functions and tested on the \
-         host. The C interface that starts them is tested with a library that stands in for NVIDIA's driver: neither has run on a GPU. No \
-         command of an engine starts them yet. The styles for [LAMMPS with KOKKOS](kokkos.md) compute on the host, and refuse a LAMMPS with \
-         KOKKOS for GPUs.\n\n\
+         **State: kernels and a C interface, measured on an H100; no command of an engine starts them yet.** The kernels are compiled from the \
+         library's own functions. They are tested on the host, and were run on an H100, where forces and histories agree with the host to \
+         1e-12. The styles for [LAMMPS with KOKKOS](kokkos.md) compute on the host, and refuse a LAMMPS with KOKKOS for GPUs.\n\n\
          ## What there is\n\n\
          | place | what it is |\n|---|---|\n\
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
-         | `gpu/kernels` | what a thread does with one grain: preparation, candidates, contacts, planes, motion; no formula, no `unsafe` |\n\
+         | `gpu/kernels` | what a thread does with one grain or one pair: preparation, candidates, contacts, planes, motion; no formula, no `unsafe` |\n\
          | `gpu/ptx` | the entries, and the memory of the device; the nightly compiler is pinned by date |\n\
          | `gpu/ptx/ellgran.ptx` | what the compiler makes of it, with the hash of its sources |\n\
          | `gpu/driver` | the C interface, [ellgran_gpu.h](../include/ellgran_gpu.h): device pointers and a stream in |\n\
          | `gpu/stand_in_driver` | NVIDIA's driver without a GPU, for tests: it runs the entries on the host, thread by thread |\n\n\
-         - One thread computes one grain. It goes through the grain's whole row of a full neighbour list and sums its loads itself, so no \
-         atomic operation is needed, and two runs give the same bits.\n\
-         - Each pair is computed twice. Both threads put the grain with the lower identifier first, so they find the same force to the last bit.\n\
+         - One thread computes one pair that may touch, for both of its grains. The row of the grain with the lower identifier keeps the pair.\n\
+         - Then one thread for each grain sums the loads of its contacts in the order of its row. No load is added to by an atomic operation, and \
+         two runs give the same bits.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
          every safeguard. That kernel needs 18 kB of memory a thread.\n\
          - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\n\
@@ -186,6 +229,7 @@ pub fn page(figures: &Figures) -> String {
          compares them. `cargo xtask test` compares the hash of the sources alone, which needs no nightly.\n\n",
     );
     text += FROM_C;
+    text += &measured(results);
     let _ = write!(
         text,
         "## What the kernels need\n\n\
@@ -211,7 +255,7 @@ pub fn page(figures: &Figures) -> String {
     let _ = write!(
         text,
         "\n## Rates to be expected: predicted, not measured\n\n\
-         Grains a second of the contact kernel alone, in a dense packing of {CONTACTS_PER_GRAIN} contacts a grain, all of them touching. \
+         Grains a second of the contact kernel alone, in a dense packing of {CONTACTS_PER_GRAIN} contacts for each grain, all of them touching. \
          The prediction assumes four things, none of them measured:\n\n\
          - A contact takes as many instructions as its kernel has. That counts branches that are not taken, and steps of the search after \
          the first only where the compiler has unrolled them.\n\

@@ -7,13 +7,14 @@ use ellgran::force::PairLaw;
 use ellgran::geometry::Plane;
 use ellgran::vector::Vector3;
 use ellgran::walls;
+use ellgran_kernels::arguments::ROWS_NUMBERED;
 use ellgran_kernels::candidates::{candidates_of_grain, keeps, Candidate, NewRow};
 use ellgran_kernels::contacts::{self, contact_of_pair, marked_contact_of_pair, Load, TOUCHES};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::preparation::{prepare_grain, EngineArrays, Fault};
 use ellgran_kernels::shapes::{Grain, Kind};
-use ellgran_kernels::terms::{sum_of_terms, terms_of_grain, AllCandidates, ContactLoad};
+use ellgran_kernels::terms::{number_rows, sum_of_terms, terms_of_grain, Candidates, ContactLoad};
 
 pub struct Device {
     grains: Vec<Grain>,
@@ -25,7 +26,7 @@ pub struct Device {
     laws: [PairLaw; 1],
     /// Grains that have a row; the others are ghosts.
     owned: usize,
-    starts: Vec<usize>,
+    starts: Vec<u32>,
     neighbours: Vec<u32>,
     candidates: Vec<Candidate>,
     firsts: Vec<u32>,
@@ -88,7 +89,7 @@ impl Device {
         let mut neighbours = Vec::new();
         for i in 0..count {
             neighbours.extend((0..count as u32).filter(|&j| scene.are_neighbours(i, j as usize)));
-            starts.push(neighbours.len());
+            starts.push(neighbours.len() as u32);
         }
         Device {
             grains: vec![Grain::NONE; count],
@@ -140,39 +141,41 @@ impl Device {
     pub fn select<K: Kind>(&mut self, scene: &Scene, laws: &Laws, margin: f64) {
         self.selected = scene.motion.clone();
         let length = laws.layout().length;
-        self.candidates.clear();
-        // A device comes to the rows in any order.
-        for k in (0..self.owned).rev() {
-            let (from, to) = (self.starts[k], self.starts[k + 1]);
-            let mut places = vec![0; to - from];
+        let mut places = vec![0; self.neighbours.len()];
+        for k in 0..self.owned {
+            let (from, to) = (self.starts[k] as usize, self.starts[k + 1] as usize);
             let mut row = NewRow {
                 neighbours: &self.neighbours[from..to],
-                places: &mut places,
+                places: &mut places[from..to],
                 states: &mut self.states[from..to],
                 histories: &mut self.histories[from * length..to * length],
             };
             let scene = lent!(self, laws);
             let found = candidates_of_grain::<K>(k, &scene, self.owned, margin, &mut row);
-            self.firsts[k] = self.candidates.len() as u32;
             self.counts[k] = found as u32;
-            let candidates = places[..found].iter().map(|place| Candidate {
-                grain: k as u32,
-                other: self.neighbours[from + *place as usize],
-                entry: from as u32 + place,
-            });
-            self.candidates.extend(candidates);
         }
-        let all = AllCandidates {
-            candidates: &self.candidates,
+        // A device comes to the rows in any order.
+        let mut first = 0;
+        let rows = (0..self.owned).step_by(ROWS_NUMBERED).rev();
+        for rows in rows.map(|from| from..(from + ROWS_NUMBERED).min(self.owned)) {
+            let counts = &self.counts[rows.clone()];
+            number_rows(counts, first, &mut self.firsts[rows.clone()]);
+            first += counts.iter().sum::<u32>();
+        }
+        self.candidates = vec![Candidate::default(); first as usize];
+        let all = Candidates {
+            starts: &self.starts,
+            neighbours: &self.neighbours,
+            places: &places,
             firsts: &self.firsts,
             counts: &self.counts,
         };
         self.terms = (0..self.owned)
             .map(|k| {
-                let row = &self.neighbours[self.starts[k]..self.starts[k + 1]];
-                let mut terms = vec![0; row.len()];
-                let ids = &self.identifiers;
-                let found = terms_of_grain(k, ids, row, &all, &mut terms);
+                let mut terms = vec![0; (self.starts[k + 1] - self.starts[k]) as usize];
+                let first = self.firsts[k] as usize;
+                let own = &mut self.candidates[first..first + self.counts[k] as usize];
+                let found = terms_of_grain(k, &self.identifiers, &all, own, &mut terms);
                 terms.truncate(found);
                 terms
             })
@@ -236,7 +239,7 @@ impl Device {
         });
         let mut touching = 0;
         for i in 0..scene.count() {
-            for at in self.starts[i]..self.starts[i + 1] {
+            for at in self.starts[i] as usize..self.starts[i + 1] as usize {
                 let j = self.neighbours[at] as usize;
                 let (low, high) = (i.min(j), i.max(j));
                 let half = (lists.starts[low]..lists.starts[low + 1])
