@@ -29,7 +29,7 @@ use ellgran_kernels::contacts::Load;
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::Grain;
-use ellgran_kernels::terms::ContactLoad;
+use ellgran_kernels::terms::{ContactLoad, COMPONENTS};
 use std::sync::Arc;
 
 /// Threads that contacts get, at least, where there are so many pairs: few candidates may become more before the next list.
@@ -437,6 +437,13 @@ impl Scene {
         self.report_faults(Some(g), stream)?;
         // Of the pairs that the rows keep any may become a candidate in a later step.
         let kept = self.read_notes(stream)?[KEPT] as usize;
+        if kept > i32::MAX as usize || owned > u32::MAX as usize / COMPONENTS {
+            return argument(format!(
+                "{owned} owned grains with {kept} pairs are too many for one list: at most {} and {}",
+                u32::MAX as usize / COMPONENTS,
+                i32::MAX
+            ));
+        }
         self.candidates.resize(kept)?;
         self.contact_loads.resize(kept)?;
         self.marked.resize(kept)?;
@@ -619,7 +626,6 @@ impl Scene {
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
-        let loads: Array<Load> = array(loads, listed.owned, "loads")?;
         let _entered = self.device.enter()?;
         let now = &self.now;
         let arguments = ContactArguments {
@@ -643,11 +649,11 @@ impl Scene {
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             contact_loads: self.contact_loads.all(),
-            loads,
+            loads: array(loads, listed.owned * COMPONENTS, "loads")?,
             notes: self.notes(),
         };
         let sum = &self.common.sum_contacts;
-        sum.launch(device, stream, listed.owned, &arguments)
+        sum.launch(device, stream, listed.owned * COMPONENTS, &arguments)
     }
 
     /// One more plane: its number.

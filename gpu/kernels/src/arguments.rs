@@ -225,7 +225,7 @@ pub struct ContactArguments<M: Memory> {
     pub notes: M::Shared<AtomicU32>,
 }
 
-/// Of `ellgran_sum_contacts`.
+/// Of `ellgran_sum_contacts`, which has [`COMPONENTS`](crate::terms::COMPONENTS) threads for each grain.
 #[repr(C)]
 pub struct SumArguments<M: Memory> {
     /// Rows.
@@ -236,8 +236,8 @@ pub struct SumArguments<M: Memory> {
     pub term_counts: M::Shared<u32>,
     /// One per candidate.
     pub contact_loads: M::Shared<ContactLoad>,
-    /// Written.
-    pub loads: M::Parts<Load>,
+    /// Written: force and torque of each grain.
+    pub loads: M::Parts<f64>,
     /// [`MARKED`] begins anew.
     pub notes: M::Shared<AtomicU32>,
 }

@@ -5,38 +5,47 @@
 //! bits, whatever numbers the candidates have.
 
 use crate::candidates::{keeps, Candidate};
-use crate::contacts::{comes_first, Load};
+use crate::contacts::comes_first;
 use ellgran::contact::ContactForces;
-use ellgran::vector::Vector3;
 
-/// What a contact does to its two grains; world frame.
+/// Numbers of a [`Load`](crate::contacts::Load): force, then torque.
+pub const COMPONENTS: usize = 6;
+
+/// What a contact does to its two grains, world frame: the force on the second grain, the torque on the first about its centre, that on the
+/// second about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ContactLoad {
-    /// Force on the second grain.
-    pub force: Vector3,
-    /// Torque on the first grain about its centre.
-    pub torque_i: Vector3,
-    /// Torque on the second grain about its centre.
-    pub torque_j: Vector3,
+    values: [f64; 9],
 }
 
 impl ContactLoad {
     /// Of a pair that does not touch.
-    pub const NONE: ContactLoad = ContactLoad {
-        force: Vector3::ZERO,
-        torque_i: Vector3::ZERO,
-        torque_j: Vector3::ZERO,
-    };
+    pub const NONE: ContactLoad = ContactLoad { values: [0.0; 9] };
+
+    /// What it adds to a component of the load of one of its grains.
+    #[inline(always)]
+    fn component(&self, is_first: bool, component: usize) -> f64 {
+        let is_force = component < 3;
+        let value = self.values[if is_force || is_first {
+            component
+        } else {
+            component + 3
+        }];
+        if is_force && is_first {
+            -value
+        } else {
+            value
+        }
+    }
 }
 
 impl From<ContactForces> for ContactLoad {
     #[inline(always)]
     fn from(f: ContactForces) -> Self {
+        let (force, i, j) = (f.force, f.torque_i, f.torque_j);
         ContactLoad {
-            force: f.force,
-            torque_i: f.torque_i,
-            torque_j: f.torque_j,
+            values: [force.x, force.y, force.z, i.x, i.y, i.z, j.x, j.y, j.z],
         }
     }
 }
@@ -126,23 +135,12 @@ pub fn terms_of_grain(
     count
 }
 
-/// The load of a grain, from its terms.
+/// A component of the load of a grain, from its terms. A device has one thread for each: those of a grain read a contact side by side.
 #[inline(always)]
-pub fn sum_of_terms(terms: &[u32], contacts: &[ContactLoad]) -> Load {
-    let mut load = Load::NONE;
+pub fn component_of_load(terms: &[u32], contacts: &[ContactLoad], component: usize) -> f64 {
+    let mut sum = 0.0;
     for &term in terms {
-        let contact = &contacts[(term >> 1) as usize];
-        load += if term & 1 == 0 {
-            Load {
-                force: -contact.force,
-                torque: contact.torque_i,
-            }
-        } else {
-            Load {
-                force: contact.force,
-                torque: contact.torque_j,
-            }
-        };
+        sum += contacts[(term >> 1) as usize].component(term & 1 == 0, component);
     }
-    load
+    sum
 }

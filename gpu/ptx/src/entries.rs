@@ -26,7 +26,9 @@ use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::poses::{has_moved, remembered_pose};
 use ellgran_kernels::preparation::{inverse_mass, prepare_grain, EngineArrays};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
-use ellgran_kernels::terms::{number_rows, sum_of_terms, terms_of_grain, Candidates};
+use ellgran_kernels::terms::{
+    component_of_load, number_rows, terms_of_grain, Candidates, COMPONENTS,
+};
 
 /// Leaves a note. Many threads may leave the same one.
 #[inline(always)]
@@ -377,11 +379,11 @@ entries! {
             mut loads,
             notes,
         } = arguments;
-        let k = thread.index();
+        let (k, component) = (thread.index() / COMPONENTS, thread.index() % COMPONENTS);
         let from = starts.all()[k] as usize;
         let terms = &terms.all()[from..from + term_counts.all()[k] as usize];
-        *loads.one(&thread) = sum_of_terms(terms, contact_loads.all());
-        if k == 0 {
+        *loads.one(&thread) = component_of_load(terms, contact_loads.all(), component);
+        if thread.index() == 0 {
             notes.all()[MARKED].store(0, Ordering::Relaxed);
         }
     }

@@ -83,7 +83,7 @@ fn main() {
         if options.half { "half step" } else { "step" }
     );
     println!(
-        "packing,grains,pairs_listed_per_grain,contacts_per_grain,selections,start_ms,prepare_ms,pairs_ms,finish_ms,step_ms,\
+        "packing,margin,grains,pairs_listed_per_grain,contacts_per_grain,selections,start_ms,prepare_ms,pairs_ms,finish_ms,step_ms,\
          step_spread_percent,grain_steps_per_second,bytes_per_grain"
     );
     for file in &options.packings {
@@ -244,7 +244,8 @@ fn time(
     assert!(forces.iter().flatten().all(|x| x.is_finite()));
     let n = owned as f64;
     println!(
-        "{name},{owned},{:.2},{:.3},{},{:.4},{:.4},{:.4},{:.4},{mean:.4},{spread:.1},{:.3e},{}",
+        "{name},{},{owned},{:.2},{:.3},{},{:.4},{:.4},{:.4},{:.4},{mean:.4},{spread:.1},{:.3e},{}",
+        options.margin,
         pairs as f64 / n,
         touching as f64 / n,
         counts.selections - before,

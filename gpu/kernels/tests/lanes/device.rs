@@ -14,7 +14,9 @@ use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Mo
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::preparation::{prepare_grain, EngineArrays, Fault};
 use ellgran_kernels::shapes::{Grain, Kind};
-use ellgran_kernels::terms::{number_rows, sum_of_terms, terms_of_grain, Candidates, ContactLoad};
+use ellgran_kernels::terms::{
+    component_of_load, number_rows, terms_of_grain, Candidates, ContactLoad,
+};
 
 pub struct Device {
     grains: Vec<Grain>,
@@ -204,7 +206,11 @@ impl Device {
             contacts.push(load);
         }
         for (load, terms) in self.loads.iter_mut().zip(&self.terms) {
-            *load = sum_of_terms(terms, &contacts);
+            let [force, torque] = [0, 3].map(|first| {
+                let sum = |c: usize| component_of_load(terms, &contacts, first + c);
+                Vector3::new(sum(0), sum(1), sum(2))
+            });
+            *load = Load { force, torque };
         }
     }
 
