@@ -497,14 +497,11 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
                arg[1]);
 }
 
-void PairGranEllipsoid::init_style()
+/* Of LAMMPS' settings, which may change between runs. */
+
+void PairGranEllipsoid::require_settings() const
 {
-  require_host_kokkos(lmp, CALLER);
   atoms.require_atom_style();
-  if (comm->ghost_velocity == 0)
-    error->all(FLERR,
-               "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
-               CALLER);
   if (BorderGroup::of(comm))
     error->all(FLERR,
                "{}: 'comm_modify group' hides ghost atoms of other groups, and contacts with them would be missed: "
@@ -518,6 +515,16 @@ void PairGranEllipsoid::init_style()
         error->all(FLERR,
                    "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
                    CALLER, force->special_lj[k]);
+}
+
+void PairGranEllipsoid::init_style()
+{
+  require_host_kokkos(lmp, CALLER);
+  require_settings();
+  if (comm->ghost_velocity == 0)
+    error->all(FLERR,
+               "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
+               CALLER);
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();

@@ -63,7 +63,7 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
   void add_to_grain_sums(const EllgranParticles &particles, double *sums) const;
 
- private:
+ protected:
   EllgranAtoms atoms;
   double cutoff_global;    // < 0: from the semi-axes
 
@@ -154,6 +154,7 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
   void refuse_what_cannot_work();
+  void require_settings() const;
   void place_step_velocity_fix();
   void find_mass_sources();
   void refresh_body_masses();
