@@ -39,7 +39,7 @@ if(ELLGRAN_GPU)
   list(APPEND ELLGRAN_STYLE_SOURCES ${ELLGRAN_DEVICE_STYLE_SOURCES})
   set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid_device.h")
   set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_nve_ellipsoid_device.h"
-    "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid_kokkos.h")
+    "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid_device.h")
 elseif(PKG_KOKKOS)
   set_property(GLOBAL APPEND PROPERTY PAIR "${ELLGRAN_STYLES_DIR}/pair_gran_ellipsoid_kokkos.h")
   set_property(GLOBAL APPEND PROPERTY FIX "${ELLGRAN_STYLES_DIR}/fix_wall_gran_ellipsoid_kokkos.h"

@@ -275,10 +275,33 @@ void EllgranDeviceGrains::take_state()
 
 void EllgranDeviceGrains::add_forces(const EllgranStep &step)
 {
-  auto *const atoms = static_cast<AtomKokkos *>(atom);
   fit(loads, "ellgran:loads", listed_owned);
   const EllgranGpuGrains now = grains();
   check(ellgran_gpu_compute_pairs(scene, &now, &step, loads.data(), stream()));
+  put_loads();
+}
+
+int32_t EllgranDeviceGrains::add_plane()
+{
+  int32_t number = -1;
+  check(ellgran_gpu_add_plane(scene, stream(), &number));
+  return number;
+}
+
+void EllgranDeviceGrains::add_plane_forces(const std::vector<PlaneNow> &planes, int32_t wall_type, const EllgranStep &step)
+{
+  require_listed();
+  // Those of pairs are among LAMMPS' already.
+  Kokkos::deep_copy(LMPDeviceType(), loads, 0.0);
+  const EllgranGpuGrains now = grains();
+  for (const PlaneNow &plane : planes)
+    check(ellgran_gpu_compute_plane(scene, &now, plane.number, &plane.place, wall_type, &step, loads.data(), stream()));
+  put_loads();
+}
+
+void EllgranDeviceGrains::put_loads()
+{
+  auto *const atoms = static_cast<AtomKokkos *>(atom);
   const auto f = atoms->k_f.view_device();
   const auto torque = atoms->k_torque.view_device();
   const auto from = loads;

@@ -14,6 +14,7 @@
 #include "neigh_list_kokkos.h"
 
 #include <string>
+#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -38,6 +39,9 @@ class EllgranDeviceGrains : protected Pointers {
   /// Whether forces see velocities of the step; decided before a list.
   void use_velocities_of_step(bool yes);
 
+  /// Nothing is known of the velocities that the last forces saw: they are those that there are.
+  void forget_steps() { changes_known = false; }
+
   /// Takes the order that LAMMPS' atoms have now, and its neighbour list: full, and on the device.
   void take_list(NeighListKokkos<LMPDeviceType> *list);
 
@@ -49,6 +53,16 @@ class EllgranDeviceGrains : protected Pointers {
 
   /// Adds the forces of pairs to LAMMPS'.
   void add_forces(const EllgranStep &step);
+
+  /// Adds a plane to the scene, before its first list; its number.
+  int32_t add_plane();
+
+  /// Adds the forces of planes to LAMMPS', after those of pairs: `wall_type` in the laws of the scene.
+  struct PlaneNow {
+    int32_t number;
+    EllgranPlane place;
+  };
+  void add_plane_forces(const std::vector<PlaneNow> &planes, int32_t wall_type, const EllgranStep &step);
 
   /// Halves of a step of velocity Verlet, of all owned grains.
   void start_step(double time_step, double time_step_before);
@@ -65,6 +79,7 @@ class EllgranDeviceGrains : protected Pointers {
   void take_shapes();
   void take_rows(NeighListKokkos<LMPDeviceType> *list);
   void take_state();
+  void put_loads();
   void take_motion();
   void put_motion(bool turned);
 

@@ -27,7 +27,7 @@ constexpr uint64_t READ = X_MASK | MOTION | F_MASK | TORQUE_MASK | TAG_MASK | EL
 }    // namespace
 
 FixNVEEllipsoidDevice::FixNVEEllipsoidDevice(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), atomKK(nullptr), pair(nullptr), of_step(true), swapped(false), time_step_before(0.0)
+    Fix(lmp, narg, arg), atomKK(nullptr), pair(nullptr), of_step(true), swapped(false), is_new(true), time_step_before(0.0)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style nve/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use nve/ellipsoid",
@@ -67,6 +67,8 @@ void FixNVEEllipsoidDevice::init()
     if (fix != this && dynamic_cast<const FixNVEEllipsoidDevice *>(fix))
       error->all(FLERR, "{}: fixes {} and {} would move the same grains: remove one", CALLER, id, fix->id);
   swapped = false;
+  if (is_new) pair->grains.forget_steps();
+  is_new = false;
 }
 
 /* As fix nve/ellipsoid on the host: when a run starts forces are computed anew from the velocities that the last ones saw. */

@@ -35,6 +35,7 @@ class FixNVEEllipsoidDevice : public Fix {
   class PairGranEllipsoidDevice *pair;
   bool of_step;              // the word `velocities step`: forces see velocities of the step
   bool swapped;              // while a run starts: `v` is what the last forces saw
+  bool is_new;               // no run has been started with it
   double time_step_before;   // 0: not known
 
   void swap(double sign);

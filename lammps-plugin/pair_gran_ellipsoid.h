@@ -72,6 +72,7 @@ class PairGranEllipsoid : public Pair {
   std::vector<EllgranLawParameters> restored;    // those of the restart file, and which of them it had
   std::vector<int> restored_flags;
   EllgranLaws *laws;
+  uint32_t laws_options;
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
   EllgranStepLimits limits;
@@ -150,6 +151,7 @@ class PairGranEllipsoid : public Pair {
   void warn_of_masses();
   void tell_step_limits();
   void build_laws();
+  void fill_laws(int types, std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set) const;
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();

@@ -5,6 +5,7 @@
 #include "ellgran_step_velocity.h"
 #include "fix_nve_ellipsoid.h"
 #include "fix_nve_ellipsoid_device.h"
+#include "fix_wall_gran_ellipsoid_device.h"
 
 #include "atom_kokkos.h"
 #include "atom_masks.h"
@@ -113,20 +114,43 @@ void PairGranEllipsoidDevice::init_style()
   request->set_kokkos_device(1);
 }
 
-/* Contacts are remembered on the GPU, by kernels that were made for the laws. */
+/* Contacts are remembered on the GPU, by kernels that were made for the laws. Walls have types behind those of the atoms. */
 
 void PairGranEllipsoidDevice::take_laws()
 {
-  const bool same = grains.has_scene() && laws_of_scene.size() == parameters.size() &&
-      std::memcmp(laws_of_scene.data(), parameters.data(), parameters.size() * sizeof(EllgranLawParameters)) == 0;
-  if (same) return;
-  if (grains.has_list() && ellgran_laws_history_length(laws) > 0)
+  std::vector<FixWallGranEllipsoidDevice *> walls;
+  for (auto *fix : modify->get_fix_list())
+    if (auto *wall = dynamic_cast<FixWallGranEllipsoidDevice *>(fix)) walls.push_back(wall);
+  const int types = atom->ntypes + static_cast<int>(walls.size());
+  std::vector<EllgranLawParameters> given;
+  std::vector<uint8_t> is_set;
+  fill_laws(types, given, is_set);
+  for (std::size_t k = 0; k < walls.size(); k++)
+    for (int i = 0; i <= atom->ntypes + static_cast<int>(k); i++) {
+      const std::size_t place = static_cast<std::size_t>(i) * types + atom->ntypes + k;
+      given[place] = walls[k]->contact_law();
+      is_set[place] = 1;
+    }
+
+  const bool same = grains.has_scene() && laws_of_scene.size() == given.size() && set_in_scene == is_set &&
+      std::memcmp(laws_of_scene.data(), given.data(), given.size() * sizeof(EllgranLawParameters)) == 0;
+  if (same && std::all_of(walls.begin(), walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
+  EllgranLaws *all = nullptr;
+  if (ellgran_laws_new(types, given.data(), is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  const bool remembers = ellgran_laws_history_length(all) > 0;
+  if (grains.has_list() && remembers) {
+    ellgran_laws_free(all);
     error->all(FLERR,
-               "{}: laws have changed since the last run, and on the GPU contacts that exist cannot go on with others: start anew "
-               "from a data file ('write_data')",
+               "{}: laws or walls have changed since the last run, and on the GPU contacts that exist cannot go on with others: start "
+               "anew from a data file ('write_data')",
                CALLER);
-  grains.set_laws(laws);
-  laws_of_scene = parameters;
+  }
+  grains.set_laws(all);
+  ellgran_laws_free(all);
+  for (std::size_t k = 0; k < walls.size(); k++) walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
+  laws_of_scene = given;
+  set_in_scene = is_set;
 }
 
 void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
@@ -149,6 +173,8 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
     const std::string style = fix->style;
     if (fix->rigid_flag || utils::strmatch(style, "^freeze") || fix->box_change)
       refuse("fix " + style + " is", "remove it, or start LAMMPS without '-k on'");
+    if (dynamic_cast<const FixWallGranEllipsoid *>(fix) && !dynamic_cast<const FixWallGranEllipsoidDevice *>(fix))
+      refuse("fix wall/gran/ellipsoid without the suffix is", "use wall/gran/ellipsoid/kk ('-sf kk')");
     if (dynamic_cast<const FixNVEEllipsoid *>(fix))
       refuse("fix nve/ellipsoid without the suffix is", "use nve/ellipsoid/kk ('-sf kk')");
   }

@@ -41,7 +41,8 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid {
 
  private:
   class AtomKokkos *atomKK;
-  std::vector<EllgranLawParameters> laws_of_scene;
+  std::vector<EllgranLawParameters> laws_of_scene;    // row-major over the types of atoms and the walls
+  std::vector<uint8_t> set_in_scene;
 
   void refuse_what_the_gpu_has_not() const;
   void require_wide_box() const;
