@@ -109,7 +109,7 @@ pub fn binary(lammps: &Source) -> Result<PathBuf> {
             "-DCMAKE_CXX_COMPILER={}",
             kokkos.join("bin/nvcc_wrapper").display()
         ))
-        .arg(format!("-DCUDAToolkit_ROOT={}", toolkit.display()))
+        .args(of_toolkit(&toolkit))
         .arg(format!(
             "-DCMAKE_PROJECT_lammps_INCLUDE={}",
             root().join("lammps-plugin/ellgran-builtin.cmake").display()
@@ -129,6 +129,17 @@ pub fn binary(lammps: &Source) -> Result<PathBuf> {
     Ok(build.join("lmp"))
 }
 
+/// Where CMake finds it, and the runtime as a part of the binary.
+fn of_toolkit(toolkit: &Path) -> [String; 2] {
+    [
+        format!("-DCUDAToolkit_ROOT={}", toolkit.display()),
+        format!(
+            "-DCUDA_cudart_LIBRARY={}",
+            toolkit.join("lib/libcudart_static.a").display()
+        ),
+    ]
+}
+
 /// What the compiler's wrapper of Kokkos looks at.
 fn with_toolkit(command: &mut Command, toolkit: &Path) {
     let mut path = toolkit.join("bin").into_os_string();
@@ -143,8 +154,8 @@ fn with_toolkit(command: &mut Command, toolkit: &Path) {
 fn kokkos(toolkit: &Path) -> Result<PathBuf> {
     let original = kokkos_source()?;
     let mut parts = vec![KOKKOS_VERSION, ARCHITECTURE];
-    let of_toolkit = toolkit.display().to_string();
-    parts.push(&of_toolkit);
+    let place = toolkit.display().to_string();
+    parts.push(&place);
     parts.extend(FOR_CUDA_13.iter().flat_map(|change| [change.1, change.2]));
     let home = cache::directory()?.join(format!("kokkos-{KOKKOS_VERSION}"));
     let key = cache::key(&parts);
@@ -184,7 +195,7 @@ fn kokkos(toolkit: &Path) -> Result<PathBuf> {
             "-DCMAKE_CXX_COMPILER={}",
             source.join("bin/nvcc_wrapper").display()
         ))
-        .arg(format!("-DCUDAToolkit_ROOT={}", toolkit.display()))
+        .args(of_toolkit(toolkit))
         .arg(format!("-DCMAKE_INSTALL_PREFIX={}", installed.display()));
     with_toolkit(&mut configure, toolkit);
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
