@@ -28,3 +28,11 @@ set(ELLGRAN_STYLE_SOURCES
   fix_wall_gran_ellipsoid.cpp
   pair_gran_ellipsoid.cpp)
 list(TRANSFORM ELLGRAN_STYLE_SOURCES PREPEND "${CMAKE_CURRENT_LIST_DIR}/")
+
+# Those for a GPU, compiled with the headers of KOKKOS.
+set(ELLGRAN_DEVICE_STYLE_SOURCES
+  ellgran_device_grains.cpp
+  fix_nve_ellipsoid_device.cpp
+  fix_wall_gran_ellipsoid_device.cpp
+  pair_gran_ellipsoid_device.cpp)
+list(TRANSFORM ELLGRAN_DEVICE_STYLE_SOURCES PREPEND "${CMAKE_CURRENT_LIST_DIR}/")

@@ -19,8 +19,8 @@ void LAMMPS_NS::require_host_kokkos(LAMMPS *lmp, const char *caller)
   for (const char *backend : {"cuda", "hip", "sycl"})
     if (lammps_config_accelerator("KOKKOS", "api", backend))
       lmp->error->all(FLERR,
-                      "{}: this LAMMPS has KOKKOS for GPUs ({}), on which contacts of ellipsoids do not run: start it without "
-                      "'-k on', or use a LAMMPS with KOKKOS for OpenMP or Serial",
+                      "{}: this LAMMPS has KOKKOS for GPUs ({}), on which this style does not run: start it without "
+                      "'-k on', or use a LAMMPS with KOKKOS for OpenMP or Serial; docs/kokkos.md says what runs on a GPU",
                       caller, backend);
   if (!lammps_config_accelerator("KOKKOS", "precision", "double"))
     lmp->error->all(FLERR,

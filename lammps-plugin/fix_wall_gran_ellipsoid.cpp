@@ -70,9 +70,10 @@ void quaternion_of(const double *axis, double angle, double *q)
 
 }    // namespace
 
-FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), atoms(lmp, CALLER), laws(nullptr), workspace(nullptr), wall(nullptr), wall_type(1), dimension(-1),
-    plane_slots{-1, -1}, is_cylinder(false), is_mesh(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
+FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg, bool remembers) :
+    Fix(lmp, narg, arg), atoms(lmp, CALLER), remembers_here(remembers), law_words(ELLGRAN_INIT(EllgranLawParameters)),
+    has_material(false), laws(nullptr), workspace(nullptr), wall(nullptr), wall_type(1), dimension(-1),
+    plane_slots{-1, -1}, plane_positions{}, is_cylinder(false), is_mesh(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
     amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
@@ -117,6 +118,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     local_freq = 1;
   }
 
+  if (!remembers_here) return;
   FixWallGranEllipsoid::grow_arrays(atom->nmax);
   atom->add_callback(Atom::GROW);
   if (restart_peratom) atom->add_callback(Atom::RESTART);
@@ -125,8 +127,8 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
 
 FixWallGranEllipsoid::~FixWallGranEllipsoid()
 {
-  atom->delete_callback(id, Atom::GROW);
-  if (restart_peratom) atom->delete_callback(id, Atom::RESTART);
+  if (remembers_here) atom->delete_callback(id, Atom::GROW);
+  if (remembers_here && restart_peratom) atom->delete_callback(id, Atom::RESTART);
   memory->destroy(contact_histories);
   delete[] extlist;
   ellgran_wall_free(wall);
@@ -151,6 +153,8 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
   EllgranLawParameters of_wall = ELLGRAN_INIT(EllgranLawParameters);
   check_words(ellgran_wall_material_parse(&given, narg - 3 - consumed, arg + 3 + consumed, &of_material, &of_wall));
   consumed += of_material;
+  law_words = given;
+  has_material = of_material > 0;
 
   // The library mixes what is not set from the two on the diagonal.
   wall_type = atom->ntypes + 1;
@@ -221,7 +225,7 @@ int FixWallGranEllipsoid::parse_planes(int iarg, int narg, char **arg)
   if (iarg + 3 > narg)
     error->all(FLERR, "{} {}: '{}' needs two positions: {} lo hi, NULL for none", CALLER, id, word,
                word);
-  double positions[2];
+  double (&positions)[2] = plane_positions;
   int count = 0;
   for (int k = 0; k < 2; k++) {
     const char *given = arg[iarg + 1 + k];

@@ -28,7 +28,7 @@ namespace LAMMPS_NS {
 
 class FixWallGranEllipsoid : public Fix {
  public:
-  FixWallGranEllipsoid(class LAMMPS *, int, char **);
+  FixWallGranEllipsoid(class LAMMPS *lmp, int narg, char **arg) : FixWallGranEllipsoid(lmp, narg, arg, true) {}
   ~FixWallGranEllipsoid() override;
 
   int setmask() override;
@@ -69,9 +69,14 @@ class FixWallGranEllipsoid : public Fix {
   // lets a LAMMPS with other integer sizes load the plugin, which then says what is wrong.
   void set_molecule(int, tagint, int, double *, double *, double *) override;
 
- private:
+ protected:
+  /// `remembers_here`: with an array of what is remembered of the contacts of each atom.
+  FixWallGranEllipsoid(class LAMMPS *, int, char **, bool remembers_here);
 
   EllgranAtoms atoms;
+  bool remembers_here;
+  EllgranLawParameters law_words;    // the law of the grains, which is that of the wall unless it has a material of its own
+  bool has_material;
   EllgranLaws *laws;
   EllgranWorkspace *workspace;
   EllgranWall *wall;
@@ -79,6 +84,7 @@ class FixWallGranEllipsoid : public Fix {
 
   int dimension;               // of the normal of planes, or of the axis of a cylinder; -1 for other walls
   int plane_slots[2];          // part of the lower and of the upper plane; -1: there is none
+  double plane_positions[2];
   bool is_cylinder, is_mesh;
   std::string region_id;       // empty: no region
   std::string region_measures; // of that region, as the wall has them

@@ -112,7 +112,7 @@ double length(const double *v)
 }    // namespace
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
-    Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr),
+    Pair(lmp), atoms(lmp, CALLER), cutoff_global(-1.0), laws(nullptr), laws_options(0),
     limits(lmp, CALLER), step_told(0.0), step_sums(nullptr), step_sums_from(0), workspace(nullptr),
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
@@ -497,14 +497,11 @@ void PairGranEllipsoid::coeff(int narg, char **arg)
                arg[1]);
 }
 
-void PairGranEllipsoid::init_style()
+/* Of LAMMPS' settings, which may change between runs. */
+
+void PairGranEllipsoid::require_settings() const
 {
-  require_host_kokkos(lmp, CALLER);
   atoms.require_atom_style();
-  if (comm->ghost_velocity == 0)
-    error->all(FLERR,
-               "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
-               CALLER);
   if (BorderGroup::of(comm))
     error->all(FLERR,
                "{}: 'comm_modify group' hides ghost atoms of other groups, and contacts with them would be missed: "
@@ -518,6 +515,16 @@ void PairGranEllipsoid::init_style()
         error->all(FLERR,
                    "{}: special_bonds factor {} scales a contact force: only 0 and 1 are supported",
                    CALLER, force->special_lj[k]);
+}
+
+void PairGranEllipsoid::init_style()
+{
+  require_host_kokkos(lmp, CALLER);
+  require_settings();
+  if (comm->ghost_velocity == 0)
+    error->all(FLERR,
+               "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
+               CALLER);
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();
@@ -740,37 +747,49 @@ bool PairGranEllipsoid::has_law(int i, int j) const
   return setflag[i][j] || (setflag[i][i] && setflag[j][j]);
 }
 
-void PairGranEllipsoid::build_laws()
+/* The laws of the pairs of so many types, those of atoms first; the others have none yet. */
+
+void PairGranEllipsoid::fill_laws(int types, std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set) const
 {
   const int ntypes = atom->ntypes;
-  std::vector<EllgranLawParameters> given = parameters;
-  std::vector<uint8_t> is_set(parameters.size(), 0);
-  const auto index = [ntypes](int i, int j) { return (i - 1) * ntypes + (j - 1); };
-  int example = 0;
+  const auto from = [this, ntypes](int i, int j) { return parameters[(i - 1) * ntypes + (j - 1)]; };
+  const auto index = [types](int i, int j) { return static_cast<std::size_t>(i - 1) * types + (j - 1); };
+  given.assign(static_cast<std::size_t>(types) * types, parameters.front());
+  is_set.assign(given.size(), 0);
+  EllgranLawParameters example = parameters.front();
   for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++)
-      if (setflag[i][j]) {
-        is_set[index(i, j)] = 1;
-        example = index(i, j);
-      }
+    for (int j = i; j <= ntypes; j++) {
+      given[index(i, j)] = from(i, j);
+      if (!setflag[i][j]) continue;
+      is_set[index(i, j)] = 1;
+      example = from(i, j);
+    }
 
   // Each pair of types must have a law, one that belongs to another style alone too: any that is in use.
   for (int i = 1; i <= ntypes; i++)
     for (int j = i; j <= ntypes; j++)
       if (!has_law(i, j)) {
         is_set[index(i, j)] = 1;
-        given[index(i, j)] = parameters[example];
+        given[index(i, j)] = example;
       }
+}
+
+void PairGranEllipsoid::build_laws()
+{
+  const int ntypes = atom->ntypes;
+  std::vector<EllgranLawParameters> given;
+  std::vector<uint8_t> is_set;
+  fill_laws(ntypes, given, is_set);
 
   // Two spheres need no remembered normal to start the search for contact from.
   int spheres_here = atoms.all_spheres() ? 1 : 0, all_spheres = 0;
   MPI_Allreduce(&spheres_here, &all_spheres, 1, MPI_INT, MPI_MIN, world);
   const bool scene_is_fixed = atom->natoms > 0 && !shapes_may_change;
-  const uint32_t options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
+  laws_options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
 
   ellgran_laws_free(laws);
   laws = nullptr;
-  if (ellgran_laws_new(ntypes, given.data(), is_set.data(), options, &laws) != ELLGRAN_SUCCESS)
+  if (ellgran_laws_new(ntypes, given.data(), is_set.data(), laws_options, &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
 
   std::string text = describe_laws();

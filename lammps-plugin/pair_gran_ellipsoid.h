@@ -63,7 +63,7 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
   void add_to_grain_sums(const EllgranParticles &particles, double *sums) const;
 
- private:
+ protected:
   EllgranAtoms atoms;
   double cutoff_global;    // < 0: from the semi-axes
 
@@ -72,6 +72,7 @@ class PairGranEllipsoid : public Pair {
   std::vector<EllgranLawParameters> restored;    // those of the restart file, and which of them it had
   std::vector<int> restored_flags;
   EllgranLaws *laws;
+  uint32_t laws_options;
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
   EllgranStepLimits limits;
@@ -150,10 +151,12 @@ class PairGranEllipsoid : public Pair {
   void warn_of_masses();
   void tell_step_limits();
   void build_laws();
+  void fill_laws(int types, std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set) const;
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
   void refuse_what_cannot_work();
+  void require_settings() const;
   void place_step_velocity_fix();
   void find_mass_sources();
   void refresh_body_masses();

@@ -19,7 +19,7 @@ const CARRIER_VERSION: &str = "0.1.5";
 const CARRIER_HASH: &str =
     "sha256:e620f05c742905e2db705d875f1cac92ef0ed453f9e6734e9beda26cc0f9cce7";
 const KOKKOS_IN_CARRIER: &str = "tpls/kokkos";
-const KOKKOS_VERSION: &str = "4.7.0";
+pub const KOKKOS_VERSION: &str = "4.7.0";
 
 /// What runs the package's own kernels.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ impl Backend {
 
 /// Files of the package by their names without `_kokkos`, beside those that LAMMPS' CMake names itself: each costs up to half a
 /// minute, and without its file a style is the one without the suffix.
-const KEPT_STYLES: &[&str] = &[
+pub const KEPT_STYLES: &[&str] = &[
     "atom_vec_atomic",
     "atom_vec_ellipsoid",
     "compute_temp",
@@ -132,7 +132,7 @@ pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
     }
     cache::need_space(&home, 1500)?;
     if !tree.is_dir() {
-        few_styles(&lammps.directory, &tree)?;
+        few_styles(&lammps.directory, &tree, KEPT_STYLES)?;
     }
     fs::create_dir_all(&build)?;
     say(format!(
@@ -156,15 +156,15 @@ pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
     Ok(binary)
 }
 
-/// A copy of LAMMPS' source tree, as links to its files, with few of the package's styles and for this Kokkos.
-fn few_styles(source: &Path, target: &Path) -> Result<()> {
+/// A copy of LAMMPS' source tree, as links to its files, with these of the package's styles alone and for this Kokkos.
+pub fn few_styles(source: &Path, target: &Path, kept: &[&str]) -> Result<()> {
     let parent = target.parent().context("a tree needs a parent directory")?;
     let scratch = tempfile::Builder::new()
         .prefix("source-kokkos-")
         .tempdir_in(parent)?;
     let copy = scratch.path().join("source");
     let cmake = fs::read_to_string(source.join("cmake/Modules/Packages/KOKKOS.cmake"))?;
-    link_tree(source, &copy, &|path| is_left_out(path, &cmake))?;
+    link_tree(source, &copy, &|path| is_left_out(path, &cmake, kept))?;
     for (file, before, after) in FOR_KOKKOS_4 {
         let path = copy.join(file);
         let text =
@@ -179,8 +179,8 @@ fn few_styles(source: &Path, target: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A source of the package, or its header, that neither CMake names nor `KEPT_STYLES`.
-fn is_left_out(path: &Path, cmake: &str) -> bool {
+/// A source of the package, or its header, that neither CMake names nor `kept`.
+fn is_left_out(path: &Path, cmake: &str, kept: &[&str]) -> bool {
     let in_package = path
         .parent()
         .is_some_and(|parent| parent.ends_with("src/KOKKOS"));
@@ -197,10 +197,10 @@ fn is_left_out(path: &Path, cmake: &str) -> bool {
     in_package
         && path.with_extension("cpp").is_file()
         && !cmake.contains(&format!("/{stem}.cpp"))
-        && !KEPT_STYLES.contains(&style)
+        && !kept.contains(&style)
 }
 
-fn link_tree(source: &Path, target: &Path, left_out: &dyn Fn(&Path) -> bool) -> Result<()> {
+pub fn link_tree(source: &Path, target: &Path, left_out: &dyn Fn(&Path) -> bool) -> Result<()> {
     fs::create_dir_all(target)?;
     for entry in fs::read_dir(source)? {
         let path = entry?.path();
@@ -337,7 +337,7 @@ mod tests {
         )
         .unwrap();
         let copy = directory.path().join("copy");
-        few_styles(&source, &copy).unwrap();
+        few_styles(&source, &copy, KEPT_STYLES).unwrap();
         let mut names: Vec<String> = fs::read_dir(copy.join("src/KOKKOS"))
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())

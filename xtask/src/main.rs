@@ -7,6 +7,7 @@ mod apt_source;
 mod bench;
 mod cache;
 mod chart;
+mod cuda_toolkit;
 mod demo;
 #[path = "../../tests/support/dump.rs"]
 mod dump;
@@ -16,6 +17,7 @@ mod header;
 mod install;
 mod lammps;
 mod lammps_kokkos;
+mod lammps_kokkos_cuda;
 mod law_tables;
 mod library;
 mod liggghts;
@@ -146,6 +148,8 @@ enum Artefact {
     LammpsKokkos,
     /// The same for Serial
     LammpsKokkosSerial,
+    /// The same for a GPU of NVIDIA (sm_90), with the styles of ellgran built in (half an hour on two cores)
+    LammpsKokkosCuda,
     /// The LIGGGHTS binary with our contact models
     Liggghts,
     /// The top directory of its untouched source tree
@@ -203,6 +207,7 @@ fn path(what: Artefact) -> Result<PathBuf> {
         Artefact::LammpsSource => Ok(lammps::source()?.directory),
         Artefact::LammpsKokkos => lammps_kokkos::binary(&lammps::source()?, Backend::OpenMp),
         Artefact::LammpsKokkosSerial => lammps_kokkos::binary(&lammps::source()?, Backend::Serial),
+        Artefact::LammpsKokkosCuda => lammps_kokkos_cuda::binary(&lammps::source()?),
         Artefact::Liggghts => liggghts::binary(),
         Artefact::LiggghtsSource => liggghts::source_tree(),
         Artefact::LiggghtsVtk => Ok(vtk::vtk()?.include),

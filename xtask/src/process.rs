@@ -62,8 +62,12 @@ pub fn run_logged(command: &mut Command, log: &Path, mut on_line: impl FnMut(&st
 
 /// Builds a configured tree with ninja, its `[n/m]` shown as progress.
 pub fn ninja(build: &Path, targets: &[&str], title: &str) -> Result<()> {
+    ninja_by(Command::new("ninja"), build, targets, title)
+}
+
+/// The same with a ninja that has an environment of its own.
+pub fn ninja_by(mut command: Command, build: &Path, targets: &[&str], title: &str) -> Result<()> {
     let mut progress = Progress::start(title);
-    let mut command = Command::new("ninja");
     command
         .arg("-C")
         .arg(build)

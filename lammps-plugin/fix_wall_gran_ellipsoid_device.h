@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/// \file
+/// `fix wall/gran/ellipsoid/kk` in a LAMMPS with KOKKOS for CUDA: planes, with forces by the kernels of ellgran.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(wall/gran/ellipsoid/kk,FixWallGranEllipsoidDevice);
+FixStyle(wall/gran/ellipsoid/kk/device,FixWallGranEllipsoidDevice);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_WALL_GRAN_ELLIPSOID_DEVICE_H
+#define LMP_FIX_WALL_GRAN_ELLIPSOID_DEVICE_H
+
+#include "fix_wall_gran_ellipsoid.h"
+
+namespace LAMMPS_NS {
+
+class EllgranDeviceGrains;
+
+class FixWallGranEllipsoidDevice : public FixWallGranEllipsoid {
+ public:
+  FixWallGranEllipsoidDevice(class LAMMPS *, int, char **);
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void post_force(int) override;
+
+  /// The law of contacts of any grain with the planes.
+  [[nodiscard]] const EllgranLawParameters &contact_law() const { return law_words; }
+
+  /// Adds the planes to a scene in which the wall is of this type.
+  void add_planes(EllgranDeviceGrains &grains, int type);
+  [[nodiscard]] bool has_planes_in_scene() const { return type_in_scene > 0; }
+
+ private:
+  class AtomKokkos *atomKK;
+  class PairGranEllipsoidDevice *pair;
+  int type_in_scene;    // 0: in none
+  int32_t numbers[2];   // of the lower and the upper plane
+
+  static LAMMPS *checked(LAMMPS *lmp);
+  void refuse_what_the_gpu_has_not() const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
