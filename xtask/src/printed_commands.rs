@@ -77,6 +77,8 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
         "tests/lammps/kokkos.rs",
         "\"-k\", \"on\", \"t\", \"1\", \"-sf\", \"kk\"",
     ),
+    // By hand, on a machine with a GPU.
+    ("lmp -k on g 1 -sf kk -in deck.lmp", "tests/lammps_on_gpu/run.sh", "-k on g 1 -sf kk"),
     // The package index does not have it yet: it runs where the wheel is installed.
     ("pip install 'ellgran[lammps]'", "tests/wheel/printed_blocks.rs", "python/README.md"),
     ("cargo build --release", "xtask/src/library.rs", "--release"),

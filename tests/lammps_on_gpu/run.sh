@@ -1,0 +1,108 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+# LAMMPS with ellgran on a GPU of NVIDIA, whose driver is all that the machine must have: trajectories beside those of the host, rates, and
+# rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within $LIMIT seconds, 112.
+#
+# To be carried there, with the decks beside this file:
+#   lmp           what `cargo xtask path lammps-kokkos-cuda` prints, stripped
+#   dense.data    4096 grains of aspect ratio 2, by examples/lammps/bench/make.lmp
+#   spheres.data  spheres of the same volume in the same box, by make_spheres.lmp
+cd "$(dirname "$0")" || exit 1
+OUT=${OUT:-$PWD/out}
+mkdir -p "$OUT/host" "$OUT/gpu"
+G="-nocite -k on g 1 -sf kk"
+began=$SECONDS
+LIMIT=${LIMIT:-112}   # s
+left() { echo $((LIMIT - (SECONDS - began))); }
+lmp() {   # lmp LOG words...: what it printed to LOG
+  local log=$1; shift
+  local most=$(left); [ "$most" -gt ${MOST:-40} ] && most=${MOST:-40}
+  [ "$most" -lt 3 ] && { echo "no time left" > "$OUT/$log"; return 1; }
+  timeout "$most" ./lmp "$@" -log none > "$OUT/$log" 2>&1
+  local status=$?
+  [ $status -ne 0 ] && { echo "$log: status $status"; tail -n 4 "$OUT/$log"; }
+  return $status
+}
+chmod +x lmp
+nvidia-smi --query-gpu=name,driver_version,clocks.max.sm --format=csv,noheader 2>/dev/null | tee "$OUT/gpu.txt"
+
+compare() {   # largest difference of each kind over its largest value, of frames $1/frame.N
+  awk -v ref="$1" -v other="$2" 'BEGIN {
+    split("x x x v v v angmom angmom angmom f f f torque torque torque quat quat quat quat", kind, " ")
+    while ((getline line < ref) > 0) {
+      if ((getline line2 < other) <= 0) { print "shorter"; exit 1 }
+      n = split(line, a, " "); m = split(line2, b, " ")
+      if (n != 20 || a[1] !~ /^[0-9]+$/) continue
+      if (a[1] != b[1]) { print "other grains"; exit 1 }
+      for (k = 2; k <= n; k++) {
+        d = a[k] - b[k]; if (d < 0) d = -d
+        s = a[k]; if (s < 0) s = -s
+        if (!(d <= 1e300)) { print "no number"; exit 1 }
+        if (d > most[kind[k-1]]) most[kind[k-1]] = d
+        if (s > scale[kind[k-1]]) scale[kind[k-1]] = s
+      }
+      rows++
+    }
+    if (!rows) { print "nothing compared"; exit 1 }
+    printf "%d grains:", rows
+    split("x v angmom quat f torque", order, " ")
+    for (k = 1; k <= 6; k++) printf " %s %.1e", order[k], most[order[k]] / (scale[order[k]] + 1e-300)
+    printf "\n"
+  }'
+}
+table=""
+cases() {   # each with its name first
+  echo "friction compare.lmp"
+  echo "half compare.lmp -var motion 'nve/ellipsoid velocities half' -var steps 200"
+  echo "frictionless compare.lmp -var law 'nfd 1e7 0.3 50 50' -var steps 200"
+  echo "walls walls.lmp -var steps 200"
+}
+on() {   # on host|gpu NAME DECK words...: with a directory for its frames
+  local where=$1 name=$2 deck=$3 how="-nocite"
+  shift 3
+  [ "$where" = gpu ] && how=$G
+  mkdir -p "$OUT/$where/$name"
+  lmp "compare-$where-$name.log" $how -in "$deck" -var out "$OUT/$where/$name" "$@"
+}
+while read -r line; do eval "on host $line" < /dev/null & done < <(cases)
+
+# The driver assembles the kernels at the first start, and keeps them.
+MOST=100 lmp first.log $G -in time.lmp -var copies "1 1 1" -var steps 10 -var warm 1
+echo "first start: $((SECONDS - began)) s"
+
+# (b) and (c): rates, and where the time goes when the host waits for each kernel
+rate() {   # rate NAME LOG
+  table+=$(awk -v name="$1" '/^Loop time/ { s = $4; n = $9; a = $12 }
+    /^(Pair|Neigh|Comm|Modify|Output|Other) / { split($0, c, "|"); split(c[3], t, " "); part[$1] = t[1] }
+    END { if (!n) { print name ": no result"; exit }
+      printf "%-22s %8d grains %9.3g grain-steps/s  %8.3f ms/step", name, a, a * n / s, 1e3 * s / n
+      for (p in part) if (part[p] > 0) printf "  %s %.3f", p, 1e3 * part[p] / n
+      printf "\n" }' "$OUT/$2")$'\n'
+}
+ellipsoids() { lmp "ellipsoids-$1.log" $G -in time.lmp "${@:2}"; rate "ellipsoids $1" "ellipsoids-$1.log"; }
+spheres() {
+  local log=spheres-$1.log
+  lmp "$log" $G -pk kokkos neigh half newton on -in spheres.lmp "${@:2}" ||
+    lmp "$log" $G -pk kokkos neigh half newton off -in spheres.lmp "${@:2}"
+  rate "spheres $1" "$log"
+}
+ellipsoids 110592 -var copies "3 3 3" -var steps 500
+spheres 110592 -var copies "3 3 3" -var steps 500
+ellipsoids 1032192 -var copies "6 6 7"
+spheres 1032192 -var copies "6 6 7"
+
+# (a) the same trajectories
+wait
+while read -r line; do eval "on gpu $line" < /dev/null; done < <(cases)
+for name in friction half frictionless walls; do
+  for frame in "$OUT/host/$name"/frame.*; do
+    table+="$name ${frame##*/}: $(compare "$frame" "$OUT/gpu/$name/${frame##*/}")"$'\n'
+  done
+done
+rm -rf "$OUT/host" "$OUT/gpu"
+
+export CUDA_LAUNCH_BLOCKING=1
+ellipsoids waiting -var copies "6 6 7" -var steps 50 -var warm 20
+spheres waiting -var copies "6 6 7" -var steps 50 -var warm 20
+echo "----- $((SECONDS - began)) s"
+printf '%s' "$table" | tee "$OUT/table.txt"
