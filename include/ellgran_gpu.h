@@ -216,11 +216,12 @@ typedef struct EllgranGpuHistories {
    */
   size_t length;
   /*
-   1 where a pair touches, else 0, [count].
+   1 where a pair touches, else 0, [count]. A pair of two owned grains is in the row of the one with the lower identifier; in the
+   other's row, 0.
    */
   uint32_t *touching;
   /*
-   [count][length]. Of a pair: as of the pair whose first grain has the lower identifier.
+   [count][length]. Of a pair: as of the pair whose first grain has the lower identifier; where `touching` says it.
    */
   double *histories;
 } EllgranGpuHistories;
