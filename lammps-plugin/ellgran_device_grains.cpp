@@ -147,7 +147,7 @@ void EllgranDeviceGrains::follow_order()
       Policy(0, owned), KOKKOS_LAMBDA(const int i, int &most) { most = (tag(i) > most) ? tag(i) : most; },
       Kokkos::Max<int>(largest));
   if (old_size < largest + 1)
-    places = Integers(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string("ellgran:places")), largest + 1 + largest / 8);
+    places = Integers(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string("ellgran:places")), static_cast<size_t>(largest) + 1 + largest / 8);
   Kokkos::deep_copy(LMPDeviceType(), places, -1);
   fit(owners, "ellgran:owners", count);
   const auto now = places;

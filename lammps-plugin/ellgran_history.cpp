@@ -9,32 +9,124 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "memory.h"
 #include "my_page.h"
 #include "neigh_list.h"
 #include "pair.h"
 
 #include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 using namespace LAMMPS_NS;
 
 FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
-    FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), round(-1)
+    FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), ids_at_end(nullptr), room_for_ids(0), round(-1)
 {
-  // Contacts are remembered by atom ID: LAMMPS then refuses to give atoms other IDs.
+  // Contacts are remembered by atom ID: LAMMPS then refuses `reset_atoms id`.
   stores_ids = 1;
+  // The base class has done its part of it.
+  FixEllgranHistory::grow_arrays(atom->nmax);
+}
+
+FixEllgranHistory::~FixEllgranHistory()
+{
+  memory->destroy(ids_at_end);
 }
 
 void FixEllgranHistory::init()
 {
   FixNeighHistory::init();
+  follow_new_ids();
   if (newton_pair && comm->style == Comm::TILED) comm_reverse = 2 + dnum;
+}
+
+/* A contact is with the atom that had its ID when the last run ended, if that is still there. */
+
+void FixEllgranHistory::follow_new_ids()
+{
+  std::vector<tagint> changed;    // old and new ID
+  for (int i = 0; i < atom->nlocal; i++)
+    if (ids_at_end[i] != 0 && ids_at_end[i] != atom->tag[i]) {
+      changed.push_back(ids_at_end[i]);
+      changed.push_back(atom->tag[i]);
+    }
+  int here = static_cast<int>(changed.size());
+  std::vector<int> counts(comm->nprocs), places(comm->nprocs, 0);
+  MPI_Allgather(&here, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int k = 1; k < comm->nprocs; k++) places[k] = places[k - 1] + counts[k - 1];
+  std::vector<tagint> all(places.back() + counts.back());
+  if (all.empty()) return;
+  MPI_Allgatherv(changed.data(), here, MPI_LMP_TAGINT, all.data(), counts.data(), places.data(), MPI_LMP_TAGINT, world);
+
+  std::unordered_map<tagint, tagint> renumbered;
+  std::unordered_set<tagint> given;
+  for (std::size_t k = 0; k < all.size(); k += 2) {
+    renumbered[all[k]] = all[k + 1];
+    given.insert(all[k + 1]);
+  }
+  for (int i = 0; i < atom->nlocal; i++) {
+    int kept = 0;
+    for (int k = 0; k < npartner[i]; k++) {
+      const auto found = renumbered.find(partner[i][k]);
+      // An ID that another atom has now, and that none has given up, is that of an atom that is gone.
+      if (found == renumbered.end() && given.count(partner[i][k])) continue;
+      partner[i][kept] = (found == renumbered.end()) ? partner[i][k] : found->second;
+      if (kept != k) std::copy_n(&valuepartner[i][dnum * k], dnum, &valuepartner[i][dnum * kept]);
+      kept++;
+    }
+    npartner[i] = kept;
+    ids_at_end[i] = atom->tag[i];
+  }
+}
+
+void FixEllgranHistory::grow_arrays(int nmax)
+{
+  FixNeighHistory::grow_arrays(nmax);
+  memory->grow(ids_at_end, nmax, "ellgran:ids_at_end");
+  if (nmax > room_for_ids) std::fill_n(ids_at_end + room_for_ids, nmax - room_for_ids, 0);
+  room_for_ids = nmax;
+}
+
+void FixEllgranHistory::copy_arrays(int i, int j, int delflag)
+{
+  FixNeighHistory::copy_arrays(i, j, delflag);
+  ids_at_end[j] = ids_at_end[i];
+}
+
+void FixEllgranHistory::set_arrays(int i)
+{
+  FixNeighHistory::set_arrays(i);
+  ids_at_end[i] = 0;
+}
+
+int FixEllgranHistory::pack_exchange(int i, double *buffer)
+{
+  const int n = FixNeighHistory::pack_exchange(i, buffer);
+  buffer[n] = ubuf(ids_at_end[i]).d;
+  return n + 1;
+}
+
+int FixEllgranHistory::unpack_exchange(int i, double *buffer)
+{
+  const int n = FixNeighHistory::unpack_exchange(i, buffer);
+  ids_at_end[i] = static_cast<tagint>(ubuf(buffer[n]).i);
+  return n + 1;
+}
+
+void FixEllgranHistory::unpack_restart(int i, int nth)
+{
+  FixNeighHistory::unpack_restart(i, nth);
+  ids_at_end[i] = 0;
 }
 
 void FixEllgranHistory::pre_exchange()
 {
   if (before_reading) before_reading();
   FixNeighHistory::pre_exchange();
+  // The ID of the last run goes with an atom.
+  maxexchange++;
   if (tells_contacts_apart) refuse_second_contacts();
 }
 
@@ -160,6 +252,7 @@ void FixEllgranHistory::min_setup(int)
 void FixEllgranHistory::post_run()
 {
   FixNeighHistory::post_run();
+  std::copy_n(atom->tag, atom->nlocal, ids_at_end);
   list_is_current = false;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// LAMMPS' neighbour history, right in restart files that `write_restart` makes between runs and under `comm_style tiled`.
+/// LAMMPS' neighbour history, right in restart files that `write_restart` makes between runs, where atoms get other IDs between
+/// runs, and under `comm_style tiled`.
 
 #ifndef ELLGRAN_HISTORY_H
 #define ELLGRAN_HISTORY_H
@@ -20,9 +21,13 @@ namespace LAMMPS_NS {
 /// With `newton on` a contact across processors is in the list of one of them and must be told to the other. The base
 /// class does so by a message of variable size, which `comm_style tiled` does not have: here it is told in rounds of one
 /// contact a ghost.
+///
+/// `delete_atoms` gives all atoms other IDs, if it is not told `compress no`, and contacts are remembered by ID. Each atom keeps the
+/// ID that it had when the last run ended; where another run finds other ones, what is remembered is renumbered.
 class FixEllgranHistory : public FixNeighHistory {
  public:
   FixEllgranHistory(class LAMMPS *, int, char **);
+  ~FixEllgranHistory() override;
 
   // Brings firstflag and firstvalue up to date.
   std::function<void()> before_reading;
@@ -35,6 +40,12 @@ class FixEllgranHistory : public FixNeighHistory {
   void min_setup(int) override;
   void post_run() override;
   void write_restart(FILE *) override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  void unpack_restart(int, int) override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
 
@@ -44,10 +55,13 @@ class FixEllgranHistory : public FixNeighHistory {
 
  private:
   bool list_is_current;
+  tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as of one that is new
+  int room_for_ids;
   int round;    // of messages under `comm_style tiled`, -1: the base class' messages
 
   void pre_exchange_newton() override;
   void refuse_second_contacts() const;
+  void follow_new_ids();
 
   // Room for the history of one more contact of atom i.
   double *add_partner(int i, tagint partner_id);

@@ -43,6 +43,8 @@ FixNVEEllipsoidDevice::FixNVEEllipsoidDevice(LAMMPS *lmp, int narg, char **arg) 
   }
   if (igroup != 0) error->all(FLERR, "{}: on a GPU all grains move: its group must be 'all'", CALLER);
   time_integrate = 1;
+  // What is kept of an atom, and of its contacts, is found by its ID: LAMMPS then refuses `reset_atoms id`.
+  stores_ids = 1;
   kokkosable = 1;
   execution_space = Device;
   datamask_read = datamask_modify = EMPTY_MASK;

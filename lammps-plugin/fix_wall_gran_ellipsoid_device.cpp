@@ -32,6 +32,7 @@ FixWallGranEllipsoidDevice::FixWallGranEllipsoidDevice(LAMMPS *lmp, int narg, ch
   scalar_flag = vector_flag = local_flag = 0;
   energy_global_flag = virial_global_flag = virial_peratom_flag = 0;
   create_attribute = restart_global = restart_peratom = maxexchange = 0;
+  stores_ids = 1;
   kokkosable = 1;
   execution_space = Device;
   datamask_read = datamask_modify = EMPTY_MASK;

@@ -36,7 +36,7 @@ const char CALLER[] = "Pair gran/ellipsoid/kk";
 }    // namespace
 
 PairGranEllipsoidDevice::PairGranEllipsoidDevice(LAMMPS *lmp) :
-    PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr)
+    PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), options_of_scene(0)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style gran/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use gran/ellipsoid",
@@ -88,6 +88,7 @@ void PairGranEllipsoidDevice::init_style()
   atomKK->sync(Host, ALL_MASK);
   require_settings();
   refuse_what_the_gpu_has_not();
+  refuse_other_atoms();
   if (comm->ghost_velocity) {
     // LAMMPS of 4 Jul 2026 would write quaternions over what else images have; see docs/kokkos.md.
     comm->ghost_velocity = 0;
@@ -132,7 +133,7 @@ void PairGranEllipsoidDevice::take_laws()
       is_set[place] = 1;
     }
 
-  const bool same = grains.has_scene() && laws_of_scene.size() == given.size() && set_in_scene == is_set &&
+  const bool same = grains.has_scene() && options_of_scene == laws_options && laws_of_scene.size() == given.size() && set_in_scene == is_set &&
       std::memcmp(laws_of_scene.data(), given.data(), given.size() * sizeof(EllgranLawParameters)) == 0;
   if (same && std::all_of(walls.begin(), walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
   EllgranLaws *all = nullptr;
@@ -150,6 +151,7 @@ void PairGranEllipsoidDevice::take_laws()
   ellgran_laws_free(all);
   for (std::size_t k = 0; k < walls.size(); k++) walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
   laws_of_scene = given;
+  options_of_scene = laws_options;
   set_in_scene = is_set;
 }
 
@@ -162,6 +164,11 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   if (comm->nprocs > 1) refuse("several ranks are", "start LAMMPS with one");
   if (update->whichflag == 2) refuse("minimisation is", "use a run with damping");
   if (input->command && std::strcmp(input->command, "rerun") == 0) refuse("'rerun' is", "start LAMMPS without '-k on'");
+  if (output->restart_flag) refuse("restart files are", "remove 'restart', and use 'write_data'");
+  if (atom->molecular)
+    for (int k = 1; k < 4; k++)
+      if (force->special_coul[k] != force->special_lj[k])
+        refuse("special_bonds with other factors for coul than for lj is", "give both the same");
   if (neighbor->includegroup) refuse("'neigh_modify include' is", "remove it");
   if (atoms.shapes_may_change()) refuse("fixes that may change shapes (set, python, external) are", "remove them");
   if (!modify->get_fix_by_style("^pour/ellipsoid").empty()) refuse("fix pour/ellipsoid is", "insert grains in a run without '-k on'");
@@ -178,6 +185,19 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
     if (dynamic_cast<const FixNVEEllipsoid *>(fix))
       refuse("fix nve/ellipsoid without the suffix is", "use nve/ellipsoid/kk ('-sf kk')");
   }
+}
+
+/* What contacts remember is found by the IDs of atoms, which `delete_atoms` gives to others. */
+
+void PairGranEllipsoidDevice::refuse_other_atoms()
+{
+  if (!grains.has_list()) return;
+  const std::size_t known = ids_at_end.size();
+  if (static_cast<std::size_t>(atom->nlocal) < known || !std::equal(ids_at_end.begin(), ids_at_end.end(), atom->tag))
+    error->all(FLERR,
+               "{}: atoms have been deleted, or have other IDs, since the last run, and on the GPU contacts that exist cannot follow them: start "
+               "anew from a data file ('write_data')",
+               CALLER);
 }
 
 /* Grains are known by their identifiers: no grain may meet two images of another one, nor its own. */
@@ -201,6 +221,8 @@ void PairGranEllipsoidDevice::setup() {}
 void PairGranEllipsoidDevice::finish()
 {
   grains.require_sound();
+  atomKK->sync(Host, TAG_MASK);
+  ids_at_end.assign(atom->tag, atom->tag + atom->nlocal);
 }
 
 void PairGranEllipsoidDevice::write_restart(FILE *)

@@ -43,9 +43,12 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid {
   class AtomKokkos *atomKK;
   std::vector<EllgranLawParameters> laws_of_scene;    // row-major over the types of atoms and the walls
   std::vector<uint8_t> set_in_scene;
+  uint32_t options_of_scene;
+  std::vector<tagint> ids_at_end;    // of all atoms in their order, when the last run ended
 
   void refuse_what_the_gpu_has_not() const;
   void require_wide_box() const;
+  void refuse_other_atoms();
   void take_laws();
 };
 

@@ -18,6 +18,7 @@ mod contact_or_not;
 mod curved_walls;
 mod decks;
 mod decomposition;
+mod deleted_grains;
 mod energy_balance;
 mod energy_compute;
 mod engine_commands;

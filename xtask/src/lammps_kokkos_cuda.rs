@@ -84,6 +84,8 @@ pub fn binary(lammps: &Source) -> Result<PathBuf> {
     parts.extend([KOKKOS_VERSION, ARCHITECTURE]);
     let home = cache::directory()?.join(format!("lammps-{}", lammps.name));
     let tree = home.join(format!("source-kokkos-{}", cache::key(&parts)));
+    let places = [toolkit.display().to_string(), kokkos.display().to_string()];
+    parts.extend(places.iter().map(String::as_str));
     let build = home.join(format!("build-kokkos-cuda-{}", cache::key(&parts)));
     let _lock = cache::lock(&format!("lammps-kokkos-cuda-build-{}", lammps.name))?;
     let title = format!("LAMMPS {spelled} with KOKKOS for CUDA");

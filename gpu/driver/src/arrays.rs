@@ -38,6 +38,7 @@ pub struct EllgranGpuGrains {
 }
 
 /// An engine's full neighbour list in the memory of the GPU: each pair of owned grains twice, once in the row of either.
+/// Another list is an ELLGRAN_ERROR_PARTICLE that names a grain.
 ///
 /// The list must hold each pair whose centres are closer than the sum of their two largest semi-axes plus a margin of the engine's. It
 /// can be used until a grain has moved by half of that margin. The arrays must stay as they are, and where they are, until the next

@@ -26,7 +26,7 @@ use ellgran_kernels::arguments::{
 };
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::contacts::Load;
-use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, WRONG_NEIGHBOUR, WRONG_ROW};
+use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::Grain;
 use ellgran_kernels::terms::{ContactLoad, COMPONENTS};
@@ -626,6 +626,8 @@ impl Scene {
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
+        // Nothing is started for an address that will not do.
+        let loads = array(loads, listed.owned * COMPONENTS, "loads")?;
         let _entered = self.device.enter()?;
         let now = &self.now;
         let arguments = ContactArguments {
@@ -649,7 +651,7 @@ impl Scene {
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             contact_loads: self.contact_loads.all(),
-            loads: array(loads, listed.owned * COMPONENTS, "loads")?,
+            loads,
             notes: self.notes(),
         };
         let sum = &self.common.sum_contacts;
@@ -954,6 +956,8 @@ impl Scene {
             format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
         } else if fault == WRONG_NEIGHBOUR {
             "its row names a neighbour that is not one of the grains, or itself".to_owned()
+        } else if fault == NAMED_TWICE {
+            "its row names a neighbour twice".to_owned()
         } else if fault == HALF_LIST {
             "its row names a grain whose row does not name it: the list must be full, with each pair of owned grains twice".to_owned()
         } else {

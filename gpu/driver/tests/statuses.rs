@@ -454,6 +454,15 @@ fn a_list_that_is_wrong_is_refused() {
         let words = ["particle 12: starts[2] and starts[3]"];
         fail(row.new_list(), ELLGRAN_ERROR_PARTICLE, &words);
         row.engine.write(&row.starts, 3, &[5]);
+        // A pair in one row alone, and one twice in a row.
+        row.engine.write(&row.neighbours, 5, &[0]);
+        let words = ["particle 12: its row names a grain whose row does not name it"];
+        fail(row.new_list(), ELLGRAN_ERROR_PARTICLE, &words);
+        row.engine.write(&row.neighbours, 5, &[2]);
+        row.engine.write(&row.neighbours, 1, &[0, 0]);
+        let words = ["particle 11: its row names a neighbour twice"];
+        fail(row.new_list(), ELLGRAN_ERROR_PARTICLE, &words);
+        row.engine.write(&row.neighbours, 1, &[0, 2]);
         // What was remembered is still there.
         succeed(row.new_list());
         succeed(row.compute());
@@ -580,6 +589,28 @@ fn no_grains() {
 }
 
 /// A neighbour that has become another one after the list was looked at.
+/// Contacts would advance, and loads be nowhere.
+#[test]
+fn nothing_is_started_without_loads() {
+    with_driver("nothing_is_started_without_loads", &[], || {
+        let row = Row::new();
+        succeed(row.new_list());
+        let before = row.engine.tally(support::Tally::Launches);
+        let grains = row.grains();
+        let step = EllgranStep {
+            advance_history: 1,
+            time_step: 1e-3,
+            ..new()
+        };
+        let none = core::ptr::null_mut();
+        let status = unsafe {
+            ellgran_gpu_compute_pairs(row.scene, &grains, &step, none, row.engine.stream)
+        };
+        fail(status, ELLGRAN_ERROR_NULL_POINTER, &["loads"]);
+        assert_eq!(row.engine.tally(support::Tally::Launches), before);
+    });
+}
+
 #[test]
 fn a_kernel_that_ends() {
     with_driver("a_kernel_that_ends", &[], || {

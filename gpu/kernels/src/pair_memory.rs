@@ -11,6 +11,8 @@ pub const WRONG_ROW: u32 = 101;
 pub const WRONG_NEIGHBOUR: u32 = 102;
 /// Of a row: it names an owned grain whose row does not name this one.
 pub const HALF_LIST: u32 = 103;
+/// Of a row: it names a neighbour twice.
+pub const NAMED_TWICE: u32 = 104;
 
 /// What a slot holds: identifier and index + 1. 0 is none.
 fn entry(identifier: i32, index: u32) -> u64 {
@@ -99,7 +101,10 @@ pub fn fault_of_row(k: usize, starts: &[u32], all_neighbours: &[u32], grains: us
     if own.iter().any(|&other| names_none(k, other)) {
         return WRONG_NEIGHBOUR;
     }
-    for &other in own {
+    for (place, &other) in own.iter().enumerate() {
+        if own[..place].contains(&other) {
+            return NAMED_TWICE;
+        }
         let other = other as usize;
         let Some(theirs) = (other + 1 < starts.len()).then(|| row(other)).flatten() else {
             continue;
@@ -293,6 +298,7 @@ mod tests {
         assert_eq!(fault(1, &starts, &[1, 3, 1, 2]), WRONG_NEIGHBOUR);
         assert_eq!(fault(1, &starts, &[1, 3, 4, 2]), WRONG_NEIGHBOUR);
         assert_eq!(fault(0, &starts, &[1, 3, 3, 2]), HALF_LIST);
+        assert_eq!(fault(0, &starts, &[3, 3, 0, 2]), NAMED_TWICE);
         // The other's row is wrong itself.
         assert_eq!(fault(0, &starts, &[1, 3, 4, 2]), 0);
         assert_eq!(fault(0, &[0, 2, 9], &[1, 3, 3, 2]), 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The entries: what a thread does with which arrays. One thread for each grain, or for some contacts, in a grid of one dimension. Every
+//! The entries: what a thread does with which arrays. One thread for each grain, each of its components, some contacts or some rows, in a
+//! grid of one dimension. Every
 //! kernel takes the number of threads first, and then one struct of `ellgran_kernels::arguments`.
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.

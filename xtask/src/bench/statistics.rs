@@ -34,7 +34,11 @@ impl Measured {
         }
     }
 
+    /// Of one run nothing is known of its scatter.
     pub fn show(&self) -> String {
+        if self.spread == 0.0 {
+            return short(self.median);
+        }
         format!("{} ± {}", short(self.median), short(self.spread))
     }
 }
