@@ -49,11 +49,15 @@ void EllgranDeviceGrains::check(int32_t status) const
   if (status != ELLGRAN_SUCCESS) error->one(FLERR, "{}: {}", caller, ellgran_last_error());
 }
 
-/* That of KOKKOS: what it starts before and after comes before and after. */
+/* That of KOKKOS: what it starts before and after comes before and after. The tests' KOKKOS for the host has none. */
 
 void *EllgranDeviceGrains::stream() const
 {
+#ifdef KOKKOS_ENABLE_CUDA
   return LMPDeviceType().cuda_stream();
+#else
+  return nullptr;
+#endif
 }
 
 void EllgranDeviceGrains::set_laws(const EllgranLaws *laws)

@@ -3,7 +3,7 @@
 //!
 //! `cargo xtask test` builds LAMMPS and the plugin and names them in the environment; see `harness`.
 //! Tests whose name begins with `both_versions_` use nothing that LAMMPS 4 Feb 2025 lacks and are run against it too.
-//! Those in `kokkos` need a LAMMPS with its KOKKOS package as well, and are run apart.
+//! Those in `kokkos` and `styles_for_a_gpu` need a LAMMPS with its KOKKOS package as well, and are run apart.
 
 #[path = "../support/engines/mod.rs"]
 mod engines;
@@ -54,6 +54,7 @@ mod set_up;
 mod size_ratio;
 mod spheres;
 mod stored_collision;
+mod styles_for_a_gpu;
 mod tangential_force;
 mod tangential_motion;
 mod time_step;

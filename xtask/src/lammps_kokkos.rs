@@ -105,8 +105,22 @@ pub fn has_ellipsoids(lammps: &Source) -> bool {
         .is_file()
 }
 
+/// What is built, and what it is built from.
+pub struct Built {
+    pub binary: PathBuf,
+    /// Its source tree and its build.
+    pub tree: PathBuf,
+    pub build: PathBuf,
+    /// Where its Kokkos is installed.
+    pub kokkos: PathBuf,
+}
+
 /// The binary, built when missing.
 pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
+    Ok(built(lammps, backend)?.binary)
+}
+
+pub fn built(lammps: &Source, backend: Backend) -> Result<Built> {
     setup::setup()?;
     let spelled = lammps.spelled()?;
     if !has_ellipsoids(lammps) {
@@ -122,19 +136,30 @@ pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
     let tree = home.join(format!("source-kokkos-{}", cache::key(&parts)));
     parts.push(backend.name());
     let build = home.join(format!("build-kokkos-{}", cache::key(&parts)));
-    let binary = build.join("lmp");
+    let all = Built {
+        binary: build.join("lmp"),
+        tree,
+        build,
+        kokkos,
+    };
+    let Built {
+        binary,
+        tree,
+        build,
+        kokkos,
+    } = &all;
     let _lock = cache::lock(&format!("lammps-kokkos-build-{}", lammps.name))?;
-    let stamp = cache::stamp(&build);
+    let stamp = cache::stamp(build);
     let title = format!("LAMMPS {spelled} with KOKKOS for {}", backend.name());
     if stamp.is_file() && binary.is_file() {
         say(format!("{title} is in the cache"));
-        return Ok(binary);
+        return Ok(all);
     }
     cache::need_space(&home, 1500)?;
     if !tree.is_dir() {
-        few_styles(&lammps.directory, &tree, KEPT_STYLES)?;
+        few_styles(&lammps.directory, tree, KEPT_STYLES)?;
     }
-    fs::create_dir_all(&build)?;
+    fs::create_dir_all(build)?;
     say(format!(
         "Building {title} in {} (once; about 10 minutes on two cores)",
         build.display()
@@ -144,16 +169,16 @@ pub fn binary(lammps: &Source, backend: Backend) -> Result<PathBuf> {
         .arg("-S")
         .arg(tree.join("cmake"))
         .arg("-B")
-        .arg(&build)
+        .arg(build)
         .args(["-G", "Ninja"])
         .args(CONFIGURATION)
         .arg(format!("-DCMAKE_PREFIX_PATH={}", kokkos.display()));
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("LAMMPS with KOKKOS cannot be configured")?;
-    ninja(&build, &["lmp"], &format!("Building {title}"))
+    ninja(build, &["lmp"], &format!("Building {title}"))
         .context("LAMMPS with KOKKOS cannot be built")?;
     fs::write(&stamp, &spelled)?;
-    Ok(binary)
+    Ok(all)
 }
 
 /// A copy of LAMMPS' source tree, as links to its files, with these of the package's styles alone and for this Kokkos.

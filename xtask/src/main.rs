@@ -18,6 +18,7 @@ mod install;
 mod lammps;
 mod lammps_kokkos;
 mod lammps_kokkos_cuda;
+mod lammps_on_stand_in;
 mod law_tables;
 mod library;
 mod liggghts;

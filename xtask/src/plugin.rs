@@ -97,7 +97,7 @@ fn built(
 
 /// Removes what CMake has configured for sources in another place, a checkout that has been moved or one for a single use: it refuses
 /// to go on from that.
-fn forget_other_sources(build: &Path, source: &Path) -> Result<()> {
+pub fn forget_other_sources(build: &Path, source: &Path) -> Result<()> {
     let Ok(cache) = fs::read_to_string(build.join("CMakeCache.txt")) else {
         return Ok(());
     };
@@ -110,7 +110,7 @@ fn forget_other_sources(build: &Path, source: &Path) -> Result<()> {
     Ok(())
 }
 
-fn define(name: &str, path: &Path) -> String {
+pub fn define(name: &str, path: &Path) -> String {
     format!("-D{name}={}", path.display())
 }
 

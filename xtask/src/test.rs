@@ -12,9 +12,9 @@ use crate::process::run_open;
 use crate::progress::{human_time, say};
 use crate::workspace::{cargo, root};
 use crate::{
-    aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, liggghts, mpi,
-    other_systems, plugin, python, report, rooms, rust_target, setup, shown, site, validate, vtk,
-    wheel,
+    aarch64, bench, demo, gpu, header, install, lammps, lammps_kokkos, lammps_on_stand_in,
+    liggghts, mpi, other_systems, plugin, python, report, rooms, rust_target, setup, shown, site,
+    validate, vtk, wheel,
 };
 
 #[derive(clap::Args)]
@@ -284,7 +284,7 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
     steps.check("through LAMMPS", || {
         run_open(
             with_engine(test_program("lammps"), &newest)?
-                .args(["--", "--skip", KOKKOS_TESTS])
+                .args(["--", "--skip", KOKKOS_TESTS, "--skip", GPU_TESTS])
                 .args(newest_filter),
         )
     });
@@ -353,9 +353,13 @@ fn engines(steps: &mut Steps, filter: &[&str]) -> Result<()> {
 /// Module of the tests that need a LAMMPS with KOKKOS.
 const KOKKOS_TESTS: &str = "kokkos::";
 
+/// Module of the tests that need the styles for a GPU besides.
+const GPU_TESTS: &str = "styles_for_a_gpu::";
+
 /// Left out, and said, where no release with ellipsoids in KOKKOS is to be had, or no Kokkos.
 fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()> {
-    if !filter.is_empty() && !filter.iter().any(|word| word.contains("kokkos")) {
+    let named = |word: &&str| word.contains("kokkos") || word.contains("gpu");
+    if !filter.is_empty() && !filter.iter().any(named) {
         return Ok(());
     }
     let source = lammps::source()?;
@@ -372,16 +376,39 @@ fn with_kokkos(steps: &mut Steps, newest: &Engine, filter: &[&str]) -> Result<()
         return Ok(());
     }
     let lammps = steps.run("LAMMPS with KOKKOS", || {
-        lammps_kokkos::binary(&source, Backend::OpenMp)
+        lammps_kokkos::built(&source, Backend::OpenMp)
     })?;
     steps.check("through LAMMPS with KOKKOS", || {
         run_open(
             with_engine(test_program("lammps"), newest)?
-                .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps)
+                .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps.binary)
                 .args(["--", KOKKOS_TESTS]),
         )
     });
+    styles_for_a_gpu(steps, newest, &source, &lammps);
     Ok(())
+}
+
+/// Without a GPU. Its plugin takes what linkers of Linux alone can do.
+fn styles_for_a_gpu(
+    steps: &mut Steps,
+    newest: &Engine,
+    source: &lammps::Source,
+    lammps: &lammps_kokkos::Built,
+) {
+    if !cfg!(target_os = "linux") {
+        say("NOT TESTED: LAMMPS' styles for a GPU: their plugin is built on Linux");
+        return;
+    }
+    steps.check("LAMMPS' styles for a GPU, without one", || {
+        let plugin = lammps_on_stand_in::plugin(source, lammps)?;
+        run_open(
+            with_engine(test_program("lammps"), newest)?
+                .env("ELLGRAN_TEST_LAMMPS_KOKKOS", &lammps.binary)
+                .env("ELLGRAN_TEST_LAMMPS_GPU_PLUGIN", plugin)
+                .args(["--", GPU_TESTS]),
+        )
+    });
 }
 
 /// One program of the tests.

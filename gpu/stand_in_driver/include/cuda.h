@@ -18,6 +18,9 @@ typedef enum CUresult { CUDA_SUCCESS = 0, CUDA_ERROR_UNKNOWN = 999 } CUresult;
 #define cuMemcpyDtoH cuMemcpyDtoH_v2
 #define cuCtxPushCurrent cuCtxPushCurrent_v2
 
+#ifdef __cplusplus
+extern "C" {
+#endif
 CUresult cuInit(unsigned int flags);
 CUresult cuDeviceGet(CUdevice *device, int ordinal);
 CUresult cuDevicePrimaryCtxRetain(CUcontext *context, CUdevice device);
@@ -27,5 +30,8 @@ CUresult cuStreamSynchronize(CUstream stream);
 CUresult cuMemAlloc(CUdeviceptr *address, size_t bytes);
 CUresult cuMemcpyHtoD(CUdeviceptr to, const void *from, size_t bytes);
 CUresult cuMemcpyDtoH(void *to, CUdeviceptr from, size_t bytes);
+#ifdef __cplusplus
+}
+#endif
 
 #endif
