@@ -52,8 +52,8 @@ fn both_versions_remember_contacts_where_grains_are_deleted() {
     assert_eq!(kept.len(), 59);
     for (between, ranks, newton) in [
         (&[][..], 1, true),
-        (&[][..], 4, true),
-        (&[][..], 4, false),
+        (&[][..], 2, true),
+        (&[][..], 2, false),
         // Grains go to other ranks, and those that are gone leave IDs to others twice.
         (
             &["write_restart middle.restart", "delete_atoms group gone"][..],

@@ -597,7 +597,7 @@ fn nothing_is_started_without_loads() {
         succeed(row.new_list());
         let before = row.engine.tally(support::Tally::Launches);
         let grains = row.grains();
-        let step = EllgranStep {
+        let step = ellgran::c_api::particles::EllgranStep {
             advance_history: 1,
             time_step: 1e-3,
             ..new()
