@@ -160,7 +160,7 @@ fn the_trajectories_between_moving_planes_are_those_of_the_host() {
         deck.fixes.extend([
             format!("fix x all wall/gran/ellipsoid {LAW} xplane 0.0 0.096 shear y 0.5"),
             format!("fix low all wall/gran/ellipsoid {LAW} zplane 0.0 NULL wiggle z 1e-3 0.002"),
-            format!("fix high all wall/gran/ellipsoid nfd 2e7 0.3 80 80 tangential tfd 0.3 zplane NULL 0.096"),
+            "fix high all wall/gran/ellipsoid nfd 2e7 0.3 80 80 tangential tfd 0.3 zplane NULL 0.096".to_string(),
         ]);
         same_trajectories(&motion.replace(' ', "_"), &between_walls(), &deck);
     }
