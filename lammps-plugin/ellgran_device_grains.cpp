@@ -9,6 +9,7 @@
 #include "neighbor.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 using namespace LAMMPS_NS;
@@ -23,6 +24,37 @@ constexpr double MARGIN = 0.05;
 constexpr double UNKNOWN = std::numeric_limits<double>::infinity();
 
 using Policy = Kokkos::RangePolicy<LMPDeviceType>;
+
+// Rows or columns, as KOKKOS has them for this machine.
+template <class View> EllgranGpuVectors vectors_of(const View &view)
+{
+  return {view.data(), view.stride(0), view.stride(1)};
+}
+
+AtomVecEllipsoidKokkos *style_of(Atom *atom)
+{
+  return dynamic_cast<AtomVecEllipsoidKokkos *>(atom->style_match("ellipsoid"));
+}
+
+// LAMMPS has shapes and attitudes in records beside its other arrays.
+struct Bodies {
+  EllgranGpuVectors semi_axes, quaternions;
+  const int32_t *places;
+  std::size_t count;
+
+  explicit Bodies(Atom *atom)
+  {
+    const auto bonus = style_of(atom)->k_bonus.view_device();
+    using Record = AtomVecEllipsoid::Bonus;
+    static_assert(sizeof(Record) % sizeof(double) == 0, "records of LAMMPS hold doubles at a distance of doubles");
+    constexpr std::size_t record = sizeof(Record) / sizeof(double);
+    auto *const first = reinterpret_cast<double *>(bonus.data());
+    semi_axes = {first + offsetof(Record, shape) / sizeof(double), record, 1};
+    quaternions = {first + offsetof(Record, quat) / sizeof(double), record, 1};
+    places = static_cast<AtomKokkos *>(atom)->k_ellipsoid.view_device().data();
+    count = bonus.extent(0);
+  }
+};
 
 // Views that only grow: LAMMPS adds images with each list.
 template <class View> void fit(View &view, const char *label, size_t count)
@@ -81,33 +113,54 @@ void EllgranDeviceGrains::use_velocities_of_step(bool yes)
 EllgranGpuGrains EllgranDeviceGrains::grains() const
 {
   auto *const atoms = static_cast<AtomKokkos *>(atom);
+  const Bodies bodies(atom);
   EllgranGpuGrains grains = ELLGRAN_INIT(EllgranGpuGrains);
   grains.owned_count = listed_owned;
   grains.count = listed_count;
-  grains.positions = atoms->k_x.view_device().data();
-  grains.velocities = velocities.data();
-  grains.angular_momenta = momenta.data();
+  grains.positions = vectors_of(atoms->k_x.view_device());
+  grains.velocities = vectors_of(atoms->k_v.view_device());
+  grains.angular_momenta = vectors_of(atoms->k_angmom.view_device());
   grains.velocity_changes = of_step ? changes.data() : nullptr;
-  grains.masses = masses.data();
-  grains.semi_axes = semi_axes.data();
-  grains.quaternions = quaternions.data();
-  grains.types = types.data();
+  grains.masses = atoms->k_rmass.view_device().data();
+  grains.semi_axes = bodies.semi_axes;
+  grains.quaternions = bodies.quaternions;
+  grains.types = atoms->k_type.view_device().data();
   grains.identifiers = atoms->k_tag.view_device().data();
+  grains.owners = owners.data();
+  grains.body_places = bodies.places;
+  grains.body_count = bodies.count;
   return grains;
+}
+
+/* LAMMPS has set these to zero, and others may have added to them. */
+
+EllgranGpuLoads EllgranDeviceGrains::loads() const
+{
+  auto *const atoms = static_cast<AtomKokkos *>(atom);
+  EllgranGpuLoads loads = ELLGRAN_INIT(EllgranGpuLoads);
+  loads.forces = vectors_of(atoms->k_f.view_device());
+  loads.torques = vectors_of(atoms->k_torque.view_device());
+  loads.add = 1;
+  return loads;
 }
 
 EllgranGpuMotion EllgranDeviceGrains::motion(double time_step_before) const
 {
   auto *const atoms = static_cast<AtomKokkos *>(atom);
+  const Bodies bodies(atom);
+  const EllgranGpuLoads now = loads();
   EllgranGpuMotion motion = ELLGRAN_INIT(EllgranGpuMotion);
   motion.count = listed_owned;
-  motion.positions = atoms->k_x.view_device().data();
-  motion.velocities = velocities.data();
-  motion.angular_momenta = momenta.data();
-  motion.quaternions = quaternions.data();
-  motion.semi_axes = semi_axes.data();
-  motion.masses = masses.data();
-  motion.loads = loads.data();
+  motion.positions = vectors_of(atoms->k_x.view_device());
+  motion.velocities = vectors_of(atoms->k_v.view_device());
+  motion.angular_momenta = vectors_of(atoms->k_angmom.view_device());
+  motion.quaternions = bodies.quaternions;
+  motion.semi_axes = bodies.semi_axes;
+  motion.masses = atoms->k_rmass.view_device().data();
+  motion.forces = now.forces;
+  motion.torques = now.torques;
+  motion.body_places = bodies.places;
+  motion.body_count = bodies.count;
   if (of_step) {
     motion.velocity_changes = changes.data();
     motion.loads_before = loads_before.data();
@@ -128,7 +181,7 @@ void EllgranDeviceGrains::follow_order()
   const auto old_places = places;
 
   if (of_step) {
-    fit(other_changes, "ellgran:changes", count);
+    fit(other_changes, "ellgran:changes", owned);
     fit(other_loads, "ellgran:loads_before", owned);
     const auto to_changes = other_changes, from_changes = changes;
     const auto to_loads = other_loads, from_loads = loads_before;
@@ -167,35 +220,18 @@ void EllgranDeviceGrains::follow_order()
   listed_count = count;
 }
 
-void EllgranDeviceGrains::take_shapes()
+void EllgranDeviceGrains::find_margin()
 {
   auto *const atoms = static_cast<AtomKokkos *>(atom);
-  auto *const style = dynamic_cast<AtomVecEllipsoidKokkos *>(atom->style_match("ellipsoid"));
-  fit(semi_axes, "ellgran:semi_axes", listed_count);
-  fit(masses, "ellgran:masses", listed_count);
-  fit(types, "ellgran:types", listed_count);
-  const auto bonus = style->k_bonus.view_device();
+  const auto bonus = style_of(atom)->k_bonus.view_device();
   const auto ellipsoid = atoms->k_ellipsoid.view_device();
-  const auto rmass = atoms->k_rmass.view_device();
-  const auto type = atoms->k_type.view_device();
-  const auto to_axes = semi_axes;
-  const auto to_masses = masses;
-  const auto to_types = types;
-  const auto of = owners;
-  Kokkos::parallel_for(
-      Policy(0, listed_count), KOKKOS_LAMBDA(const int i) {
-        const int j = of(i);
-        const double *const axes = bonus(ellipsoid(j)).shape;
-        for (int k = 0; k < 3; k++) to_axes(i, k) = axes[k];
-        to_masses(i) = rmass(j);
-        to_types(i) = type(j);
-      });
   double sum = 0.0;
   Kokkos::parallel_reduce(
       Policy(0, listed_owned),
       KOKKOS_LAMBDA(const int i, double &of_all) {
-        double least = to_axes(i, 0);
-        for (int k = 1; k < 3; k++) least = (to_axes(i, k) < least) ? to_axes(i, k) : least;
+        const double *const axes = bonus(ellipsoid(i)).shape;
+        double least = axes[0];
+        for (int k = 1; k < 3; k++) least = (axes[k] < least) ? axes[k] : least;
         of_all += least;
       },
       sum);
@@ -234,8 +270,7 @@ void EllgranDeviceGrains::take_rows(NeighListKokkos<LMPDeviceType> *list)
 void EllgranDeviceGrains::take_list(NeighListKokkos<LMPDeviceType> *list)
 {
   follow_order();
-  take_shapes();
-  take_state();
+  find_margin();
   take_rows(list);
   EllgranGpuList rows = ELLGRAN_INIT(EllgranGpuList);
   rows.starts = starts.data();
@@ -245,44 +280,11 @@ void EllgranDeviceGrains::take_list(NeighListKokkos<LMPDeviceType> *list)
   check(ellgran_gpu_new_list(scene, &now, &rows, stream()));
 }
 
-void EllgranDeviceGrains::take_state()
-{
-  auto *const atoms = static_cast<AtomKokkos *>(atom);
-  auto *const style = dynamic_cast<AtomVecEllipsoidKokkos *>(atom->style_match("ellipsoid"));
-  fit(velocities, "ellgran:velocities", listed_count);
-  fit(momenta, "ellgran:momenta", listed_count);
-  fit(quaternions, "ellgran:quaternions", listed_count);
-  const auto bonus = style->k_bonus.view_device();
-  const auto ellipsoid = atoms->k_ellipsoid.view_device();
-  const auto v = atoms->k_v.view_device();
-  const auto angmom = atoms->k_angmom.view_device();
-  const auto to_velocities = velocities;
-  const auto to_momenta = momenta;
-  const auto to_quaternions = quaternions;
-  const auto of = owners;
-  const auto change = changes;
-  const int owned = listed_owned;
-  const bool with_changes = of_step;
-  Kokkos::parallel_for(
-      Policy(0, listed_count), KOKKOS_LAMBDA(const int i) {
-        const int j = of(i);
-        for (int k = 0; k < 3; k++) {
-          to_velocities(i, k) = v(j, k);
-          to_momenta(i, k) = angmom(j, k);
-        }
-        const double *const quat = bonus(ellipsoid(j)).quat;
-        for (int k = 0; k < 4; k++) to_quaternions(i, k) = quat[k];
-        if (with_changes && i >= owned)
-          for (int k = 0; k < 6; k++) change(i, k) = change(j, k);
-      });
-}
-
 void EllgranDeviceGrains::add_forces(const EllgranStep &step)
 {
-  fit(loads, "ellgran:loads", listed_owned);
   const EllgranGpuGrains now = grains();
-  check(ellgran_gpu_compute_pairs(scene, &now, &step, loads.data(), stream()));
-  put_loads();
+  const EllgranGpuLoads to = loads();
+  check(ellgran_gpu_compute_pairs(scene, &now, &step, &to, stream()));
 }
 
 int32_t EllgranDeviceGrains::add_plane()
@@ -295,27 +297,10 @@ int32_t EllgranDeviceGrains::add_plane()
 void EllgranDeviceGrains::add_plane_forces(const std::vector<PlaneNow> &planes, int32_t wall_type, const EllgranStep &step)
 {
   require_listed();
-  // Those of pairs are among LAMMPS' already.
-  Kokkos::deep_copy(LMPDeviceType(), loads, 0.0);
   const EllgranGpuGrains now = grains();
+  const EllgranGpuLoads to = loads();
   for (const PlaneNow &plane : planes)
-    check(ellgran_gpu_compute_plane(scene, &now, plane.number, &plane.place, wall_type, &step, loads.data(), stream()));
-  put_loads();
-}
-
-void EllgranDeviceGrains::put_loads()
-{
-  auto *const atoms = static_cast<AtomKokkos *>(atom);
-  const auto f = atoms->k_f.view_device();
-  const auto torque = atoms->k_torque.view_device();
-  const auto from = loads;
-  Kokkos::parallel_for(
-      Policy(0, listed_owned), KOKKOS_LAMBDA(const int i) {
-        for (int k = 0; k < 3; k++) {
-          f(i, k) += from(i, k);
-          torque(i, k) += from(i, 3 + k);
-        }
-      });
+    check(ellgran_gpu_compute_plane(scene, &now, plane.number, &plane.place, wall_type, &step, &to, stream()));
 }
 
 /* Some commands between two runs take images away, or atoms. A run without set-up goes on with the list of the one before it. */
@@ -330,79 +315,22 @@ void EllgranDeviceGrains::require_listed() const
                caller, listed_count, count);
 }
 
-/* All that may have changed since forces were computed. */
-
-void EllgranDeviceGrains::take_motion()
-{
-  require_listed();
-  auto *const atoms = static_cast<AtomKokkos *>(atom);
-  auto *const style = dynamic_cast<AtomVecEllipsoidKokkos *>(atom->style_match("ellipsoid"));
-  const auto bonus = style->k_bonus.view_device();
-  const auto ellipsoid = atoms->k_ellipsoid.view_device();
-  const auto to_quaternions = quaternions;
-  fit(loads, "ellgran:loads", listed_owned);
-  const auto v = atoms->k_v.view_device();
-  const auto angmom = atoms->k_angmom.view_device();
-  const auto f = atoms->k_f.view_device();
-  const auto torque = atoms->k_torque.view_device();
-  const auto to_velocities = velocities;
-  const auto to_momenta = momenta;
-  const auto to_loads = loads;
-  Kokkos::parallel_for(
-      Policy(0, listed_owned), KOKKOS_LAMBDA(const int i) {
-        for (int k = 0; k < 3; k++) {
-          to_velocities(i, k) = v(i, k);
-          to_momenta(i, k) = angmom(i, k);
-          to_loads(i, k) = f(i, k);
-          to_loads(i, 3 + k) = torque(i, k);
-        }
-        const double *const quat = bonus(ellipsoid(i)).quat;
-        for (int k = 0; k < 4; k++) to_quaternions(i, k) = quat[k];
-      });
-}
-
-void EllgranDeviceGrains::put_motion(bool turned)
-{
-  auto *const atoms = static_cast<AtomKokkos *>(atom);
-  auto *const style = dynamic_cast<AtomVecEllipsoidKokkos *>(atom->style_match("ellipsoid"));
-  const auto v = atoms->k_v.view_device();
-  const auto angmom = atoms->k_angmom.view_device();
-  const auto bonus = style->k_bonus.view_device();
-  const auto ellipsoid = atoms->k_ellipsoid.view_device();
-  const auto from_velocities = velocities;
-  const auto from_momenta = momenta;
-  const auto from_quaternions = quaternions;
-  Kokkos::parallel_for(
-      Policy(0, listed_owned), KOKKOS_LAMBDA(const int i) {
-        for (int k = 0; k < 3; k++) {
-          v(i, k) = from_velocities(i, k);
-          angmom(i, k) = from_momenta(i, k);
-        }
-        if (!turned) return;
-        double *const quat = bonus(ellipsoid(i)).quat;
-        for (int k = 0; k < 4; k++) quat[k] = from_quaternions(i, k);
-      });
-}
-
 void EllgranDeviceGrains::start_step(double time_step, double time_step_before)
 {
-  take_motion();
+  require_listed();
   const EllgranGpuMotion now = motion(time_step_before);
   check(ellgran_gpu_start_step(scene, &now, time_step, stream()));
-  put_motion(true);
 }
 
 void EllgranDeviceGrains::finish_step(double time_step, double time_step_before)
 {
-  take_motion();
+  require_listed();
   const EllgranGpuMotion now = motion(time_step_before);
   check(ellgran_gpu_finish_step(scene, &now, time_step, stream()));
-  put_motion(false);
 }
 
 void EllgranDeviceGrains::prepare()
 {
-  take_state();
   const EllgranGpuGrains now = grains();
   check(ellgran_gpu_prepare(scene, &now, stream()));
 }

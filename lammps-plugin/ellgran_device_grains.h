@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// Where in the memory of the GPU are the arrays that the kernels of ellgran take, in a run of LAMMPS with KOKKOS for CUDA? Gathers them
-/// from LAMMPS' views, puts results back, and starts the kernels; computes no physics. Compiled with the headers of KOKKOS.
+/// Where in the memory of the GPU are the arrays that the kernels of ellgran take, in a run of LAMMPS with KOKKOS for CUDA? Tells the kernels
+/// of LAMMPS' views, which they read and write as they are, and starts them; computes no physics. Compiled with the headers of KOKKOS.
 
 #ifndef ELLGRAN_DEVICE_GRAINS_H
 #define ELLGRAN_DEVICE_GRAINS_H
@@ -76,18 +76,11 @@ class EllgranDeviceGrains : protected Pointers {
 
   // Parts of the above. The compiler wants functions that have kernels of KOKKOS in them to be public.
   void follow_order();
-  void take_shapes();
+  void find_margin();
   void take_rows(NeighListKokkos<LMPDeviceType> *list);
-  void take_state();
-  void put_loads();
-  void take_motion();
-  void put_motion(bool turned);
 
  private:
-  using Vectors = Kokkos::View<double *[3], Kokkos::LayoutRight, LMPDeviceType>;
-  using Quaternions = Kokkos::View<double *[4], Kokkos::LayoutRight, LMPDeviceType>;
   using Loads = Kokkos::View<double *[6], Kokkos::LayoutRight, LMPDeviceType>;
-  using Numbers = Kokkos::View<double *, LMPDeviceType>;
   using Integers = Kokkos::View<int *, LMPDeviceType>;
   using Unsigned = Kokkos::View<uint32_t *, LMPDeviceType>;
 
@@ -98,17 +91,15 @@ class EllgranDeviceGrains : protected Pointers {
   int listed_count, listed_owned;    // grains of the list, images included, and owned ones; -1: none yet
   double margin;
 
-  Vectors velocities, momenta, semi_axes;
-  Quaternions quaternions;
-  Numbers masses;
-  Integers types, owners;    // owner: the grain itself, or that of which it is an image
-  Loads loads, changes, loads_before, other_changes, other_loads;
-  Integers places;           // of owned grains by identifier; -1: none
+  Integers owners;    // the grain itself, or that of which it is an image
+  Loads changes, loads_before, other_changes, other_loads;
+  Integers places;    // of owned grains by identifier; -1: none
   Unsigned starts, neighbours;
 
   void check(int32_t status) const;
   [[nodiscard]] void *stream() const;
   [[nodiscard]] EllgranGpuGrains grains() const;
+  [[nodiscard]] EllgranGpuLoads loads() const;
   [[nodiscard]] EllgranGpuMotion motion(double time_step_before) const;
 };
 

@@ -22,7 +22,7 @@ namespace {
 const char CALLER[] = "Fix nve/ellipsoid/kk";
 
 constexpr uint64_t MOTION = V_MASK | ANGMOM_MASK;
-constexpr uint64_t READ = X_MASK | MOTION | F_MASK | TORQUE_MASK | TAG_MASK | ELLIPSOID_MASK | BONUS_MASK;
+constexpr uint64_t READ = X_MASK | MOTION | F_MASK | TORQUE_MASK | RMASS_MASK | TAG_MASK | ELLIPSOID_MASK | BONUS_MASK;
 
 }    // namespace
 

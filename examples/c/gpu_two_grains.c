@@ -59,7 +59,7 @@ int main(void)
                                     {cos(-37.5 * degree), 0.0, sin(-37.5 * degree), 0.0}};
   const double semi_axes[2][3] = {{0.005, 0.005, 0.01}, {0.005, 0.005, 0.01}};
   const double masses[2] = {mass, mass};
-  const double zeros[12] = {0.0};
+  const double zeros[6] = {0.0};
   const int32_t types[2] = {1, 1}, identifiers[2] = {1, 2};
   /* Each is the other's neighbour. */
   const uint32_t starts[3] = {0, 1, 2}, neighbours[2] = {1, 0};
@@ -73,10 +73,10 @@ int main(void)
   EllgranGpuGrains grains = ELLGRAN_INIT(EllgranGpuGrains);
   EllgranGpuMotion motion = ELLGRAN_INIT(EllgranGpuMotion);
   EllgranGpuList list = ELLGRAN_INIT(EllgranGpuList);
+  EllgranGpuLoads loads = ELLGRAN_INIT(EllgranGpuLoads);
   CUdevice device;
   CUcontext context;
   CUstream stream;
-  double *loads;
   double after[2][3];
   int count;
 
@@ -86,15 +86,17 @@ int main(void)
   check_driver(cuDevicePrimaryCtxRetain(&context, device), "cuDevicePrimaryCtxRetain");
   check_driver(cuCtxPushCurrent(context), "cuCtxPushCurrent");
   check_driver(cuStreamCreate(&stream, 0), "cuStreamCreate");
-  motion.positions = on_gpu(positions, sizeof positions);
-  motion.velocities = on_gpu(velocities, sizeof velocities);
-  motion.angular_momenta = on_gpu(zeros, 6 * sizeof *zeros);
-  motion.quaternions = on_gpu(quaternions, sizeof quaternions);
-  motion.semi_axes = on_gpu(semi_axes, sizeof semi_axes);
+  motion.positions.first = on_gpu(positions, sizeof positions);
+  motion.velocities.first = on_gpu(velocities, sizeof velocities);
+  motion.angular_momenta.first = on_gpu(zeros, 6 * sizeof *zeros);
+  motion.quaternions.first = on_gpu(quaternions, sizeof quaternions);
+  motion.semi_axes.first = on_gpu(semi_axes, sizeof semi_axes);
   motion.masses = on_gpu(masses, sizeof masses);
-  loads = on_gpu(zeros, sizeof zeros);
-  motion.loads = loads;
+  motion.forces.first = on_gpu(zeros, 6 * sizeof *zeros);
+  motion.torques.first = on_gpu(zeros, 6 * sizeof *zeros);
   motion.count = 2;
+  loads.forces = motion.forces;
+  loads.torques = motion.torques;
   grains.owned_count = grains.count = 2;
   grains.positions = motion.positions;
   grains.velocities = motion.velocities;
@@ -123,13 +125,13 @@ int main(void)
   for (count = 1; count <= STEPS; ++count) {
     check(ellgran_gpu_start_step(scene, &motion, TIME_STEP, stream));
     check(ellgran_gpu_prepare(scene, &grains, stream));
-    check(ellgran_gpu_compute_pairs(scene, &grains, &step, loads, stream));
+    check(ellgran_gpu_compute_pairs(scene, &grains, &step, &loads, stream));
     check(ellgran_gpu_finish_step(scene, &motion, TIME_STEP, stream));
     if (count % 100 == 0) check(ellgran_gpu_check(scene, &grains, stream));
   }
 
   check_driver(cuStreamSynchronize(stream), "cuStreamSynchronize");
-  check_driver(cuMemcpyDtoH(after, (CUdeviceptr) (uintptr_t) motion.velocities, sizeof after), "cuMemcpyDtoH");
+  check_driver(cuMemcpyDtoH(after, (CUdeviceptr) (uintptr_t) motion.velocities.first, sizeof after), "cuMemcpyDtoH");
   printf("velocities after: (%.4f, %.4f) and (%.4f, %.4f) m/s\n", after[0][0], after[0][2], after[1][0], after[1][2]);
   ellgran_gpu_scene_free(scene);
   ellgran_gpu_free(gpu);

@@ -1,8 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The structs of the C interface: pointers to memory of the device, which are not followed here.
 
+/// Vectors of grains in the memory of the GPU: component `c` of grain `k` is `first[k * per_grain + c * per_component]`. Both distances
+/// 0: one vector after the other, [count][3], of quaternions [count][4]. Columns, one array for each component: `per_grain` 1,
+/// `per_component` the length of a column. No two components may be at the same place.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuVectors {
+    /// The first component of the first grain.
+    pub first: *mut f64,
+    /// Distance in doubles from a grain to the next.
+    pub per_grain: usize,
+    /// Distance in doubles from a component to the next.
+    pub per_component: usize,
+}
+
 /// Pointers to an engine's own arrays of grains in the memory of the GPU: owned grains first, then ghosts. World frame; any consistent
-/// units. Every array has `count` entries.
+/// units. Every array has `count` entries, unless it says otherwise.
 ///
 /// The arrays are read while what a call has started runs on its stream, and may move between calls. Values out of their range, which
 /// are those of `EllgranParticles`, are found on the GPU: `ellgran_gpu_check` tells of them.
@@ -15,26 +29,49 @@ pub struct EllgranGpuGrains {
     pub owned_count: usize,
     /// All grains, ghosts included; below 2^31.
     pub count: usize,
-    /// Centres, [count][3].
-    pub positions: *const f64,
-    /// Velocities of the centres, [count][3]: those of the half step, or those of the step with `velocity_changes`.
-    pub velocities: *const f64,
-    /// Angular momenta of solid ellipsoids about their centres, [count][3]; of the same time.
-    pub angular_momenta: *const f64,
+    /// Centres.
+    pub positions: EllgranGpuVectors,
+    /// Velocities of the centres: those of the half step, or those of the step with `velocity_changes`.
+    pub velocities: EllgranGpuVectors,
+    /// Angular momenta of solid ellipsoids about their centres; of the same time.
+    pub angular_momenta: EllgranGpuVectors,
     /// NULL, or what velocities and angular momenta have more than those of the half step, [count][6], as
     /// `ellgran_gpu_start_step` writes it. NULL or not is decided with `ellgran_gpu_new_list`.
     pub velocity_changes: *const f64,
     /// Masses, [count].
     pub masses: *const f64,
-    /// Semi-axes, [count][3]. They change with `ellgran_gpu_new_list` alone.
-    pub semi_axes: *const f64,
-    /// Quaternions (w, x, y, z), body to world, [count][4].
-    pub quaternions: *const f64,
+    /// Semi-axes. They change with `ellgran_gpu_new_list` alone.
+    pub semi_axes: EllgranGpuVectors,
+    /// Quaternions (w, x, y, z), body to world.
+    pub quaternions: EllgranGpuVectors,
     /// Types, counted from 1, [count].
     pub types: *const i32,
     /// Identifiers, [count]: they order the two grains of a pair, and carry its history from list to list. A ghost has that of its
     /// grain.
     pub identifiers: *const i32,
+    /// NULL, or the owned grain that each grain is, or is an image of, [count]. Velocities, angular momenta, changes, masses,
+    /// semi-axes and quaternions of images are then those of these grains, and need entries for owned grains alone. It changes with
+    /// `ellgran_gpu_new_list` alone.
+    pub owners: *const i32,
+    /// NULL, or where in `semi_axes` and `quaternions` each grain is, each place once: for an engine that has these beside its other
+    /// arrays. Of `count` entries, with `owners` of `owned_count`. It changes with `ellgran_gpu_new_list` alone.
+    pub body_places: *const i32,
+    /// How many places there are in `semi_axes` and `quaternions`; read with `body_places`.
+    pub body_count: usize,
+}
+
+/// Where forces and torques are written in the memory of the GPU, of owned grains.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuLoads {
+    /// `sizeof(EllgranGpuLoads)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Forces.
+    pub forces: EllgranGpuVectors,
+    /// Torques about the centres.
+    pub torques: EllgranGpuVectors,
+    /// 0: what is there is overwritten with the loads of pairs. 1: these are added to it. Those of planes are always added.
+    pub add: i64,
 }
 
 /// An engine's full neighbour list in the memory of the GPU: each pair of owned grains twice, once in the row of either.
@@ -59,7 +96,7 @@ pub struct EllgranGpuList {
     pub margin: f64,
 }
 
-/// Pointers to what moves, in the memory of the GPU, [count] each; all owned grains move.
+/// Pointers to what moves, in the memory of the GPU, `count` each; all owned grains move.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EllgranGpuMotion {
@@ -67,26 +104,32 @@ pub struct EllgranGpuMotion {
     pub size: usize,
     /// Number of grains: the owned ones of the list.
     pub count: usize,
-    /// Centres, [count][3]; written by `ellgran_gpu_start_step`.
-    pub positions: *mut f64,
-    /// Velocities, [count][3]; written.
-    pub velocities: *mut f64,
-    /// Angular momenta, [count][3]; written.
-    pub angular_momenta: *mut f64,
-    /// Quaternions, [count][4]; `ellgran_gpu_start_step` writes them with length 1.
-    pub quaternions: *mut f64,
-    /// Semi-axes, [count][3].
-    pub semi_axes: *const f64,
+    /// Centres; written by `ellgran_gpu_start_step`.
+    pub positions: EllgranGpuVectors,
+    /// Velocities; written.
+    pub velocities: EllgranGpuVectors,
+    /// Angular momenta; written.
+    pub angular_momenta: EllgranGpuVectors,
+    /// Quaternions; `ellgran_gpu_start_step` writes them with length 1.
+    pub quaternions: EllgranGpuVectors,
+    /// Semi-axes.
+    pub semi_axes: EllgranGpuVectors,
     /// Masses, [count].
     pub masses: *const f64,
-    /// Force, then torque about the centre, [count][6].
-    pub loads: *const f64,
+    /// Forces.
+    pub forces: EllgranGpuVectors,
+    /// Torques about the centres.
+    pub torques: EllgranGpuVectors,
     /// As of `EllgranMotion`: NULL, or what velocities and angular momenta have more than those of the half step, [count][6]; written.
     pub velocity_changes: *mut f64,
     /// As of `EllgranMotion`: forces and torques of the step before, [count][6]; read and written with `velocity_changes`.
     pub loads_before: *mut f64,
     /// As of `EllgranMotion`: time step of the step before; 0: the present one.
     pub time_step_before: f64,
+    /// As of `EllgranGpuGrains`: NULL, or where in `semi_axes` and `quaternions` each grain is, [count].
+    pub body_places: *const i32,
+    /// As of `EllgranGpuGrains`.
+    pub body_count: usize,
 }
 
 /// What a scene remembers, in the memory of the GPU. It may be read, and written for a restart, until the next call of

@@ -186,12 +186,47 @@ impl<T> Array<T> {
     }
 }
 
+/// Vectors of `N` numbers on the device, as their host knows them: what the kernels take as a pointer, two distances and a number of
+/// vectors.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct VectorArray<const N: usize> {
+    address: u64,
+    per_grain: u64,
+    per_component: u64,
+    count: u64,
+}
+
+impl<const N: usize> VectorArray<N> {
+    /// So many vectors from an address on, at these distances in numbers; both 0: one vector after the other.
+    pub fn at(address: u64, per_grain: usize, per_component: usize, count: usize) -> Self {
+        let (per_grain, per_component) = match (per_grain, per_component) {
+            (0, 0) => (N, 1),
+            stated => stated,
+        };
+        VectorArray {
+            address,
+            per_grain: per_grain as u64,
+            per_component: per_component as u64,
+            count: count as u64,
+        }
+    }
+
+    /// Where a component of a vector is.
+    pub fn place(&self, vector: usize, component: usize) -> u64 {
+        let at = vector as u64 * self.per_grain + component as u64 * self.per_component;
+        self.address + at * size_of::<f64>() as u64
+    }
+}
+
 /// The memory of a device, on its host.
 pub struct OnDevice;
 
 impl Memory for OnDevice {
     type Shared<T> = Array<T>;
     type Parts<T> = Array<T>;
+    type SharedVectors<const N: usize> = VectorArray<N>;
+    type OwnVectors<const N: usize> = VectorArray<N>;
 }
 
 /// Memory on the device that is owned here.

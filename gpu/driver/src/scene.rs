@@ -4,9 +4,10 @@
 //! Memory is allocated with a new list alone. In a step nothing is allocated, nothing is copied, and nothing is waited for.
 
 use crate::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
+    EllgranGpuMotion, EllgranGpuVectors,
 };
-use crate::device::{Array, Buffer, Device, OnDevice};
+use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
 use crate::entries::{Chosen, Common, Shapes, Terms};
 use core::sync::atomic::{AtomicU32, AtomicU64};
@@ -16,16 +17,14 @@ use ellgran::c_api::status::{
 use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
 use ellgran::contact::{Laws, MotionChange, Step};
 use ellgran::force::PairLaw;
-use ellgran::vector::Vector3;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
-    CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
     MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
-use ellgran_kernels::contacts::Load;
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::Grain;
@@ -63,6 +62,54 @@ fn array<T, P>(pointer: *const P, length: usize, name: &str) -> Result<Array<T>,
 /// An array that need not be given.
 fn optional<T, P>(pointer: *const P, length: usize) -> Array<T> {
     Array::at(pointer.addr() as u64, length)
+}
+
+/// Vectors that must be given where there are any.
+fn vectors<const N: usize>(
+    given: &EllgranGpuVectors,
+    count: usize,
+    name: &str,
+) -> Result<VectorArray<N>, Failure> {
+    if count > 0 {
+        address(given.first, name)?;
+    }
+    // A distance of 0 would put components into one another's places.
+    if (given.per_grain == 0) != (given.per_component == 0) {
+        return argument(format!(
+            "{name}: per_grain = {} and per_component = {} must both be 0, or both greater",
+            given.per_grain, given.per_component
+        ));
+    }
+    let first = given.first.addr() as u64;
+    Ok(VectorArray::at(
+        first,
+        given.per_grain,
+        given.per_component,
+        count,
+    ))
+}
+
+/// How many entries the arrays have that owners name.
+fn named_count(g: &EllgranGpuGrains) -> usize {
+    if g.owners.is_null() {
+        g.count
+    } else {
+        g.owned_count
+    }
+}
+
+fn bodies(g: &EllgranGpuGrains) -> Result<BodyArguments<OnDevice>, Failure> {
+    let count = if g.body_places.is_null() {
+        named_count(g)
+    } else {
+        g.body_count
+    };
+    Ok(BodyArguments {
+        owners: optional(g.owners, g.count),
+        places: optional(g.body_places, named_count(g)),
+        semi_axes: vectors(&g.semi_axes, count, "semi_axes")?,
+        quaternions: vectors(&g.quaternions, count, "quaternions")?,
+    })
 }
 
 /// States and histories of one wall.
@@ -280,15 +327,14 @@ impl Scene {
     }
 
     fn launch_prepare(&self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
-        let n = g.count;
+        let (n, named) = (g.count, named_count(g));
         let arguments = PrepareArguments {
-            positions: array(g.positions, n, "positions")?,
-            velocities: array(g.velocities, n, "velocities")?,
-            angular_momenta: array(g.angular_momenta, n, "angular_momenta")?,
-            changes: optional(g.velocity_changes, n),
-            masses: array(g.masses, n, "masses")?,
-            semi_axes: array(g.semi_axes, n, "semi_axes")?,
-            quaternions: array(g.quaternions, n, "quaternions")?,
+            positions: vectors(&g.positions, n, "positions")?,
+            velocities: vectors(&g.velocities, named, "velocities")?,
+            angular_momenta: vectors(&g.angular_momenta, named, "angular_momenta")?,
+            changes: optional(g.velocity_changes, named),
+            masses: array(g.masses, named, "masses")?,
+            bodies: bodies(g)?,
             types: array(g.types, n, "types")?,
             grains: self.grains.all(),
             motion_changes: self.changes.all(),
@@ -355,9 +401,8 @@ impl Scene {
         let terms = &self.common.terms;
         terms.launch(&self.device, stream, listed.owned, &arguments)?;
         let arguments = PoseArguments {
-            positions: array(g.positions, g.count, "positions")?,
-            quaternions: array(g.quaternions, g.count, "quaternions")?,
-            semi_axes: array(g.semi_axes, g.count, "semi_axes")?,
+            positions: vectors(&g.positions, g.count, "positions")?,
+            bodies: bodies(g)?,
             poses: self.poses.all(),
             notes: self.notes(),
             margin,
@@ -460,16 +505,18 @@ impl Scene {
         if !self.device.checks_pointers {
             return Ok(());
         }
-        let pointers: [(u64, &str); 11] = [
-            (g.positions.addr() as u64, "positions"),
-            (g.velocities.addr() as u64, "velocities"),
-            (g.angular_momenta.addr() as u64, "angular_momenta"),
+        let pointers: [(u64, &str); 13] = [
+            (g.positions.first.addr() as u64, "positions"),
+            (g.velocities.first.addr() as u64, "velocities"),
+            (g.angular_momenta.first.addr() as u64, "angular_momenta"),
             (g.velocity_changes.addr() as u64, "velocity_changes"),
             (g.masses.addr() as u64, "masses"),
-            (g.semi_axes.addr() as u64, "semi_axes"),
-            (g.quaternions.addr() as u64, "quaternions"),
+            (g.semi_axes.first.addr() as u64, "semi_axes"),
+            (g.quaternions.first.addr() as u64, "quaternions"),
             (g.types.addr() as u64, "types"),
             (g.identifiers.addr() as u64, "identifiers"),
+            (g.owners.addr() as u64, "owners"),
+            (g.body_places.addr() as u64, "body_places"),
             (list.starts.addr() as u64, "starts"),
             (list.neighbours.addr() as u64, "neighbours"),
         ];
@@ -489,7 +536,7 @@ impl Scene {
                 self.clear_note(NO_SPHERE, stream)?;
                 self.clear_note(NO_SPHEROID, stream)?;
                 let arguments = ShapeArguments {
-                    semi_axes: array(g.semi_axes, g.count, "semi_axes")?,
+                    bodies: bodies(g)?,
                     notes: self.notes(),
                 };
                 let find = &self.common.find_shapes;
@@ -603,8 +650,8 @@ impl Scene {
         let _entered = self.device.enter()?;
         self.launch_prepare(g, stream)?;
         let arguments = MovedArguments {
-            positions: array(g.positions, g.count, "positions")?,
-            quaternions: array(g.quaternions, g.count, "quaternions")?,
+            positions: vectors(&g.positions, g.count, "positions")?,
+            bodies: bodies(g)?,
             poses: self.poses.all(),
             notes: self.notes(),
             margin: listed.margin,
@@ -622,12 +669,16 @@ impl Scene {
         &mut self,
         g: &EllgranGpuGrains,
         step: &Step,
-        loads: *mut f64,
+        loads: &EllgranGpuLoads,
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
         // Nothing is started for an address that will not do.
-        let loads = array(loads, listed.owned * COMPONENTS, "loads")?;
+        let forces = vectors(&loads.forces, listed.owned, "forces")?;
+        let torques = vectors(&loads.torques, listed.owned, "torques")?;
+        if !matches!(loads.add, 0 | 1) {
+            return argument(format!("add = {} must be 0 or 1", loads.add));
+        }
         let _entered = self.device.enter()?;
         let now = &self.now;
         let arguments = ContactArguments {
@@ -651,8 +702,10 @@ impl Scene {
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             contact_loads: self.contact_loads.all(),
-            loads,
+            forces,
+            torques,
             notes: self.notes(),
+            add: loads.add as u32,
         };
         let sum = &self.common.sum_contacts;
         sum.launch(device, stream, listed.owned * COMPONENTS, &arguments)
@@ -705,7 +758,7 @@ impl Scene {
         plane: &MovingPlane,
         wall_type: i32,
         step: &Step,
-        loads: *mut f64,
+        loads: &EllgranGpuLoads,
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
@@ -727,7 +780,8 @@ impl Scene {
             velocity: plane.velocity,
             states: wall.states.all(),
             histories: wall.histories.all(),
-            loads: array(loads, listed.owned, "loads")?,
+            forces: vectors(&loads.forces, listed.owned, "forces")?,
+            torques: vectors(&loads.torques, listed.owned, "torques")?,
             wall_type,
         };
         let plane = &self.chosen()?.plane;
@@ -769,14 +823,21 @@ impl Scene {
         } else {
             array(m.loads_before, n, "loads_before")?
         };
+        let body_count = if m.body_places.is_null() {
+            n
+        } else {
+            m.body_count
+        };
         Ok(MotionArguments {
-            positions: array(m.positions, n, "positions")?,
-            velocities: array(m.velocities, n, "velocities")?,
-            angular_momenta: array(m.angular_momenta, n, "angular_momenta")?,
-            quaternions: array(m.quaternions, n, "quaternions")?,
-            semi_axes: array(m.semi_axes, n, "semi_axes")?,
+            positions: vectors(&m.positions, n, "positions")?,
+            velocities: vectors(&m.velocities, n, "velocities")?,
+            angular_momenta: vectors(&m.angular_momenta, n, "angular_momenta")?,
+            places: optional(m.body_places, n),
+            quaternions: vectors(&m.quaternions, body_count, "quaternions")?,
+            semi_axes: vectors(&m.semi_axes, body_count, "semi_axes")?,
             masses: array(m.masses, n, "masses")?,
-            loads: array(m.loads, n, "loads")?,
+            forces: vectors(&m.forces, n, "forces")?,
+            torques: vectors(&m.torques, n, "torques")?,
             changes: optional(m.velocity_changes, n),
             loads_before,
             faults: self.motion_faults.all(),
@@ -889,39 +950,47 @@ impl Scene {
         stream: Stream,
     ) -> Result<String, Failure> {
         let is = |of: Fault| fault == of as u32;
-        let value = |name: &str, pointer: fn(&EllgranGpuGrains) -> (usize, usize)| {
+        // Where the vectors of this grain are, or only what they are called.
+        let value = |name: &str, place: &dyn Fn(&EllgranGpuGrains) -> Found| {
             let Some(g) = g else {
                 return Ok(name.to_owned());
             };
-            let (address, length) = pointer(g);
-            let read = |n: usize| -> Result<Vec<f64>, Failure> {
-                Ok(match n {
-                    1 => self.read::<f64, 1>(address, k, stream)?.to_vec(),
-                    3 => self.read::<f64, 3>(address, k, stream)?.to_vec(),
-                    _ => self.read::<f64, 4>(address, k, stream)?.to_vec(),
-                })
-            };
-            Ok::<_, Failure>(format!("{name} = {:?}", read(length)?))
+            let places = place(g)?;
+            let read = |at: u64| Ok::<_, Failure>(self.read::<f64, 1>(at as usize, 0, stream)?[0]);
+            let numbers: Vec<f64> = places.into_iter().map(read).collect::<Result<_, _>>()?;
+            Ok::<_, Failure>(format!("{name} = {numbers:?}"))
         };
+        let named = |table: *const i32, k: usize| -> Result<usize, Failure> {
+            if table.is_null() {
+                return Ok(k);
+            }
+            Ok(self.read::<i32, 1>(table.addr(), k, stream)?[0] as usize)
+        };
+        let owner = |g: &EllgranGpuGrains| named(g.owners, k);
+        let body = |g: &EllgranGpuGrains| named(g.body_places, owner(g)?);
+        let velocity = |g: &EllgranGpuGrains| components::<3>(&g.velocities, owner(g)?);
+        let momentum = |g: &EllgranGpuGrains| components::<3>(&g.angular_momenta, owner(g)?);
+        let semi_axes = |g: &EllgranGpuGrains| components::<3>(&g.semi_axes, body(g)?);
         Ok(if is(Fault::Position) {
             format!(
                 "{}: components must be finite and at most {LARGEST_COORDINATE:e}",
-                value("position", |g| (g.positions.addr(), 3))?
+                value("position", &|g| components::<3>(&g.positions, k))?
             )
         } else if is(Fault::Velocity) {
             format!(
                 "{}: components at the half step must be finite and at most {LARGEST_VELOCITY:e}",
-                value("velocity", |g| (g.velocities.addr(), 3))?
+                value("velocity", &velocity)?
             )
         } else if is(Fault::AngularVelocity) {
             format!(
                 "{}: the angular velocity that goes with it must be finite, its components at most {LARGEST_VELOCITY:e}",
-                value("angular momentum", |g| (g.angular_momenta.addr(), 3))?
+                value("angular momentum", &momentum)?
             )
         } else if is(Fault::Mass) {
             format!(
                 "{} must be finite and within the range of masses",
-                value("mass", |g| (g.masses.addr(), 1))?
+                value("mass", &|g| Ok(vec![g.masses.addr() as u64
+                    + (owner(g)? * size_of::<f64>()) as u64]))?
             )
         } else if is(Fault::Type) {
             let given = match g {
@@ -935,23 +1004,25 @@ impl Scene {
         } else if is(Fault::SemiAxis) {
             format!(
                 "{} must be finite, greater than 0 and within the range of semi-axes",
-                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+                value("semi-axes", &semi_axes)?
             )
         } else if is(Fault::AspectRatio) {
             format!(
                 "{}: the largest must be at most 1e6 times the smallest",
-                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+                value("semi-axes", &semi_axes)?
             )
         } else if is(Fault::Quaternion) {
             format!(
                 "{} must be finite and not zero",
-                value("quaternion (w, x, y, z)", |g| (g.quaternions.addr(), 4))?
+                value("quaternion (w, x, y, z)", &|g| components::<4>(&g.quaternions, body(g)?))?
             )
         } else if is(Fault::Kind) {
             format!(
                 "{} are not of the shapes that the scene was made for: make it with ELLGRAN_GPU_ANY_SHAPES",
-                value("semi-axes", |g| (g.semi_axes.addr(), 3))?
+                value("semi-axes", &semi_axes)?
             )
+        } else if is(Fault::Place) {
+            "its entry in owners is no owned grain, or its entry in body_places is not below body_count".to_owned()
         } else if fault == WRONG_ROW {
             format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
         } else if fault == WRONG_NEIGHBOUR {
@@ -1029,6 +1100,14 @@ impl Scene {
     }
 }
 
+/// Addresses of the components of a vector.
+type Found = Result<Vec<u64>, Failure>;
+
+fn components<const N: usize>(given: &EllgranGpuVectors, k: usize) -> Found {
+    let array = vectors::<N>(given, k + 1, "vectors")?;
+    Ok((0..N).map(|c| array.place(k, c)).collect())
+}
+
 /// What is wrong with a grain that cannot be moved: the numbers are those of the kernel.
 fn motion_words(fault: u32) -> &'static str {
     match fault {
@@ -1042,7 +1121,3 @@ fn motion_words(fault: u32) -> &'static str {
     }
 }
 
-// The kernels write a load as six numbers.
-const _: () = assert!(size_of::<Load>() == 6 * size_of::<f64>());
-// And read a vector as three.
-const _: () = assert!(size_of::<Vector3>() == 3 * size_of::<f64>());

@@ -12,7 +12,7 @@ use ellgran::c_api::status::{
     ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use ellgran_gpu::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuLoads, EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES,
     ELLGRAN_GPU_SPHERES,
 };
 use ellgran_gpu::c_api::gpu::{
@@ -268,12 +268,12 @@ impl Row {
         EllgranGpuGrains {
             owned_count: COUNT,
             count: COUNT,
-            positions: self.positions.pointer(),
-            velocities: self.velocities.pointer(),
-            angular_momenta: self.momenta.pointer(),
+            positions: self.positions.vectors(),
+            velocities: self.velocities.vectors(),
+            angular_momenta: self.momenta.vectors(),
             masses: self.masses.pointer(),
-            semi_axes: self.semi_axes.pointer(),
-            quaternions: self.quaternions.pointer(),
+            semi_axes: self.semi_axes.vectors(),
+            quaternions: self.quaternions.vectors(),
             types: self.types.pointer(),
             identifiers: self.identifiers.pointer(),
             ..new()
@@ -283,13 +283,14 @@ impl Row {
     fn motion(&self) -> EllgranGpuMotion {
         EllgranGpuMotion {
             count: COUNT,
-            positions: self.positions.pointer(),
-            velocities: self.velocities.pointer(),
-            angular_momenta: self.momenta.pointer(),
-            quaternions: self.quaternions.pointer(),
-            semi_axes: self.semi_axes.pointer(),
+            positions: self.positions.vectors(),
+            velocities: self.velocities.vectors(),
+            angular_momenta: self.momenta.vectors(),
+            quaternions: self.quaternions.vectors(),
+            semi_axes: self.semi_axes.vectors(),
             masses: self.masses.pointer(),
-            loads: self.loads.pointer(),
+            forces: self.loads.loads().forces,
+            torques: self.loads.loads().torques,
             ..new()
         }
     }
@@ -319,8 +320,8 @@ impl Row {
             time_step: 1e-5,
             ..new()
         };
-        let (loads, stream) = (self.loads.pointer(), self.engine.stream);
-        unsafe { ellgran_gpu_compute_pairs(self.scene, &self.grains(), &step, loads, stream) }
+        let (loads, stream) = (self.loads.loads(), self.engine.stream);
+        unsafe { ellgran_gpu_compute_pairs(self.scene, &self.grains(), &step, &loads, stream) }
     }
 
     fn check(&self) -> i32 {
@@ -488,7 +489,7 @@ fn arguments() {
             change(&mut grains, &mut list);
             unsafe { ellgran_gpu_new_list(row.scene, &grains, &list, stream) }
         };
-        let status = with(&|g, _| g.positions = core::ptr::null());
+        let status = with(&|g, _| g.positions.first = core::ptr::null_mut());
         fail(status, ELLGRAN_ERROR_NULL_POINTER, &["positions"]);
         let status = with(&|_, l| l.starts = core::ptr::null());
         fail(status, ELLGRAN_ERROR_NULL_POINTER, &["starts"]);
@@ -508,9 +509,21 @@ fn arguments() {
         );
         // An array of the host.
         let host = [[0.0f64; 3]; COUNT];
-        let status = with(&|g, _| g.velocities = host.as_ptr().cast());
+        let status = with(&|g, _| g.velocities.first = host.as_ptr().cast_mut().cast());
         let words = ["velocities", "not a pointer to memory of the GPU"];
         fail(status, ELLGRAN_GPU_ERROR_POINTER, &words);
+        // An owner that is no owned grain, and a place that is none.
+        for table in [&[0, 1, 2, 5, 4], &[0, 1, 2, -1, 4]] {
+            let table = row.engine.put::<i32>(table);
+            let status = with(&|g, _| g.owners = table.pointer());
+            fail(status, ELLGRAN_ERROR_PARTICLE, &["particle 13", "owners"]);
+            let status = with(&|g, _| {
+                g.body_places = table.pointer();
+                g.body_count = COUNT;
+            });
+            let words = ["particle 13", "body_places"];
+            fail(status, ELLGRAN_ERROR_PARTICLE, &words);
+        }
         // A stream that is none.
         let (grains, list) = (row.grains(), row.list());
         let none = core::ptr::without_provenance_mut(1);
@@ -538,9 +551,9 @@ fn arguments() {
         };
         let step = new::<ellgran::c_api::particles::EllgranStep>();
         let compute = |plane: i32, wall_type: i32| unsafe {
-            let (grains, loads) = (row.grains(), row.loads.pointer());
+            let (grains, loads) = (row.grains(), row.loads.loads());
             ellgran_gpu_compute_plane(
-                row.scene, &grains, plane, &at, wall_type, &step, loads, stream,
+                row.scene, &grains, plane, &at, wall_type, &step, &loads, stream,
             )
         };
         succeed(compute(plane, 1));
@@ -559,7 +572,7 @@ fn no_grains() {
     with_driver("no_grains", &[], || {
         let row = Row::new();
         let stream = row.engine.stream;
-        let loads = row.loads.pointer();
+        let loads = row.loads.loads();
         let step = new::<ellgran::c_api::particles::EllgranStep>();
         for count in [0, COUNT] {
             let grains = EllgranGpuGrains {
@@ -576,7 +589,7 @@ fn no_grains() {
                 succeed(ellgran_gpu_new_list(row.scene, &grains, &list, stream));
                 succeed(ellgran_gpu_start_step(row.scene, &motion, 1e-5, stream));
                 succeed(ellgran_gpu_prepare(row.scene, &grains, stream));
-                let status = ellgran_gpu_compute_pairs(row.scene, &grains, &step, loads, stream);
+                let status = ellgran_gpu_compute_pairs(row.scene, &grains, &step, &loads, stream);
                 succeed(status);
                 succeed(ellgran_gpu_check(row.scene, &grains, stream));
             }
@@ -588,7 +601,6 @@ fn no_grains() {
     });
 }
 
-/// A neighbour that has become another one after the list was looked at.
 /// Contacts would advance, and loads be nowhere.
 #[test]
 fn nothing_is_started_without_loads() {
@@ -602,15 +614,29 @@ fn nothing_is_started_without_loads() {
             time_step: 1e-3,
             ..new()
         };
-        let none = core::ptr::null_mut();
-        let status = unsafe {
-            ellgran_gpu_compute_pairs(row.scene, &grains, &step, none, row.engine.stream)
+        let compute = |loads: &EllgranGpuLoads| unsafe {
+            ellgran_gpu_compute_pairs(row.scene, &grains, &step, loads, row.engine.stream)
         };
-        fail(status, ELLGRAN_ERROR_NULL_POINTER, &["loads"]);
+        let null = core::ptr::null_mut();
+        let mut without = row.loads.loads();
+        without.forces.first = null;
+        fail(compute(&without), ELLGRAN_ERROR_NULL_POINTER, &["forces"]);
+        without = row.loads.loads();
+        without.torques.first = null;
+        fail(compute(&without), ELLGRAN_ERROR_NULL_POINTER, &["torques"]);
+        let mut other = row.loads.loads();
+        other.add = 2;
+        fail(compute(&other), ELLGRAN_ERROR_ARGUMENT, &["add = 2"]);
+        // All components of a grain at one place.
+        other = row.loads.loads();
+        other.torques.per_component = 0;
+        let words = ["torques: per_grain = 6", "per_component = 0"];
+        fail(compute(&other), ELLGRAN_ERROR_ARGUMENT, &words);
         assert_eq!(row.engine.tally(support::Tally::Launches), before);
     });
 }
 
+/// A neighbour that has become another one after the list was looked at.
 #[test]
 fn a_kernel_that_ends() {
     with_driver("a_kernel_that_ends", &[], || {
@@ -635,7 +661,7 @@ fn a_kernel_that_leaves_the_memory() {
         succeed(row.new_list());
         let mut grains = row.grains();
         let host = [[0.0f64; 3]; COUNT];
-        grains.positions = host.as_ptr().cast();
+        grains.positions.first = host.as_ptr().cast_mut().cast();
         let status = unsafe { ellgran_gpu_prepare(row.scene, &grains, row.engine.stream) };
         fail(status, ELLGRAN_GPU_ERROR_KERNEL, &["ILLEGAL_ADDRESS"]);
         fail(row.check(), ELLGRAN_GPU_ERROR_KERNEL, &["ILLEGAL_ADDRESS"]);

@@ -5,7 +5,6 @@
 //! Every kernel takes the number of its threads that have something to do first, a `u32`, and then one of these.
 
 use crate::candidates::Candidate;
-use crate::contacts::Load;
 use crate::shapes::Grain;
 use crate::terms::ContactLoad;
 use core::sync::atomic::{AtomicU32, AtomicU64};
@@ -13,12 +12,17 @@ use ellgran::contact::MotionChange;
 use ellgran::force::PairLaw;
 use ellgran::vector::Vector3;
 
-/// How arrays are held: as a pointer and a length on a device, as an address and a length on its host. 16 bytes, aligned to 8.
+/// How arrays are held: as a pointer and a length on a device, as an address and a length on its host. Of 16 bytes, vectors of 32,
+/// aligned to 8.
 pub trait Memory {
     /// An array that all threads read.
     type Shared<T>;
     /// An array of which each thread has a part.
     type Parts<T>;
+    /// Vectors of `N` numbers, rows or columns of an engine's arrays, that all threads read.
+    type SharedVectors<const N: usize>;
+    /// The same, of which each thread has some, or some components.
+    type OwnVectors<const N: usize>;
 }
 
 /// Of the notes that the threads of all kernels leave: a grain has moved too far for the candidates.
@@ -71,23 +75,34 @@ pub struct SceneArguments<M: Memory> {
     pub rescaled: u32,
 }
 
+/// Shapes and attitudes in an engine's arrays. Those of grain `k` are at `places[owners[k]]`.
+#[repr(C)]
+pub struct BodyArguments<M: Memory> {
+    /// The owned grain that each grain is, or is an image of; empty: each is its own.
+    pub owners: M::Shared<u32>,
+    /// Empty: each at its index. No two grains have the same place.
+    pub places: M::Shared<u32>,
+    /// Semi-axes.
+    pub semi_axes: M::SharedVectors<3>,
+    /// Quaternions.
+    pub quaternions: M::SharedVectors<4>,
+}
+
 /// Of `ellgran_prepare_*`: an engine's arrays, and what becomes of them.
 #[repr(C)]
 pub struct PrepareArguments<M: Memory> {
     /// Centres.
-    pub positions: M::Shared<[f64; 3]>,
-    /// Velocities.
-    pub velocities: M::Shared<[f64; 3]>,
-    /// Angular momenta.
-    pub angular_momenta: M::Shared<[f64; 3]>,
-    /// What velocities and angular momenta have more than those of the half step; empty where they are these.
+    pub positions: M::SharedVectors<3>,
+    /// Velocities, those of images at their owners.
+    pub velocities: M::SharedVectors<3>,
+    /// Angular momenta, likewise.
+    pub angular_momenta: M::SharedVectors<3>,
+    /// What velocities and angular momenta have more than those of the half step, likewise; empty where they are these.
     pub changes: M::Shared<[f64; 6]>,
-    /// Masses.
+    /// Masses, likewise.
     pub masses: M::Shared<f64>,
-    /// Semi-axes.
-    pub semi_axes: M::Shared<[f64; 3]>,
-    /// Quaternions.
-    pub quaternions: M::Shared<[f64; 4]>,
+    /// Shapes and attitudes.
+    pub bodies: BodyArguments<M>,
     /// Types.
     pub types: M::Shared<u32>,
     /// Written: prepared grains.
@@ -108,9 +123,9 @@ pub struct PrepareArguments<M: Memory> {
 #[repr(C)]
 pub struct MovedArguments<M: Memory> {
     /// Centres.
-    pub positions: M::Shared<[f64; 3]>,
-    /// Quaternions.
-    pub quaternions: M::Shared<[f64; 4]>,
+    pub positions: M::SharedVectors<3>,
+    /// Attitudes.
+    pub bodies: BodyArguments<M>,
     /// Poses in which candidates were selected.
     pub poses: M::Shared<[f64; 8]>,
     /// [`MOVED`] is left.
@@ -191,11 +206,9 @@ pub struct TermArguments<M: Memory> {
 #[repr(C)]
 pub struct PoseArguments<M: Memory> {
     /// Centres.
-    pub positions: M::Shared<[f64; 3]>,
-    /// Quaternions.
-    pub quaternions: M::Shared<[f64; 4]>,
-    /// Semi-axes.
-    pub semi_axes: M::Shared<[f64; 3]>,
+    pub positions: M::SharedVectors<3>,
+    /// Shapes and attitudes.
+    pub bodies: BodyArguments<M>,
     /// Written.
     pub poses: M::Parts<[f64; 8]>,
     /// [`MOVED`] is read, [`SELECTIONS`] counted, [`CANDIDATES`] left.
@@ -236,10 +249,14 @@ pub struct SumArguments<M: Memory> {
     pub term_counts: M::Shared<u32>,
     /// One per candidate.
     pub contact_loads: M::Shared<ContactLoad>,
-    /// Written: force and torque of each grain.
-    pub loads: M::Parts<f64>,
+    /// Written: the force on each grain.
+    pub forces: M::OwnVectors<3>,
+    /// Written: the torque on each grain.
+    pub torques: M::OwnVectors<3>,
     /// [`MARKED`] begins anew.
     pub notes: M::Shared<AtomicU32>,
+    /// 1 where forces and torques are added to those that are there.
+    pub add: u32,
 }
 
 /// Of `ellgran_plane_*`. States and histories are the grains' own with this wall.
@@ -258,7 +275,9 @@ pub struct PlaneArguments<M: Memory> {
     /// One history per grain.
     pub histories: M::Parts<f64>,
     /// Added to.
-    pub loads: M::Parts<Load>,
+    pub forces: M::OwnVectors<3>,
+    /// Added to.
+    pub torques: M::OwnVectors<3>,
     /// Type of the wall.
     pub wall_type: u32,
 }
@@ -267,19 +286,23 @@ pub struct PlaneArguments<M: Memory> {
 #[repr(C)]
 pub struct MotionArguments<M: Memory> {
     /// Centres.
-    pub positions: M::Parts<[f64; 3]>,
+    pub positions: M::OwnVectors<3>,
     /// Velocities.
-    pub velocities: M::Parts<[f64; 3]>,
+    pub velocities: M::OwnVectors<3>,
     /// Angular momenta.
-    pub angular_momenta: M::Parts<[f64; 3]>,
+    pub angular_momenta: M::OwnVectors<3>,
+    /// Where quaternions and semi-axes are, as in [`BodyArguments`].
+    pub places: M::Shared<u32>,
     /// Quaternions.
-    pub quaternions: M::Parts<[f64; 4]>,
+    pub quaternions: M::OwnVectors<4>,
     /// Semi-axes.
-    pub semi_axes: M::Shared<[f64; 3]>,
+    pub semi_axes: M::SharedVectors<3>,
     /// Masses.
     pub masses: M::Shared<f64>,
-    /// Forces and torques.
-    pub loads: M::Shared<Load>,
+    /// Forces.
+    pub forces: M::SharedVectors<3>,
+    /// Torques.
+    pub torques: M::SharedVectors<3>,
     /// Empty where velocities are not extrapolated.
     pub changes: M::Parts<[f64; 6]>,
     /// Forces and torques of the step before; read with `changes`.
@@ -297,8 +320,8 @@ pub struct MotionArguments<M: Memory> {
 /// Of `ellgran_find_shapes`.
 #[repr(C)]
 pub struct ShapeArguments<M: Memory> {
-    /// Semi-axes.
-    pub semi_axes: M::Shared<[f64; 3]>,
+    /// Shapes.
+    pub bodies: BodyArguments<M>,
     /// [`NO_SPHERE`] and [`NO_SPHEROID`] are left.
     pub notes: M::Shared<AtomicU32>,
 }

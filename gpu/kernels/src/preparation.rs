@@ -9,26 +9,26 @@ use ellgran::geometry::{Ellipsoid, ShapeError};
 use ellgran::real::Real;
 use ellgran::vector::Vector3;
 
-/// An engine's arrays, all of the same length unless it says otherwise; world frame.
+/// What an engine says of a grain; world frame.
 #[derive(Clone, Copy, Debug)]
-pub struct EngineArrays<'a> {
-    /// Centres.
-    pub positions: &'a [[f64; 3]],
-    /// Velocities of the centres.
-    pub velocities: &'a [[f64; 3]],
-    /// Angular momenta about the centres, of solid ellipsoids.
-    pub angular_momenta: &'a [[f64; 3]],
-    /// What velocities and angular momenta of the step have more than those of the half step; empty where velocities are those of
-    /// the half step.
-    pub changes: &'a [[f64; 6]],
-    /// Masses of the bodies.
-    pub masses: &'a [f64],
+pub struct EngineGrain {
+    /// Centre.
+    pub position: [f64; 3],
+    /// Velocity of the centre.
+    pub velocity: [f64; 3],
+    /// Angular momentum about the centre, of a solid ellipsoid.
+    pub angular_momentum: [f64; 3],
+    /// What velocity and angular momentum of the step have more than those of the half step; zeros where they are those of the half
+    /// step.
+    pub change: [f64; 6],
+    /// Mass of the body.
+    pub mass: f64,
     /// Semi-axes.
-    pub semi_axes: &'a [[f64; 3]],
-    /// Quaternions `(w, x, y, z)`, body to world.
-    pub quaternions: &'a [[f64; 4]],
-    /// Types, counted from 1.
-    pub types: &'a [u32],
+    pub semi_axes: [f64; 3],
+    /// Quaternion `(w, x, y, z)`, body to world.
+    pub quaternion: [f64; 4],
+    /// Type, counted from 1.
+    pub particle_type: u32,
     /// Number of types.
     pub type_count: u32,
 }
@@ -55,6 +55,8 @@ pub enum Fault {
     Quaternion = 8,
     /// A shape of another kind than the scene was prepared for.
     Kind = 9,
+    /// It is the image of no grain, or its shape and attitude are nowhere.
+    Place = 10,
 }
 
 fn within(v: [f64; 3], largest: f64, fault: Fault) -> Result<Vector3, Fault> {
@@ -69,27 +71,23 @@ fn differences(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// Grain `k`, and what its motion has more at the step.
+/// The grain, and what its motion has more at the step.
 ///
 /// # Errors
 /// The first [`Fault`].
 #[inline(always)]
-pub fn prepare_grain<K: Kind>(
-    k: usize,
-    arrays: &EngineArrays<'_>,
-) -> Result<(Grain, MotionChange), Fault> {
-    let centre = within(arrays.positions[k], LARGEST_COORDINATE, Fault::Position)?;
-    let [x, y, z, a, b, c] = arrays.changes.get(k).copied().unwrap_or([0.0; 6]);
+pub fn prepare_grain<K: Kind>(given: &EngineGrain) -> Result<(Grain, MotionChange), Fault> {
+    let centre = within(given.position, LARGEST_COORDINATE, Fault::Position)?;
+    let [x, y, z, a, b, c] = given.change;
     let velocity = within(
-        differences(arrays.velocities[k], [x, y, z]),
+        differences(given.velocity, [x, y, z]),
         LARGEST_VELOCITY,
         Fault::Velocity,
     )?;
-    let particle_type = arrays.types[k];
-    if particle_type < 1 || particle_type > arrays.type_count {
+    if given.particle_type < 1 || given.particle_type > given.type_count {
         return Err(Fault::Type);
     }
-    let (semi_axes, q) = (arrays.semi_axes[k], arrays.quaternions[k]);
+    let (semi_axes, q) = (given.semi_axes, given.quaternion);
     let body = Ellipsoid::new(semi_axes, q).map_err(|wrong| match wrong {
         ShapeError::SemiAxis(_) => Fault::SemiAxis,
         ShapeError::AspectRatio(_) => Fault::AspectRatio,
@@ -98,11 +96,11 @@ pub fn prepare_grain<K: Kind>(
     if !K::takes(semi_axes) {
         return Err(Fault::Kind);
     }
-    let mass = arrays.masses[k];
+    let mass = given.mass;
     if !(is_mass(mass) && mass.is_finite()) {
         return Err(Fault::Mass);
     }
-    let momentum = differences(arrays.angular_momenta[k], [a, b, c]);
+    let momentum = differences(given.angular_momentum, [a, b, c]);
     let momentum = within(momentum, f64::MAX, Fault::AngularVelocity)?;
     let omega = within(
         angular_velocity(&body, mass, momentum).to_array(),
@@ -121,10 +119,4 @@ pub fn prepare_grain<K: Kind>(
     let scale = square.reciprocal_sqrt();
     let unit = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
     Ok((K::prepare(centre, semi_axes, unit, velocity, omega), change))
-}
-
-/// Inverse of the mass of grain `k`, for effective masses.
-#[inline(always)]
-pub fn inverse_mass(k: usize, arrays: &EngineArrays<'_>) -> f64 {
-    1.0 / arrays.masses[k]
 }

@@ -5,27 +5,28 @@
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Here};
+use crate::memory::{entries, Here, Own, Thread};
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Step};
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
+use ellgran::vector::Vector3;
 use ellgran_kernels::arguments::{
-    CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
     MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
-use ellgran_kernels::candidates::{candidates_of_grain, NewRow};
-use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Scene};
+use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
+use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::pair_memory::{
     carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
 };
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::poses::{has_moved, remembered_pose};
-use ellgran_kernels::preparation::{inverse_mass, prepare_grain, EngineArrays};
+use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use ellgran_kernels::terms::{
     component_of_load, number_rows, terms_of_grain, Candidates, COMPONENTS,
@@ -66,25 +67,73 @@ fn scene_of(arrays: &SceneArguments<Here>, friction: bool) -> Scene<'_> {
     }
 }
 
+/// What a table has for a number; without a table, the number itself.
+#[inline(always)]
+fn named(table: &[u32], number: usize) -> usize {
+    if table.is_empty() {
+        number
+    } else {
+        table[number] as usize
+    }
+}
+
+/// The grain that a grain is, or is an image of.
+#[inline(always)]
+fn owner(bodies: &BodyArguments<Here>, k: usize) -> usize {
+    named(bodies.owners.all(), k)
+}
+
+/// Whether shape and attitude of a grain are anywhere.
+#[inline(always)]
+fn has_body(bodies: &BodyArguments<Here>, k: usize) -> bool {
+    let (places, owner) = (bodies.places.all(), owner(bodies, k));
+    let count = bodies.quaternions.len();
+    if places.is_empty() {
+        owner < count
+    } else {
+        owner < places.len() && (places[owner] as usize) < count
+    }
+}
+
+/// Semi-axes and quaternion of a grain.
+#[inline(always)]
+fn body(bodies: &BodyArguments<Here>, k: usize) -> ([f64; 3], [f64; 4]) {
+    let place = named(bodies.places.all(), owner(bodies, k));
+    (bodies.semi_axes.get(place), bodies.quaternions.get(place))
+}
+
+/// The grain as the engine has it.
+#[inline(always)]
+fn engine_grain(a: &PrepareArguments<Here>, k: usize) -> Result<EngineGrain, Fault> {
+    if !has_body(&a.bodies, k) {
+        return Err(Fault::Place);
+    }
+    let owner = owner(&a.bodies, k);
+    let (semi_axes, quaternion) = body(&a.bodies, k);
+    let changes = a.changes.all();
+    Ok(EngineGrain {
+        position: a.positions.get(k),
+        velocity: a.velocities.get(owner),
+        angular_momentum: a.angular_momenta.get(owner),
+        change: if changes.is_empty() { [0.0; 6] } else { changes[owner] },
+        mass: a.masses.all()[owner],
+        semi_axes,
+        quaternion,
+        particle_type: a.types.all()[k],
+        type_count: a.type_count,
+    })
+}
+
 macro_rules! prepare {
     ($($name:ident: $kind:ty;)*) => {
         entries! {$(
             /// Prepares grains.
             fn $name(thread, arguments: PrepareArguments<Here>) {
-                let a = &arguments;
-                let arrays = EngineArrays {
-                    positions: a.positions.all(),
-                    velocities: a.velocities.all(),
-                    angular_momenta: a.angular_momenta.all(),
-                    changes: a.changes.all(),
-                    masses: a.masses.all(),
-                    semi_axes: a.semi_axes.all(),
-                    quaternions: a.quaternions.all(),
-                    types: a.types.all(),
-                    type_count: a.type_count,
-                };
-                let outcome = prepare_grain::<$kind>(thread.index(), &arrays);
-                let inverse_mass = inverse_mass(thread.index(), &arrays);
+                let given = engine_grain(&arguments, thread.index());
+                let outcome = given.and_then(|given| {
+                    let (grain, change) = prepare_grain::<$kind>(&given)?;
+                    Ok((grain, change, 1.0 / given.mass))
+                });
                 let PrepareArguments {
                     mut grains,
                     mut motion_changes,
@@ -94,7 +143,7 @@ macro_rules! prepare {
                     ..
                 } = arguments;
                 match outcome {
-                    Ok((grain, change)) => {
+                    Ok((grain, change, inverse_mass)) => {
                         *grains.one(&thread) = grain;
                         if !motion_changes.is_empty() {
                             *motion_changes.one(&thread) = change;
@@ -167,6 +216,13 @@ candidates! {
     ellgran_candidates_ellipsoids: Ellipsoids;
 }
 
+/// The candidate of a number, and the number of its pair in the list: each pair is one candidate.
+#[inline(always)]
+fn pair_of(candidates: &[Candidate], own: &Own) -> (Candidate, Own) {
+    let candidate = candidates[own.number()];
+    (candidate, own.within(|_| candidate.entry))
+}
+
 macro_rules! contacts {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
@@ -186,8 +242,7 @@ macro_rules! contacts {
                 let candidates = candidates.all();
                 let count = notes[CANDIDATES].load(Ordering::Relaxed) as usize;
                 for own in thread.numbers(count) {
-                    let candidate = candidates[own.number()];
-                    let entry = own.within(|_| candidate.entry);
+                    let (candidate, entry) = pair_of(candidates, &own);
                     let found = contact_of_pair::<$kind, $friction, true, $conservative>(
                         &scene,
                         scene.in_order(candidate.grain as usize, candidate.other as usize),
@@ -237,8 +292,7 @@ macro_rules! marked_contacts {
                 for place in thread.numbers(count) {
                     let number = *marked.at(&place);
                     let own = place.within(|_| number);
-                    let candidate = candidates[own.number()];
-                    let entry = own.within(|_| candidate.entry);
+                    let (candidate, entry) = pair_of(candidates, &own);
                     *contact_loads.at(&own) = marked_contact_of_pair::<$kind>(
                         &scene,
                         scene.in_order(candidate.grain as usize, candidate.other as usize),
@@ -269,7 +323,8 @@ macro_rules! planes {
                     velocity,
                     mut states,
                     mut histories,
-                    mut loads,
+                    mut forces,
+                    mut torques,
                     wall_type,
                 } = arguments;
                 let scene = scene_of(&scene, $friction);
@@ -279,14 +334,21 @@ macro_rules! planes {
                     wall_type,
                 };
                 let length = scene.layout.length;
-                let added = contact_with_plane::<$kind, $friction, true, $conservative>(
+                let state = states.one(&thread);
+                let load = contact_with_plane::<$kind, $friction, true, $conservative>(
                     thread.index(),
                     &scene,
                     &wall,
-                    states.one(&thread),
+                    state,
                     histories.of(&thread, length),
                 );
-                *loads.one(&thread) += added;
+                if *state != 0 {
+                    let own = thread.own();
+                    for (vectors, added) in [(&mut forces, load.force), (&mut torques, load.torque)] {
+                        let before = Vector3::from_array(vectors.read(&own));
+                        vectors.write(&own, (before + added).to_array());
+                    }
+                }
             }
         )*}
     };
@@ -300,28 +362,50 @@ planes! {
     ellgran_plane_ellipsoids_friction_conservative: Ellipsoids, true, true;
 }
 
-macro_rules! moving {
-    ($arrays:ident, $thread:ident) => {{
-        let k = $thread.index();
+/// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.
+#[inline(always)]
+fn moved<const TURNS: bool, R>(
+    arrays: &mut MotionArguments<Here>,
+    thread: &Thread,
+    act: impl FnOnce(Moving<'_>, f64) -> R,
+) -> R {
+    let (k, own) = (thread.index(), thread.own());
+    let body = own.within(|k| named(arrays.places.all(), k) as u32);
+    let mut position = arrays.positions.read(&own);
+    let mut velocity = arrays.velocities.read(&own);
+    let mut angular_momentum = arrays.angular_momenta.read(&own);
+    let mut quaternion = arrays.quaternions.read(&body);
+    let outcome = act(
         Moving {
-            position: $arrays.positions.one(&$thread),
-            velocity: $arrays.velocities.one(&$thread),
-            angular_momentum: $arrays.angular_momenta.one(&$thread),
-            quaternion: $arrays.quaternions.one(&$thread),
-            semi_axes: $arrays.semi_axes.all()[k],
-            mass: $arrays.masses.all()[k],
-            load: $arrays.loads.all()[k],
-            extrapolation: if $arrays.changes.is_empty() {
+            position: &mut position,
+            velocity: &mut velocity,
+            angular_momentum: &mut angular_momentum,
+            quaternion: &mut quaternion,
+            semi_axes: arrays.semi_axes.get(body.number()),
+            mass: arrays.masses.all()[k],
+            load: Load {
+                force: Vector3::from_array(arrays.forces.get(k)),
+                torque: Vector3::from_array(arrays.torques.get(k)),
+            },
+            extrapolation: if arrays.changes.is_empty() {
                 None
             } else {
                 Some((
-                    $arrays.changes.one(&$thread),
-                    $arrays.loads_before.one(&$thread),
-                    $arrays.step_ratio,
+                    arrays.changes.one(thread),
+                    arrays.loads_before.one(thread),
+                    arrays.step_ratio,
                 ))
             },
-        }
-    }};
+        },
+        arrays.time_step,
+    );
+    arrays.velocities.write(&own, velocity);
+    arrays.angular_momenta.write(&own, angular_momentum);
+    if TURNS {
+        arrays.positions.write(&own, position);
+        arrays.quaternions.write(&body, quaternion);
+    }
+    outcome
 }
 
 entries! {
@@ -377,13 +461,24 @@ entries! {
             terms,
             term_counts,
             contact_loads,
-            mut loads,
+            mut forces,
+            mut torques,
             notes,
+            add,
         } = arguments;
-        let (k, component) = (thread.index() / COMPONENTS, thread.index() % COMPONENTS);
+        let own = thread.component_of(COMPONENTS);
+        let k = own.vector();
         let from = starts.all()[k] as usize;
         let terms = &terms.all()[from..from + term_counts.all()[k] as usize];
-        *loads.one(&thread) = component_of_load(terms, contact_loads.all(), component);
+        let sum = component_of_load(terms, contact_loads.all(), own.component());
+        let own_torque;
+        let to = if own.component() < 3 {
+            forces.component(&own)
+        } else {
+            own_torque = own.from(3);
+            torques.component(&own_torque)
+        };
+        *to = if add == 0 { sum } else { *to + sum };
         if thread.index() == 0 {
             notes.all()[MARKED].store(0, Ordering::Relaxed);
         }
@@ -393,8 +488,7 @@ entries! {
     /// circle, 5 a rotation that grows within the step, 6 a semi-axis.
     fn ellgran_start_step(thread, arguments: MotionArguments<Here>) {
         let mut arrays = arguments;
-        let time_step = arrays.time_step;
-        let outcome = start_step_of_grain(moving!(arrays, thread), time_step);
+        let outcome = moved::<true, _>(&mut arrays, &thread, start_step_of_grain);
         let fault = match outcome {
             Ok(()) => return,
             Err(Refusal::Shape) => 1,
@@ -414,29 +508,29 @@ entries! {
     /// The second half of a step.
     fn ellgran_finish_step(thread, arguments: MotionArguments<Here>) {
         let mut arrays = arguments;
-        let time_step = arrays.time_step;
-        finish_step_of_grain(moving!(arrays, thread), time_step);
+        moved::<false, _>(&mut arrays, &thread, finish_step_of_grain);
     }
 
     /// Notes whether a grain has moved too far for the candidates.
     fn ellgran_has_moved(thread, arguments: MovedArguments<Here>) {
-        let MovedArguments { positions, quaternions, poses, notes, margin } = arguments;
+        let MovedArguments { positions, bodies, poses, notes, margin } = arguments;
         let k = thread.index();
-        if has_moved(&poses.all()[k], positions.all()[k], quaternions.all()[k], margin) {
+        let (_, quaternion) = body(&bodies, k);
+        if has_moved(&poses.all()[k], positions.get(k), quaternion, margin) {
             note(notes.all(), MOVED);
         }
     }
 
     /// Remembers the poses in which candidates were selected.
     fn ellgran_remember_poses(thread, arguments: PoseArguments<Here>) {
-        let PoseArguments { positions, quaternions, semi_axes, mut poses, notes, margin, always } = arguments;
+        let PoseArguments { positions, bodies, mut poses, notes, margin, always } = arguments;
         let notes = notes.all();
         if always == 0 && !is_noted(notes, MOVED) {
             return;
         }
         let k = thread.index();
-        *poses.one(&thread) =
-            remembered_pose(positions.all()[k], quaternions.all()[k], semi_axes.all()[k], margin);
+        let (semi_axes, quaternion) = body(&bodies, k);
+        *poses.one(&thread) = remembered_pose(positions.get(k), quaternion, semi_axes, margin);
         if k == 0 {
             notes[SELECTIONS].fetch_add(1, Ordering::Relaxed);
             notes[CANDIDATES].store(notes[FOUND].swap(0, Ordering::Relaxed), Ordering::Relaxed);
@@ -445,8 +539,12 @@ entries! {
 
     /// Notes what the grains are not.
     fn ellgran_find_shapes(thread, arguments: ShapeArguments<Here>) {
-        let ShapeArguments { semi_axes, notes } = arguments;
-        let shape = semi_axes.all()[thread.index()];
+        let ShapeArguments { bodies, notes } = arguments;
+        // Preparation tells of it.
+        if !has_body(&bodies, thread.index()) {
+            return;
+        }
+        let (shape, _) = body(&bodies, thread.index());
         if !Spheres::takes(shape) {
             note(notes.all(), NO_SPHERE);
         }

@@ -3,7 +3,7 @@
 //!
 //! What holds for every kernel, and is for its caller to see to:
 //! - an array is as long as its length says, of a type that every bit pattern in it is a value of, aligned, and there until the
-//!   kernel ends;
+//!   kernel ends; of vectors there are so many, at the distances that are stated, no two components at the same place;
 //! - nothing writes to an array of the first kind while the kernel runs, unless it is of atomic numbers, and no array of the second
 //!   kind overlaps with another array of the call;
 //! - the grid has one dimension, so that no two threads have the same index, and as many threads work as the kernel is told;
@@ -25,6 +25,8 @@ pub struct Here;
 impl Memory for Here {
     type Shared<T> = Shared<T>;
     type Parts<T> = Parts<T>;
+    type SharedVectors<const N: usize> = SharedVectors<N>;
+    type OwnVectors<const N: usize> = OwnVectors<N>;
 }
 
 /// An array that all threads read.
@@ -44,6 +46,75 @@ impl<T> Shared<T> {
         }
         // SAFETY: the array is there, as long as that, and not written while the kernel runs (above).
         unsafe { core::slice::from_raw_parts(self.start, self.length as usize) }
+    }
+}
+
+/// Vectors that all threads read: component `c` of vector `k` is `first[k * per_grain + c * per_component]`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct SharedVectors<const N: usize> {
+    first: *const f64,
+    per_grain: u64,
+    per_component: u64,
+    count: u64,
+}
+
+impl<const N: usize> SharedVectors<N> {
+    /// How many there are.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> [f64; N] {
+        assert!((k as u64) < self.count);
+        let (from, step) = (k * self.per_grain as usize, self.per_component as usize);
+        // SAFETY: there are so many (just asserted), at these distances, and nothing writes to them while the kernel runs (above).
+        core::array::from_fn(|c| unsafe { *self.first.add(from + c * step) })
+    }
+}
+
+/// Vectors of which each thread has some, or some components.
+#[repr(C)]
+pub struct OwnVectors<const N: usize> {
+    first: *mut f64,
+    per_grain: u64,
+    per_component: u64,
+    count: u64,
+}
+
+impl<const N: usize> OwnVectors<N> {
+    /// A component of a vector, by their numbers: of a pair of numbers that this thread alone has.
+    #[inline(always)]
+    fn place(&mut self, k: usize, c: usize) -> &mut f64 {
+        assert!((k as u64) < self.count && c < N);
+        let at = k * self.per_grain as usize + c * self.per_component as usize;
+        // SAFETY: it is there (just asserted), no two components are at the same place, and no other thread has this one: a kernel
+        // takes vectors by numbers that one thread alone has, or components by such pairs of numbers. This thread has it once: the
+        // vectors are borrowed for as long.
+        unsafe { &mut *self.first.add(at) }
+    }
+
+    /// The vector that goes with a number of this thread.
+    #[inline(always)]
+    pub fn read(&mut self, own: &Own) -> [f64; N] {
+        core::array::from_fn(|c| *self.place(own.number, c))
+    }
+
+    /// Writes it.
+    #[inline(always)]
+    pub fn write(&mut self, own: &Own, vector: [f64; N]) {
+        for (c, value) in vector.into_iter().enumerate() {
+            *self.place(own.number, c) = value;
+        }
+    }
+
+    /// The one component of this thread.
+    #[inline(always)]
+    pub fn component<'t>(&'t mut self, own: &'t OwnComponent) -> &'t mut f64 {
+        self.place(own.vector, own.component)
     }
 }
 
@@ -88,6 +159,37 @@ impl Own {
     }
 }
 
+/// A component of a vector, of which this thread alone has the two numbers.
+pub struct OwnComponent {
+    vector: usize,
+    component: usize,
+    /// Not to be sent.
+    here: PhantomData<*mut ()>,
+}
+
+impl OwnComponent {
+    /// The vector's number.
+    #[inline(always)]
+    pub fn vector(&self) -> usize {
+        self.vector
+    }
+
+    /// The component's number.
+    #[inline(always)]
+    pub fn component(&self) -> usize {
+        self.component
+    }
+
+    /// Of vectors that have the components from `first` on.
+    #[inline(always)]
+    pub fn from(&self, first: usize) -> OwnComponent {
+        OwnComponent {
+            component: self.component - first,
+            ..*self
+        }
+    }
+}
+
 /// This thread, of `count` that work.
 #[inline(always)]
 pub fn thread(count: u32) -> Thread {
@@ -108,6 +210,25 @@ impl Thread {
     #[inline(always)]
     pub fn index(&self) -> usize {
         self.index
+    }
+
+    /// Its index as a number of its own.
+    #[inline(always)]
+    pub fn own(&self) -> Own {
+        Own {
+            number: self.index,
+            here: PhantomData,
+        }
+    }
+
+    /// Its component, where each vector has `each` of them and each thread one.
+    #[inline(always)]
+    pub fn component_of(&self, each: usize) -> OwnComponent {
+        OwnComponent {
+            vector: self.index / each,
+            component: self.index % each,
+            here: PhantomData,
+        }
     }
 
     /// The numbers below `end` that fall to this thread, each to one of those that work.

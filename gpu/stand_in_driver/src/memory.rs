@@ -121,6 +121,8 @@ pub struct Here;
 impl Memory for Here {
     type Shared<T> = Shared<T>;
     type Parts<T> = Parts<T>;
+    type SharedVectors<const N: usize> = SharedVectors<N>;
+    type OwnVectors<const N: usize> = OwnVectors<N>;
 }
 
 /// An array that all threads read.
@@ -141,6 +143,64 @@ impl<T> Shared<T> {
         let start = elements::<T>(self.start, length);
         // SAFETY: so many are there, aligned; nothing writes to them while this thread of the kernel runs, and no other thread runs.
         unsafe { core::slice::from_raw_parts(start, length) }
+    }
+}
+
+/// Vectors that all threads read.
+pub type SharedVectors<const N: usize> = Vectors<N>;
+/// Vectors of which each thread has some, or some components.
+pub type OwnVectors<const N: usize> = Vectors<N>;
+
+/// Vectors at distances that the caller has stated.
+#[repr(C)]
+pub struct Vectors<const N: usize> {
+    first: u64,
+    per_grain: u64,
+    per_component: u64,
+    count: u64,
+}
+
+impl<const N: usize> Vectors<N> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count as usize
+    }
+
+    /// The components of vector `k`, of which the first is at the first place and the others `per_component` apart.
+    fn place(&self, k: usize) -> *mut f64 {
+        assert!((k as u64) < self.count);
+        let (from, step) = (k * self.per_grain as usize, self.per_component as usize);
+        let start = self.first + (from * size_of::<f64>()) as u64;
+        elements::<f64>(start, (N - 1) * step + 1)
+    }
+
+    /// Vector `k`.
+    pub fn get(&self, k: usize) -> [f64; N] {
+        let first = self.place(k);
+        // SAFETY: all from the first component to the last is there; no other thread runs.
+        core::array::from_fn(|c| unsafe { first.add(c * self.per_component as usize).read() })
+    }
+
+    /// The vector that goes with a number of this thread.
+    pub fn read(&mut self, own: &Own) -> [f64; N] {
+        self.get(own.number)
+    }
+
+    /// Writes it.
+    pub fn write(&mut self, own: &Own, vector: [f64; N]) {
+        let first = self.place(own.number);
+        for (c, value) in vector.into_iter().enumerate() {
+            // SAFETY: as above.
+            unsafe { first.add(c * self.per_component as usize).write(value) };
+        }
+    }
+
+    /// The one component of this thread.
+    pub fn component<'t>(&'t mut self, own: &'t OwnComponent) -> &'t mut f64 {
+        assert!(own.component < N);
+        let first = self.place(own.vector);
+        // SAFETY: as above, and borrowed once.
+        unsafe { &mut *first.add(own.component * self.per_component as usize) }
     }
 }
 
@@ -176,11 +236,46 @@ impl Own {
     }
 }
 
+/// A component of a vector, of which one thread alone has the two numbers.
+pub struct OwnComponent {
+    vector: usize,
+    component: usize,
+}
+
+impl OwnComponent {
+    /// The vector's number.
+    pub fn vector(&self) -> usize {
+        self.vector
+    }
+    /// The component's number.
+    pub fn component(&self) -> usize {
+        self.component
+    }
+    /// Of vectors that have the components from `first` on.
+    pub fn from(&self, first: usize) -> OwnComponent {
+        OwnComponent {
+            component: self.component - first,
+            ..*self
+        }
+    }
+}
+
 impl Thread {
     pub fn new(index: usize, count: u32) -> Self {
         Thread {
             index,
             count: count as usize,
+        }
+    }
+    /// Its index as a number of its own.
+    pub fn own(&self) -> Own {
+        Own { number: self.index }
+    }
+    /// Its component, where each vector has `each` of them and each thread one.
+    pub fn component_of(&self, each: usize) -> OwnComponent {
+        OwnComponent {
+            vector: self.index / each,
+            component: self.index % each,
         }
     }
     /// The numbers below `end` that fall to this thread.

@@ -16,8 +16,7 @@
 
 namespace {
 
-constexpr std::size_t VECTOR = 3 * sizeof(double);
-constexpr std::size_t QUATERNION = 4 * sizeof(double);
+constexpr std::size_t VECTOR = 3, QUATERNION = 4;    // components
 constexpr std::size_t LOAD = 6 * sizeof(double);
 
 struct Place {
@@ -68,17 +67,39 @@ void copy_back(void *host, std::size_t bytes, CUstream stream)
   require(cuMemcpyDtoH(host, found->second.address, bytes), "cuMemcpyDtoH");
 }
 
+/* From the first component of the first vector to the last of the last one, with all that is between. */
+
+std::size_t bytes_of(const EllgranGpuVectors &host, std::size_t count, std::size_t components)
+{
+  if (count == 0) return 0;
+  return sizeof(double) * ((count - 1) * host.per_grain + (components - 1) * host.per_component + 1);
+}
+
+EllgranGpuVectors copied(const EllgranGpuVectors &host, std::size_t count, std::size_t components)
+{
+  EllgranGpuVectors there = host;
+  there.first = copied(host.first, bytes_of(host, count, components));
+  return there;
+}
+
+void copy_back(const EllgranGpuVectors &host, std::size_t count, std::size_t components, CUstream stream)
+{
+  copy_back(host.first, bytes_of(host, count, components), stream);
+}
+
 EllgranGpuGrains copied(const EllgranGpuGrains &host)
 {
   EllgranGpuGrains there = host;
-  const std::size_t count = host.count;
-  there.positions = copied(host.positions, VECTOR * count);
-  there.velocities = copied(host.velocities, VECTOR * count);
-  there.angular_momenta = copied(host.angular_momenta, VECTOR * count);
-  there.velocity_changes = copied(host.velocity_changes, LOAD * count);
-  there.masses = copied(host.masses, sizeof(double) * count);
-  there.semi_axes = copied(host.semi_axes, VECTOR * count);
-  there.quaternions = copied(host.quaternions, QUATERNION * count);
+  const std::size_t count = host.count, owned = host.owned_count;
+  there.positions = copied(host.positions, count, VECTOR);
+  there.velocities = copied(host.velocities, owned, VECTOR);
+  there.angular_momenta = copied(host.angular_momenta, owned, VECTOR);
+  there.velocity_changes = copied(host.velocity_changes, LOAD * owned);
+  there.masses = copied(host.masses, sizeof(double) * owned);
+  there.semi_axes = copied(host.semi_axes, host.body_count, VECTOR);
+  there.quaternions = copied(host.quaternions, host.body_count, QUATERNION);
+  there.owners = copied(host.owners, sizeof(int32_t) * count);
+  there.body_places = copied(host.body_places, sizeof(int32_t) * owned);
   there.types = copied(host.types, sizeof(int32_t) * count);
   there.identifiers = copied(host.identifiers, sizeof(int32_t) * count);
   return there;
@@ -88,13 +109,15 @@ EllgranGpuMotion copied(const EllgranGpuMotion &host)
 {
   EllgranGpuMotion there = host;
   const std::size_t count = host.count;
-  there.positions = copied(host.positions, VECTOR * count);
-  there.velocities = copied(host.velocities, VECTOR * count);
-  there.angular_momenta = copied(host.angular_momenta, VECTOR * count);
-  there.quaternions = copied(host.quaternions, QUATERNION * count);
-  there.semi_axes = copied(host.semi_axes, VECTOR * count);
+  there.positions = copied(host.positions, count, VECTOR);
+  there.velocities = copied(host.velocities, count, VECTOR);
+  there.angular_momenta = copied(host.angular_momenta, count, VECTOR);
+  there.quaternions = copied(host.quaternions, host.body_count, QUATERNION);
+  there.semi_axes = copied(host.semi_axes, host.body_count, VECTOR);
+  there.body_places = copied(host.body_places, sizeof(int32_t) * count);
   there.masses = copied(host.masses, sizeof(double) * count);
-  there.loads = copied(host.loads, LOAD * count);
+  there.forces = copied(host.forces, count, VECTOR);
+  there.torques = copied(host.torques, count, VECTOR);
   there.velocity_changes = copied(host.velocity_changes, LOAD * count);
   there.loads_before = copied(host.loads_before, LOAD * count);
   return there;
@@ -105,12 +128,26 @@ EllgranGpuMotion copied(const EllgranGpuMotion &host)
 void copy_back(const EllgranGpuMotion &host, CUstream stream)
 {
   const std::size_t count = host.count;
-  copy_back(host.positions, VECTOR * count, stream);
-  copy_back(host.velocities, VECTOR * count, stream);
-  copy_back(host.angular_momenta, VECTOR * count, stream);
-  copy_back(host.quaternions, QUATERNION * count, stream);
+  copy_back(host.positions, count, VECTOR, stream);
+  copy_back(host.velocities, count, VECTOR, stream);
+  copy_back(host.angular_momenta, count, VECTOR, stream);
+  copy_back(host.quaternions, host.body_count, QUATERNION, stream);
   copy_back(host.velocity_changes, LOAD * count, stream);
   copy_back(host.loads_before, LOAD * count, stream);
+}
+
+EllgranGpuLoads copied(const EllgranGpuLoads &host, std::size_t count)
+{
+  EllgranGpuLoads there = host;
+  there.forces = copied(host.forces, count, VECTOR);
+  there.torques = copied(host.torques, count, VECTOR);
+  return there;
+}
+
+void copy_back(const EllgranGpuLoads &host, std::size_t count, CUstream stream)
+{
+  copy_back(host.forces, count, VECTOR, stream);
+  copy_back(host.torques, count, VECTOR, stream);
 }
 
 /* The file of the stand-in that this one is linked with. */
@@ -174,27 +211,23 @@ int32_t __wrap_ellgran_gpu_check(EllgranGpuScene *scene, const EllgranGpuGrains 
   return __real_ellgran_gpu_check(scene, &there, stream);
 }
 
-int32_t __wrap_ellgran_gpu_compute_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step, double *loads,
-                                         void *stream)
+int32_t __wrap_ellgran_gpu_compute_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step,
+                                         const EllgranGpuLoads *loads, void *stream)
 {
   const EllgranGpuGrains there = copied(*grains);
-  const std::size_t bytes = LOAD * grains->owned_count;
-  double *const written = place_of(loads, bytes);
-  const int32_t status = __real_ellgran_gpu_compute_pairs(scene, &there, step, written, stream);
-  copy_back(loads, bytes, static_cast<CUstream>(stream));
+  const EllgranGpuLoads added_to = copied(*loads, grains->owned_count);
+  const int32_t status = __real_ellgran_gpu_compute_pairs(scene, &there, step, &added_to, stream);
+  copy_back(*loads, grains->owned_count, static_cast<CUstream>(stream));
   return status;
 }
 
-/* It adds to the loads. */
-
 int32_t __wrap_ellgran_gpu_compute_plane(EllgranGpuScene *scene, const EllgranGpuGrains *grains, int32_t plane, const EllgranPlane *at,
-                                         int32_t wall_type, const EllgranStep *step, double *loads, void *stream)
+                                         int32_t wall_type, const EllgranStep *step, const EllgranGpuLoads *loads, void *stream)
 {
   const EllgranGpuGrains there = copied(*grains);
-  const std::size_t bytes = LOAD * grains->owned_count;
-  double *const added_to = copied(loads, bytes);
-  const int32_t status = __real_ellgran_gpu_compute_plane(scene, &there, plane, at, wall_type, step, added_to, stream);
-  copy_back(loads, bytes, static_cast<CUstream>(stream));
+  const EllgranGpuLoads added_to = copied(*loads, grains->owned_count);
+  const int32_t status = __real_ellgran_gpu_compute_plane(scene, &there, plane, at, wall_type, step, &added_to, stream);
+  copy_back(*loads, grains->owned_count, static_cast<CUstream>(stream));
   return status;
 }
 

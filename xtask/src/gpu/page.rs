@@ -117,6 +117,9 @@ driver keeps the result in the user's home directory.
 16 for each double of a history (136 with friction), and each pair of the list 88 bytes; there is a quarter more room than that. The kernel \
 for deep contacts needs 18 kB a thread, which the driver sets aside for as many threads as the GPU can hold. The driver takes some megabytes \
 more when it starts a kernel for the first time.
+- **Arrays** are the engine's own. Vectors are rows or columns (`EllgranGpuVectors`), shapes and attitudes may be in records in another \
+order (`body_places`), images across a periodic boundary need centres alone where the engine says whose they are (`owners`), and loads are \
+added to forces and torques where the engine asks for it (`EllgranGpuLoads`).
 - **A step** starts kernels and returns: nothing is allocated, copied or waited for. Whether the candidates still hold is found on the \
 device, which selects them anew by itself.
 - **The neighbour list** is a full one: that a pair is in one row alone is found, and is an error that names the grain.
@@ -151,8 +154,8 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 `ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1` the scenes of the kernels' tests run on the GPU of the machine, to the same bound \
 (`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
-What is not there: curved walls and triangles, loads that are added to arrays of the engine with forces and torques apart, motion of \
-a part of the grains, contact masses of rigid bodies, tallies of energies, histories of grains from other ranks.
+What is not there: curved walls and triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
+energies, histories of grains from other ranks.
 
 ";
 

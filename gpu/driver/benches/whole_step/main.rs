@@ -137,30 +137,31 @@ fn time(
     let on_device = EllgranGpuGrains {
         owned_count: owned,
         count,
-        positions: positions.pointer(),
-        velocities: velocities.pointer(),
-        angular_momenta: momenta.pointer(),
+        positions: positions.vectors(),
+        velocities: velocities.vectors(),
+        angular_momenta: momenta.vectors(),
         velocity_changes: if options.half {
             core::ptr::null()
         } else {
             changes.pointer()
         },
         masses: masses.pointer(),
-        semi_axes: semi_axes.pointer(),
-        quaternions: quaternions.pointer(),
+        semi_axes: semi_axes.vectors(),
+        quaternions: quaternions.vectors(),
         types: types.pointer(),
         identifiers: identifiers.pointer(),
         ..new()
     };
     let motion = EllgranGpuMotion {
         count: owned,
-        positions: positions.pointer(),
-        velocities: velocities.pointer(),
-        angular_momenta: momenta.pointer(),
-        quaternions: quaternions.pointer(),
-        semi_axes: semi_axes.pointer(),
+        positions: positions.vectors(),
+        velocities: velocities.vectors(),
+        angular_momenta: momenta.vectors(),
+        quaternions: quaternions.vectors(),
+        semi_axes: semi_axes.vectors(),
         masses: masses.pointer(),
-        loads: loads.pointer(),
+        forces: loads.loads().forces,
+        torques: loads.loads().torques,
         velocity_changes: if options.half {
             core::ptr::null_mut()
         } else {
@@ -185,7 +186,7 @@ fn time(
     succeed(unsafe { ellgran_gpu_new_list(scene, &on_device, &list, stream) });
     let compute = || {
         succeed(unsafe {
-            ellgran_gpu_compute_pairs(scene, &on_device, &step, loads.pointer(), stream)
+            ellgran_gpu_compute_pairs(scene, &on_device, &step, &loads.loads(), stream)
         });
     };
     compute();

@@ -8,7 +8,8 @@ pub mod scene;
 pub mod step;
 
 use crate::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
+    EllgranGpuMotion,
 };
 use ellgran::c_api::growing::Growing;
 
@@ -23,4 +24,4 @@ macro_rules! growing {
     )*};
 }
 
-growing!(EllgranGpuGrains EllgranGpuList EllgranGpuMotion EllgranGpuHistories EllgranGpuCounts);
+growing!(EllgranGpuGrains EllgranGpuList EllgranGpuLoads EllgranGpuMotion EllgranGpuHistories EllgranGpuCounts);

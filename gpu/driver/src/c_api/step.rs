@@ -2,7 +2,7 @@
 //! The calls of a step: nothing is allocated, copied or waited for.
 
 use super::scene::EllgranGpuScene;
-use crate::arrays::{EllgranGpuGrains, EllgranGpuMotion};
+use crate::arrays::{EllgranGpuGrains, EllgranGpuLoads, EllgranGpuMotion};
 use crate::driver_library::Stream;
 use core::ffi::c_void;
 use ellgran::c_api::growing::given;
@@ -47,45 +47,45 @@ pub unsafe extern "C" fn ellgran_gpu_prepare(
     })
 }
 
-/// Starts the forces of all touching pairs: writes `loads`, [owned_count][6] in the memory of the GPU, force and then torque about the
-/// centre. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`.
+/// Starts the forces of all touching pairs: writes forces and torques of owned grains. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`.
 ///
 /// The same calls with the same numbers in the same order give the same bits. They differ by rounding from those of
 /// `ellgran_compute_pairs`.
 ///
 /// # Safety
-/// `scene` is NULL or valid; `grains` and `step` are NULL or valid; the pointers of `grains`, and `loads`, are to memory of the GPU as
-/// stated.
+/// `scene` is NULL or valid; `grains`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory of the
+/// GPU as stated.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_gpu_compute_pairs(
     scene: *mut EllgranGpuScene,
     grains: *const EllgranGpuGrains,
     step: *const EllgranStep,
-    loads: *mut f64,
+    loads: *const EllgranGpuLoads,
     stream: *mut c_void,
 ) -> i32 {
     at_border("ellgran_gpu_compute_pairs", || {
         // SAFETY: NULL or valid, by this function's safety section.
-        let (scene, grains, step) = unsafe {
+        let (scene, grains, step, loads) = unsafe {
             (
                 required_mut(scene, "scene")?,
                 given(grains, "grains")?,
                 given(step, "step")?,
+                given(loads, "loads")?,
             )
         };
         let step = step.to_core()?;
         scene
             .scene
-            .compute_pairs(&grains, &step, loads, Stream(stream))
+            .compute_pairs(&grains, &step, &loads, Stream(stream))
     })
 }
 
-/// Starts the forces of a plane wall: adds to `loads`, as `ellgran_gpu_compute_pairs` wrote them. `plane` is the number that
+/// Starts the forces of a plane wall: adds to forces and torques, as `ellgran_gpu_compute_pairs` wrote them. `plane` is the number that
 /// `ellgran_gpu_add_plane` wrote, `at` where the plane is, `wall_type` its type in the laws.
 ///
 /// # Safety
-/// `scene` is NULL or valid; `grains`, `at` and `step` are NULL or valid; the pointers of `grains`, and `loads`, are to memory of the
-/// GPU as stated.
+/// `scene` is NULL or valid; `grains`, `at`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory of
+/// the GPU as stated.
 #[no_mangle]
 pub unsafe extern "C" fn ellgran_gpu_compute_plane(
     scene: *mut EllgranGpuScene,
@@ -94,23 +94,25 @@ pub unsafe extern "C" fn ellgran_gpu_compute_plane(
     at: *const EllgranPlane,
     wall_type: i32,
     step: *const EllgranStep,
-    loads: *mut f64,
+    loads: *const EllgranGpuLoads,
     stream: *mut c_void,
 ) -> i32 {
     at_border("ellgran_gpu_compute_plane", || {
         // SAFETY: NULL or valid, by this function's safety section.
-        let (scene, grains, at, step) = unsafe {
+        let (scene, grains, at, step, loads) = unsafe {
             (
                 required_mut(scene, "scene")?,
                 given(grains, "grains")?,
                 given(at, "at")?,
                 given(step, "step")?,
+                given(loads, "loads")?,
             )
         };
         let (at, step) = (at.to_core()?, step.to_core()?);
+        let stream = Stream(stream);
         scene
             .scene
-            .compute_plane(&grains, plane, &at, wall_type, &step, loads, Stream(stream))
+            .compute_plane(&grains, plane, &at, wall_type, &step, &loads, stream)
     })
 }
 

@@ -6,6 +6,7 @@
 // Each block calls functions of the interface with pointers to locals that outlive the call.
 #![allow(clippy::undocumented_unsafe_blocks)]
 
+mod engine_arrays;
 mod planes;
 #[allow(dead_code)]
 #[path = "../../../kernels/tests/lanes/scene.rs"]
@@ -16,8 +17,8 @@ mod support;
 use ellgran::c_api::particles::EllgranStep;
 use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_gpu::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
-    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
+    EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
 };
 use ellgran_gpu::c_api::gpu::{ellgran_gpu_free, EllgranGpu};
 use ellgran_gpu::c_api::scene::{
@@ -27,6 +28,7 @@ use ellgran_gpu::c_api::scene::{
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
 };
+use engine_arrays::{Bodies, Layout, Vectors};
 use scene::{Lists, Scene, TIME_STEP};
 use support::{new, succeed, with_driver, Array, Engine};
 
@@ -87,17 +89,17 @@ struct OnDevice {
     /// Which grain of the scene is where.
     order: Vec<usize>,
     owned: usize,
-    positions: Array<[f64; 3]>,
-    velocities: Array<[f64; 3]>,
-    momenta: Array<[f64; 3]>,
-    quaternions: Array<[f64; 4]>,
+    positions: Vectors<3>,
+    velocities: Vectors<3>,
+    momenta: Vectors<3>,
+    bodies: Bodies,
     changes: Array<[f64; 6]>,
     loads_before: Array<[f64; 6]>,
-    semi_axes: Array<[f64; 3]>,
     masses: Array<f64>,
     types: Array<i32>,
     identifiers: Array<i32>,
-    loads: Array<[f64; 6]>,
+    forces: Vectors<3>,
+    torques: Vectors<3>,
     starts: Vec<u32>,
     neighbours: Vec<u32>,
     lists: (Array<u32>, Array<u32>),
@@ -109,22 +111,33 @@ fn sorted<T: Copy>(order: &[usize], values: &[T]) -> Vec<T> {
 }
 
 impl OnDevice {
-    fn new(engine: Engine, scene: &Scene, owned: usize, with_neighbours: bool) -> OnDevice {
+    fn new(
+        engine: Engine,
+        scene: &Scene,
+        owned: usize,
+        with_neighbours: bool,
+        layout: Layout,
+    ) -> OnDevice {
         let order = order(scene.count(), owned, 0);
         let m = &scene.motion;
         let identifiers: Vec<i32> = (1..=scene.count() as i32).collect();
         let mut made = OnDevice {
-            positions: engine.put(&sorted(&order, &m.positions)),
-            velocities: engine.put(&sorted(&order, &m.velocities)),
-            momenta: engine.put(&sorted(&order, &m.angular_momenta)),
-            quaternions: engine.put(&sorted(&order, &m.quaternions)),
+            positions: Vectors::put(&engine, layout, &sorted(&order, &m.positions)),
+            velocities: Vectors::put(&engine, layout, &sorted(&order, &m.velocities)),
+            momenta: Vectors::put(&engine, layout, &sorted(&order, &m.angular_momenta)),
+            bodies: Bodies::put(
+                &engine,
+                layout,
+                &sorted(&order, &scene.semi_axes),
+                &sorted(&order, &m.quaternions),
+            ),
             changes: engine.put(&sorted(&order, &m.changes)),
             loads_before: engine.put(&sorted(&order, &m.loads_before)),
-            semi_axes: engine.put(&sorted(&order, &scene.semi_axes)),
             masses: engine.put(&sorted(&order, &scene.masses)),
             types: engine.put(&sorted(&order, &scene.types)),
             identifiers: engine.put(&sorted(&order, &identifiers)),
-            loads: engine.put(&vec![[0.0; 6]; owned]),
+            forces: Vectors::put(&engine, layout, &vec![[0.0; 3]; owned]),
+            torques: Vectors::put(&engine, layout, &vec![[0.0; 3]; owned]),
             starts: Vec::new(),
             neighbours: Vec::new(),
             lists: (engine.put(&[]), engine.put(&[])),
@@ -160,15 +173,16 @@ impl OnDevice {
         let identifiers: Vec<i32> = self.order.iter().map(|&k| k as i32 + 1).collect();
         self.engine.write(&self.identifiers, 0, &identifiers);
         let axes = sorted(&self.order, &scene.semi_axes);
-        self.engine.write(&self.semi_axes, 0, &axes);
+        self.bodies.write_semi_axes(&self.engine, &axes);
         let masses = sorted(&self.order, &scene.masses);
         self.engine.write(&self.masses, 0, &masses);
         let types = sorted(&self.order, &scene.types);
         self.engine.write(&self.types, 0, &types);
-        let loads: Vec<[f64; 6]> = (self.order[..self.owned].iter())
-            .map(|&k| loads[k])
-            .collect();
-        self.engine.write(&self.loads, 0, &loads);
+        for (vectors, first) in [(&self.forces, 0), (&self.torques, 3)] {
+            let of = |&k: &usize| std::array::from_fn(|c| loads[k][first + c]);
+            let sorted: Vec<[f64; 3]> = self.order[..self.owned].iter().map(of).collect();
+            vectors.write(&self.engine, 0, &sorted);
+        }
         self.list(scene, with_neighbours);
     }
 
@@ -181,10 +195,13 @@ impl OnDevice {
     fn write_from(&self, scene: &Scene, first: usize) {
         let (e, m) = (&self.engine, &scene.motion);
         let order = &self.order[first..];
-        e.write(&self.positions, first, &sorted(order, &m.positions));
-        e.write(&self.velocities, first, &sorted(order, &m.velocities));
-        e.write(&self.momenta, first, &sorted(order, &m.angular_momenta));
-        e.write(&self.quaternions, first, &sorted(order, &m.quaternions));
+        self.positions.write(e, first, &sorted(order, &m.positions));
+        self.velocities
+            .write(e, first, &sorted(order, &m.velocities));
+        self.momenta
+            .write(e, first, &sorted(order, &m.angular_momenta));
+        let quaternions = sorted(order, &m.quaternions);
+        self.bodies.write_quaternions(e, first, &quaternions);
         e.write(&self.changes, first, &sorted(order, &m.changes));
         e.write(&self.loads_before, first, &sorted(order, &m.loads_before));
     }
@@ -193,17 +210,19 @@ impl OnDevice {
         EllgranGpuGrains {
             owned_count: self.owned,
             count: self.order.len(),
-            positions: self.positions.pointer(),
-            velocities: self.velocities.pointer(),
-            angular_momenta: self.momenta.pointer(),
+            positions: self.positions.vectors(),
+            velocities: self.velocities.vectors(),
+            angular_momenta: self.momenta.vectors(),
             velocity_changes: if self.of_step {
                 self.changes.pointer()
             } else {
                 core::ptr::null()
             },
             masses: self.masses.pointer(),
-            semi_axes: self.semi_axes.pointer(),
-            quaternions: self.quaternions.pointer(),
+            semi_axes: self.bodies.semi_axes(),
+            quaternions: self.bodies.quaternions(),
+            body_places: self.bodies.places(),
+            body_count: self.bodies.count,
             types: self.types.pointer(),
             identifiers: self.identifiers.pointer(),
             ..new()
@@ -213,13 +232,16 @@ impl OnDevice {
     fn motion(&self) -> EllgranGpuMotion {
         EllgranGpuMotion {
             count: self.owned,
-            positions: self.positions.pointer(),
-            velocities: self.velocities.pointer(),
-            angular_momenta: self.momenta.pointer(),
-            quaternions: self.quaternions.pointer(),
-            semi_axes: self.semi_axes.pointer(),
+            positions: self.positions.vectors(),
+            velocities: self.velocities.vectors(),
+            angular_momenta: self.momenta.vectors(),
+            quaternions: self.bodies.quaternions(),
+            semi_axes: self.bodies.semi_axes(),
+            body_places: self.bodies.places(),
+            body_count: self.bodies.count,
             masses: self.masses.pointer(),
-            loads: self.loads.pointer(),
+            forces: self.forces.vectors(),
+            torques: self.torques.vectors(),
             velocity_changes: if self.of_step {
                 self.changes.pointer()
             } else {
@@ -243,9 +265,23 @@ impl OnDevice {
         }
     }
 
-    /// Of the owned grains, in the order of the scene; zeros for ghosts.
+    fn to_load(&self) -> EllgranGpuLoads {
+        EllgranGpuLoads {
+            forces: self.forces.vectors(),
+            torques: self.torques.vectors(),
+            ..new()
+        }
+    }
+
+    /// Force and torque of the owned grains, in the order of the scene; zeros for ghosts.
     fn loads(&self) -> Vec<[f64; 6]> {
-        self.in_order_of_the_scene(&self.engine.read(&self.loads))
+        let forces = self.forces.read(&self.engine);
+        let torques = self.torques.read(&self.engine);
+        let both = forces.iter().zip(&torques);
+        let loads: Vec<[f64; 6]> = both
+            .map(|(f, t)| [f[0], f[1], f[2], t[0], t[1], t[2]])
+            .collect();
+        self.in_order_of_the_scene(&loads)
     }
 
     fn in_order_of_the_scene<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
@@ -260,10 +296,10 @@ impl OnDevice {
     /// device has.
     fn compare_motion(&self, scene: &mut Scene) {
         let e = &self.engine;
-        let positions = self.in_order_of_the_scene(&e.read(&self.positions));
-        let velocities = self.in_order_of_the_scene(&e.read(&self.velocities));
-        let momenta = self.in_order_of_the_scene(&e.read(&self.momenta));
-        let quaternions = self.in_order_of_the_scene(&e.read(&self.quaternions));
+        let positions = self.in_order_of_the_scene(&self.positions.read(e));
+        let velocities = self.in_order_of_the_scene(&self.velocities.read(e));
+        let momenta = self.in_order_of_the_scene(&self.momenta.read(e));
+        let quaternions = self.in_order_of_the_scene(&self.bodies.read_quaternions(e));
         let changes = self.in_order_of_the_scene(&e.read(&self.changes));
         let m = &mut scene.motion;
         let largest = |of: &[[f64; 3]]| of.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
@@ -405,12 +441,22 @@ fn gpu_scene(words: &str, shapes: i32) -> (*mut EllgranGpu, *mut EllgranGpuScene
     (gpu, made)
 }
 
-fn compare(words: &str, stated: i32, shapes: i32, mut scene: Scene) -> EllgranGpuCounts {
+fn compare(words: &str, stated: i32, shapes: i32, scene: Scene) -> EllgranGpuCounts {
+    compare_with(Layout::Rows, words, stated, shapes, scene)
+}
+
+fn compare_with(
+    arrays: Layout,
+    words: &str,
+    stated: i32,
+    shapes: i32,
+    mut scene: Scene,
+) -> EllgranGpuCounts {
     let laws = laws_on_host(words);
     let layout = laws.layout();
     let owned = scene.count() - GHOSTS;
     let (gpu, made) = gpu_scene(words, stated);
-    let mut device = OnDevice::new(Engine::new(), &scene, owned, true);
+    let mut device = OnDevice::new(Engine::new(), &scene, owned, true, arrays);
     let stream = device.engine.stream;
     let mut lists = scene.lists(&laws);
     let mut unchanged = false;
@@ -444,9 +490,9 @@ fn compare(words: &str, stated: i32, shapes: i32, mut scene: Scene) -> EllgranGp
             }
             let grains = device.grains();
             device.engine.in_a_step(|| {
-                let loads = device.loads.pointer();
+                let loads = device.to_load();
                 succeed(ellgran_gpu_compute_pairs(
-                    made, &grains, &step, loads, stream,
+                    made, &grains, &step, &loads, stream,
                 ));
             });
             scene.forces_in_lanes(&laws, &mut lists, unchanged);
@@ -557,6 +603,108 @@ fn velocities_of_the_step() {
         compare(MINDLIN, ANY, ELLGRAN_GPU_SPHEROIDS, scene);
         let scene = of_step(Scene::ellipsoids());
         compare(WHOLE, ANY, ELLGRAN_GPU_ELLIPSOIDS, scene);
+    });
+}
+
+/// Columns, and shapes and attitudes beside them in an order of their own.
+#[test]
+fn columns() {
+    with_driver("columns", &[], || {
+        let columns = Layout::Columns;
+        let spheres = ELLGRAN_GPU_SPHERES;
+        compare_with(columns, MINDLIN, ANY, spheres, Scene::spheres());
+        let ellipsoids = Scene {
+            of_step: true,
+            ..Scene::ellipsoids()
+        };
+        compare_with(columns, WHOLE, ANY, ELLGRAN_GPU_ELLIPSOIDS, ellipsoids);
+    });
+}
+
+/// An engine that has images across a boundary says whose they are, and has nothing but their centres: the same bits as with copies of
+/// all. And loads are added to what is there.
+#[test]
+fn images_of_owned_grains() {
+    with_driver("images_of_owned_grains", &[], || {
+        let mut scene = Scene {
+            of_step: true,
+            ..Scene::ellipsoids()
+        };
+        let count = scene.count();
+        let owned = count - GHOSTS;
+        let owner_of = |grain: usize| {
+            if grain < owned {
+                grain
+            } else {
+                (7 * grain) % owned
+            }
+        };
+        for k in owned..count {
+            let of = owner_of(k);
+            let m = &mut scene.motion;
+            m.changes[of] = std::array::from_fn(|c| 1e-3 * (k + c) as f64);
+            m.changes[k] = m.changes[of];
+            m.velocities[k] = m.velocities[of];
+            m.angular_momenta[k] = m.angular_momenta[of];
+            m.quaternions[k] = m.quaternions[of];
+            scene.semi_axes[k] = scene.semi_axes[of];
+            scene.masses[k] = scene.masses[of];
+        }
+        let step = EllgranStep {
+            advance_history: 0,
+            ..step_of(TIME_STEP)
+        };
+        let loads_of = |scene: &Scene, with_owners: bool, arrays: Layout| {
+            let (gpu, made) = gpu_scene(WHOLE, ANY);
+            let device = OnDevice::new(Engine::new(), scene, owned, true, arrays);
+            let stream = device.engine.stream;
+            let index = |grain| device.order.iter().position(|&k| k == grain).unwrap() as i32;
+            let owners: Vec<i32> = device.order.iter().map(|&k| index(owner_of(k))).collect();
+            let owners = device.engine.put(&owners);
+            let mut grains = device.grains();
+            if with_owners {
+                grains.owners = owners.pointer();
+            }
+            let mut loads = device.to_load();
+            let compute = |loads: &EllgranGpuLoads| unsafe {
+                succeed(ellgran_gpu_compute_pairs(
+                    made, &grains, &step, loads, stream,
+                ));
+                device.loads()
+            };
+            unsafe {
+                let list = device.neighbour_list();
+                succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+            }
+            let of_list = compute(&loads);
+            succeed(unsafe { ellgran_gpu_prepare(made, &grains, stream) });
+            let of_step = compute(&loads);
+            assert_eq!(of_list, of_step);
+            loads.add = 1;
+            for (both, one) in compute(&loads).iter().zip(&of_list) {
+                assert_eq!(*both, one.map(|x| 2.0 * x));
+            }
+            succeed(unsafe { ellgran_gpu_check(made, &grains, stream) });
+            unsafe {
+                ellgran_gpu_scene_free(made);
+                ellgran_gpu_free(gpu);
+            }
+            of_list
+        };
+        let expected = loads_of(&scene, false, Layout::Rows);
+        assert!(expected.iter().flatten().filter(|x| x.abs() > 0.0).count() > 6 * owned / 2);
+        for k in owned..count {
+            let m = &mut scene.motion;
+            m.changes[k] = [f64::NAN; 6];
+            m.velocities[k] = [f64::NAN; 3];
+            m.angular_momenta[k] = [f64::NAN; 3];
+            m.quaternions[k] = [f64::NAN; 4];
+            scene.semi_axes[k] = [f64::NAN; 3];
+            scene.masses[k] = f64::NAN;
+        }
+        for arrays in [Layout::Rows, Layout::Columns] {
+            assert_eq!(loads_of(&scene, true, arrays), expected);
+        }
     });
 }
 

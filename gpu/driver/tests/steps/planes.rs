@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Contacts with planes, against those of one contact at a time; their histories follow the grains into another order.
 
+use crate::engine_arrays::Layout::{self, Columns, Rows};
 use crate::scene::{Scene, STEP, TIME_STEP};
 use crate::support::{new, succeed, with_driver, Engine};
 use crate::{
@@ -29,13 +30,13 @@ const STEPS: usize = 20;
 /// When there is a new list.
 const NEW_LIST: usize = 11;
 
-fn compare(words: &str, mut scene: Scene) {
+fn compare(arrays: Layout, words: &str, mut scene: Scene) {
     let laws = laws_on_host(words);
     let layout = laws.layout();
     let (gpu, made) = gpu_scene(words, ELLGRAN_GPU_ANY_SHAPES);
     let count = scene.count();
     let owned = count;
-    let mut device = OnDevice::new(Engine::new(), &scene, owned, false);
+    let mut device = OnDevice::new(Engine::new(), &scene, owned, false, arrays);
     let stream = device.engine.stream;
     let step = step_of(TIME_STEP);
     let mut numbers = [7; 2];
@@ -57,7 +58,7 @@ fn compare(words: &str, mut scene: Scene) {
             } else {
                 device.write_all(&scene);
             }
-            let (grains, loads) = (device.grains(), device.loads.pointer());
+            let (grains, loads) = (device.grains(), device.to_load());
             let planes = PLANES.map(|(point, normal, velocity)| EllgranPlane {
                 point,
                 normal,
@@ -68,11 +69,11 @@ fn compare(words: &str, mut scene: Scene) {
                 succeed(ellgran_gpu_prepare(made, &grains, stream));
                 // There are no pairs: it writes zeros.
                 succeed(ellgran_gpu_compute_pairs(
-                    made, &grains, &step, loads, stream,
+                    made, &grains, &step, &loads, stream,
                 ));
                 for (plane, number) in planes.iter().zip(numbers) {
                     succeed(ellgran_gpu_compute_plane(
-                        made, &grains, number, plane, 1, &step, loads, stream,
+                        made, &grains, number, plane, 1, &step, &loads, stream,
                     ));
                 }
             });
@@ -162,9 +163,9 @@ fn omega(scene: &Scene, k: usize) -> [f64; 3] {
 #[test]
 fn planes() {
     with_driver("planes::planes", &[], || {
-        compare(WHOLE, Scene::spheroids());
-        compare(MINDLIN, Scene::ellipsoids());
-        compare(VISCOELASTIC, Scene::ellipsoids());
-        compare(VISCOELASTIC, Scene::spheres());
+        compare(Rows, WHOLE, Scene::spheroids());
+        compare(Columns, MINDLIN, Scene::ellipsoids());
+        compare(Rows, VISCOELASTIC, Scene::ellipsoids());
+        compare(Columns, VISCOELASTIC, Scene::spheres());
     });
 }

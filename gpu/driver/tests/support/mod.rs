@@ -12,6 +12,7 @@ use ellgran::c_api::law::{
     ellgran_law_parameters_parse, ellgran_laws_new, EllgranLawParameters, EllgranLaws,
 };
 use ellgran::c_api::status::ellgran_last_error;
+use ellgran_gpu::arrays::{EllgranGpuLoads, EllgranGpuVectors};
 use ellgran_gpu::c_api::gpu::{ellgran_gpu_open, EllgranGpu};
 use std::cell::Cell;
 use std::ffi::CString;
@@ -167,6 +168,37 @@ pub struct Array<T> {
 impl<T> Array<T> {
     pub fn pointer<P>(&self) -> *mut P {
         core::ptr::without_provenance_mut(self.address as usize)
+    }
+}
+
+impl<const N: usize> Array<[f64; N]> {
+    /// One vector after the other.
+    pub fn vectors(&self) -> EllgranGpuVectors {
+        EllgranGpuVectors {
+            first: self.pointer(),
+            per_grain: 0,
+            per_component: 0,
+        }
+    }
+
+    /// Three components of each row, from `first` on.
+    fn part(&self, first: usize) -> EllgranGpuVectors {
+        EllgranGpuVectors {
+            first: self.pointer::<f64>().wrapping_add(first),
+            per_grain: N,
+            per_component: 1,
+        }
+    }
+}
+
+impl Array<[f64; 6]> {
+    /// Forces and then torques, one row for each grain: overwritten.
+    pub fn loads(&self) -> EllgranGpuLoads {
+        EllgranGpuLoads {
+            forces: self.part(0),
+            torques: self.part(3),
+            ..new()
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use ellgran_kernels::candidates::{candidates_of_grain, keeps, Candidate, NewRow}
 use ellgran_kernels::contacts::{self, contact_of_pair, marked_contact_of_pair, Load, TOUCHES};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
-use ellgran_kernels::preparation::{prepare_grain, EngineArrays, Fault};
+use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
 use ellgran_kernels::shapes::{Grain, Kind};
 use ellgran_kernels::terms::{
     component_of_load, number_rows, terms_of_grain, Candidates, ContactLoad,
@@ -44,20 +44,18 @@ pub struct Device {
 
 /// One grain, prepared.
 pub fn prepare_one<K: Kind>(scene: &Scene, k: usize) -> Result<(Grain, MotionChange), Fault> {
-    let types: Vec<u32> = scene.types.iter().map(|&t| t as u32).collect();
     let m = &scene.motion;
-    let arrays = EngineArrays {
-        positions: &m.positions,
-        velocities: &m.velocities,
-        angular_momenta: &m.angular_momenta,
-        changes: scene.changes(),
-        masses: &scene.masses,
-        semi_axes: &scene.semi_axes,
-        quaternions: &m.quaternions,
-        types: &types,
+    prepare_grain::<K>(&EngineGrain {
+        position: m.positions[k],
+        velocity: m.velocities[k],
+        angular_momentum: m.angular_momenta[k],
+        change: scene.changes().get(k).copied().unwrap_or_default(),
+        mass: scene.masses[k],
+        semi_axes: scene.semi_axes[k],
+        quaternion: m.quaternions[k],
+        particle_type: scene.types[k] as u32,
         type_count: 1,
-    };
-    prepare_grain::<K>(k, &arrays)
+    })
 }
 
 macro_rules! lent {
