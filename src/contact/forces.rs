@@ -105,6 +105,8 @@ pub struct Contact<T: Real = f64> {
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
     /// curvature.
     pub inverse_hessian: Option<Symmetric2<T>>,
+    /// Where it is known already.
+    pub gradient: Option<EnergyGradient<T>>,
     /// Of `i` and `j`, where velocities of the step are known beside those of the half step, which `i` and `j` hold: viscous
     /// forces take them. Else the velocities of the half step serve for all.
     pub changes: Option<[MotionChange<T>; 2]>,
@@ -130,6 +132,7 @@ impl<T: Real> Contact<T> {
             j,
             effective_mass,
             inverse_hessian: None,
+            gradient: None,
             changes: None,
             begin_time: None,
         }
@@ -139,6 +142,44 @@ impl<T: Real> Contact<T> {
     pub fn curvature(&self) -> Symmetric2<T> {
         relative_curvature_matrix(self.i.weingarten, self.j.weingarten)
     }
+    /// How the elastic energy changes with the pose at the same penetration.
+    #[inline(always)]
+    pub fn energy_gradient<const WALL: bool>(
+        &self,
+        curvature: Symmetric2<T>,
+        factors: &Factors<T>,
+    ) -> EnergyGradient<T> {
+        let zero = self.penetration.constant(0.0);
+        let none = Vector2::new(zero, zero);
+        let p = curvature_gradient(curvature, factors);
+        let body_i = self.i.for_gradient();
+        let gradient_i = body_gradient(p, &body_i);
+        if WALL {
+            // The wall holds the normal where it is.
+            let held = NormalResponse::exactly(none);
+            return EnergyGradient {
+                lambda: none,
+                torque_i: additional_torque(&body_i, &gradient_i, &held),
+                torque_j: (none, zero),
+            };
+        }
+        let body_j = self.j.for_gradient();
+        let gradient_j = body_gradient(p, &body_j);
+        let gamma = gradient_i.gamma + gradient_j.gamma;
+        let response = match self.inverse_hessian {
+            Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
+            None => normal_response(
+                body_i.inverse_weingarten + body_j.inverse_weingarten,
+                self.penetration,
+                gamma,
+            ),
+        };
+        EnergyGradient {
+            lambda: response.lambda,
+            torque_i: additional_torque(&body_i, &gradient_i, &response),
+            torque_j: additional_torque(&body_j, &gradient_j, &response),
+        }
+    }
     /// Centre of `j` less centre of `i`.
     #[inline(always)]
     pub fn between_centres(&self) -> Vector3<T> {
@@ -146,6 +187,17 @@ impl<T: Real> Contact<T> {
         let across = self.tangent.vector(self.i.witness + self.j.witness);
         self.normal.scale_add(along, across)
     }
+}
+
+/// The further terms of the conservative law over the elastic energy, in the frame of the contact (`force/conservative.rs`).
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyGradient<T = f64> {
+    /// Of the force, 1/length.
+    pub lambda: Vector2<T>,
+    /// Of the torque on `i`: tangential components, and that along the normal.
+    pub torque_i: (Vector2<T>, T),
+    /// Of the torque on `j`.
+    pub torque_j: (Vector2<T>, T),
 }
 
 /// What is remembered of the pair.
@@ -468,34 +520,16 @@ impl<T: Real> Load<T> {
         factors: &Factors<T>,
         elastic_energy: T,
     ) {
-        let zero = x.penetration.constant(0.0);
-        let p = curvature_gradient(curvature, factors);
-        let body_i = x.i.for_gradient();
-        let gradient_i = body_gradient(p, &body_i);
-        let minus = -elastic_energy;
-        if WALL {
-            // The wall holds the normal where it is.
-            let held = NormalResponse::exactly(Vector2::new(zero, zero));
-            let own = additional_torque(&body_i, &gradient_i, &held);
-            self.torque_i = self.torque_i.plus(minus, own);
-            return;
-        }
-        let body_j = x.j.for_gradient();
-        let gradient_j = body_gradient(p, &body_j);
-        let gamma = gradient_i.gamma + gradient_j.gamma;
-        let response = match x.inverse_hessian {
-            Some(inverse) => NormalResponse::exactly(inverse.apply(gamma)),
-            None => normal_response(
-                body_i.inverse_weingarten + body_j.inverse_weingarten,
-                x.penetration,
-                gamma,
-            ),
+        let gradient = match x.gradient {
+            Some(known) => known,
+            None => x.energy_gradient::<WALL>(curvature, factors),
         };
-        self.force.tangential = response.lambda * minus;
-        let own_i = additional_torque(&body_i, &gradient_i, &response);
-        let own_j = additional_torque(&body_j, &gradient_j, &response);
-        self.torque_i = self.torque_i.plus(minus, own_i);
-        self.torque_j = self.torque_j.plus(minus, own_j);
+        let minus = -elastic_energy;
+        self.torque_i = self.torque_i.plus(minus, gradient.torque_i);
+        if !WALL {
+            self.force.tangential = gradient.lambda * minus;
+            self.torque_j = self.torque_j.plus(minus, gradient.torque_j);
+        }
     }
 
     /// Adds a tangential force at the contact point, `r_i` and `r_j` from the centres.

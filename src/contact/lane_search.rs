@@ -19,14 +19,56 @@ const IMPROVEMENTS: usize = 6;
 const SHORT_STEP: f64 = 1e-5;
 /// Newton steps before a lane is hard.
 const NEWTON_STEPS: usize = 6;
-/// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
-/// that t^3/s^2 is left after t.
-const SETTLED: f64 = 1e-30;
 /// Square of the step that the first one is compared with: a first step of 1e-7 is the last.
 const STEP_BEFORE: f64 = 1e-8;
-/// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
-/// times the square of the aspect ratio at most.
-const LARGEST_CORRECTION: f64 = 1e-26;
+
+/// What the digits of the numbers make of the tests of the search.
+struct Bounds {
+    /// Square of what may be left after the last Newton step. With steps s and then t the error goes as e -> (t/s^2) e^2, so
+    /// that t^3/s^2 is left after t.
+    settled: f64,
+    /// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
+    /// times the square of the aspect ratio at most.
+    largest_correction: f64,
+    /// What a determinant must be of the square of its trace, at least, for a Hessian that is safely positive.
+    definite: f64,
+    /// The same for a proof of the global minimum.
+    proof: f64,
+    /// By how much the minimum may seem to be above the value that it was searched from, as a share of the bodies' sizes.
+    rise: f64,
+    /// Rounding of a value, as a share of the largest semi-axes.
+    unknown: f64,
+}
+
+impl Bounds {
+    const DOUBLE: Bounds = Bounds {
+        settled: 1e-30,
+        largest_correction: 1e-26,
+        definite: 1e-11,
+        proof: 1e-12,
+        rise: 1e-13,
+        unknown: 0.0,
+    };
+    /// A gradient has a rounding of the size of the bodies, over the radius of curvature a step of 1e-7 times the square of the aspect
+    /// ratio: what is left is for [`in_more_digits`].
+    const SINGLE: Bounds = Bounds {
+        settled: 1e-8,
+        largest_correction: 1e-8,
+        definite: 1e-5,
+        proof: 1e-5,
+        rise: 2e-6,
+        unknown: 1e-6,
+    };
+
+    #[inline(always)]
+    fn of<S: Registers>() -> Bounds {
+        if S::DIGITS < f64::MANTISSA_DIGITS {
+            Bounds::SINGLE
+        } else {
+            Bounds::DOUBLE
+        }
+    }
+}
 
 /// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal `n`, or one of those that
 /// `IMPROVEMENTS` steps lead to; and the normals with the widest gaps. No steps are taken for the pairs of `stay` alone.
@@ -103,9 +145,13 @@ fn newton_change<S: Registers>(
     let zero = at.value.constant(0.0);
     let (trace, determinant) = (at.hessian.trace(), at.hessian.determinant());
     let change = at.hessian.adjugate().apply(at.gradient) * (zero - determinant.reciprocal());
-    let definite = registers.and((trace * trace * 1e-11).less(determinant), zero.less(trace));
+    let least = trace * trace * Bounds::of::<S>().definite;
+    let definite = registers.and(least.less(determinant), zero.less(trace));
     (change, change.dot(change), definite)
 }
+
+/// Square of a step from numbers with fewer digits that is too long. What it leaves of the normal goes with it.
+const LONG_STEP: f64 = 1e-9;
 
 /// What the search leaves for the law.
 pub struct Found<S: Registers> {
@@ -141,13 +187,43 @@ pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     d: Vector3<Lanes<S>>,
     start: Vector3<Lanes<S>>,
 ) -> Option<Found<S>> {
+    search_to::<true, S, B>(registers, i, j, d, start)
+}
+
+/// The same without the last step, which [`in_more_digits`] takes: with normal, tangent basis and supports as they were before it.
+#[inline(always)]
+pub fn search_nearly<S: Registers, B: ConvexBody<Lanes<S>>>(
+    registers: S,
+    i: &B,
+    j: &B,
+    d: Vector3<Lanes<S>>,
+    start: Vector3<Lanes<S>>,
+) -> Option<Found<S>> {
+    search_to::<false, S, B>(registers, i, j, d, start)
+}
+
+#[inline(always)]
+fn search_to<const LAST_STEP: bool, S: Registers, B: ConvexBody<Lanes<S>>>(
+    registers: S,
+    i: &B,
+    j: &B,
+    d: Vector3<Lanes<S>>,
+    start: Vector3<Lanes<S>>,
+) -> Option<Found<S>> {
+    let bounds = Bounds::of::<S>();
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let base = Tangent::new(start);
     let model = TangentModel::new(i, j, d, start, &base);
     let at = model.at_base();
     let first = at.value;
-    let apart = first.less(zero);
+    // Values above this are not known to be less than none.
+    let least = if bounds.unknown > 0.0 {
+        (i.extreme_semi_axes()[0] + j.extreme_semi_axes()[0]) * -bounds.unknown
+    } else {
+        zero
+    };
+    let apart = first.less(least);
     if registers.all(apart) {
         return None;
     }
@@ -171,13 +247,12 @@ pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     // What is left of the gradient moves the normal and the witnesses by no more than this; the curvature stays.
     let hessian = radii.shifted(-f);
     let inverse_hessian = hessian.adjugate() * hessian.determinant().reciprocal();
-    let change = inverse_hessian.apply(g) * (zero - one);
-    let penetration = change.dot(g).multiply_add(one * 0.5, f);
+    let (change, penetration) = last_step(inverse_hessian, f, g);
     let converged = change
         .dot(change)
-        .less(Lanes::splat(registers, LARGEST_CORRECTION));
+        .less(Lanes::splat(registers, bounds.largest_correction));
     let size = support_i.h + support_j.h;
-    let falling = penetration.less(first + size * 1e-13);
+    let falling = penetration.less(first + size * bounds.rise);
 
     // Deeper than half the smallest radius of curvature, Hertz' law ends: the scalar path counts such contacts.
     let twice = penetration * 2.0;
@@ -188,9 +263,15 @@ pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
     );
     // Any start may lead to a minimum that is not the global one: the scalar path searches where this one is not proved to be.
     let balls = i.inscribed_radius(support_i.inverse_h) + j.inscribed_radius(support_j.inverse_h);
-    let mut proved = penetration.less(balls);
+    // The plane with this normal has the value `f`; what the last step makes of it is for numbers with more digits to say.
+    let (value, most) = if bounds.unknown > 0.0 {
+        (f, f - least)
+    } else {
+        (penetration, penetration)
+    };
+    let mut proved = most.less(balls);
     let open = registers.and_not(
-        registers.and(shallow, zero.less(penetration)),
+        registers.and(shallow, least.less(value)),
         registers.or(registers.or(apart, hard), proved),
     );
     if registers.any(open) {
@@ -216,15 +297,17 @@ pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
         registers.and(registers.and(shallow, proved), started),
     );
     hard = registers.or(hard, registers.not(sound));
-    let separated = registers.or(apart, registers.and_not(penetration.less(zero), hard));
-    support_i = moved(&support_i, radii_i, change);
-    support_j = moved(&support_j, radii_j, change);
+    let separated = registers.or(apart, registers.and_not(value.less(least), hard));
+    let (mut normal, mut basis) = (n, tangent);
+    if LAST_STEP {
+        support_i = moved(&support_i, radii_i, change);
+        support_j = moved(&support_j, radii_j, change);
+        normal = select3(apart, start, n + tangent.vector(change));
+        basis = turned(n, &tangent, change);
+    }
     Some(Found {
-        normal: select3(apart, start, n + tangent.vector(change)),
-        tangent: Tangent {
-            u: n.scale_add(-change.u, tangent.u),
-            v: n.scale_add(-change.v, tangent.v),
-        },
+        normal,
+        tangent: basis,
         penetration,
         support_i,
         support_j,
@@ -234,6 +317,55 @@ pub fn search<S: Registers, B: ConvexBody<Lanes<S>>>(
         separated,
         hard: registers.and_not(hard, separated),
     })
+}
+
+/// Newton's step from a normal where the value is `f` and the gradient `g`, and the value that it leads to.
+#[inline(always)]
+fn last_step<T: Real>(inverse_hessian: Symmetric2<T>, f: T, g: Vector2<T>) -> (Vector2<T>, T) {
+    let change = inverse_hessian.apply(g) * f.constant(-1.0);
+    (change, change.dot(g).multiply_add(f.constant(0.5), f))
+}
+
+/// A contact that numbers with fewer digits have led to, with its normal, its penetration and its witnesses in these: one step of
+/// Newton's method, for which value and gradient are those of the bodies `i` and `j`, here as they are. The Weingarten maps, in the
+/// tangent basis [`Tangent::new`] of the normal, and the inverse of the Hessian stay as they were found. A pair is hard where the step is long,
+/// and where it alone says that they do not touch; separated where the plane with the given normal separates it.
+#[inline(always)]
+pub fn in_more_digits<S: Registers, B: ConvexBody<Lanes<S>>>(
+    registers: S,
+    i: &B,
+    j: &B,
+    d: Vector3<Lanes<S>>,
+    normal: Vector3<Lanes<S>>,
+    [weingarten_i, weingarten_j]: [Symmetric2<Lanes<S>>; 2],
+    inverse_hessian: Symmetric2<Lanes<S>>,
+) -> Found<S> {
+    let zero = Lanes::splat(registers, 0.0);
+    let n = normal.normalised();
+    let tangent = Tangent::new(n);
+    let support_i = i.support_in_frame(&i.view(n, &tangent));
+    let support_j = j.support_in_frame(&j.view(n, &tangent));
+    let f = support_i.h + support_j.h - n.dot(d);
+    let g = support_i.witness + support_j.witness - tangent.components(d);
+    let (change, penetration) = last_step(inverse_hessian, f, g);
+    let long = Lanes::splat(registers, LONG_STEP);
+    let separated = f.less(zero);
+    let known = registers.and(change.dot(change).less(long), zero.less(penetration));
+    let hard = registers.and_not(registers.not(known), separated);
+    let radii_i = inverse_weingarten(weingarten_i, support_i.inverse_h, i.squared_product());
+    let radii_j = inverse_weingarten(weingarten_j, support_j.inverse_h, j.squared_product());
+    Found {
+        normal: n + tangent.vector(change),
+        tangent: turned(n, &tangent, change),
+        penetration,
+        support_i: moved(&support_i, radii_i, change),
+        support_j: moved(&support_j, radii_j, change),
+        weingarten_i,
+        weingarten_j,
+        inverse_hessian,
+        separated,
+        hard,
+    }
 }
 
 /// Newton's method over the tangent plane: where it ends, the lanes in which it leads astray, and those in which it has not
@@ -261,7 +393,7 @@ fn minimise<S: Registers>(
             Lanes::select(active, y.u + change.u, y.u),
             Lanes::select(active, y.v + change.v, y.v),
         );
-        let moving = (last * last * SETTLED).less(square * square * square);
+        let moving = (last * last * Bounds::of::<S>().settled).less(square * square * square);
         active = registers.and(active, moving);
         last = square;
         step += 1;
@@ -285,9 +417,18 @@ fn is_global_minimum<S: Registers>(
     let margin = inscribed_ellipsoid_margin(i, j, penetration, across);
     let trace = margin.trace();
     registers.and(
-        (trace * trace * 1e-12).less(margin.determinant()),
+        (trace * trace * Bounds::of::<S>().proof).less(margin.determinant()),
         penetration.constant(0.0).less(trace),
     )
+}
+
+/// The tangent basis of the normal that a small change leads to.
+#[inline(always)]
+fn turned<T: Real>(n: Vector3<T>, tangent: &Tangent<T>, change: Vector2<T>) -> Tangent<T> {
+    Tangent {
+        u: n.scale_add(-change.u, tangent.u),
+        v: n.scale_add(-change.v, tangent.v),
+    }
 }
 
 /// Support function and witness for the normal and the basis that a small change of the normal leads to.

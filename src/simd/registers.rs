@@ -30,6 +30,8 @@ pub(super) fn too_short() -> ! {
 pub trait Registers: Copy {
     /// Numbers in a register.
     const LANES: usize;
+    /// Binary digits of a number.
+    const DIGITS: u32 = f64::MANTISSA_DIGITS;
     /// A register.
     type Vector: Copy;
     /// The truth of a comparison, one per lane.

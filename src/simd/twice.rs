@@ -26,6 +26,7 @@ macro_rules! twice {
 
 impl<S: Registers> Registers for Twice<S> {
     const LANES: usize = 2 * S::LANES;
+    const DIGITS: u32 = S::DIGITS;
     type Vector = [S::Vector; 2];
     type Mask = [S::Mask; 2];
 

@@ -172,3 +172,8 @@ pub const ELLGRAN_GPU_SPHERES: i32 = 1;
 pub const ELLGRAN_GPU_SPHEROIDS: i32 = 2;
 /// Grains of any semi-axes.
 pub const ELLGRAN_GPU_ELLIPSOIDS: i32 = 3;
+
+/// Of `ellgran_gpu_scene_set_precision`: contacts in double precision, to 1e-12 of those of the host.
+pub const ELLGRAN_GPU_DOUBLE: i32 = 0;
+/// Their search in single precision, to 1e-5 of the largest load.
+pub const ELLGRAN_GPU_MIXED: i32 = 1;

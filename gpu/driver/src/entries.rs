@@ -38,6 +38,16 @@ impl Shapes {
     }
 }
 
+/// The precision of contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// All in double precision.
+    #[default]
+    Double,
+    /// Their search in single precision (`ellgran_kernels::mixed`).
+    Mixed,
+}
+
 /// What the laws of a scene have, as far as kernels and histories differ by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
@@ -202,7 +212,7 @@ pub struct Chosen {
 }
 
 /// Names of the kernels: preparation, candidates, contacts, marked contacts, planes.
-fn names(shapes: Shapes, terms: Terms) -> [String; 5] {
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 5] {
     let kind = shapes.word();
     // Marked contacts and planes take spheres as spheroids.
     let spheroids_too = match shapes {
@@ -216,6 +226,11 @@ fn names(shapes: Shapes, terms: Terms) -> [String; 5] {
         (_, true, true) => "_friction_conservative",
         (_, false, _) => "_conservative",
     };
+    let mixed = match (shapes, precision) {
+        // Two spheres have no search.
+        (Shapes::Spheres, _) | (_, Precision::Double) => "",
+        (_, Precision::Mixed) => "mixed_",
+    };
     let terms_of_planes = if terms.tangential {
         "_friction_conservative"
     } else {
@@ -224,7 +239,7 @@ fn names(shapes: Shapes, terms: Terms) -> [String; 5] {
     [
         format!("ellgran_prepare_{kind}"),
         format!("ellgran_candidates_{kind}"),
-        format!("ellgran_contacts_{kind}{terms_of_contacts}"),
+        format!("ellgran_contacts_{mixed}{kind}{terms_of_contacts}"),
         format!("ellgran_marked_contacts_{spheroids_too}"),
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
     ]
@@ -235,8 +250,14 @@ impl Chosen {
     ///
     /// # Errors
     /// Of the driver.
-    pub fn new(device: &Device, shapes: Shapes, terms: Terms) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane] = names(shapes, terms);
+    pub fn new(
+        device: &Device,
+        shapes: Shapes,
+        terms: Terms,
+        precision: Precision,
+    ) -> Result<Self, Failure> {
+        let [prepare, candidates, contacts, marked_contacts, plane] =
+            names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
             prepare: Entry::new(device, prepare)?,
@@ -329,12 +350,15 @@ mod tests {
                     conservative: bits & 2 != 0,
                     mass: false,
                 };
-                let [prepare, candidates, contacts, marked, plane] = names(shapes, terms);
-                is_of::<PrepareArguments<OnDevice>>(&prepare);
-                is_of::<CandidateArguments<OnDevice>>(&candidates);
-                is_of::<ContactArguments<OnDevice>>(&contacts);
-                is_of::<ContactArguments<OnDevice>>(&marked);
-                is_of::<PlaneArguments<OnDevice>>(&plane);
+                for precision in [Precision::Double, Precision::Mixed] {
+                    let [prepare, candidates, contacts, marked, plane] =
+                        names(shapes, terms, precision);
+                    is_of::<PrepareArguments<OnDevice>>(&prepare);
+                    is_of::<CandidateArguments<OnDevice>>(&candidates);
+                    is_of::<ContactArguments<OnDevice>>(&contacts);
+                    is_of::<ContactArguments<OnDevice>>(&marked);
+                    is_of::<PlaneArguments<OnDevice>>(&plane);
+                }
             }
         }
     }

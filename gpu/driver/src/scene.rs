@@ -9,7 +9,7 @@ use crate::arrays::{
 };
 use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
-use crate::entries::{Chosen, Common, Shapes, Terms};
+use crate::entries::{Chosen, Common, Precision, Shapes, Terms};
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::c_api::status::{
     Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
@@ -19,8 +19,8 @@ use ellgran::contact::{Laws, MotionChange, Step};
 use ellgran::force::PairLaw;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
-    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
+    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
@@ -173,6 +173,7 @@ pub struct Scene {
     terms: Terms,
     /// `None`: each new list is looked through.
     stated: Option<Shapes>,
+    precision: Precision,
     common: Common,
     chosen: Option<Chosen>,
     listed: Option<Listed>,
@@ -225,6 +226,7 @@ impl Scene {
             laws: laws.clone(),
             terms,
             stated,
+            precision: Precision::default(),
             common: Common::new(device)?,
             chosen: None,
             listed: None,
@@ -550,8 +552,22 @@ impl Scene {
             }
         };
         if self.chosen.as_ref().is_none_or(|c| c.shapes != shapes) {
-            self.chosen = Some(Chosen::new(&self.device, shapes, self.terms)?);
+            let (terms, precision) = (self.terms, self.precision);
+            self.chosen = Some(Chosen::new(&self.device, shapes, terms, precision)?);
         }
+        Ok(())
+    }
+
+    /// The precision of contacts from the next call on. What is remembered is the same in each.
+    ///
+    /// # Errors
+    /// A status of a GPU.
+    pub fn set_precision(&mut self, precision: Precision) -> Result<(), Failure> {
+        if let Some(shapes) = self.chosen.as_ref().map(|c| c.shapes) {
+            let _entered = self.device.enter()?;
+            self.chosen = Some(Chosen::new(&self.device, shapes, self.terms, precision)?);
+        }
+        self.precision = precision;
         Ok(())
     }
 
@@ -989,8 +1005,9 @@ impl Scene {
         } else if is(Fault::Mass) {
             format!(
                 "{} must be finite and within the range of masses",
-                value("mass", &|g| Ok(vec![g.masses.addr() as u64
-                    + (owner(g)? * size_of::<f64>()) as u64]))?
+                value("mass", &|g| Ok(vec![
+                    g.masses.addr() as u64 + (owner(g)? * size_of::<f64>()) as u64
+                ]))?
             )
         } else if is(Fault::Type) {
             let given = match g {
@@ -1014,7 +1031,10 @@ impl Scene {
         } else if is(Fault::Quaternion) {
             format!(
                 "{} must be finite and not zero",
-                value("quaternion (w, x, y, z)", &|g| components::<4>(&g.quaternions, body(g)?))?
+                value("quaternion (w, x, y, z)", &|g| components::<4>(
+                    &g.quaternions,
+                    body(g)?
+                ))?
             )
         } else if is(Fault::Kind) {
             format!(
@@ -1120,4 +1140,3 @@ fn motion_words(fault: u32) -> &'static str {
         _ => "it cannot be moved",
     }
 }
-

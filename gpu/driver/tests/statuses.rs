@@ -12,15 +12,16 @@ use ellgran::c_api::status::{
     ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use ellgran_gpu::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuLoads, EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES,
-    ELLGRAN_GPU_SPHERES,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuLoads, EllgranGpuMotion,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_MIXED, ELLGRAN_GPU_SPHERES,
 };
 use ellgran_gpu::c_api::gpu::{
     ellgran_gpu_free, ellgran_gpu_open, ellgran_gpu_open_current, EllgranGpu,
 };
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_add_plane, ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free, ellgran_gpu_scene_new, EllgranGpuScene,
+    ellgran_gpu_scene_free, ellgran_gpu_scene_new, ellgran_gpu_scene_set_precision,
+    EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_compute_plane, ellgran_gpu_prepare,
@@ -214,6 +215,18 @@ fn laws_without_a_kernel() {
         let mut scene = core::ptr::null_mut();
         let status = unsafe { ellgran_gpu_scene_new(gpu, laws("hertz 1e7 0.3"), 4, &mut scene) };
         fail(status, ELLGRAN_ERROR_ARGUMENT, &["shapes = 4"]);
+        unsafe {
+            succeed(ellgran_gpu_scene_new(
+                gpu,
+                laws("hertz 1e7 0.3"),
+                0,
+                &mut scene,
+            ));
+            let status = ellgran_gpu_scene_set_precision(scene, 2);
+            fail(status, ELLGRAN_ERROR_ARGUMENT, &["precision = 2"]);
+            succeed(ellgran_gpu_scene_set_precision(scene, ELLGRAN_GPU_MIXED));
+            ellgran_gpu_scene_free(scene);
+        }
     });
 }
 

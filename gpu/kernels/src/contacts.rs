@@ -5,7 +5,7 @@
 //! contact, a minimum without proof, a curvature ratio beyond the fit) is marked, and taken by [`marked_contact_of_pair`],
 //! which has every safeguard and needs kilobytes of memory a thread.
 
-use crate::one_lane::{basis_of, matrix_of, number, tangential_of, vector, vector_of, OneLane};
+use crate::one_lane::{basis_of, matrix_of, tangential_of, vector, vector_of, OneLane};
 use crate::shapes::{Grain, Kind};
 use crate::terms::ContactLoad;
 use ellgran::contact::history::{cached_normal, forget};
@@ -18,10 +18,12 @@ use ellgran::force::hertz_factors::{
 };
 use ellgran::force::{Factors, LawKinds, PairLaw};
 use ellgran::geometry::{ConvexBody, SupportInFrame};
+use ellgran::real::Real;
+use ellgran::simd::{Lanes, Registers};
 use ellgran::vector::{Symmetric2, Vector3};
 
 use crate::one_lane::Number;
-use ellgran::contact::forces::Surface;
+use ellgran::contact::forces::{relative_curvature_matrix, EnergyGradient, Surface};
 
 /// Of a pair's state: it touches.
 pub const TOUCHES: u32 = 1;
@@ -52,7 +54,7 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     #[inline(always)]
-    fn law(&self, i: usize, j: usize) -> &PairLaw {
+    pub(crate) fn law(&self, i: usize, j: usize) -> &PairLaw {
         let (a, b) = (self.types[i], self.types[j]);
         &self.laws[((a - 1) * self.type_count + (b - 1)) as usize]
     }
@@ -111,10 +113,28 @@ impl core::ops::AddAssign for Load {
 /// What became of a pair.
 // It is never in memory.
 #[allow(clippy::large_enum_variant)]
-enum Outcome {
+pub(crate) enum Outcome {
     Apart,
     Marked,
     Touching(ContactForces),
+}
+
+impl Outcome {
+    /// The load, and the state that goes with it; `None`, and the state as it was, where the pair is marked.
+    #[inline(always)]
+    pub(crate) fn noted(self, state: &mut u32) -> Option<ContactLoad> {
+        match self {
+            Outcome::Marked => None,
+            Outcome::Apart => {
+                *state = 0;
+                Some(ContactLoad::NONE)
+            }
+            Outcome::Touching(f) => {
+                *state = TOUCHES;
+                Some(f.into())
+            }
+        }
+    }
 }
 
 #[inline(always)]
@@ -138,17 +158,7 @@ pub fn contact_of_pair<
     history: &mut [f64],
 ) -> Option<ContactLoad> {
     let touched = *state & TOUCHES != 0;
-    match one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched) {
-        Outcome::Marked => None,
-        Outcome::Apart => {
-            *state = 0;
-            Some(ContactLoad::NONE)
-        }
-        Outcome::Touching(f) => {
-            *state = TOUCHES;
-            Some(f.into())
-        }
-    }
+    one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched).noted(state)
 }
 
 /// What [`contact_of_pair`] has marked.
@@ -173,7 +183,12 @@ pub fn marked_contact_of_pair<K: Kind>(
 
 /// A pair that does not touch remembers the normal of a plane between the bodies, and nothing else.
 #[inline(always)]
-fn part(layout: &HistoryLayout, history: &mut [f64], touched: bool, normal: Option<Vector3>) {
+pub(crate) fn part(
+    layout: &HistoryLayout,
+    history: &mut [f64],
+    touched: bool,
+    normal: Option<Vector3>,
+) {
     if let (Some(at), Some(n)) = (layout.normal, normal) {
         history[at..at + 3].copy_from_slice(&n.to_array());
     }
@@ -213,34 +228,75 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     if found.hard {
         return Outcome::Marked;
     }
-    let normal = vector_of(found.normal);
     if found.separated || !(found.penetration.value > 0.0) {
-        part(layout, history, touched, Some(normal));
+        part(layout, history, touched, Some(vector_of(found.normal)));
         return Outcome::Apart;
     }
     let law = scene.law(i, j);
     let curvature = relative(&found);
-    let Some(factors) = factors(&law.kinds, K::SPHERES, curvature, FRICTION || CONSERVATIVE) else {
+    let Some(factors) = factors(
+        OneLane,
+        &law.kinds,
+        K::SPHERES,
+        curvature,
+        FRICTION || CONSERVATIVE,
+    ) else {
         return Outcome::Marked;
     };
-    let x = contact_of::<K>(scene, law, [i, j], &found, [&body_a, &body_b]);
+    Outcome::Touching(forces::<K, FRICTION, RATE, CONSERVATIVE>(
+        scene,
+        [i, j],
+        d,
+        &found,
+        [&body_a, &body_b],
+        &Factors {
+            phi: factors.phi.value,
+            sigma: factors.sigma.value,
+        },
+        None,
+        cached,
+        history,
+        touched,
+    ))
+}
+
+/// The law of a pair that touches as was found. `gradient` is that of the energy, where it is known already.
+#[inline(always)]
+pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    scene: &Scene<'_>,
+    [i, j]: [usize; 2],
+    d: Vector3,
+    found: &Found<OneLane>,
+    bodies: [&K::Body<OneLane>; 2],
+    factors: &Factors,
+    gradient: Option<EnergyGradient>,
+    cached: Option<Vector3>,
+    history: &mut [f64],
+    touched: bool,
+) -> ContactForces {
+    let (a, b) = (&scene.grains[i], &scene.grains[j]);
+    let (layout, law) = (&scene.layout, scene.law(i, j));
+    let x = Contact {
+        gradient,
+        ..contact_of::<K>(scene, law, [i, j], found, bodies)
+    };
     let before = match cached {
         Some(n) => n,
         None if K::SPHERES || (K::is_sphere(a) && K::is_sphere(b)) => {
-            normal_of_spheres_before(d, x.j.velocity - x.i.velocity, normal, &scene.step)
+            normal_of_spheres_before(d, x.j.velocity - x.i.velocity, x.normal, &scene.step)
         }
-        None => normal,
+        None => x.normal,
     };
-    Outcome::Touching(through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+    through_law::<FRICTION, RATE, CONSERVATIVE, false>(
         law,
-        &factors,
+        factors,
         &x,
         layout,
         history,
         touched,
         before,
         &scene.step,
-    ))
+    )
 }
 
 /// The direction of a vector; any where it has none.
@@ -254,37 +310,39 @@ pub(crate) fn direction(d: Vector3) -> Vector3 {
 }
 
 #[inline(always)]
-fn relative(found: &Found<OneLane>) -> Symmetric2 {
-    ellgran::contact::forces::relative_curvature_matrix(
-        matrix_of(found.weingarten_i),
-        matrix_of(found.weingarten_j),
-    )
+pub(crate) fn relative<S: Registers>(found: &Found<S>) -> Symmetric2<Lanes<S>> {
+    relative_curvature_matrix(found.weingarten_i, found.weingarten_j)
 }
 
 /// Hertz factors from the fits; `None` beyond them.
 #[inline(always)]
-fn factors(
+pub(crate) fn factors<S: Registers>(
+    registers: S,
     kinds: &LawKinds,
     spheres: bool,
-    curvature: Symmetric2,
+    curvature: Symmetric2<Lanes<S>>,
     with_sigma: bool,
-) -> Option<Factors> {
+) -> Option<Factors<Lanes<S>>> {
+    let number = |x: f64| Lanes::splat(registers, x);
     if spheres || !kinds.normal.elliptical {
         let sigma = if kinds.normal.elliptical {
             1.0 / 6.0
         } else {
             0.0
         };
-        return Some(Factors { phi: 1.0, sigma });
+        return Some(Factors {
+            phi: number(1.0),
+            sigma: number(sigma),
+        });
     }
     let (trace, determinant) = (curvature.trace(), curvature.determinant());
     let q = near_variable(trace, determinant);
-    if q < NEAR_END {
+    if registers.any(q.less(number(NEAR_END))) {
         return Some(fitted_near(q, with_sigma));
     }
-    // The logarithm of the lanes: that of `f64` is a call.
-    let w = fit_variable(number(trace), number(determinant)).value;
-    (w <= FIT_END).then(|| fitted(w, with_sigma))
+    let w = fit_variable(trace, determinant);
+    let beyond = registers.any(number(FIT_END).less(w));
+    (!beyond).then(|| fitted(w, with_sigma))
 }
 
 /// Geometry and motion for the law.
@@ -294,10 +352,10 @@ fn contact_of<K: Kind>(
     law: &PairLaw,
     [i, j]: [usize; 2],
     found: &Found<OneLane>,
-    [body_a, body_b]: [&K::Body; 2],
+    [body_a, body_b]: [&K::Body<OneLane>; 2],
 ) -> Contact {
     let surface = |k: usize,
-                   body: &K::Body,
+                   body: &K::Body<OneLane>,
                    support: &SupportInFrame<Number>,
                    weingarten: Symmetric2<Number>| {
         let (velocity, omega) = K::motion(&scene.grains[k]);
@@ -319,6 +377,7 @@ fn contact_of<K: Kind>(
         j: surface(j, body_b, &found.support_j, found.weingarten_j),
         effective_mass: effective_mass(scene.inverse_mass(i), scene.inverse_mass(j)),
         inverse_hessian: Some(matrix_of(found.inverse_hessian)),
+        gradient: None,
         changes: match (scene.change(law, i), scene.change(law, j)) {
             (Some(i), Some(j)) => Some([i, j]),
             _ => None,

@@ -7,6 +7,7 @@
 //! - [`preparation`]: an engine's arrays become [`Grain`](shapes::Grain)s.
 //! - [`candidates`]: the pairs that may touch before a grain has moved by half of a margin, each of them once.
 //! - [`contacts`]: force and torques of one of them, and its history.
+//! - [`mixed`]: the same with the search in single precision.
 //! - [`terms`]: which contacts add to the load of a grain, and their sum.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
@@ -19,6 +20,7 @@
 //! the host.
 
 #![cfg_attr(not(test), no_std)]
+#![cfg_attr(target_arch = "nvptx64", feature(core_float_math))]
 
 #[cfg(target_arch = "nvptx64")]
 extern crate ellgran_core as ellgran;
@@ -27,7 +29,9 @@ pub mod arguments;
 pub mod candidates;
 pub mod contacts;
 pub mod integration;
+pub mod mixed;
 pub mod one_lane;
+pub mod one_single;
 pub mod pair_memory;
 pub mod planes;
 pub mod poses;

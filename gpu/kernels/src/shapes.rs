@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Prepared grains, and the kinds of shape that kernels are made for.
 
-use crate::one_lane::{number, vector, Number};
+use crate::one_lane::{number, OneLane};
 use ellgran::contact::Particle;
 use ellgran::geometry::ellipsoid::rotation_columns;
 use ellgran::geometry::{ConvexBody, Ellipsoid, Spheroid};
+use ellgran::real::Real;
+use ellgran::simd::{Lanes, Registers};
 use ellgran::vector::{Tangent, Vector3};
 
 /// A grain as the kernels load it, two cache lines. What they hold depends on the kind of shape that a scene is prepared for.
@@ -37,8 +39,8 @@ impl Grain {
 pub trait Kind {
     /// Whether the closed form of spheres serves.
     const SPHERES: bool;
-    /// The closed form of the others, in the lane.
-    type Body: ConvexBody<Number>;
+    /// The closed form of the others, in the lane of a register.
+    type Body<S: Registers>: ConvexBody<Lanes<S>>;
     /// Whether a shape is of this kind.
     fn takes(semi_axes: [f64; 3]) -> bool;
     /// A grain of these semi-axes, unit quaternion `(w, x, y, z)`, velocity and angular velocity.
@@ -49,8 +51,18 @@ pub trait Kind {
         velocity: Vector3,
         omega: Vector3,
     ) -> Grain;
+    /// Its shape, its lengths in units of which `unit` is one and has the inverse `per_unit`.
+    fn body_in<S: Registers>(
+        registers: S,
+        grain: &Grain,
+        unit: Lanes<S>,
+        per_unit: Lanes<S>,
+    ) -> Self::Body<S>;
     /// Its shape.
-    fn body(grain: &Grain) -> Self::Body;
+    #[inline(always)]
+    fn body(grain: &Grain) -> Self::Body<OneLane> {
+        Self::body_in(OneLane, grain, number(1.0), number(1.0))
+    }
     /// Radius of the bounding sphere.
     fn radius(grain: &Grain) -> f64;
     /// Whether it is a sphere.
@@ -99,7 +111,7 @@ fn particle<K: Kind>(
 
 impl Kind for Spheroids {
     const SPHERES: bool = false;
-    type Body = Spheroid<Number>;
+    type Body<S: Registers> = Spheroid<Lanes<S>>;
 
     #[inline(always)]
     fn takes([a, b, c]: [f64; 3]) -> bool {
@@ -129,14 +141,20 @@ impl Kind for Spheroids {
         }
     }
     #[inline(always)]
-    fn body(grain: &Grain) -> Spheroid<Number> {
+    fn body_in<S: Registers>(
+        registers: S,
+        grain: &Grain,
+        unit: Lanes<S>,
+        per_unit: Lanes<S>,
+    ) -> Spheroid<Lanes<S>> {
         let (p, m) = (&grain.pose, &grain.motion);
+        let number = |x: &[f64]| Lanes::load(registers, x);
         Spheroid {
-            axis: vector(Vector3::new(p[3], p[4], p[5])),
-            polar: number(p[6]),
-            equatorial: number(p[7]),
-            inverse_polar: number(m[6]),
-            inverse_equatorial: number(m[7]),
+            axis: Vector3::new(number(&p[3..]), number(&p[4..]), number(&p[5..])),
+            polar: number(&p[6..]) * per_unit,
+            equatorial: number(&p[7..]) * per_unit,
+            inverse_polar: number(&m[6..]) * unit,
+            inverse_equatorial: number(&m[7..]) * unit,
         }
     }
     #[inline(always)]
@@ -166,7 +184,7 @@ impl Kind for Spheroids {
 
 impl Kind for Spheres {
     const SPHERES: bool = true;
-    type Body = Spheroid<Number>;
+    type Body<S: Registers> = Spheroid<Lanes<S>>;
 
     #[inline(always)]
     fn takes([a, b, c]: [f64; 3]) -> bool {
@@ -177,8 +195,13 @@ impl Kind for Spheres {
         Spheroids::prepare(x, a, q, v, w)
     }
     #[inline(always)]
-    fn body(grain: &Grain) -> Spheroid<Number> {
-        Spheroids::body(grain)
+    fn body_in<S: Registers>(
+        registers: S,
+        grain: &Grain,
+        unit: Lanes<S>,
+        per_unit: Lanes<S>,
+    ) -> Spheroid<Lanes<S>> {
+        Spheroids::body_in(registers, grain, unit, per_unit)
     }
     #[inline(always)]
     fn radius(grain: &Grain) -> f64 {
@@ -199,7 +222,7 @@ impl Kind for Spheres {
 
 impl Kind for Ellipsoids {
     const SPHERES: bool = false;
-    type Body = Ellipsoid<Number>;
+    type Body<S: Registers> = Ellipsoid<Lanes<S>>;
 
     #[inline(always)]
     fn takes(_: [f64; 3]) -> bool {
@@ -213,21 +236,33 @@ impl Kind for Ellipsoids {
         }
     }
     #[inline(always)]
-    fn body(grain: &Grain) -> Ellipsoid<Number> {
+    fn body_in<S: Registers>(
+        registers: S,
+        grain: &Grain,
+        _: Lanes<S>,
+        per_unit: Lanes<S>,
+    ) -> Ellipsoid<Lanes<S>> {
         let (p, m) = (&grain.pose, &grain.motion);
-        let [a, b, c] = [p[7], m[0], m[1]];
-        let inverse = 1.0 / (a * b * c);
-        let quaternion = [number(p[3]), number(p[4]), number(p[5]), number(p[6])];
+        let number = |x: &[f64]| Lanes::load(registers, x);
+        let (a, b, c) = (
+            number(&p[7..]) * per_unit,
+            number(m) * per_unit,
+            number(&m[1..]) * per_unit,
+        );
+        let inverse = (a * b * c).reciprocal();
+        let quaternion = [
+            number(&p[3..]),
+            number(&p[4..]),
+            number(&p[5..]),
+            number(&p[6..]),
+        ];
         Ellipsoid {
-            axes: rotation_columns(quaternion, number(2.0)),
-            semi_axes: vector(Vector3::new(a, b, c)),
-            inverse_semi_axes: vector(Vector3::new(
-                b * c * inverse,
-                a * c * inverse,
-                a * b * inverse,
-            )),
+            axes: rotation_columns(quaternion, Lanes::splat(registers, 2.0)),
+            semi_axes: Vector3::new(a, b, c),
+            inverse_semi_axes: Vector3::new(b * c * inverse, a * c * inverse, a * b * inverse),
         }
     }
+
     #[inline(always)]
     fn radius(grain: &Grain) -> f64 {
         grain.pose[7].max(grain.motion[0]).max(grain.motion[1])

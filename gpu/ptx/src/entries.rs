@@ -13,14 +13,15 @@ use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
 use ellgran_kernels::arguments::{
-    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
+    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
 use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
+use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::pair_memory::{
     carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
 };
@@ -115,7 +116,11 @@ fn engine_grain(a: &PrepareArguments<Here>, k: usize) -> Result<EngineGrain, Fau
         position: a.positions.get(k),
         velocity: a.velocities.get(owner),
         angular_momentum: a.angular_momenta.get(owner),
-        change: if changes.is_empty() { [0.0; 6] } else { changes[owner] },
+        change: if changes.is_empty() {
+            [0.0; 6]
+        } else {
+            changes[owner]
+        },
         mass: a.masses.all()[owner],
         semi_axes,
         quaternion,
@@ -224,7 +229,7 @@ fn pair_of(candidates: &[Candidate], own: &Own) -> (Candidate, Own) {
 }
 
 macro_rules! contacts {
-    ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
+    ($of_pair:ident: $($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
             /// Writes the loads of all contacts but those that it marks.
             fn $name(thread, arguments: ContactArguments<Here>) {
@@ -243,7 +248,7 @@ macro_rules! contacts {
                 let count = notes[CANDIDATES].load(Ordering::Relaxed) as usize;
                 for own in thread.numbers(count) {
                     let (candidate, entry) = pair_of(candidates, &own);
-                    let found = contact_of_pair::<$kind, $friction, true, $conservative>(
+                    let found = $of_pair::<$kind, $friction, true, $conservative>(
                         &scene,
                         scene.in_order(candidate.grain as usize, candidate.other as usize),
                         states.at(&entry),
@@ -261,6 +266,7 @@ macro_rules! contacts {
 
 // A kernel serves all laws that have no other terms than its own. On spheres the conservative terms vanish.
 contacts! {
+    contact_of_pair:
     ellgran_contacts_spheres: Spheres, false, false;
     ellgran_contacts_spheres_friction: Spheres, true, false;
     ellgran_contacts_spheroids_conservative: Spheroids, false, true;
@@ -269,6 +275,17 @@ contacts! {
     ellgran_contacts_ellipsoids_conservative: Ellipsoids, false, true;
     ellgran_contacts_ellipsoids_friction: Ellipsoids, true, false;
     ellgran_contacts_ellipsoids_friction_conservative: Ellipsoids, true, true;
+}
+
+// Two spheres have no search.
+contacts! {
+    mixed_contact_of_pair:
+    ellgran_contacts_mixed_spheroids_conservative: Spheroids, false, true;
+    ellgran_contacts_mixed_spheroids_friction: Spheroids, true, false;
+    ellgran_contacts_mixed_spheroids_friction_conservative: Spheroids, true, true;
+    ellgran_contacts_mixed_ellipsoids_conservative: Ellipsoids, false, true;
+    ellgran_contacts_mixed_ellipsoids_friction: Ellipsoids, true, false;
+    ellgran_contacts_mixed_ellipsoids_friction_conservative: Ellipsoids, true, true;
 }
 
 macro_rules! marked_contacts {

@@ -17,12 +17,12 @@ use clap::Parser;
 use ellgran::c_api::particles::EllgranStep;
 use ellgran_gpu::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuMotion,
-    ELLGRAN_GPU_ANY_SHAPES,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_MIXED,
 };
 use ellgran_gpu::c_api::gpu::ellgran_gpu_free;
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_histories, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free, ellgran_gpu_scene_new,
+    ellgran_gpu_scene_free, ellgran_gpu_scene_new, ellgran_gpu_scene_set_precision,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
@@ -63,6 +63,9 @@ struct Options {
     /// Forces with the velocities of the half step, as an engine's own integrator hands them over
     #[arg(long)]
     half: bool,
+    /// Contacts in mixed precision, and how far loads are from those in double precision
+    #[arg(long)]
+    mixed: bool,
     /// `cargo bench` says so
     #[arg(long, hide = true)]
     bench: bool,
@@ -76,15 +79,20 @@ fn main() {
     let engine = Engine::new();
     let gpu = support::open();
     println!(
-        "# {}: {}, {} steps, velocities of the {}",
+        "# {}: {}, {} steps, velocities of the {}{}",
         engine.name(),
         options.law,
         options.steps,
-        if options.half { "half step" } else { "step" }
+        if options.half { "half step" } else { "step" },
+        if options.mixed {
+            ", mixed precision"
+        } else {
+            ""
+        }
     );
     println!(
         "packing,margin,grains,pairs_listed_per_grain,contacts_per_grain,selections,start_ms,prepare_ms,pairs_ms,finish_ms,step_ms,\
-         step_spread_percent,grain_steps_per_second,bytes_per_grain"
+         step_spread_percent,grain_steps_per_second,bytes_per_grain,largest_difference_of_loads"
     );
     for file in &options.packings {
         let unit = packing::read(file);
@@ -183,6 +191,12 @@ fn time(
         time_step: dt,
         ..new()
     };
+    let in_precision = |precision: i32| {
+        succeed(unsafe { ellgran_gpu_scene_set_precision(scene, precision) });
+    };
+    if options.mixed {
+        in_precision(ELLGRAN_GPU_MIXED);
+    }
     succeed(unsafe { ellgran_gpu_new_list(scene, &on_device, &list, stream) });
     let compute = || {
         succeed(unsafe {
@@ -243,9 +257,26 @@ fn time(
     let touching = touching.iter().filter(|&&state| state & 1 != 0).count();
     let forces = engine.read(&loads);
     assert!(forces.iter().flatten().all(|x| x.is_finite()));
+    // Once more without time passing, in each precision: from the same histories.
+    let of = |precision: i32| {
+        in_precision(precision);
+        let step = EllgranStep {
+            advance_history: 0,
+            ..step
+        };
+        succeed(unsafe {
+            ellgran_gpu_compute_pairs(scene, &on_device, &step, &loads.loads(), stream)
+        });
+        engine.read(&loads)
+    };
+    let difference = if options.mixed {
+        largest_difference(&of(ELLGRAN_GPU_MIXED), &of(ELLGRAN_GPU_DOUBLE))
+    } else {
+        0.0
+    };
     let n = owned as f64;
     println!(
-        "{name},{},{owned},{:.2},{:.3},{},{:.4},{:.4},{:.4},{:.4},{mean:.4},{spread:.1},{:.3e},{}",
+        "{name},{},{owned},{:.2},{:.3},{},{:.4},{:.4},{:.4},{:.4},{mean:.4},{spread:.1},{:.3e},{},{difference:.1e}",
         options.margin,
         pairs as f64 / n,
         touching as f64 / n,
@@ -258,4 +289,19 @@ fn time(
         counts.bytes / owned as u64,
     );
     unsafe { ellgran_gpu_scene_free(scene) };
+}
+
+/// Of two sets of loads: of forces as a share of the largest force, of torques of the largest torque.
+fn largest_difference(a: &[[f64; 6]], b: &[[f64; 6]]) -> f64 {
+    let of = |part: core::ops::Range<usize>| {
+        let numbers = |loads: &[[f64; 6]]| -> Vec<f64> {
+            let parts = loads.iter().map(|load| &load[part.clone()]);
+            parts.flatten().copied().collect()
+        };
+        let (a, b) = (numbers(a), numbers(b));
+        let largest = b.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE)
+    };
+    of(0..3).max(of(3..6))
 }

@@ -4,10 +4,11 @@
 use super::gpu::EllgranGpu;
 use crate::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList,
-    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_MIXED,
+    ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
 };
 use crate::driver_library::Stream;
-use crate::entries::Shapes;
+use crate::entries::{Precision, Shapes};
 use crate::scene::Scene;
 use core::ffi::c_void;
 use ellgran::c_api::growing::{given, Output};
@@ -57,6 +58,38 @@ pub unsafe extern "C" fn ellgran_gpu_scene_new(
         let scene = Scene::new(&gpu.device, laws.table(), shapes)?;
         *out = Box::into_raw(Box::new(EllgranGpuScene { scene }));
         Ok(())
+    })
+}
+
+/// The precision in which pairs are computed from the next call on: ELLGRAN_GPU_DOUBLE, as with a new scene, or ELLGRAN_GPU_MIXED, for
+/// a GPU that is slow with doubles. What is remembered is the same in each, and spheres and planes are computed in double precision in
+/// each.
+///
+/// With ELLGRAN_GPU_MIXED the search runs in single precision. Where the bodies touch, their penetration, their law and their history
+/// are computed in double precision. A pair that single precision cannot decide is computed as with ELLGRAN_GPU_DOUBLE: none is missed. docs/gpu.md has
+/// the errors, and the speeds to be expected.
+///
+/// # Safety
+/// `scene` is NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_scene_set_precision(
+    scene: *mut EllgranGpuScene,
+    precision: i32,
+) -> i32 {
+    at_border("ellgran_gpu_scene_set_precision", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let scene = unsafe { required_mut(scene, "scene") }?;
+        let precision = match precision {
+            ELLGRAN_GPU_DOUBLE => Precision::Double,
+            ELLGRAN_GPU_MIXED => Precision::Mixed,
+            _ => {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!("precision = {precision} is none of its constants"),
+                ))
+            }
+        };
+        scene.scene.set_precision(precision)
     })
 }
 

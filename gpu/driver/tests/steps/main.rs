@@ -18,12 +18,14 @@ use ellgran::c_api::particles::EllgranStep;
 use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_gpu::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
-    EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+    EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_ELLIPSOIDS,
+    ELLGRAN_GPU_MIXED, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
 };
 use ellgran_gpu::c_api::gpu::{ellgran_gpu_free, EllgranGpu};
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_histories, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free, ellgran_gpu_scene_new, EllgranGpuScene,
+    ellgran_gpu_scene_free, ellgran_gpu_scene_new, ellgran_gpu_scene_set_precision,
+    EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
@@ -34,6 +36,8 @@ use support::{new, succeed, with_driver, Array, Engine};
 
 /// Of force, torque and history, relative to the largest of the scene.
 const TOLERANCE: f64 = 1e-12;
+/// In mixed precision.
+const MIXED_TOLERANCE: f64 = 1e-5;
 const STEPS: usize = 60;
 /// Steps with one neighbour list.
 const BETWEEN_LISTS: usize = 15;
@@ -335,6 +339,7 @@ impl OnDevice {
         lists: &Lists,
         layout: &HistoryLayout,
         histories: &EllgranGpuHistories,
+        tolerance: f64,
     ) -> usize {
         let largest = |of: &[[f64; 3]]| of.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
         let force = largest(&scene.forces);
@@ -342,9 +347,9 @@ impl OnDevice {
         let torque = largest(&scene.torques).max(force);
         for (k, load) in self.loads().iter().enumerate().take(self.owned) {
             for c in 0..3 {
-                near(load[c], scene.forces[k][c], force, TOLERANCE, "force", k);
+                near(load[c], scene.forces[k][c], force, tolerance, "force", k);
                 let t = scene.torques[k][c];
-                near(load[3 + c], t, torque, TOLERANCE, "torque", k);
+                near(load[3 + c], t, torque, tolerance, "torque", k);
                 scene.forces[k][c] = load[c];
                 scene.torques[k][c] = load[3 + c];
             }
@@ -392,7 +397,7 @@ impl OnDevice {
                     } else {
                         memory
                     };
-                    near(own[k], other[k], scale, TOLERANCE, "history", k);
+                    near(own[k], other[k], scale, tolerance, "history", k);
                 }
             }
         }
@@ -450,8 +455,25 @@ fn compare_with(
     words: &str,
     stated: i32,
     shapes: i32,
+    scene: Scene,
+) -> EllgranGpuCounts {
+    compare_in(&[ELLGRAN_GPU_DOUBLE], arrays, words, stated, shapes, scene)
+}
+
+/// In these precisions in turns.
+fn compare_in(
+    precisions: &[i32],
+    arrays: Layout,
+    words: &str,
+    stated: i32,
+    shapes: i32,
     mut scene: Scene,
 ) -> EllgranGpuCounts {
+    let tolerance = if precisions.contains(&ELLGRAN_GPU_MIXED) {
+        MIXED_TOLERANCE
+    } else {
+        TOLERANCE
+    };
     let laws = laws_on_host(words);
     let layout = laws.layout();
     let owned = scene.count() - GHOSTS;
@@ -468,6 +490,8 @@ fn compare_with(
         // A scene keeps its GPU open.
         ellgran_gpu_free(gpu);
         for now in 0..STEPS {
+            let precision = precisions[now % precisions.len()];
+            succeed(ellgran_gpu_scene_set_precision(made, precision));
             let motion = device.motion();
             device.engine.in_a_step(|| {
                 succeed(ellgran_gpu_start_step(made, &motion, TIME_STEP, stream));
@@ -499,7 +523,7 @@ fn compare_with(
             unchanged = true;
             let mut histories = new::<EllgranGpuHistories>();
             succeed(ellgran_gpu_histories(made, -1, &mut histories));
-            touching += device.compare(&mut scene, &lists, &layout, &histories);
+            touching += device.compare(&mut scene, &lists, &layout, &histories, tolerance);
             let motion = device.motion();
             device.engine.in_a_step(|| {
                 succeed(ellgran_gpu_finish_step(made, &motion, TIME_STEP, stream));
@@ -715,5 +739,32 @@ fn deep_contacts() {
         compare(WHOLE, ANY, ELLGRAN_GPU_SPHEROIDS, discs);
         let blocks = Scene::flat_blocks();
         compare(WHOLE, ANY, ELLGRAN_GPU_ELLIPSOIDS, blocks);
+    });
+}
+
+/// Contacts with their search in single precision, and in turns with it: histories are the same to the tolerance, and the same pairs touch.
+#[test]
+fn mixed_precision() {
+    with_driver("mixed_precision", &[], || {
+        let [double, mixed] = [ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_MIXED];
+        let rows = Layout::Rows;
+        let spheroids = ELLGRAN_GPU_SPHEROIDS;
+        let ellipsoids = ELLGRAN_GPU_ELLIPSOIDS;
+        for words in [ELASTIC, MINDLIN, VISCOELASTIC, WHOLE] {
+            let scene = Scene::spheroids();
+            compare_in(&[mixed], rows, words, ANY, spheroids, scene);
+            let scene = Scene {
+                of_step: true,
+                ..Scene::ellipsoids()
+            };
+            compare_in(&[mixed], rows, words, ANY, ellipsoids, scene);
+        }
+        let scene = Scene::ellipsoids();
+        compare_in(&[mixed, double], rows, TOTAL, ANY, ellipsoids, scene);
+        let discs = Scene::flat_discs();
+        compare_in(&[mixed], rows, WHOLE, ANY, spheroids, discs);
+        // Two spheres have no search: the kernels are those of double precision.
+        let scene = Scene::spheres();
+        compare_in(&[mixed], rows, WHOLE, ANY, ELLGRAN_GPU_SPHERES, scene);
     });
 }

@@ -11,6 +11,7 @@ use ellgran_kernels::arguments::ROWS_NUMBERED;
 use ellgran_kernels::candidates::{candidates_of_grain, keeps, Candidate, NewRow};
 use ellgran_kernels::contacts::{self, contact_of_pair, marked_contact_of_pair, Load, TOUCHES};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
+use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
 use ellgran_kernels::shapes::{Grain, Kind};
@@ -37,6 +38,8 @@ pub struct Device {
     states: Vec<u32>,
     histories: Vec<f64>,
     pub loads: Vec<Load>,
+    /// Contacts with their search in single precision.
+    pub mixed: bool,
     marked: usize,
     /// Where the grains were when candidates were selected.
     selected: Motion,
@@ -108,6 +111,7 @@ impl Device {
             histories: vec![0.0; neighbours.len() * laws.layout().length],
             neighbours,
             loads: vec![Load::NONE; count],
+            mixed: false,
             marked: 0,
             selected: scene.motion.clone(),
         }
@@ -195,8 +199,12 @@ impl Device {
             let pair = scene.in_order(candidate.grain as usize, candidate.other as usize);
             let state = &mut self.states[entry];
             let history = &mut self.histories[entry * length..(entry + 1) * length];
-            let found =
-                contact_of_pair::<K, FRICTION, true, CONSERVATIVE>(&scene, pair, state, history);
+            let of_pair = if self.mixed {
+                mixed_contact_of_pair::<K, FRICTION, true, CONSERVATIVE>
+            } else {
+                contact_of_pair::<K, FRICTION, true, CONSERVATIVE>
+            };
+            let found = of_pair(&scene, pair, state, history);
             let load: ContactLoad = found.unwrap_or_else(|| {
                 self.marked += 1;
                 marked_contact_of_pair::<K>(&scene, pair, state, history)
@@ -210,6 +218,22 @@ impl Device {
             });
             *load = Load { force, torque };
         }
+    }
+
+    /// The largest difference of a load from that of the lists, as a share of the largest of the scene.
+    pub fn largest_difference(&self, scene: &Scene) -> f64 {
+        let largest = |of: &[[f64; 3]]| of.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let force = largest(&scene.forces);
+        let torque = largest(&scene.torques).max(force);
+        let apart = |own: Vector3, other: [f64; 3], scale: f64| {
+            let components = own.to_array().into_iter().zip(other);
+            components.fold(0.0f64, |m, (a, b)| m.max((a - b).abs() / scale))
+        };
+        let all = self.loads.iter().zip(&scene.forces).zip(&scene.torques);
+        all.fold(0.0, |m, ((load, f), t)| {
+            m.max(apart(load.force, *f, force))
+                .max(apart(load.torque, *t, torque))
+        })
     }
 
     /// Loads, states and histories against those of the lists: how many pairs touch, and how many were marked.

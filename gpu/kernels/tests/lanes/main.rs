@@ -3,6 +3,7 @@
 //! step.
 
 mod device;
+mod mixed;
 mod scene;
 
 use device::Device;
@@ -36,10 +37,21 @@ struct Counts {
     selections: usize,
     touching: usize,
     marked: usize,
+    /// The largest difference of a load, as a share of the largest load of the scene.
+    difference: f64,
 }
 
 /// Steps of the lists, and in each the same forces by the kernels, which keep histories of their own.
 fn compare<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
+    words: &str,
+    scene: Scene,
+) -> Counts {
+    compare_to::<K, FRICTION, CONSERVATIVE>(TOLERANCE, words, scene)
+}
+
+/// The same to this tolerance: with a greater one than that of double precision, in mixed precision.
+fn compare_to<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
+    tolerance: f64,
     words: &str,
     mut scene: Scene,
 ) -> Counts {
@@ -50,6 +62,7 @@ fn compare<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
     assert_eq!(features.conservative && !K::SPHERES, CONSERVATIVE);
     let mut lists = scene.lists(&laws);
     let mut device = Device::new(&scene, &laws);
+    device.mixed = tolerance > TOLERANCE;
     let mut counts = Counts::default();
     for step in 0..STEPS {
         let before = scene.motion.clone();
@@ -62,7 +75,8 @@ fn compare<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
             counts.selections += 1;
         }
         device.compute::<K, FRICTION, CONSERVATIVE>(&laws);
-        let (touching, marked) = device.compare(&scene, &lists, &laws, TOLERANCE);
+        let (touching, marked) = device.compare(&scene, &lists, &laws, tolerance);
+        counts.difference = counts.difference.max(device.largest_difference(&scene));
         counts.touching += touching;
         counts.marked += marked;
         let before = scene.motion.clone();
