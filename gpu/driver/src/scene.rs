@@ -19,8 +19,8 @@ use ellgran::contact::{Laws, MotionChange, Step};
 use ellgran::force::PairLaw;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
-    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
+    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
@@ -989,8 +989,9 @@ impl Scene {
         } else if is(Fault::Mass) {
             format!(
                 "{} must be finite and within the range of masses",
-                value("mass", &|g| Ok(vec![g.masses.addr() as u64
-                    + (owner(g)? * size_of::<f64>()) as u64]))?
+                value("mass", &|g| Ok(vec![
+                    g.masses.addr() as u64 + (owner(g)? * size_of::<f64>()) as u64
+                ]))?
             )
         } else if is(Fault::Type) {
             let given = match g {
@@ -1014,7 +1015,10 @@ impl Scene {
         } else if is(Fault::Quaternion) {
             format!(
                 "{} must be finite and not zero",
-                value("quaternion (w, x, y, z)", &|g| components::<4>(&g.quaternions, body(g)?))?
+                value("quaternion (w, x, y, z)", &|g| components::<4>(
+                    &g.quaternions,
+                    body(g)?
+                ))?
             )
         } else if is(Fault::Kind) {
             format!(
@@ -1120,4 +1124,3 @@ fn motion_words(fault: u32) -> &'static str {
         _ => "it cannot be moved",
     }
 }
-

@@ -12,8 +12,8 @@ use ellgran::c_api::status::{
     ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use ellgran_gpu::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuLoads, EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES,
-    ELLGRAN_GPU_SPHERES,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuList, EllgranGpuLoads, EllgranGpuMotion,
+    ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_SPHERES,
 };
 use ellgran_gpu::c_api::gpu::{
     ellgran_gpu_free, ellgran_gpu_open, ellgran_gpu_open_current, EllgranGpu,

@@ -13,8 +13,8 @@ use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
 use ellgran_kernels::arguments::{
-    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
+    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
@@ -115,7 +115,11 @@ fn engine_grain(a: &PrepareArguments<Here>, k: usize) -> Result<EngineGrain, Fau
         position: a.positions.get(k),
         velocity: a.velocities.get(owner),
         angular_momentum: a.angular_momenta.get(owner),
-        change: if changes.is_empty() { [0.0; 6] } else { changes[owner] },
+        change: if changes.is_empty() {
+            [0.0; 6]
+        } else {
+            changes[owner]
+        },
         mass: a.masses.all()[owner],
         semi_axes,
         quaternion,
