@@ -5,8 +5,8 @@
  * Link libellgran_gpu.a alone: it has all of libellgran.a. No toolkit of CUDA is needed to build or to link, and NVIDIA's driver is
  * loaded when a GPU is opened; without one that call fails, and all of ellgran.h works as ever.
  *
- * Units, frame, signs, statuses, ellgran_last_error() and ELLGRAN_INIT are those of ellgran.h. Vectors are
- * [count][3], quaternions [count][4]. A pointer to memory of the GPU is not followed on the host.
+ * Units, frame, signs, statuses, ellgran_last_error() and ELLGRAN_INIT are those of ellgran.h. Vectors may be the rows or the
+ * columns of an engine's arrays: EllgranGpuVectors. A pointer to memory of the GPU is not followed on the host.
  *
  * A step:
  *   ellgran_gpu_start_step      half a kick, and the way
@@ -110,8 +110,28 @@ typedef struct EllgranGpu EllgranGpu;
 typedef struct EllgranGpuScene EllgranGpuScene;
 
 /*
+ Vectors of grains in the memory of the GPU: component `c` of grain `k` is `first[k * per_grain + c * per_component]`. Both distances
+ 0: one vector after the other, [count][3], of quaternions [count][4]. Columns, one array for each component: `per_grain` 1,
+ `per_component` the length of a column. No two components may be at the same place.
+ */
+typedef struct EllgranGpuVectors {
+  /*
+   The first component of the first grain.
+   */
+  double *first;
+  /*
+   Distance in doubles from a grain to the next.
+   */
+  size_t per_grain;
+  /*
+   Distance in doubles from a component to the next.
+   */
+  size_t per_component;
+} EllgranGpuVectors;
+
+/*
  Pointers to an engine's own arrays of grains in the memory of the GPU: owned grains first, then ghosts. World frame; any consistent
- units. Every array has `count` entries.
+ units. Every array has `count` entries, unless it says otherwise.
 
  The arrays are read while what a call has started runs on its stream, and may move between calls. Values out of their range, which
  are those of `EllgranParticles`, are found on the GPU: `ellgran_gpu_check` tells of them.
@@ -130,17 +150,17 @@ typedef struct EllgranGpuGrains {
    */
   size_t count;
   /*
-   Centres, [count][3].
+   Centres.
    */
-  const double *positions;
+  struct EllgranGpuVectors positions;
   /*
-   Velocities of the centres, [count][3]: those of the half step, or those of the step with `velocity_changes`.
+   Velocities of the centres: those of the half step, or those of the step with `velocity_changes`.
    */
-  const double *velocities;
+  struct EllgranGpuVectors velocities;
   /*
-   Angular momenta of solid ellipsoids about their centres, [count][3]; of the same time.
+   Angular momenta of solid ellipsoids about their centres; of the same time.
    */
-  const double *angular_momenta;
+  struct EllgranGpuVectors angular_momenta;
   /*
    NULL, or what velocities and angular momenta have more than those of the half step, [count][6], as
    `ellgran_gpu_start_step` writes it. NULL or not is decided with `ellgran_gpu_new_list`.
@@ -151,13 +171,13 @@ typedef struct EllgranGpuGrains {
    */
   const double *masses;
   /*
-   Semi-axes, [count][3]. They change with `ellgran_gpu_new_list` alone.
+   Semi-axes. They change with `ellgran_gpu_new_list` alone.
    */
-  const double *semi_axes;
+  struct EllgranGpuVectors semi_axes;
   /*
-   Quaternions (w, x, y, z), body to world, [count][4].
+   Quaternions (w, x, y, z), body to world.
    */
-  const double *quaternions;
+  struct EllgranGpuVectors quaternions;
   /*
    Types, counted from 1, [count].
    */
@@ -167,6 +187,21 @@ typedef struct EllgranGpuGrains {
    grain.
    */
   const int32_t *identifiers;
+  /*
+   NULL, or the owned grain that each grain is, or is an image of, [count]. Velocities, angular momenta, changes, masses,
+   semi-axes and quaternions of images are then those of these grains, and need entries for owned grains alone. It changes with
+   `ellgran_gpu_new_list` alone.
+   */
+  const int32_t *owners;
+  /*
+   NULL, or where in `semi_axes` and `quaternions` each grain is, each place once: for an engine that has these beside its other
+   arrays. Of `count` entries, with `owners` of `owned_count`. It changes with `ellgran_gpu_new_list` alone.
+   */
+  const int32_t *body_places;
+  /*
+   How many places there are in `semi_axes` and `quaternions`; read with `body_places`.
+   */
+  size_t body_count;
 } EllgranGpuGrains;
 
 /*
@@ -250,7 +285,7 @@ typedef struct EllgranGpuCounts {
 } EllgranGpuCounts;
 
 /*
- Pointers to what moves, in the memory of the GPU, [count] each; all owned grains move.
+ Pointers to what moves, in the memory of the GPU, `count` each; all owned grains move.
  */
 typedef struct EllgranGpuMotion {
   /*
@@ -262,33 +297,37 @@ typedef struct EllgranGpuMotion {
    */
   size_t count;
   /*
-   Centres, [count][3]; written by `ellgran_gpu_start_step`.
+   Centres; written by `ellgran_gpu_start_step`.
    */
-  double *positions;
+  struct EllgranGpuVectors positions;
   /*
-   Velocities, [count][3]; written.
+   Velocities; written.
    */
-  double *velocities;
+  struct EllgranGpuVectors velocities;
   /*
-   Angular momenta, [count][3]; written.
+   Angular momenta; written.
    */
-  double *angular_momenta;
+  struct EllgranGpuVectors angular_momenta;
   /*
-   Quaternions, [count][4]; `ellgran_gpu_start_step` writes them with length 1.
+   Quaternions; `ellgran_gpu_start_step` writes them with length 1.
    */
-  double *quaternions;
+  struct EllgranGpuVectors quaternions;
   /*
-   Semi-axes, [count][3].
+   Semi-axes.
    */
-  const double *semi_axes;
+  struct EllgranGpuVectors semi_axes;
   /*
    Masses, [count].
    */
   const double *masses;
   /*
-   Force, then torque about the centre, [count][6].
+   Forces.
    */
-  const double *loads;
+  struct EllgranGpuVectors forces;
+  /*
+   Torques about the centres.
+   */
+  struct EllgranGpuVectors torques;
   /*
    As of `EllgranMotion`: NULL, or what velocities and angular momenta have more than those of the half step, [count][6]; written.
    */
@@ -301,7 +340,37 @@ typedef struct EllgranGpuMotion {
    As of `EllgranMotion`: time step of the step before; 0: the present one.
    */
   double time_step_before;
+  /*
+   As of `EllgranGpuGrains`: NULL, or where in `semi_axes` and `quaternions` each grain is, [count].
+   */
+  const int32_t *body_places;
+  /*
+   As of `EllgranGpuGrains`.
+   */
+  size_t body_count;
 } EllgranGpuMotion;
+
+/*
+ Where forces and torques are written in the memory of the GPU, of owned grains.
+ */
+typedef struct EllgranGpuLoads {
+  /*
+   `sizeof(EllgranGpuLoads)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Forces.
+   */
+  struct EllgranGpuVectors forces;
+  /*
+   Torques about the centres.
+   */
+  struct EllgranGpuVectors torques;
+  /*
+   0: what is there is overwritten with the loads of pairs. 1: these are added to it. Those of planes are always added.
+   */
+  int64_t add;
+} EllgranGpuLoads;
 
 #ifdef __cplusplus
 extern "C" {
@@ -451,29 +520,28 @@ int32_t ellgran_gpu_prepare(struct EllgranGpuScene *scene,
                             void *stream);
 
 /*
- Starts the forces of all touching pairs: writes `loads`, [owned_count][6] in the memory of the GPU, force and then torque about the
- centre. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`.
+ Starts the forces of all touching pairs: writes forces and torques of owned grains. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`.
 
  The same calls with the same numbers in the same order give the same bits. They differ by rounding from those of
  `ellgran_compute_pairs`.
 
  # Safety
- `scene` is NULL or valid; `grains` and `step` are NULL or valid; the pointers of `grains`, and `loads`, are to memory of the GPU as
- stated.
+ `scene` is NULL or valid; `grains`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory of the
+ GPU as stated.
  */
 int32_t ellgran_gpu_compute_pairs(struct EllgranGpuScene *scene,
                                   const struct EllgranGpuGrains *grains,
                                   const EllgranStep *step,
-                                  double *loads,
+                                  const struct EllgranGpuLoads *loads,
                                   void *stream);
 
 /*
- Starts the forces of a plane wall: adds to `loads`, as `ellgran_gpu_compute_pairs` wrote them. `plane` is the number that
+ Starts the forces of a plane wall: adds to forces and torques, as `ellgran_gpu_compute_pairs` wrote them. `plane` is the number that
  `ellgran_gpu_add_plane` wrote, `at` where the plane is, `wall_type` its type in the laws.
 
  # Safety
- `scene` is NULL or valid; `grains`, `at` and `step` are NULL or valid; the pointers of `grains`, and `loads`, are to memory of the
- GPU as stated.
+ `scene` is NULL or valid; `grains`, `at`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory of
+ the GPU as stated.
  */
 int32_t ellgran_gpu_compute_plane(struct EllgranGpuScene *scene,
                                   const struct EllgranGpuGrains *grains,
@@ -481,7 +549,7 @@ int32_t ellgran_gpu_compute_plane(struct EllgranGpuScene *scene,
                                   const EllgranPlane *at,
                                   int32_t wall_type,
                                   const EllgranStep *step,
-                                  double *loads,
+                                  const struct EllgranGpuLoads *loads,
                                   void *stream);
 
 /*

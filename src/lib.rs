@@ -19,7 +19,10 @@
 //! contact and the motion of one body, is what a device takes from it (`gpu/` in the repository).
 
 #![cfg_attr(not(feature = "std"), no_std)]
-#![cfg_attr(target_arch = "nvptx64", feature(core_float_math))]
+#![cfg_attr(
+    target_arch = "nvptx64",
+    feature(core_float_math, link_llvm_intrinsics)
+)]
 // Some of what is left is for lists, walls and engines alone.
 #![cfg_attr(not(feature = "std"), allow(dead_code, unused_imports, unused_macros))]
 #![deny(unsafe_code)]

@@ -4,6 +4,9 @@
 //! The contact law is written once, free of branches, over this trait, so that the scalar path and the vectorised
 //! path give the same numbers to rounding because they are the same text.
 
+#[cfg(any(target_arch = "nvptx64", test))]
+mod device;
+
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or a register of them. Mixed operations with `f64` broadcast the constant.
@@ -92,13 +95,25 @@ impl Real for f64 {
     fn negative_multiply_add(self, a: f64, b: f64) -> f64 {
         core::f64::math::mul_add(-self, a, b)
     }
+    #[cfg(not(target_arch = "nvptx64"))]
     #[inline(always)]
     fn reciprocal(self) -> f64 {
         1.0 / self
     }
+    #[cfg(not(target_arch = "nvptx64"))]
     #[inline(always)]
     fn reciprocal_sqrt(self) -> f64 {
         1.0 / root(self)
+    }
+    #[cfg(target_arch = "nvptx64")]
+    #[inline(always)]
+    fn reciprocal(self) -> f64 {
+        device::reciprocal(self)
+    }
+    #[cfg(target_arch = "nvptx64")]
+    #[inline(always)]
+    fn reciprocal_sqrt(self) -> f64 {
+        device::reciprocal_sqrt(self)
     }
     #[inline(always)]
     fn sqrt(self) -> f64 {
@@ -152,7 +167,7 @@ fn root(x: f64) -> f64 {
     #[cfg(feature = "std")]
     return f64::sqrt(x);
     #[cfg(all(not(feature = "std"), target_arch = "nvptx64"))]
-    return core::f64::math::sqrt(x);
+    return device::sqrt(x);
     #[cfg(all(not(feature = "std"), not(target_arch = "nvptx64")))]
     return libm::sqrt(x);
 }

@@ -36,10 +36,10 @@ impl Backend {
         }
     }
 
-    fn kokkos_options(self) -> [&'static str; 2] {
+    fn kokkos_option(self) -> &'static str {
         match self {
-            Backend::OpenMp => ["-DKokkos_ENABLE_SERIAL=on", "-DKokkos_ENABLE_OPENMP=on"],
-            Backend::Serial => ["-DKokkos_ENABLE_SERIAL=on", "-DKokkos_ENABLE_OPENMP=off"],
+            Backend::OpenMp => "-DKokkos_ENABLE_OPENMP=on",
+            Backend::Serial => "-DKokkos_ENABLE_OPENMP=off",
         }
     }
 }
@@ -251,24 +251,31 @@ fn kokkos(backend: Backend) -> Result<PathBuf> {
     }
     let build = home.join(format!("build-{}", backend.name()));
     fs::create_dir_all(&build)?;
-    let mut configure = Command::new("cmake");
-    configure
-        .arg("-S")
-        .arg(&source)
-        .arg("-B")
-        .arg(&build)
-        .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
-        .args(["-DCMAKE_CXX_STANDARD=20", "-DCMAKE_INSTALL_LIBDIR=lib"])
-        // As LAMMPS sets it.
-        .arg("-DKokkos_ENABLE_IMPL_VIEW_LEGACY=on")
-        .args(backend.kokkos_options())
-        .arg(format!("-DCMAKE_INSTALL_PREFIX={}", installed.display()));
+    let mut configure = configure_kokkos(&source, &build, &installed);
+    configure.arg(backend.kokkos_option());
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("Kokkos cannot be configured")?;
     let title = format!("Building Kokkos {KOKKOS_VERSION} for {}", backend.name());
     ninja(&build, &["install"], &title).context("Kokkos cannot be built")?;
     fs::write(&stamp, KOKKOS_VERSION)?;
     Ok(installed)
+}
+
+/// CMake for a Kokkos as LAMMPS needs it, with what runs its kernels still to be named.
+pub fn configure_kokkos(source: &Path, build: &Path, installed: &Path) -> Command {
+    let mut configure = Command::new("cmake");
+    configure
+        .arg("-S")
+        .arg(source)
+        .arg("-B")
+        .arg(build)
+        .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
+        .args(["-DCMAKE_CXX_STANDARD=20", "-DCMAKE_INSTALL_LIBDIR=lib"])
+        // As LAMMPS sets it.
+        .arg("-DKokkos_ENABLE_IMPL_VIEW_LEGACY=on")
+        .arg("-DKokkos_ENABLE_SERIAL=on")
+        .arg(format!("-DCMAKE_INSTALL_PREFIX={}", installed.display()));
+    configure
 }
 
 /// Its source tree in the cache, fetched when missing. An error says why it cannot be had.

@@ -9,7 +9,9 @@ use std::process::Command;
 use anyhow::{bail, Context, Result};
 
 use crate::lammps::Source;
-use crate::lammps_kokkos::{few_styles, kokkos_source, link_tree, KEPT_STYLES, KOKKOS_VERSION};
+use crate::lammps_kokkos::{
+    configure_kokkos, few_styles, kokkos_source, link_tree, KEPT_STYLES, KOKKOS_VERSION,
+};
 use crate::process::{ninja_by, run_logged};
 use crate::progress::say;
 use crate::workspace::root;
@@ -181,24 +183,15 @@ fn kokkos(toolkit: &Path) -> Result<PathBuf> {
     }
     let build = home.join(format!("build-cuda-{key}"));
     fs::create_dir_all(&build)?;
-    let mut configure = Command::new("cmake");
+    let mut configure = configure_kokkos(&source, &build, &installed);
     configure
-        .arg("-S")
-        .arg(&source)
-        .arg("-B")
-        .arg(&build)
-        .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
-        .args(["-DCMAKE_CXX_STANDARD=20", "-DCMAKE_INSTALL_LIBDIR=lib"])
-        // As LAMMPS sets it.
-        .arg("-DKokkos_ENABLE_IMPL_VIEW_LEGACY=on")
-        .args(["-DKokkos_ENABLE_SERIAL=on", "-DKokkos_ENABLE_CUDA=on"])
+        .arg("-DKokkos_ENABLE_CUDA=on")
         .arg(format!("-DKokkos_ARCH_{ARCHITECTURE}=on"))
         .arg(format!(
             "-DCMAKE_CXX_COMPILER={}",
             source.join("bin/nvcc_wrapper").display()
         ))
-        .args(of_toolkit(toolkit))
-        .arg(format!("-DCMAKE_INSTALL_PREFIX={}", installed.display()));
+        .args(of_toolkit(toolkit));
     with_toolkit(&mut configure, toolkit);
     run_logged(&mut configure, &build.join("configure.log"), |_| {})
         .context("Kokkos for CUDA cannot be configured")?;

@@ -30,7 +30,7 @@ pub struct Kernel {
     pub instructions: u64,
     /// Instructions of PTX on `f64`, divisions and roots among them.
     pub arithmetic: usize,
-    /// Divisions and roots.
+    /// Divisions and roots that are rounded right, of many instructions each.
     pub divisions: usize,
 }
 
@@ -167,7 +167,7 @@ fn code_sizes(file: &[u8]) -> Result<Vec<(String, u64)>> {
     read().context("the assembler's output is no ELF file")
 }
 
-/// Instructions on `f64` of the body of an entry, and how many of them are divisions and roots.
+/// Instructions on `f64` of the body of an entry, and how many of them are divisions and roots that are rounded right.
 fn arithmetic(ptx: &str, name: &str) -> (usize, usize) {
     let Some((_, rest)) = ptx.split_once(&format!(".visible .entry {name}(")) else {
         return (0, 0);
@@ -177,15 +177,14 @@ fn arithmetic(ptx: &str, name: &str) -> (usize, usize) {
         let operation = line.split_whitespace().next()?;
         let (kind, _) = operation.split_once('.')?;
         let counts = [
-            "add", "sub", "mul", "fma", "div", "rcp", "sqrt", "min", "max", "abs", "neg", "setp",
+            "add", "sub", "mul", "fma", "div", "rcp", "sqrt", "rsqrt", "min", "max", "abs", "neg",
+            "setp",
         ];
-        (operation.ends_with("f64") && counts.contains(&kind)).then_some(kind)
+        (operation.ends_with("f64") && counts.contains(&kind)).then_some(operation)
     });
     let all: Vec<&str> = operations.collect();
-    let divisions = all
-        .iter()
-        .filter(|kind| ["div", "rcp", "sqrt"].contains(kind))
-        .count();
+    let rounded = ["div.rn.f64", "rcp.rn.f64", "sqrt.rn.f64"];
+    let divisions = all.iter().filter(|o| rounded.contains(o)).count();
     (all.len(), divisions)
 }
 

@@ -678,9 +678,21 @@ fn images_of_owned_grains() {
             advance_history: 0,
             ..step_of(TIME_STEP)
         };
-        let loads_of = |scene: &Scene, with_owners: bool, arrays: Layout| {
+        // What there is of images where their owners are told.
+        let mut nothing = scene.motion.clone();
+        for k in owned..count {
+            nothing.velocities[k] = [f64::NAN; 3];
+            nothing.angular_momenta[k] = [f64::NAN; 3];
+            nothing.quaternions[k] = [f64::NAN; 4];
+            nothing.changes[k] = [f64::NAN; 6];
+        }
+        let nothing = Scene {
+            motion: nothing,
+            ..Scene::ellipsoids()
+        };
+        let loads_of = |with_owners: bool, arrays: Layout| {
             let (gpu, made) = gpu_scene(WHOLE, ANY);
-            let device = OnDevice::new(Engine::new(), scene, owned, true, arrays);
+            let device = OnDevice::new(Engine::new(), &scene, owned, true, arrays);
             let stream = device.engine.stream;
             let index = |grain| device.order.iter().position(|&k| k == grain).unwrap() as i32;
             let owners: Vec<i32> = device.order.iter().map(|&k| index(owner_of(k))).collect();
@@ -688,6 +700,12 @@ fn images_of_owned_grains() {
             let mut grains = device.grains();
             if with_owners {
                 grains.owners = owners.pointer();
+                device.write_from(&nothing, owned);
+                let mut axes = sorted(&device.order, &scene.semi_axes);
+                axes[owned..].fill([f64::NAN; 3]);
+                device.bodies.write_semi_axes(&device.engine, &axes);
+                let none = vec![f64::NAN; GHOSTS];
+                device.engine.write(&device.masses, owned, &none);
             }
             let mut loads = device.to_load();
             let compute = |loads: &EllgranGpuLoads| unsafe {
@@ -703,31 +721,26 @@ fn images_of_owned_grains() {
             let of_list = compute(&loads);
             succeed(unsafe { ellgran_gpu_prepare(made, &grains, stream) });
             let of_step = compute(&loads);
-            assert_eq!(of_list, of_step);
             loads.add = 1;
-            for (both, one) in compute(&loads).iter().zip(&of_list) {
-                assert_eq!(*both, one.map(|x| 2.0 * x));
+            // The search goes on from the normal of the last call: another rounding.
+            let largest = of_step.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+            for (k, both) in compute(&loads).iter().enumerate() {
+                for c in 0..6 {
+                    near(both[c], 2.0 * of_step[k][c], largest, TOLERANCE, "sum", k);
+                }
             }
             succeed(unsafe { ellgran_gpu_check(made, &grains, stream) });
             unsafe {
                 ellgran_gpu_scene_free(made);
                 ellgran_gpu_free(gpu);
             }
-            of_list
+            [of_list, of_step]
         };
-        let expected = loads_of(&scene, false, Layout::Rows);
-        assert!(expected.iter().flatten().filter(|x| x.abs() > 0.0).count() > 6 * owned / 2);
-        for k in owned..count {
-            let m = &mut scene.motion;
-            m.changes[k] = [f64::NAN; 6];
-            m.velocities[k] = [f64::NAN; 3];
-            m.angular_momenta[k] = [f64::NAN; 3];
-            m.quaternions[k] = [f64::NAN; 4];
-            scene.semi_axes[k] = [f64::NAN; 3];
-            scene.masses[k] = f64::NAN;
-        }
+        let expected = loads_of(false, Layout::Rows);
+        let numbers = expected[0].iter().flatten();
+        assert!(numbers.filter(|x| x.abs() > 0.0).count() > 6 * owned / 2);
         for arrays in [Layout::Rows, Layout::Columns] {
-            assert_eq!(loads_of(&scene, true, arrays), expected);
+            assert!(loads_of(true, arrays) == expected);
         }
     });
 }
