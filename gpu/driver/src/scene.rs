@@ -15,7 +15,7 @@ use ellgran::c_api::status::{
     Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
-use ellgran::contact::{Laws, MotionChange, Step};
+use ellgran::contact::{Laws, Step};
 use ellgran::force::PairLaw;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
@@ -27,8 +27,8 @@ use ellgran_kernels::arguments::{
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
-use ellgran_kernels::shapes::Grain;
-use ellgran_kernels::terms::{ContactLoad, COMPONENTS};
+use ellgran_kernels::shapes::{Grain, GrainChange};
+use ellgran_kernels::terms::{COMPONENTS, NUMBERS};
 use std::sync::Arc;
 
 /// Threads that contacts get, at least, where there are so many pairs: few candidates may become more before the next list.
@@ -179,12 +179,13 @@ pub struct Scene {
     listed: Option<Listed>,
     table: Buffer<PairLaw>,
     grains: Buffer<Grain>,
-    changes: Buffer<MotionChange>,
+    changes: Buffer<GrainChange>,
     inverse_masses: Buffer<f64>,
     poses: Buffer<[f64; 8]>,
     /// By their numbers.
     candidates: Buffer<Candidate>,
-    contact_loads: Buffer<ContactLoad>,
+    /// Columns, which neighbouring threads write and read side by side.
+    contact_loads: Buffer<[f64; NUMBERS]>,
     /// Numbers of marked candidates.
     marked: Buffer<u32>,
     /// Of each row, places of the candidates that it keeps, the number of the first of them, and how many they are.
@@ -262,6 +263,11 @@ impl Scene {
 
     fn notes(&self) -> Array<AtomicU32> {
         self.notes.all_as()
+    }
+
+    fn contact_loads(&self) -> VectorArray<NUMBERS> {
+        let count = self.contact_loads.len();
+        VectorArray::at(self.contact_loads.address(), 1, count, count)
     }
 
     fn read_notes(&self, stream: Stream) -> Result<[u32; NOTES], Failure> {
@@ -389,6 +395,7 @@ impl Scene {
         number.launch(&self.device, stream, threads, &arguments)?;
         let arguments = TermArguments {
             identifiers: array(g.identifiers, g.count, "identifiers")?,
+            types: array(g.types, g.count, "types")?,
             starts: memory.starts.all(),
             neighbours: listed.neighbours,
             places: self.places.all(),
@@ -398,6 +405,7 @@ impl Scene {
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             notes: self.notes(),
+            type_count: self.laws.types() as u32,
             always,
         };
         let terms = &self.common.terms;
@@ -702,7 +710,7 @@ impl Scene {
             candidates: self.candidates.all(),
             states: now.states.all(),
             histories: now.histories.all(),
-            contact_loads: self.contact_loads.all(),
+            contact_loads: self.contact_loads(),
             marked: self.marked.all(),
             notes: self.notes(),
         };
@@ -717,7 +725,7 @@ impl Scene {
             starts: now.starts.all(),
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
-            contact_loads: self.contact_loads.all(),
+            contact_loads: self.contact_loads(),
             forces,
             torques,
             notes: self.notes(),

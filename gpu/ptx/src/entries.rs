@@ -30,7 +30,7 @@ use ellgran_kernels::poses::{has_moved, remembered_pose};
 use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use ellgran_kernels::terms::{
-    component_of_load, number_rows, terms_of_grain, Candidates, COMPONENTS,
+    component_of_load, number_rows, terms_of_grain, Candidates, Names, COMPONENTS,
 };
 
 /// Leaves a note. Many threads may leave the same one.
@@ -250,12 +250,12 @@ macro_rules! contacts {
                     let (candidate, entry) = pair_of(candidates, &own);
                     let found = $of_pair::<$kind, $friction, true, $conservative>(
                         &scene,
-                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        &candidate,
                         states.at(&entry),
                         histories.part(&entry, length),
                     );
                     match found {
-                        Some(load) => *contact_loads.at(&own) = load,
+                        Some(load) => contact_loads.write(&own, load.values()),
                         None => marked.taken(&notes[MARKED], 1).1[0] = own.number() as u32,
                     }
                 }
@@ -310,12 +310,13 @@ macro_rules! marked_contacts {
                     let number = *marked.at(&place);
                     let own = place.within(|_| number);
                     let (candidate, entry) = pair_of(candidates, &own);
-                    *contact_loads.at(&own) = marked_contact_of_pair::<$kind>(
+                    let load = marked_contact_of_pair::<$kind>(
                         &scene,
-                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        &candidate,
                         states.at(&entry),
                         histories.part(&entry, length),
                     );
+                    contact_loads.write(&own, load.values());
                 }
             }
         )*}
@@ -444,6 +445,8 @@ entries! {
     fn ellgran_terms(thread, arguments: TermArguments<Here>) {
         let TermArguments {
             identifiers,
+            types,
+            type_count,
             starts,
             neighbours,
             places,
@@ -467,7 +470,12 @@ entries! {
         };
         let own = candidates.range(&thread, all.firsts, all.counts);
         let terms = terms.row(&thread, all.starts, 1);
-        let found = terms_of_grain(thread.index(), identifiers.all(), &all, own, terms);
+        let names = Names {
+            identifiers: identifiers.all(),
+            types: types.all(),
+            type_count,
+        };
+        let found = terms_of_grain(thread.index(), &names, &all, own, terms);
         *term_counts.one(&thread) = found as u32;
     }
 
@@ -487,7 +495,8 @@ entries! {
         let k = own.vector();
         let from = starts.all()[k] as usize;
         let terms = &terms.all()[from..from + term_counts.all()[k] as usize];
-        let sum = component_of_load(terms, contact_loads.all(), own.component());
+        let read = |contact, number| contact_loads.component_of(contact, number);
+        let sum = component_of_load(terms, read, own.component());
         let own_torque;
         let to = if own.component() < 3 {
             forces.component(&own)

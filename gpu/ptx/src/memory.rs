@@ -74,6 +74,15 @@ impl<const N: usize> SharedVectors<N> {
         // SAFETY: there are so many (just asserted), at these distances, and nothing writes to them while the kernel runs (above).
         core::array::from_fn(|c| unsafe { *self.first.add(from + c * step) })
     }
+
+    /// Component `c` of vector `k`.
+    #[inline(always)]
+    pub fn component_of(&self, k: usize, c: usize) -> f64 {
+        assert!((k as u64) < self.count && c < N);
+        let at = k * self.per_grain as usize + c * self.per_component as usize;
+        // SAFETY: as above.
+        unsafe { *self.first.add(at) }
+    }
 }
 
 /// Vectors of which each thread has some, or some components.
@@ -106,8 +115,9 @@ impl<const N: usize> OwnVectors<N> {
     /// Writes it.
     #[inline(always)]
     pub fn write(&mut self, own: &Own, vector: [f64; N]) {
-        for (c, value) in vector.into_iter().enumerate() {
-            *self.place(own.number, c) = value;
+        // By value: what goes through an iterator of its own would be kept in memory.
+        for (c, value) in vector.iter().enumerate() {
+            *self.place(own.number, c) = *value;
         }
     }
 

@@ -181,6 +181,11 @@ impl<const N: usize> Vectors<N> {
         core::array::from_fn(|c| unsafe { first.add(c * self.per_component as usize).read() })
     }
 
+    /// Component `c` of vector `k`.
+    pub fn component_of(&self, k: usize, c: usize) -> f64 {
+        self.get(k)[c]
+    }
+
     /// The vector that goes with a number of this thread.
     pub fn read(&mut self, own: &Own) -> [f64; N] {
         self.get(own.number)
