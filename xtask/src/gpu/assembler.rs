@@ -28,7 +28,7 @@ pub struct Kernel {
     pub spilled: u32,
     /// Instructions of 16 bytes.
     pub instructions: u64,
-    /// Instructions of PTX on `f64`, divisions and roots among them.
+    /// Instructions of PTX on `f64`, conversions, divisions and roots among them.
     pub arithmetic: usize,
     /// Divisions and roots that are rounded right, of many instructions each.
     pub divisions: usize,
@@ -167,7 +167,7 @@ fn code_sizes(file: &[u8]) -> Result<Vec<(String, u64)>> {
     read().context("the assembler's output is no ELF file")
 }
 
-/// Instructions on `f64` of the body of an entry, and how many of them are divisions and roots that are rounded right.
+/// Instructions on `f64` of the body of an entry, conversions too, and how many of them are divisions and roots that are rounded right.
 fn arithmetic(ptx: &str, name: &str) -> (usize, usize) {
     let Some((_, rest)) = ptx.split_once(&format!(".visible .entry {name}(")) else {
         return (0, 0);
@@ -180,7 +180,10 @@ fn arithmetic(ptx: &str, name: &str) -> (usize, usize) {
             "add", "sub", "mul", "fma", "div", "rcp", "sqrt", "rsqrt", "min", "max", "abs", "neg",
             "setp",
         ];
-        (operation.ends_with("f64") && counts.contains(&kind)).then_some(operation)
+        let works = operation.ends_with("f64") && counts.contains(&kind);
+        // From and to `f64`: at the same rate.
+        let converts = kind == "cvt" && operation.contains(".f64");
+        (works || converts).then_some(operation)
     });
     let all: Vec<&str> = operations.collect();
     let rounded = ["div.rn.f64", "rcp.rn.f64", "sqrt.rn.f64"];
@@ -212,8 +215,8 @@ mod tests {
 
     #[test]
     fn arithmetic_of_an_entry_is_counted() {
-        let ptx = ".visible .entry a(\n)\n{\n\tfma.rn.f64 \t%fd1, 1, 2, 3;\n\tdiv.rn.f64 \t%fd1;\n\tadd.s64 \t%r;\n}\n\
+        let ptx = ".visible .entry a(\n)\n{\n\tfma.rn.f64 \t%fd1, 1, 2, 3;\n\tdiv.rn.f64 \t%fd1;\n\tadd.s64 \t%r;\n\tcvt.rn.f32.f64 \t%f1;\n\tcvt.f64.f32 \t%fd1;\n\tcvt.s64.s32 \t%r;\n\tadd.rn.f32 \t%f1;\n}\n\
                    .visible .entry b(\n)\n{\n\tadd.rn.f64 \t%fd;\n}\n";
-        assert_eq!(arithmetic(ptx, "a"), (2, 1));
+        assert_eq!(arithmetic(ptx, "a"), (4, 1));
     }
 }

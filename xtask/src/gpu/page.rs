@@ -64,7 +64,7 @@ fn bytes_per_contact(history: u32) -> u32 {
 }
 
 /// Rows of the predictions: kernel, what it is, doubles of history.
-const PREDICTED: [(&str, &str, u32); 4] = [
+const PREDICTED: [(&str, &str, u32); 7] = [
     ("ellgran_contacts_spheres_friction", "spheres, friction", 4),
     (
         "ellgran_contacts_spheroids_conservative",
@@ -72,13 +72,28 @@ const PREDICTED: [(&str, &str, u32); 4] = [
         3,
     ),
     (
-        "ellgran_contacts_spheroids_friction",
-        "spheroids, friction",
+        "ellgran_contacts_mixed_spheroids_conservative",
+        "the same, mixed",
+        3,
+    ),
+    (
+        "ellgran_contacts_spheroids_friction_conservative",
+        "spheroids, all terms",
+        7,
+    ),
+    (
+        "ellgran_contacts_mixed_spheroids_friction_conservative",
+        "the same, mixed",
         7,
     ),
     (
         "ellgran_contacts_ellipsoids_friction_conservative",
         "ellipsoids, all terms",
+        7,
+    ),
+    (
+        "ellgran_contacts_mixed_ellipsoids_friction_conservative",
+        "the same, mixed",
         7,
     ),
 ];
@@ -128,6 +143,7 @@ has them now. Grains that come from another rank bring none with them.
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
+- **Precision** is double, or mixed (`ellgran_gpu_scene_set_precision`): [below](#precision).
 
 | status | what is to be done |
 |---|---|
@@ -156,6 +172,48 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 
 What is not there: curved walls and triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
 energies, histories of grains from other ranks.
+
+";
+
+/// What mixed precision is, and how wrong. The numbers are those of `gpu/kernels/tests/lanes/mixed.rs`, which holds them to bounds.
+const PRECISION: &str = "\
+## Precision
+
+All is in double precision, unless a scene is told otherwise (`ellgran_gpu_scene_set_precision` with `ELLGRAN_GPU_MIXED`). Mixed precision is for \
+cards that are slow with `f64`. On one that is not it gains little, and double precision is to be preferred.
+
+| in `f32` | in `f64` |
+|---|---|
+| the search: Newton's method and the proof that its minimum is the global one, in units of the pair's size | the way between the centres |
+| curvatures and Hertz factors | support functions, witnesses and penetration, at the normal that was found and by one more step of Newton's method |
+| the further terms of the conservative law, over the energy | the law: normal force, friction, viscosity |
+| | histories, motion, planes, candidates, spheres, contacts that are marked |
+
+- **The penetration** is a small difference of lengths: in `f32` alone it would be off by 1e-3 at an overlap of 1e-3 of the smallest semi-axis. It is \
+stationary in the normal, so that in `f64` at a normal from `f32` its error is of second order.
+- **No contact is missed.** What `f32` cannot tell is marked, and taken by the kernel with every safeguard: values within 1e-6 of the \
+largest semi-axes go on to `f64`, and there a pair is apart only where a plane is found between the bodies. Pairs whose smallest semi-axis is less than 1e-5 of the \
+pair's size are marked.
+- **The law stays in `f64`.** The tangential force is a memory to which each step adds little: in `f32` an increment below 6e-8 of it would be lost. \
+`displacement rescaled` compares energies in each step and gives up what is too much, so that a contact at rest would lose some 3e-8 of its force in each step, \
+and 3 % in a million.
+
+Errors, as shares of the force of the contact (torques over the largest semi-axis): the largest of 2000 random pairs for each overlap, and the largest of nine in ten. \
+Needles are of semi-axes r:1:1, discs r:r:1, blades r:sqrt(r):1. Marked are those of overlaps up to 0.01; the others are so in double precision.
+
+| aspect ratio r | overlap, smallest semi-axes | needles | discs | blades | marked in mixed precision, of 2000 |
+|---|---|---|---|---|---|
+| 1.2 | 1e-6 to 0.1 | 2.8e-7, 1.2e-7 | 2.3e-7, 1.2e-7 | 3.1e-7, 1.4e-7 | none |
+| 2 | 1e-6 to 0.1 | 2.9e-7, 1.2e-7 | 2.7e-7, 1.2e-7 | 3.5e-7, 1.6e-7 | none |
+| 5 | 1e-6 to 0.1 | 3.1e-7, 1.3e-7 | 5.1e-7, 1.6e-7 | 4.6e-7, 1.7e-7 | none |
+| 10 | 1e-6 to 0.01 | 2.8e-7, 1.3e-7 | 1.9e-6, 2.6e-7 | 8.7e-7, 2.0e-7 | none |
+| | 0.1 | 3.1e-6, 4.2e-7 | 1.8e-6, 2.9e-7 | 2.0e-6, 2.2e-7 | |
+| 30 | 1e-6 to 0.01 | 2.4e-6, 5.5e-7 | 1.3e-5, 6.8e-7 | 3.2e-6, 3.1e-7 | at most 88, 10, 13; in double 29, 9, 4 |
+| | 0.1 | 3.7e-5, 2.5e-6 | 3.2e-5, 5.5e-7 | 4.0e-5, 7.9e-7 | |
+| 100 | 1e-6 and 1e-3 | 3.7e-6, 1.7e-7 | 1.0e-4, 7.1e-7 | 7.8e-6, 3.7e-7 | 1339, 72, 302; in double 1163, 55, 209 |
+
+In scenes over 60 steps loads and histories are those of the lists in lanes to 1e-5 of the largest of the scene, which is the bound of the tests. Flat bodies whose rims touch, \
+beyond an aspect ratio of 30, are better computed in double precision.
 
 ";
 
@@ -226,12 +284,14 @@ pub fn page(figures: &Figures, results: &str) -> String {
          atomic operation, and two runs give the same bits.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
          every safeguard. That kernel needs 18 kB of memory a thread.\n\
-         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\n\
+         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\
+         - The contacts of spheroids and ellipsoids have a second form each, in [mixed precision](#precision).\n\n\
          `cargo test -p ellgran-kernels` runs the kernels on the host, index by index, and compares loads and histories with the \
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \
          compares them. `cargo xtask test` compares the hash of the sources alone, which needs no nightly.\n\n",
     );
     text += FROM_C;
+    text += PRECISION;
     text += &measured(results);
     let _ = write!(
         text,
@@ -286,7 +346,7 @@ pub fn page(figures: &Figures, results: &str) -> String {
     }
     text += "\nOn the H100 the kernel for spheroids with all terms was measured: 5.3e8 (Nsight Compute: 1.68 ms for 884 736 grains of the dense packing). \
              A quarter of the cycles issued an instruction, and fewer instructions were executed than the kernel has. So the predictions are low.\n\n\
-             The cards differ by their units for `f64`: an H100 finishes 64 such instructions a cycle and processor, an RTX 4090 two. There a \
-             form in `f32` and `f64` together is what would help, which does not exist.\n";
+             The cards differ by their units for `f64`: an H100 finishes 64 such instructions a cycle and processor, an RTX 4090 two. Conversions from and to \
+             `f64` are at the same rate. Mixed precision was timed on none of these cards yet.\n";
     text
 }
