@@ -5,7 +5,7 @@
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Here, Own, Thread};
+use crate::memory::{entries, Here, Own, OwnVectors, Thread};
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Step};
@@ -329,6 +329,13 @@ marked_contacts! {
     ellgran_marked_contacts_ellipsoids: Ellipsoids;
 }
 
+/// Adds to a vector of this thread.
+#[inline(always)]
+fn add(vectors: &mut OwnVectors<3>, own: &Own, added: Vector3) {
+    let before = Vector3::from_array(vectors.read(own));
+    vectors.write(own, (before + added).to_array());
+}
+
 macro_rules! planes {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
@@ -362,10 +369,8 @@ macro_rules! planes {
                 );
                 if *state != 0 {
                     let own = thread.own();
-                    for (vectors, added) in [(&mut forces, load.force), (&mut torques, load.torque)] {
-                        let before = Vector3::from_array(vectors.read(&own));
-                        vectors.write(&own, (before + added).to_array());
-                    }
+                    add(&mut forces, &own, load.force);
+                    add(&mut torques, &own, load.torque);
                 }
             }
         )*}
