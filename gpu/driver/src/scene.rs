@@ -20,7 +20,7 @@ use ellgran::force::PairLaw;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
@@ -35,6 +35,9 @@ use std::sync::Arc;
 const FEWEST_CONTACT_THREADS: usize = 1 << 14;
 /// Threads that look for marked contacts, at most: there are few of these.
 const MARKED_THREADS: usize = 1 << 16;
+
+/// Threads that select candidates, at most: in most steps they find that there is nothing to do.
+const SELECTING_THREADS: usize = 1 << 16;
 
 fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
@@ -334,7 +337,13 @@ impl Scene {
         })
     }
 
-    fn launch_prepare(&self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+    /// Prepares grains; with the margin of the candidates, notes whether one has moved too far for them.
+    fn launch_prepare(
+        &self,
+        g: &EllgranGpuGrains,
+        margin: Option<f64>,
+        stream: Stream,
+    ) -> Result<(), Failure> {
         let (n, named) = (g.count, named_count(g));
         let arguments = PrepareArguments {
             positions: vectors(&g.positions, n, "positions")?,
@@ -347,8 +356,13 @@ impl Scene {
             grains: self.grains.all(),
             motion_changes: self.changes.all(),
             inverse_masses: self.inverse_masses.all(),
+            poses: match margin {
+                Some(_) => self.poses.all(),
+                None => Array::EMPTY,
+            },
             faults: self.faults.all(),
             notes: self.notes(),
+            margin: margin.unwrap_or(0.0),
             type_count: self.laws.types() as u32,
         };
         let prepare = &self.chosen()?.prepare;
@@ -383,7 +397,8 @@ impl Scene {
             always,
         };
         let candidates = &self.chosen()?.candidates;
-        candidates.launch(&self.device, stream, listed.owned, &arguments)?;
+        let threads = listed.owned.min(SELECTING_THREADS);
+        candidates.launch(&self.device, stream, threads, &arguments)?;
         let arguments = NumberArguments {
             counts: self.counts.all(),
             firsts: self.firsts.all(),
@@ -391,8 +406,8 @@ impl Scene {
             always,
         };
         let number = &self.common.number_candidates;
-        let threads = listed.owned.div_ceil(ROWS_NUMBERED);
-        number.launch(&self.device, stream, threads, &arguments)?;
+        let chunks = listed.owned.div_ceil(ROWS_NUMBERED);
+        number.launch(&self.device, stream, chunks, &arguments)?;
         let arguments = TermArguments {
             identifiers: array(g.identifiers, g.count, "identifiers")?,
             types: array(g.types, g.count, "types")?,
@@ -409,7 +424,7 @@ impl Scene {
             always,
         };
         let terms = &self.common.terms;
-        terms.launch(&self.device, stream, listed.owned, &arguments)?;
+        terms.launch(&self.device, stream, threads, &arguments)?;
         let arguments = PoseArguments {
             positions: vectors(&g.positions, g.count, "positions")?,
             bodies: bodies(g)?,
@@ -419,7 +434,8 @@ impl Scene {
             always,
         };
         let remember = &self.common.remember_poses;
-        remember.launch(&self.device, stream, g.count, &arguments)?;
+        let threads = g.count.min(SELECTING_THREADS);
+        remember.launch(&self.device, stream, threads, &arguments)?;
         self.clear_note(MOVED, stream)
     }
 
@@ -487,7 +503,7 @@ impl Scene {
             let bytes = count * size_of::<i32>();
             driver.copy_within(self.other.identifiers.address(), from, bytes, stream)?;
         }
-        self.launch_prepare(g, stream)?;
+        self.launch_prepare(g, None, stream)?;
         // A row that is wrong, or a type, would end the kernels that follow.
         self.report_faults(Some(g), stream)?;
         // Of the pairs that the rows keep any may become a candidate in a later step.
@@ -672,16 +688,7 @@ impl Scene {
     pub fn prepare(&mut self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
         let _entered = self.device.enter()?;
-        self.launch_prepare(g, stream)?;
-        let arguments = MovedArguments {
-            positions: vectors(&g.positions, g.count, "positions")?,
-            bodies: bodies(g)?,
-            poses: self.poses.all(),
-            notes: self.notes(),
-            margin: listed.margin,
-        };
-        let moved = &self.common.has_moved;
-        moved.launch(&self.device, stream, g.count, &arguments)?;
+        self.launch_prepare(g, Some(listed.margin), stream)?;
         self.launch_candidates(g, &self.now, &listed, false, stream)
     }
 

@@ -110,27 +110,16 @@ pub struct PrepareArguments<M: Memory> {
     pub motion_changes: M::Parts<GrainChange>,
     /// Written: inverses of masses; may be empty.
     pub inverse_masses: M::Parts<f64>,
+    /// Poses in which candidates were selected; empty where these will be anyway.
+    pub poses: M::Shared<[f64; 8]>,
     /// The first fault of each grain stays here until the host has read it.
     pub faults: M::Parts<u32>,
-    /// [`FAULT`] is left.
-    pub notes: M::Shared<AtomicU32>,
-    /// Number of types.
-    pub type_count: u32,
-}
-
-/// Of `ellgran_has_moved`.
-#[repr(C)]
-pub struct MovedArguments<M: Memory> {
-    /// Centres.
-    pub positions: M::SharedVectors<3>,
-    /// Attitudes.
-    pub bodies: BodyArguments<M>,
-    /// Poses in which candidates were selected.
-    pub poses: M::Shared<[f64; 8]>,
-    /// [`MOVED`] is left.
+    /// [`FAULT`] is left, and [`MOVED`] where a grain has moved too far for the candidates.
     pub notes: M::Shared<AtomicU32>,
     /// That of the candidates.
     pub margin: f64,
+    /// Number of types.
+    pub type_count: u32,
 }
 
 /// Of `ellgran_candidates_*`. Row `k` of the full neighbour list is from `starts[k]` up to `starts[k + 1]`.
