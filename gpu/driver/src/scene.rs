@@ -37,7 +37,7 @@ const FEWEST_CONTACT_THREADS: usize = 1 << 14;
 const MARKED_THREADS: usize = 1 << 16;
 
 /// Threads that select candidates, at most: in most steps they find that there is nothing to do.
-const SELECTING_THREADS: usize = 1 << 16;
+const SELECTING_THREADS: usize = 1 << 18;
 
 fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
