@@ -106,11 +106,12 @@ fn both_versions_a_new_grain_does_not_remember_what_one_of_its_id_did() {
             "set group new shape 1e-2 8e-3 6e-3",
             "set group new density 2500",
             "set group new quat 0 0 1 0",
-            "run 0",
+            "run 1",
         ]);
         let deck = Deck {
             time_step: 1e-6,
             steps: 20,
+            dump_every: 1,
             skin: 2e-3,
             runs: runs.into_iter().map(String::from).collect(),
             ..Deck::new("hertz 1e8 0.3 tangential tfd 0.5")

@@ -237,12 +237,13 @@ fn a_new_grain_does_not_remember_what_one_of_its_id_did() {
             "set group new blockiness 2 2",
             "set group new shape 5e-3 4e-3 3e-3",
             "set group new density 2500",
-            "run 0",
+            "run 1",
         ]);
         let deck = Deck {
             runs: runs.into_iter().map(String::from).collect(),
             time_step: 1e-6,
             steps: 20,
+            dump_every: 1,
             ..elastic("nfd tangential tfd surface ellipsoid", "ellipsoid")
         };
         run(&engine, "new_grain", &scene, &deck, 1).last().states[0].force
