@@ -2556,6 +2556,29 @@ int32_t ellgran_wall_write_triangle_loads(const struct EllgranWall *wall,
                                           const char *path);
 
 /*
+ Whether the surfaces of triangles of a wall go on where a box does that repeats: a wall has no periodic images. `low` and `high` are the
+ least and the greatest coordinates of the box, `is_periodic` is not 0 for the axes along which it repeats, 3 values each. `reach` is
+ the largest semi-axis of the particles; where it is not above 0, nothing is missing. `motion` may be NULL for a wall that has not moved.
+
+ `axis` receives -1 where they go on, or do not come within `reach` of such a boundary. Else it receives 0, 1 or 2, `triangle` the
+ number of a triangle in the box, from 0, in the order in which they were added, and `place`, 3 doubles, a place beyond the boundary
+ along that axis where its image is missing, within `reach`: particles touch nothing there, and what they touch on the other side of the
+ box. `triangle` and `place` may be NULL. The call allocates: it belongs to a set-up.
+
+ # Safety
+ The pointers are NULL or valid, with 3 values where that is said.
+ */
+int32_t ellgran_wall_missing_image(const struct EllgranWall *wall,
+                                   const struct EllgranWallMotion *motion,
+                                   const double *low,
+                                   const double *high,
+                                   const int32_t *is_periodic,
+                                   double reach,
+                                   int32_t *axis,
+                                   size_t *triangle,
+                                   double *place);
+
+/*
  The velocity for the next step of a wall that keeps a force.
 
  `force` is that with which the wall presses in its direction, minus the component of `EllgranWallLoad.force` along it; `stiffness`

@@ -46,7 +46,7 @@ void FixEllgranHistory::init()
 
 void FixEllgranHistory::follow_new_ids()
 {
-  std::vector<tagint> changed;    // old and new ID
+  std::vector<tagint> changed;    // old and new ID, and those of new atoms, which may be the IDs of others that are gone
   for (int i = 0; i < atom->nlocal; i++)
     if (ids_at_end[i] != 0 && ids_at_end[i] != atom->tag[i]) {
       changed.push_back(ids_at_end[i]);
@@ -63,7 +63,7 @@ void FixEllgranHistory::follow_new_ids()
   std::unordered_map<tagint, tagint> renumbered;
   std::unordered_set<tagint> given;
   for (std::size_t k = 0; k < all.size(); k += 2) {
-    renumbered[all[k]] = all[k + 1];
+    if (all[k] != NEW_ATOM) renumbered[all[k]] = all[k + 1];
     given.insert(all[k + 1]);
   }
   for (int i = 0; i < atom->nlocal; i++) {
@@ -98,7 +98,7 @@ void FixEllgranHistory::copy_arrays(int i, int j, int delflag)
 void FixEllgranHistory::set_arrays(int i)
 {
   FixNeighHistory::set_arrays(i);
-  ids_at_end[i] = 0;
+  ids_at_end[i] = NEW_ATOM;
 }
 
 int FixEllgranHistory::pack_exchange(int i, double *buffer)

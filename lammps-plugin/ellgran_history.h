@@ -55,7 +55,8 @@ class FixEllgranHistory : public FixNeighHistory {
 
  private:
   bool list_is_current;
-  tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as of one that is new
+  static constexpr tagint NEW_ATOM = -1;
+  tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as after a restart
   int room_for_ids;
   int round;    // of messages under `comm_style tiled`, -1: the base class' messages
 

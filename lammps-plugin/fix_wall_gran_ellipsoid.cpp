@@ -80,7 +80,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg, bo
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
     contact_histories(nullptr), tells_contacts(false), keeps_energies(false), leaves_energies_out(false), sums_energies(false), scene_may_change(true), step_of_forces(-2), contacts_wanted(false), step_of_contacts(-1), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
-    motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false)
+    motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false), said_missing_image(false)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
     error->all(FLERR, "{}: compiled for ABI version {} of ellgran, but linked with version {}",
@@ -546,11 +546,36 @@ void FixWallGranEllipsoid::init()
 void FixWallGranEllipsoid::setup(int vflag)
 {
   post_force(vflag);
+  warn_of_missing_images();
 }
 
 void FixWallGranEllipsoid::min_setup(int vflag)
 {
   post_force(vflag);
+  warn_of_missing_images();
+}
+
+/* Once, of a mesh as it is when a run begins: grains across a periodic boundary touch what is in the file alone. */
+
+void FixWallGranEllipsoid::warn_of_missing_images()
+{
+  if (!is_mesh || said_missing_image || domain->triclinic) return;
+  double here = 0.0, reach = 0.0;
+  for (const double axis : atoms.largest_semi_axes()) here = std::max(here, axis);
+  MPI_Allreduce(&here, &reach, 1, MPI_DOUBLE, MPI_MAX, world);
+  const int32_t is_periodic[3] = {domain->periodicity[0], domain->periodicity[1], domain->periodicity[2]};
+  int32_t axis = -1;
+  std::size_t triangle = 0;
+  double place[3] = {};
+  check(ellgran_wall_missing_image(wall, &motion_of_forces, domain->boxlo, domain->boxhi, is_periodic, reach, &axis, &triangle, place));
+  if (axis < 0) return;
+  said_missing_image = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "{} {}: the mesh ends at the periodic boundary in {}, and a wall has no periodic images: that of triangle {} is missing at "
+                   "{:.6g} {:.6g} {:.6g}, where grains whose centres are in the box may reach. Let the mesh go on beyond the box by their largest "
+                   "semi-axis, {:.6g}, on both sides",
+                   CALLER, id, "xyz"[axis], triangle + 1, place[0], place[1], place[2], reach);
 }
 
 void FixWallGranEllipsoid::min_post_force(int vflag)

@@ -180,6 +180,7 @@ class FixWallGranEllipsoid : public Fix {
   EllgranWallMotion motion_of_forces;    // the motion with which forces were computed last
   bool has_forces;                       // whether they were
   bool touches_here;                     // whether a grain of this rank touched then
+  bool said_missing_image;               // whether it was said that the mesh ends at a periodic boundary
 
   int parse_law(int narg, char **arg);
   int parse_wall(int iarg, int narg, char **arg);
@@ -199,6 +200,7 @@ class FixWallGranEllipsoid : public Fix {
   void check(int32_t status) const;
   void check_words(int32_t status) const;
   void check_periodicity() const;
+  void warn_of_missing_images();
   int axis_word(const char *keyword, const char *word) const;
   void follow_time(bool passes);
   [[nodiscard]] double time_passed() const;

@@ -525,6 +525,12 @@ void PairGranEllipsoid::init_style()
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
                CALLER);
+  // LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes.
+  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
+    error->all(FLERR,
+               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
+               "after read_restart and the fixes, before them",
+               CALLER, atoms_in_file - atom->natoms);
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();
@@ -1049,6 +1055,7 @@ void PairGranEllipsoid::read_restart_settings(FILE *fp)
                "{}: the restart file has format version {}, written by ellgran {}. This is ellgran {}, which reads versions "
                "1 to {}: use the ellgran that wrote the file, or a later one",
                CALLER, head[1], writer, ellgran_version(), EllgranRestart::PAIR_FORMAT);
+  atoms_in_file = atom->natoms;
   read(sizes, sizeof sizes);
   const int parameters_size = sizes[0];
   if (parameters_size <= static_cast<int>(sizeof(size_t)) ||

@@ -121,6 +121,7 @@ class PairGranEllipsoid : public Pair {
   bool contacts_wanted;
   bigint step_of_contacts;
 
+  bigint atoms_in_file = 0;    // of a restart file that was read; 0: none was
   int listed;    // atoms and images when the neighbour list was built
 
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have

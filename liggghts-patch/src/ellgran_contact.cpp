@@ -14,6 +14,7 @@
 #include "contact_models.h"
 #include "domain.h"
 #include "error.h"
+#include "ellgran_pair_history.h"
 #include "ellgran_shape.h"
 #include "fix_contact_history_ellgran.h"
 #include "fix_ellgran_restart_format.h"
@@ -247,6 +248,8 @@ void EllgranContact::connect_moduli(PropertyRegistry &registry, const char *call
   if (lmp->force->nktv2p != 1.0)
     lmp->error->all(FLERR, "ellgran: this unit style has a pressure that is not force per area; use units si, cgs or lj");
   FixEllgranRestartFormat::add(lmp);
+  if (PairGran *const pair = is_wall ? NULL : dynamic_cast<PairGran *>(lmp->force->pair_match("gran", 1)))
+    EllgranPairHistory::replace(lmp, pair);
   registry.registerProperty("youngsModulus", &MODEL_PARAMS::createYoungsModulus);
   registry.registerProperty("poissonsRatio", &MODEL_PARAMS::createPoissonsRatio);
   registry.connect("youngsModulus", youngs_modulus, caller);

@@ -12,6 +12,7 @@
 #include "comm.h"
 #include "compute_pair_gran_local.h"
 #include "contact_models.h"
+#include "domain.h"
 #include "ellgran_contact.h"
 #include "ellgran_local_output.h"
 #include "error.h"
@@ -52,11 +53,12 @@ int shape_begins(int narg, char **arg)
   return 0;
 }
 
-// Adds the shapes that begin at a word to a wall; where the next words begin.
-int read_shapes(LAMMPS *lmp, EllgranWall *wall, int from, int narg, char **arg)
+// Adds the shapes that begin at a word to a wall, and those of its parts that are planes to a list; where the next words begin.
+int read_shapes(LAMMPS *lmp, EllgranWall *wall, int from, int narg, char **arg, std::vector<size_t> &planes)
 {
   while (from < narg && is(arg[from], "shape")) {
     size_t read = 0;
+    if (from + 1 < narg && is(arg[from + 1], "plane")) planes.push_back(ellgran_wall_part_count(wall));
     if (ellgran_wall_add_shape_words(wall, narg - from - 1, arg + from + 1, &read) != ELLGRAN_SUCCESS) {
       char message[1400];
       snprintf(message, sizeof(message), "Fix %s (%s): %s", arg[0], arg[2], ellgran_last_error());
@@ -75,7 +77,8 @@ std::vector<char *> words_of_wall_gran(LAMMPS *lmp, int narg, char **arg)
   if (from == 0) return words;
   EllgranWall *wall = NULL;
   if (ellgran_wall_new(&wall) != ELLGRAN_SUCCESS) lmp->error->one(FLERR, ellgran_last_error());
-  const int end = read_shapes(lmp, wall, from, narg, arg);
+  std::vector<size_t> planes;
+  const int end = read_shapes(lmp, wall, from, narg, arg, planes);
   ellgran_wall_free(wall);
   static char cylinder[] = "zcylinder", zero[] = "0.0";
   char *const instead[] = {cylinder, zero, zero, zero};
@@ -98,6 +101,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     crowd_said_(false),
     row_(0)
 {
+  across_[0] = across_[1] = across_[2] = NULL;
   check(ellgran_wall_new(&wall_));
   check(ellgran_workspace_new(&workspace_));
   if (!impl->contact_match("surface", "ellipsoid"))
@@ -140,7 +144,14 @@ void FixWallGranEllipsoid::add_primitive(int narg, char **arg)
   bool is_plane = false;
   if (const int from = shape_begins(narg, arg)) {
     if (shear_) error->fix_error(FLERR, this, "'shear' goes with planes and cylinders along the axes; use a mesh with fix move/mesh");
-    read_shapes(lmp, wall_, from, narg, arg);
+    std::vector<size_t> planes;
+    read_shapes(lmp, wall_, from, narg, arg, planes);
+    for (size_t p = 0; p < planes.size(); p++) {
+      double normal[3];
+      check(ellgran_wall_part_plane(wall_, planes[p], normal, NULL));
+      for (int k = 0; k < 3; k++)
+        if (normal[k] != 0.0) across_[k] = "shape plane";
+    }
     is_plane = is(arg[from + 1], "plane") && ellgran_wall_part_count(wall_) == 1;
   } else
     for (int k = 3; k + 4 < narg; k++) {
@@ -155,6 +166,21 @@ void FixWallGranEllipsoid::add_primitive(int narg, char **arg)
     error->fix_error(FLERR, this,
                      "a needle touches a primitive cylinder twice, and store_force_contact_stress (which fix continuum/weighted "
                      "turns on) has room for one contact; use a mesh");
+  check_periodicity();
+}
+
+// A wall has no images: it must not depend on a coordinate that repeats.
+void FixWallGranEllipsoid::check_periodicity() const
+{
+  for (int k = 0; k < 3; k++) {
+    if (!across_[k] || !domain->periodicity[k]) continue;
+    char message[300];
+    snprintf(message, sizeof(message),
+             "%s is across a periodic dimension, %c, and a primitive wall has no periodic images: use 'boundary' with f, s or m in that "
+             "dimension, or a mesh, which has them",
+             across_[k], "xyz"[k]);
+    error->fix_error(FLERR, const_cast<FixWallGranEllipsoid *>(this), message);
+  }
 }
 
 void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters)
@@ -175,6 +201,9 @@ void FixWallGranEllipsoid::add_shape(const char *style, const double *parameters
     shape.point[(axis + 1) % 3] = parameters[1];
     shape.point[(axis + 2) % 3] = parameters[2];
   }
+  static const char *const NAMES[2][3] = {{"xplane", "yplane", "zplane"}, {"xcylinder", "ycylinder", "zcylinder"}};
+  for (int k = 0; k < 3; k++)
+    if (is_plane == (k == axis)) across_[k] = NAMES[is_plane ? 0 : 1][axis];
   vectorCopy3D(shape.point, point_);
   check(ellgran_wall_add_shape(wall_, &shape));
 }
@@ -307,6 +336,12 @@ void FixWallGranEllipsoid::read_older_histories()
     }
     histories_[i][0] = kept;
   }
+}
+
+void FixWallGranEllipsoid::init()
+{
+  FixWallGran::init();
+  check_periodicity();
 }
 
 void FixWallGranEllipsoid::setup(int vflag)

@@ -31,6 +31,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   FixWallGranEllipsoid(class LAMMPS *, int, char **);
   virtual ~FixWallGranEllipsoid();
   virtual void post_create();
+  virtual void init();
   virtual void setup(int vflag);
   virtual void post_run();
 
@@ -74,6 +75,8 @@ class FixWallGranEllipsoid : public FixWallGran {
   int64_t step_of_one_call_, lists_of_one_call_;
   // of a primitive wall: a point of it, or of its axis
   double point_[3];
+  // the word of a primitive wall that depends on each of the coordinates; NULL: none
+  const char *across_[3];
   // what is remembered of the contacts of each particle
   int histories_length_;
   double **histories_;
@@ -96,6 +99,7 @@ class FixWallGranEllipsoid : public FixWallGran {
   void read_older_histories();
   void add_primitive(int narg, char **arg);
   void add_shape(const char *style, const double *parameters);
+  void check_periodicity() const;
   void lend_triangles();
   EllgranWallMotion motion_of_primitive() const;
   void act(const EllgranWallMotion *motion);

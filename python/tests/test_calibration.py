@@ -57,7 +57,7 @@ def test_restitution_falls_with_speed_and_converges_with_the_steps():
 
 def test_bounces_of_the_engine():
     """The tutorial's table is what LAMMPS printed for spheres on a plane."""
-    page = (Path(__file__).parents[2] / "docs" / "tutorials" / "calibrate.md").read_text()
+    page = calibration_page()
     rows = re.findall(r"^\| `((?:nfd|hertz) [^`]+)` \|([\d. |]+)\|$", page, re.M)
     assert len(rows) >= 4
     plate = 1e5 * 3e-3
@@ -66,6 +66,96 @@ def test_bounces_of_the_engine():
     for words, numbers in rows:
         printed = [float(number) for number in numbers.split("|")]
         assert ellgran.restitution(words, impact, [0.1, 0.3, 1.0, 3.0]) == pytest.approx(printed, abs=1.5e-4), words
+
+
+def calibration_page():
+    return (Path(__file__).parents[2] / "docs" / "tutorials" / "calibrate.md").read_text()
+
+
+def numbers_of(page, pattern):
+    """The numbers in the one place of the page that is like this, whatever the spaces."""
+    found = list(re.finditer(pattern.replace(" ", r"\s+"), page))
+    assert len(found) == 1, pattern
+    return [float(number) for number in found[0].groups()]
+
+
+NUMBER = r"([\d.]+(?:e\d+)?)"
+
+
+def test_two_runs_find_a_viscosity():
+    """Between two rows of the table the logarithm of the coefficient is as good as proportional to the viscosity."""
+    page = calibration_page()
+    at_1 = {
+        float(eta): float(row.split("|")[2])
+        for eta, row in re.findall(r"^\| `nfd 7e10 0\.22 (\S+) \S+` \|([\d. |]+)\|$", page, re.M)
+    }
+    e, speed, low, high, found = numbers_of(
+        page, rf"for {NUMBER} at {NUMBER} m/s the rows of {NUMBER} and {NUMBER} give {NUMBER}, which its own row confirms"
+    )
+    assert speed == 1.0
+    share = np.log(e / at_1[low]) / np.log(at_1[high] / at_1[low])
+    # two digits
+    assert low + share * (high - low) == pytest.approx(found, rel=0.025)
+    assert at_1[found] == pytest.approx(e, abs=5e-4)
+    assert np.log(at_1[high]) / np.log(at_1[low]) == pytest.approx(high / low, rel=0.05)
+
+
+def test_softer_grains_take_longer_steps():
+    page = calibration_page().replace("six", "6").replace("ten", "10")
+    fewest, most = numbers_of(page, rf"a hundred times smaller the time step may be {NUMBER} to {NUMBER} times longer")
+    hard, soft = "hertz 1e9 0.3", "hertz 1e7 0.3"
+    times = [ellgran.elastic_collisions(law, two_spheres(), [[0, 1]], 0.1)[0][0] for law in (hard, soft)]
+    # The numbers are whole.
+    assert np.floor(times[1] / times[0]) == fewest
+    waves = [ellgran.rayleigh_times(ellgran.Laws(law), two_spheres()).min() for law in (hard, soft)]
+    assert waves[1] / waves[0] == pytest.approx(most)
+
+
+@pytest.mark.parametrize("modulus, density, speed", [(1e7, 2500.0, 0.3), (3e6, 1000.0, 0.05)])
+def test_the_overlap_of_an_impact(modulus, density, speed):
+    factor, least = numbers_of(
+        calibration_page(),
+        rf"`{NUMBER} \(rho v\^2/E\)\^\(2/5\)` at most in an impact of two at the relative speed `v`: below 1 % with `E` above `{NUMBER} rho v\^2`",
+    )
+    radius = 1.3e-3
+    spheres = ellgran.Bodies([[0, 0, 0], [0, 0, 2 * radius]], [radius] * 3, density=density)
+
+    def overlap(modulus):
+        return ellgran.elastic_collisions(f"hertz {modulus} 0.3", spheres, [[0, 1]], speed)[1][0] / radius
+
+    # two digits, then one
+    assert factor * (density * speed**2 / modulus) ** 0.4 == pytest.approx(overlap(modulus), rel=0.01)
+    assert overlap(least * density * speed**2) == pytest.approx(0.01, rel=0.01)
+
+
+def test_the_overlap_in_a_packing_at_rest():
+    """That of the mean force with six contacts a grain at a solid fraction of 0.64; and the mean overlap of a packing."""
+    page = calibration_page()
+    factor, least = numbers_of(
+        page,
+        rf"`{NUMBER} \(p/E\)\^\(2/3\)` in a packing at rest under the pressure `p`, .*?: below 1 % with `E` above `{NUMBER} p`",
+    )
+    (share,) = numbers_of(page, rf"The mean overlap of a random packing is smaller, by up to {NUMBER} %")
+    modulus = 1e7
+    law = f"hertz {modulus} 0.3"
+
+    # p = solid fraction x contacts a grain x F / (4 pi R^2): H. Rumpf, Chemie Ingenieur Technik 42, 538 (1970)
+    for overlap in (1e-3, 1e-2):
+        spheres = ellgran.Bodies([[0, 0, 0], [0, 0, 2 - overlap]], [1.0] * 3, density=1.0)
+        force = ellgran.contacts(law, spheres, [[0, 1]]).normal_force[0]
+        pressure = 0.64 * 6 * force / (4 * pi)
+        # two digits, then one
+        assert factor * (pressure / modulus) ** (2 / 3) == pytest.approx(overlap, rel=0.015)
+    assert modulus / pressure == pytest.approx(least, rel=0.1)
+
+    packing = ellgran.packing(law, [1.0, 1.0, 1.0], 0.638, count=80, seed=2)
+    contacts = packing.contacts(law)
+    pressure = np.trace(ellgran.stress_tensor(contacts, packing)) / 3
+    # where the page speaks of 1 %
+    assert 1e-5 < pressure / modulus < 1.2 / least
+    smaller = 1 - contacts.penetration.mean() / (factor * (pressure / modulus) ** (2 / 3))
+    assert 0.0 < smaller < share / 100
+    assert contacts.penetration.mean() < 0.01
 
 
 def test_masses_pairs_and_walls():

@@ -21,8 +21,8 @@ use crate::message::{Number, Numbers};
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, compute_wall_in_lanes, shape_has_axis, stl, write_triangle_loads, End, Mesh,
-    Motion, RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall, WallError,
-    WallInput, WallOutput, WrongHistory,
+    Motion, PeriodicBox, RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall,
+    WallError, WallInput, WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -992,6 +992,77 @@ pub unsafe extern "C" fn ellgran_wall_write_triangle_loads(
             })
             .collect();
         write_triangle_loads(path.as_ref(), &triangles, &motion, &loads).map_err(wrong)
+    })
+}
+
+/// Whether the surfaces of triangles of a wall go on where a box does that repeats: a wall has no periodic images. `low` and `high` are the
+/// least and the greatest coordinates of the box, `is_periodic` is not 0 for the axes along which it repeats, 3 values each. `reach` is
+/// the largest semi-axis of the particles; where it is not above 0, nothing is missing. `motion` may be NULL for a wall that has not moved.
+///
+/// `axis` receives -1 where they go on, or do not come within `reach` of such a boundary. Else it receives 0, 1 or 2, `triangle` the
+/// number of a triangle in the box, from 0, in the order in which they were added, and `place`, 3 doubles, a place beyond the boundary
+/// along that axis where its image is missing, within `reach`: particles touch nothing there, and what they touch on the other side of the
+/// box. `triangle` and `place` may be NULL. The call allocates: it belongs to a set-up.
+///
+/// # Safety
+/// The pointers are NULL or valid, with 3 values where that is said.
+#[no_mangle]
+#[allow(clippy::too_many_arguments)]
+pub unsafe extern "C" fn ellgran_wall_missing_image(
+    wall: *const EllgranWall,
+    motion: *const EllgranWallMotion,
+    low: *const f64,
+    high: *const f64,
+    is_periodic: *const i32,
+    reach: f64,
+    axis: *mut i32,
+    triangle: *mut usize,
+    place: *mut f64,
+) -> i32 {
+    at_border("ellgran_wall_missing_image", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &unsafe { required(wall, "wall") }?.wall;
+        // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
+        let motion = unsafe { motion_of(motion) }?;
+        // SAFETY: `low` is NULL or valid for reads of 3 values, by this function's safety section.
+        let low = *unsafe { required(low.cast::<[f64; 3]>(), "low") }?;
+        // SAFETY: `high` is NULL or valid for reads of 3 values, by this function's safety section.
+        let high = *unsafe { required(high.cast::<[f64; 3]>(), "high") }?;
+        // SAFETY: `is_periodic` is NULL or valid for reads of 3 values, by this function's safety section.
+        let periodic = *unsafe { required(is_periodic.cast::<[i32; 3]>(), "is_periodic") }?;
+        // SAFETY: `axis` is NULL or valid for writes, and not aliased, by this function's safety section.
+        let axis = unsafe { required_mut(axis, "axis") }?;
+        let domain = PeriodicBox {
+            low: ranges::vector(low, LARGEST_COORDINATE, "low")
+                .map_err(wrong)?
+                .to_array(),
+            high: ranges::vector(high, LARGEST_COORDINATE, "high")
+                .map_err(wrong)?
+                .to_array(),
+            is_periodic: periodic.map(|p| p != 0),
+        };
+        for k in (0..3).filter(|k| domain.is_periodic[*k]) {
+            if domain.low[k] >= domain.high[k] {
+                return Err(wrong(format!(
+                    "low[{k}] = {} must be below high[{k}] = {} where the box repeats",
+                    Number(domain.low[k]),
+                    Number(domain.high[k])
+                )));
+            }
+        }
+        *axis = -1;
+        if let Some(missing) = wall.missing_image(&motion, &domain, reach) {
+            *axis = missing.axis as i32;
+            // SAFETY: promised by the caller.
+            if let Some(triangle) = unsafe { triangle.as_mut() } {
+                *triangle = missing.triangle;
+            }
+            // SAFETY: promised by the caller.
+            if let Some(place) = unsafe { place.cast::<[f64; 3]>().as_mut() } {
+                *place = missing.place.to_array();
+            }
+        }
+        Ok(())
     })
 }
 

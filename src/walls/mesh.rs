@@ -85,7 +85,7 @@ pub(super) fn check_corners(triangles: &[Triangle]) -> Result<(), String> {
     Ok(())
 }
 
-fn around(triangle: &Triangle) -> Extent {
+pub(super) fn around(triangle: &Triangle) -> Extent {
     let corners = triangle.map(Vector3::to_array);
     let bound = |best: fn(f64, f64) -> f64| {
         core::array::from_fn(|k| best(best(corners[0][k], corners[1][k]), corners[2][k]))

@@ -19,6 +19,7 @@ mod mesh;
 mod motion;
 mod near_triangles;
 mod one_plane;
+mod periodic;
 mod plane;
 mod recalled;
 mod rim;
@@ -41,6 +42,7 @@ pub use lent_triangles::LentTriangles;
 pub use mesh::Mesh;
 pub use motion::Motion;
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};
+pub use periodic::{MissingImage, PeriodicBox};
 pub use servo::{Servo, ServoLoad};
 pub use shape::{
     Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,

@@ -25,6 +25,7 @@ mod lists;
 mod many_contacts;
 mod materials;
 mod measures;
+mod missing_images;
 mod motion;
 mod null_pointers;
 mod paths;

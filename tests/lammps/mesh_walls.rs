@@ -272,3 +272,89 @@ fn both_versions_a_mesh_of_a_hundred_thousand_triangles() {
         .collect();
     assert_eq!(difference(&frames[1], &frames[0]), 0.0);
 }
+
+/// A wall has no periodic images. Inclined grains whose lowest point is across the boundary: over a floor that ends there the force is not that of
+/// the floor, and a warning says so once; over one that goes on by the largest semi-axis it is, and there is none.
+#[test]
+fn both_versions_a_mesh_that_ends_at_a_periodic_boundary() {
+    let engine = Engine::from_environment();
+    let axes = [0.2, 0.1, 0.1];
+    // one beside each end of the box, and one far from both
+    let grains = [(-1.0, 0.6), (1.0, -0.6), (0.0, 0.6)].map(|(end, angle)| {
+        let quaternion = crate::shapes::about([0.0, 1.0, 0.0], angle);
+        let low = crate::shapes::surface_point(axes, quaternion, [0.0, 0.0, -1.0]);
+        assert!(low[0] * end >= 0.0, "{low:?}");
+        Grain::new(axes, [end - 0.5 * low[0], 0.5 * end, -0.002 - low[2]]).turned(quaternion)
+    });
+    let mut scene = Scene::open(1.0, grains.into());
+    scene.boundary = "p f f".into();
+    let of_floor = |x: f64| -> Vec<u8> {
+        let floor = square(2, 0.0, 4);
+        binary(
+            &floor
+                .iter()
+                .map(|t| t.map(|p| [x * p[0], 2.0 * p[1], p[2]]))
+                .collect::<Vec<_>>(),
+        )
+    };
+    let still = |words: &str, runs: &[&str]| Deck {
+        time_step: 1e-9,
+        steps: 1,
+        runs: runs.iter().map(|r| (*r).into()).collect(),
+        ..deck(words)
+    };
+    let plane = run(
+        &engine,
+        "mesh_end_plane",
+        &scene,
+        &still("zplane 0 NULL", &[]),
+        1,
+    );
+    let said = |outcome: &Outcome| {
+        outcome
+            .output
+            .matches("the mesh ends at the periodic boundary in x")
+            .count()
+    };
+    for (name, length_of_floor, ends) in [("ends", 1.0, true), ("goes on", 1.2, false)] {
+        let files = [("wall.stl", of_floor(length_of_floor))];
+        for ranks in [1, 2] {
+            let deck = still("mesh wall.stl", &["run 0", "run 1"]);
+            let mesh = in_mesh(&engine, "mesh_end", &files, &scene, &deck, ranks);
+            let error = difference(mesh.first(), plane.first());
+            println!("{name}, {ranks} ranks: {error:.1e} of the largest force");
+            assert_eq!(said(&mesh), usize::from(ends), "{name}");
+            if ends {
+                assert!(mesh.output.contains("semi-axis, 0.2"), "{}", mesh.output);
+                assert!(error > 0.1, "{name}: {error}");
+            } else {
+                assert!(error < 1e-9, "{name}: {error}");
+            }
+        }
+    }
+    // A mesh that comes to the boundary in the first run is told of in the second.
+    let pebble = binary(
+        &cube(1)
+            .iter()
+            .map(|t| t.map(|p| [0.1 * p[0], 0.1 * p[1], 0.1 * p[2] - 0.5]))
+            .collect::<Vec<_>>(),
+    );
+    let moving = Deck {
+        time_step: 1e-3,
+        ..still(
+            "mesh wall.stl velocity 1 0 0",
+            &["run 1", "print \"second run\"", "run 900", "run 0"],
+        )
+    };
+    let outcome = in_mesh(
+        &engine,
+        "mesh_comes",
+        &[("wall.stl", pebble)],
+        &scene,
+        &moving,
+        1,
+    );
+    assert_eq!(said(&outcome), 1);
+    let (before, _) = outcome.output.split_once("the mesh ends").unwrap();
+    assert!(before.contains("second run"));
+}

@@ -364,8 +364,8 @@ struct Alone {
     holds: fn(&Outcome) -> bool,
 }
 
-const TEMPLATE: &str = "fix t all particletemplate/superquadric 15485863 atom_type 1 density constant 2500 shape constant 0.003 0.002 0.0015 blockiness constant 2. 2.";
-const DISTRIBUTION: &str = "fix pd all particledistribution/discrete 15485867 1 t 1.0";
+pub const TEMPLATE: &str = "fix t all particletemplate/superquadric 15485863 atom_type 1 density constant 2500 shape constant 0.003 0.002 0.0015 blockiness constant 2. 2.";
+pub const DISTRIBUTION: &str = "fix pd all particledistribution/discrete 15485867 1 t 1.0";
 const REGION: &str = "region fill block -0.05 0.05 -0.05 0.05 0.03 0.045 units box";
 
 fn last_of(outcome: &Outcome, column: &str) -> f64 {

@@ -22,6 +22,7 @@ mod commands;
 mod crowded;
 mod cylinder;
 mod decomposition;
+mod deleted_grains;
 mod elastic_collision;
 mod examples;
 mod golden_pairs;

@@ -192,6 +192,52 @@ fn a_mesh_goes_on_across_periodic_boundaries() {
     }
 }
 
+/// A face near one end of the box acts on a sphere near the other as Hertz' law says: a mesh has images, in both directions.
+#[test]
+fn a_face_acts_on_grains_across_the_boundary() {
+    let engine = Engine::from_environment();
+    let (radius, overlap, from_end) = (6e-3f64, 5e-4f64, 5e-3);
+    // The plane of the sheet becomes one across x.
+    let face = |x: f64| {
+        let lines = sheet(2);
+        let turned = lines.lines().map(|line| {
+            let Some(corner) = line.trim().strip_prefix("vertex ") else {
+                return line.to_owned();
+            };
+            let [y, z, _] = corner.split(' ').collect::<Vec<_>>()[..] else {
+                panic!("{line}")
+            };
+            format!("vertex {x:e} {y} {z}")
+        });
+        turned.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let modulus = ELASTIC[0] / (2.0 * (1.0 - ELASTIC[1] * ELASTIC[1]));
+    let hertz = 4.0 / 3.0 * modulus * radius.sqrt() * overlap.powf(1.5);
+    for end in [-1.0, 1.0] {
+        let position = [-end * (HALF - radius + from_end + overlap), 1e-3, 2e-3];
+        let mut scene = Scene::open(HALF, vec![Grain::sphere(radius, position)]);
+        scene.boundary = "p f f".into();
+        let deck = Deck {
+            time_step: 1e-9,
+            ..sheet_deck()
+        };
+        for ranks in [1, 2] {
+            let outcome = on_ranks(
+                &engine,
+                &scene,
+                &deck,
+                &face(end * (HALF - from_end)),
+                ranks,
+            );
+            let [force, ..] = outcome.first().states[0].force;
+            assert!(
+                (force / (end * hertz) - 1.0).abs() < 1e-6,
+                "{end}, {ranks} ranks: {force}"
+            );
+        }
+    }
+}
+
 /// The hopper of the examples, with grains thrown in. Grains that collide make the rounding of a sum grow, whatever the cause: the
 /// same scene on one rank, moved by 1e-13 m, shows by how much.
 #[test]

@@ -283,6 +283,51 @@ fn a_plane_that_shears_along_its_normal() {
     }
 }
 
+/// It has no images there. Along a dimension that repeats it may go on.
+#[test]
+fn primitive_walls_across_a_periodic_dimension() {
+    let mut scene = pair();
+    scene.boundary = "p p f".into();
+    let with = |wall: &str, runs: &[&str]| Deck {
+        walls: vec![format!("primitive type 1 {wall}")],
+        runs: runs.iter().map(|r| (*r).into()).collect(),
+        ..plain()
+    };
+    for (wall, word, dimension) in [
+        ("xplane -0.05", "xplane", "x"),
+        ("yplane 0.05", "yplane", "y"),
+        ("zcylinder 0.05 0. 0.", "zcylinder", "x"),
+        ("xcylinder 0.05 0. 0.", "xcylinder", "y"),
+        (
+            "shape plane axis 1 0 1 side inside point -0.05 0 -0.05",
+            "shape plane",
+            "x",
+        ),
+        (
+            "shape sphere radius 0.09 shape plane axis 0 1 0 point 0 -0.05 0",
+            "shape plane",
+            "y",
+        ),
+    ] {
+        let name = wall.replace(' ', "_");
+        let words = format!("{word} is across a periodic dimension, {dimension}");
+        refuse_scene(
+            &name,
+            &scene,
+            with(wall, &[]),
+            &["wall/gran/ellipsoid (id wall0)", &words],
+        );
+    }
+    let engine = Engine::from_environment();
+    for wall in ["zplane -0.05", "shape plane point 0 0 -0.05"] {
+        attempt(&engine, "along", &scene, &with(wall, &[]), 1).succeeded();
+        // the box may come to repeat later
+        let later = ["run 1", "change_box all boundary p p p", "run 1"];
+        let outcome = attempt(&engine, "later", &scene, &with(wall, &later), 1);
+        refused("later", &outcome, &["is across a periodic dimension, z"]);
+    }
+}
+
 /// A needle touches a primitive cylinder at both ends, and LIGGGHTS' store for stresses has room for one contact.
 #[test]
 fn stored_stresses_of_a_primitive_cylinder() {

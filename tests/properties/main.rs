@@ -22,6 +22,7 @@ mod mesh_corners;
 mod momentum;
 mod near_walls;
 mod passivity;
+mod periodic_meshes;
 mod preparation;
 mod relabelling;
 mod rigid_motion;

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+
+#include "ellgran_pair_history.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "atom.h"
+#include "comm.h"
+#include "memory.h"
+#include "modify.h"
+#include "pair_gran.h"
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// what the pair style keeps to itself
+struct Owner : public PairGran {
+  static FixContactHistory *PairGran::*history() { return &Owner::fix_history; }
+};
+
+}
+
+void EllgranPairHistory::replace(LAMMPS *lmp, PairGran *pair)
+{
+  FixContactHistory *const original = pair->*Owner::history();
+  if (!original || dynamic_cast<EllgranPairHistory *>(original)) return;
+
+  // The words with which the pair style made it.
+  const int length = original->get_dnum();
+  const int *const newton = original->*(&EllgranPairHistory::newtonflag_);
+  char *const *const names = original->*(&EllgranPairHistory::history_id_);
+  char number[16];
+  snprintf(number, sizeof(number), "%d", length);
+  std::vector<std::string> words;
+  words.push_back(original->id);
+  words.push_back("all");
+  words.push_back(original->style);
+  words.push_back(number);
+  for (int k = 0; k < length; k++) {
+    words.push_back(names[k]);
+    words.push_back(newton[k] ? "1" : "0");
+  }
+  std::vector<char *> arg;
+  for (size_t k = 0; k < words.size(); k++) arg.push_back(const_cast<char *>(words[k].c_str()));
+
+  // An empty place among the fixes is that of the fix which is being made.
+  Modify *const modify = lmp->modify;
+  const int place = modify->find_fix(original->id);
+  modify->fix[place] = NULL;
+  EllgranPairHistory *const history = new EllgranPairHistory(lmp, arg.size(), &arg[0]);
+  modify->fix[place] = history;
+  modify->fmask[place] = history->setmask();
+  history->take(original);
+  pair->*Owner::history() = history;
+  delete original;
+}
+
+EllgranPairHistory::EllgranPairHistory(LAMMPS *lmp, int narg, char **arg) : FixContactHistory(lmp, narg, arg), ids_(NULL)
+{
+  // The base class has done its part of it.
+  grow_arrays(atom->nmax);
+}
+
+EllgranPairHistory::~EllgranPairHistory()
+{
+  memory->destroy(ids_);
+}
+
+void EllgranPairHistory::take(FixContactHistory *other)
+{
+  std::swap(npartner_, other->*(&EllgranPairHistory::npartner_));
+  std::swap(partner_, other->*(&EllgranPairHistory::partner_));
+  std::swap(contacthistory_, other->*(&EllgranPairHistory::contacthistory_));
+  std::swap(maxtouch_, other->*(&EllgranPairHistory::maxtouch_));
+  std::swap(pgsize_, other->*(&EllgranPairHistory::pgsize_));
+  std::swap(oneatom_, other->*(&EllgranPairHistory::oneatom_));
+  std::swap(ipage_, other->*(&EllgranPairHistory::ipage_));
+  std::swap(dpage_, other->*(&EllgranPairHistory::dpage_));
+  recent_restart = other->recent_restart;
+  restart_reset = other->restart_reset;
+  just_created = 0;  // or LIGGGHTS sets up all particles as new ones
+  std::copy(atom->tag, atom->tag + atom->nlocal, ids_);
+}
+
+int EllgranPairHistory::setmask()
+{
+  return FixContactHistory::setmask() | FixConst::PRE_NEIGHBOR;
+}
+
+void EllgranPairHistory::setup_pre_exchange()
+{
+  FixContactHistory::setup_pre_exchange();
+  // 'write_restart' has no list built.
+  follow_new_ids();
+}
+
+void EllgranPairHistory::setup_pre_neighbor()
+{
+  follow_new_ids();
+}
+
+void EllgranPairHistory::pre_neighbor()
+{
+  follow_new_ids();
+}
+
+void EllgranPairHistory::pre_exchange()
+{
+  // Since it was read, the list has not been used, and particles may have gone to other places.
+  if (!*computeflag_) return;
+  FixContactHistory::pre_exchange();
+  // the ID goes with a particle
+  comm->maxexchange_fix = std::max(comm->maxexchange_fix, (dnum_ + 1) * maxtouch_ + 2);
+}
+
+void EllgranPairHistory::follow_new_ids()
+{
+  const int *const tag = atom->tag;
+  std::vector<int> changed;  // ID under which a particle is remembered, and its ID now
+  for (int i = 0; i < atom->nlocal; i++)
+    if (ids_[i] != tag[i]) {
+      changed.push_back(ids_[i]);
+      changed.push_back(tag[i]);
+    }
+  int here = changed.size();
+  std::vector<int> counts(comm->nprocs), places(comm->nprocs, 0);
+  MPI_Allgather(&here, 1, MPI_INT, &counts[0], 1, MPI_INT, world);
+  for (int k = 1; k < comm->nprocs; k++) places[k] = places[k - 1] + counts[k - 1];
+  std::vector<int> all(places.back() + counts.back());
+  if (all.empty()) return;
+  MPI_Allgatherv(changed.empty() ? NULL : &changed[0], here, MPI_INT, &all[0], &counts[0], &places[0], MPI_INT, world);
+
+  std::map<int, int> renumbered;
+  std::set<int> given;
+  for (size_t k = 0; k < all.size(); k += 2) {
+    if (all[k] != 0) renumbered[all[k]] = all[k + 1];
+    given.insert(all[k + 1]);
+  }
+  for (int i = 0; i < atom->nlocal; i++) {
+    int kept = 0;
+    for (int k = 0; k < npartner_[i]; k++) {
+      const std::map<int, int>::const_iterator found = renumbered.find(partner_[i][k]);
+      // An ID that another particle has now, and that none has given up, is that of a particle that is gone.
+      if (found == renumbered.end() && given.count(partner_[i][k])) continue;
+      partner_[i][kept] = (found == renumbered.end()) ? partner_[i][k] : found->second;
+      if (kept != k) vectorCopyN(contacthistory(i, k), contacthistory(i, kept), dnum_);
+      kept++;
+    }
+    npartner_[i] = kept;
+    ids_[i] = tag[i];
+  }
+}
+
+double EllgranPairHistory::memory_usage()
+{
+  return FixContactHistory::memory_usage() + static_cast<double>(atom->nmax) * sizeof(int);
+}
+
+void EllgranPairHistory::grow_arrays(int count)
+{
+  FixContactHistory::grow_arrays(count);
+  memory->grow(ids_, count, "ellgran:ids");
+}
+
+void EllgranPairHistory::copy_arrays(int from, int to, int deleted)
+{
+  FixContactHistory::copy_arrays(from, to, deleted);
+  ids_[to] = ids_[from];
+}
+
+void EllgranPairHistory::set_arrays(int particle)
+{
+  FixContactHistory::set_arrays(particle);
+  ids_[particle] = 0;
+}
+
+int EllgranPairHistory::pack_exchange(int particle, double *buffer)
+{
+  const int count = FixContactHistory::pack_exchange(particle, buffer);
+  buffer[count] = ids_[particle];
+  return count + 1;
+}
+
+int EllgranPairHistory::unpack_exchange(int particle, double *buffer)
+{
+  const int count = FixContactHistory::unpack_exchange(particle, buffer);
+  ids_[particle] = static_cast<int>(buffer[count]);
+  return count + 1;
+}
+
+void EllgranPairHistory::unpack_restart(int particle, int place)
+{
+  FixContactHistory::unpack_restart(particle, place);
+  ids_[particle] = atom->tag[particle];
+}
