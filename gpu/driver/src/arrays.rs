@@ -44,7 +44,7 @@ pub struct EllgranGpuGrains {
     pub semi_axes: EllgranGpuVectors,
     /// Quaternions (w, x, y, z), body to world.
     pub quaternions: EllgranGpuVectors,
-    /// Types, counted from 1, [count].
+    /// Types, counted from 1, [count]. They change with `ellgran_gpu_new_list` alone.
     pub types: *const i32,
     /// Identifiers, [count]: they order the two grains of a pair, and carry its history from list to list. A ghost has that of its
     /// grain.

@@ -10,8 +10,8 @@ use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, ShapeArguments, SumArguments, TermArguments,
+    MotionArguments, NumberArguments, PlaneArguments, PoseArguments, PrepareArguments,
+    ShapeArguments, SumArguments, TermArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
@@ -152,8 +152,6 @@ pub struct Common {
     pub start_step: Entry<MotionArguments<OnDevice>>,
     /// The second half of a step.
     pub finish_step: Entry<MotionArguments<OnDevice>>,
-    /// Whether a grain has moved too far for the candidates.
-    pub has_moved: Entry<MovedArguments<OnDevice>>,
     /// Where grains were when candidates were selected.
     pub remember_poses: Entry<PoseArguments<OnDevice>>,
     /// Numbers of the candidates.
@@ -182,7 +180,6 @@ impl Common {
         Ok(Common {
             start_step: Entry::new(device, name("start_step"))?,
             finish_step: Entry::new(device, name("finish_step"))?,
-            has_moved: Entry::new(device, name("has_moved"))?,
             remember_poses: Entry::new(device, name("remember_poses"))?,
             number_candidates: Entry::new(device, name("number_candidates"))?,
             terms: Entry::new(device, name("terms"))?,
@@ -332,7 +329,6 @@ mod tests {
     fn arguments_are_as_long_as_the_kernels_take_them_to_be() {
         is_of::<MotionArguments<OnDevice>>("ellgran_start_step");
         is_of::<MotionArguments<OnDevice>>("ellgran_finish_step");
-        is_of::<MovedArguments<OnDevice>>("ellgran_has_moved");
         is_of::<PoseArguments<OnDevice>>("ellgran_remember_poses");
         is_of::<NumberArguments<OnDevice>>("ellgran_number_candidates");
         is_of::<TermArguments<OnDevice>>("ellgran_terms");

@@ -15,26 +15,29 @@ use ellgran::c_api::status::{
     Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
 };
 use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
-use ellgran::contact::{Laws, MotionChange, Step};
+use ellgran::contact::{Laws, Step};
 use ellgran::force::PairLaw;
 use ellgran::walls::MovingPlane;
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
-use ellgran_kernels::shapes::Grain;
-use ellgran_kernels::terms::{ContactLoad, COMPONENTS};
+use ellgran_kernels::shapes::{Grain, GrainChange};
+use ellgran_kernels::terms::{COMPONENTS, NUMBERS};
 use std::sync::Arc;
 
 /// Threads that contacts get, at least, where there are so many pairs: few candidates may become more before the next list.
 const FEWEST_CONTACT_THREADS: usize = 1 << 14;
 /// Threads that look for marked contacts, at most: there are few of these.
 const MARKED_THREADS: usize = 1 << 16;
+
+/// Threads that select candidates, at most: in most steps they find that there is nothing to do.
+const SELECTING_THREADS: usize = 1 << 16;
 
 fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
@@ -179,12 +182,13 @@ pub struct Scene {
     listed: Option<Listed>,
     table: Buffer<PairLaw>,
     grains: Buffer<Grain>,
-    changes: Buffer<MotionChange>,
+    changes: Buffer<GrainChange>,
     inverse_masses: Buffer<f64>,
     poses: Buffer<[f64; 8]>,
     /// By their numbers.
     candidates: Buffer<Candidate>,
-    contact_loads: Buffer<ContactLoad>,
+    /// Columns, which neighbouring threads write and read side by side.
+    contact_loads: Buffer<[f64; NUMBERS]>,
     /// Numbers of marked candidates.
     marked: Buffer<u32>,
     /// Of each row, places of the candidates that it keeps, the number of the first of them, and how many they are.
@@ -264,6 +268,11 @@ impl Scene {
         self.notes.all_as()
     }
 
+    fn contact_loads(&self) -> VectorArray<NUMBERS> {
+        let count = self.contact_loads.len();
+        VectorArray::at(self.contact_loads.address(), 1, count, count)
+    }
+
     fn read_notes(&self, stream: Stream) -> Result<[u32; NOTES], Failure> {
         let mut notes = [0; NOTES];
         let driver = self.device.driver();
@@ -328,7 +337,13 @@ impl Scene {
         })
     }
 
-    fn launch_prepare(&self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
+    /// Prepares grains; with the margin of the candidates, notes whether one has moved too far for them.
+    fn launch_prepare(
+        &self,
+        g: &EllgranGpuGrains,
+        margin: Option<f64>,
+        stream: Stream,
+    ) -> Result<(), Failure> {
         let (n, named) = (g.count, named_count(g));
         let arguments = PrepareArguments {
             positions: vectors(&g.positions, n, "positions")?,
@@ -341,8 +356,13 @@ impl Scene {
             grains: self.grains.all(),
             motion_changes: self.changes.all(),
             inverse_masses: self.inverse_masses.all(),
+            poses: match margin {
+                Some(_) => self.poses.all(),
+                None => Array::EMPTY,
+            },
             faults: self.faults.all(),
             notes: self.notes(),
+            margin: margin.unwrap_or(0.0),
             type_count: self.laws.types() as u32,
         };
         let prepare = &self.chosen()?.prepare;
@@ -377,7 +397,8 @@ impl Scene {
             always,
         };
         let candidates = &self.chosen()?.candidates;
-        candidates.launch(&self.device, stream, listed.owned, &arguments)?;
+        let threads = listed.owned.min(SELECTING_THREADS);
+        candidates.launch(&self.device, stream, threads, &arguments)?;
         let arguments = NumberArguments {
             counts: self.counts.all(),
             firsts: self.firsts.all(),
@@ -385,10 +406,11 @@ impl Scene {
             always,
         };
         let number = &self.common.number_candidates;
-        let threads = listed.owned.div_ceil(ROWS_NUMBERED);
-        number.launch(&self.device, stream, threads, &arguments)?;
+        let chunks = listed.owned.div_ceil(ROWS_NUMBERED);
+        number.launch(&self.device, stream, chunks, &arguments)?;
         let arguments = TermArguments {
             identifiers: array(g.identifiers, g.count, "identifiers")?,
+            types: array(g.types, g.count, "types")?,
             starts: memory.starts.all(),
             neighbours: listed.neighbours,
             places: self.places.all(),
@@ -398,10 +420,11 @@ impl Scene {
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
             notes: self.notes(),
+            type_count: self.laws.types() as u32,
             always,
         };
         let terms = &self.common.terms;
-        terms.launch(&self.device, stream, listed.owned, &arguments)?;
+        terms.launch(&self.device, stream, threads, &arguments)?;
         let arguments = PoseArguments {
             positions: vectors(&g.positions, g.count, "positions")?,
             bodies: bodies(g)?,
@@ -411,7 +434,8 @@ impl Scene {
             always,
         };
         let remember = &self.common.remember_poses;
-        remember.launch(&self.device, stream, g.count, &arguments)?;
+        let threads = g.count.min(SELECTING_THREADS);
+        remember.launch(&self.device, stream, threads, &arguments)?;
         self.clear_note(MOVED, stream)
     }
 
@@ -479,7 +503,7 @@ impl Scene {
             let bytes = count * size_of::<i32>();
             driver.copy_within(self.other.identifiers.address(), from, bytes, stream)?;
         }
-        self.launch_prepare(g, stream)?;
+        self.launch_prepare(g, None, stream)?;
         // A row that is wrong, or a type, would end the kernels that follow.
         self.report_faults(Some(g), stream)?;
         // Of the pairs that the rows keep any may become a candidate in a later step.
@@ -664,16 +688,7 @@ impl Scene {
     pub fn prepare(&mut self, g: &EllgranGpuGrains, stream: Stream) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
         let _entered = self.device.enter()?;
-        self.launch_prepare(g, stream)?;
-        let arguments = MovedArguments {
-            positions: vectors(&g.positions, g.count, "positions")?,
-            bodies: bodies(g)?,
-            poses: self.poses.all(),
-            notes: self.notes(),
-            margin: listed.margin,
-        };
-        let moved = &self.common.has_moved;
-        moved.launch(&self.device, stream, g.count, &arguments)?;
+        self.launch_prepare(g, Some(listed.margin), stream)?;
         self.launch_candidates(g, &self.now, &listed, false, stream)
     }
 
@@ -702,7 +717,7 @@ impl Scene {
             candidates: self.candidates.all(),
             states: now.states.all(),
             histories: now.histories.all(),
-            contact_loads: self.contact_loads.all(),
+            contact_loads: self.contact_loads(),
             marked: self.marked.all(),
             notes: self.notes(),
         };
@@ -717,7 +732,7 @@ impl Scene {
             starts: now.starts.all(),
             terms: self.load_terms.all(),
             term_counts: self.load_term_counts.all(),
-            contact_loads: self.contact_loads.all(),
+            contact_loads: self.contact_loads(),
             forces,
             torques,
             notes: self.notes(),

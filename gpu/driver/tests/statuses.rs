@@ -655,12 +655,14 @@ fn a_kernel_that_ends() {
     with_driver("a_kernel_that_ends", &[], || {
         let row = Row::new();
         succeed(row.new_list());
-        row.engine.write(&row.types, 0, &[77]);
-        // The first kernel of the call is started, and ends; the next one is not.
+        row.engine.write(&row.neighbours, 0, &[77]);
+        // It has moved: its row is looked through again.
+        row.engine.write(&row.positions, 0, &[[0.1, 0.0, 0.0]]);
+        // That kernel is started, and ends; the next one is not.
         let words = ["has changed since", "715"];
-        fail(row.compute(), ELLGRAN_GPU_ERROR_KERNEL, &words);
+        fail(row.prepare(), ELLGRAN_GPU_ERROR_KERNEL, &words);
         fail(row.check(), ELLGRAN_GPU_ERROR_KERNEL, &words);
-        fail(row.prepare(), ELLGRAN_GPU_ERROR_KERNEL, &["begin anew"]);
+        fail(row.compute(), ELLGRAN_GPU_ERROR_KERNEL, &["begin anew"]);
         // All can still be freed.
         unsafe { ellgran_gpu_scene_free(row.scene) };
     });

@@ -5,10 +5,9 @@
 //! Every kernel takes the number of its threads that have something to do first, a `u32`, and then one of these.
 
 use crate::candidates::Candidate;
-use crate::shapes::Grain;
-use crate::terms::ContactLoad;
+use crate::shapes::{Grain, GrainChange};
+use crate::terms::NUMBERS;
 use core::sync::atomic::{AtomicU32, AtomicU64};
-use ellgran::contact::MotionChange;
 use ellgran::force::PairLaw;
 use ellgran::vector::Vector3;
 
@@ -52,7 +51,7 @@ pub struct SceneArguments<M: Memory> {
     /// Prepared grains, ghosts included.
     pub grains: M::Shared<Grain>,
     /// What their motion has more at the step; empty where velocities are those of the half step.
-    pub changes: M::Shared<MotionChange>,
+    pub changes: M::Shared<GrainChange>,
     /// Their types.
     pub types: M::Shared<u32>,
     /// Inverses of their masses; empty where no law reads masses.
@@ -108,30 +107,19 @@ pub struct PrepareArguments<M: Memory> {
     /// Written: prepared grains.
     pub grains: M::Parts<Grain>,
     /// Written: what their motion has more at the step; may be empty.
-    pub motion_changes: M::Parts<MotionChange>,
+    pub motion_changes: M::Parts<GrainChange>,
     /// Written: inverses of masses; may be empty.
     pub inverse_masses: M::Parts<f64>,
+    /// Poses in which candidates were selected; empty where these will be anyway.
+    pub poses: M::Shared<[f64; 8]>,
     /// The first fault of each grain stays here until the host has read it.
     pub faults: M::Parts<u32>,
-    /// [`FAULT`] is left.
-    pub notes: M::Shared<AtomicU32>,
-    /// Number of types.
-    pub type_count: u32,
-}
-
-/// Of `ellgran_has_moved`.
-#[repr(C)]
-pub struct MovedArguments<M: Memory> {
-    /// Centres.
-    pub positions: M::SharedVectors<3>,
-    /// Attitudes.
-    pub bodies: BodyArguments<M>,
-    /// Poses in which candidates were selected.
-    pub poses: M::Shared<[f64; 8]>,
-    /// [`MOVED`] is left.
+    /// [`FAULT`] is left, and [`MOVED`] where a grain has moved too far for the candidates.
     pub notes: M::Shared<AtomicU32>,
     /// That of the candidates.
     pub margin: f64,
+    /// Number of types.
+    pub type_count: u32,
 }
 
 /// Of `ellgran_candidates_*`. Row `k` of the full neighbour list is from `starts[k]` up to `starts[k + 1]`.
@@ -180,6 +168,8 @@ pub struct NumberArguments<M: Memory> {
 pub struct TermArguments<M: Memory> {
     /// Identifiers of all grains.
     pub identifiers: M::Shared<i32>,
+    /// Their types.
+    pub types: M::Shared<u32>,
     /// Rows.
     pub starts: M::Shared<u32>,
     /// Their neighbours.
@@ -198,6 +188,8 @@ pub struct TermArguments<M: Memory> {
     pub term_counts: M::Parts<u32>,
     /// [`MOVED`] is read.
     pub notes: M::Shared<AtomicU32>,
+    /// Number of types.
+    pub type_count: u32,
     /// 0: they are written where [`MOVED`] is left.
     pub always: u32,
 }
@@ -231,7 +223,7 @@ pub struct ContactArguments<M: Memory> {
     /// One history per neighbour.
     pub histories: M::Parts<f64>,
     /// Written, one per candidate.
-    pub contact_loads: M::Parts<ContactLoad>,
+    pub contact_loads: M::OwnVectors<NUMBERS>,
     /// Numbers of the candidates that the first has marked; each once.
     pub marked: M::Parts<u32>,
     /// [`CANDIDATES`] is read, [`MARKED`] counted by the first and read by the second.
@@ -248,7 +240,7 @@ pub struct SumArguments<M: Memory> {
     /// How many each row has.
     pub term_counts: M::Shared<u32>,
     /// One per candidate.
-    pub contact_loads: M::Shared<ContactLoad>,
+    pub contact_loads: M::SharedVectors<NUMBERS>,
     /// Written: the force on each grain.
     pub forces: M::OwnVectors<3>,
     /// Written: the torque on each grain.

@@ -10,16 +10,24 @@ use crate::shapes::Kind;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::lane_search::separating_planes;
 
-/// A candidate.
+/// A candidate, with all that can be said of the pair before its contact is computed: a device reads it at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C)]
+#[repr(C, align(16))]
 pub struct Candidate {
-    /// The grain whose row keeps it.
-    pub grain: u32,
-    /// The other grain.
-    pub other: u32,
+    /// The grain with the lower identifier, which is the first of the pair, and the other one.
+    pub grains: [u32; 2],
     /// Its entry in the neighbour list, counted over all rows.
     pub entry: u32,
+    /// Its law among those of all pairs of types.
+    pub law: u32,
+}
+
+impl Candidate {
+    /// Indices of its grains.
+    #[inline(always)]
+    pub fn pair(&self) -> [usize; 2] {
+        self.grains.map(|k| k as usize)
+    }
 }
 
 /// Whether the row of the owned grain `k` keeps its pair with `other`: the row of the one with the lower identifier does, and of a grain

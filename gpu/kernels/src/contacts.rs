@@ -5,8 +5,9 @@
 //! contact, a minimum without proof, a curvature ratio beyond the fit) is marked, and taken by [`marked_contact_of_pair`],
 //! which has every safeguard and needs kilobytes of memory a thread.
 
+use crate::candidates::Candidate;
 use crate::one_lane::{basis_of, matrix_of, tangential_of, vector, vector_of, OneLane};
-use crate::shapes::{Grain, Kind};
+use crate::shapes::{Grain, GrainChange, Kind};
 use crate::terms::ContactLoad;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::lane_search::{search, search_spheres, Found};
@@ -34,7 +35,7 @@ pub struct Scene<'a> {
     /// Prepared grains, ghosts included.
     pub grains: &'a [Grain],
     /// What their motion has more at the step; empty where velocities are those of the half step.
-    pub changes: &'a [MotionChange],
+    pub changes: &'a [GrainChange],
     /// Their types, counted from 1.
     pub types: &'a [u32],
     /// Inverses of their masses for effective masses; empty where no law reads masses.
@@ -54,9 +55,8 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     #[inline(always)]
-    pub(crate) fn law(&self, i: usize, j: usize) -> &PairLaw {
-        let (a, b) = (self.types[i], self.types[j]);
-        &self.laws[((a - 1) * self.type_count + (b - 1)) as usize]
+    pub(crate) fn law(&self, candidate: &Candidate) -> &PairLaw {
+        &self.laws[candidate.law as usize]
     }
 
     /// What the motion of a grain has more at the step, for a law that asks for it: a viscous one, or one with friction, of which the mean
@@ -65,7 +65,10 @@ impl Scene<'_> {
     pub(crate) fn change(&self, law: &PairLaw, k: usize) -> Option<MotionChange> {
         let kinds = &law.kinds;
         let asks = kinds.normal.relaxation || kinds.normal.restitution || kinds.tangential.any();
-        self.changes.get(k).copied().filter(|_| asks)
+        self.changes
+            .get(k)
+            .filter(|_| asks)
+            .map(GrainChange::motion)
     }
 
     /// Two grains, the one with the lower identifier first.
@@ -137,6 +140,12 @@ impl Outcome {
     }
 }
 
+/// Where the law of two types is among those of all pairs of types.
+#[inline(always)]
+pub(crate) fn law_of_types(i: u32, j: u32, type_count: u32) -> usize {
+    (i.wrapping_sub(1) * type_count).wrapping_add(j.wrapping_sub(1)) as usize
+}
+
 #[inline(always)]
 pub(crate) fn comes_first(identifiers: &[i32], k: usize, other: usize) -> bool {
     identifiers[k] <= identifiers[other]
@@ -153,23 +162,23 @@ pub fn contact_of_pair<
     const CONSERVATIVE: bool,
 >(
     scene: &Scene<'_>,
-    pair: [usize; 2],
+    candidate: &Candidate,
     state: &mut u32,
     history: &mut [f64],
 ) -> Option<ContactLoad> {
     let touched = *state & TOUCHES != 0;
-    one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched).noted(state)
+    one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, candidate, history, touched).noted(state)
 }
 
 /// What [`contact_of_pair`] has marked.
 pub fn marked_contact_of_pair<K: Kind>(
     scene: &Scene<'_>,
-    pair: [usize; 2],
+    candidate: &Candidate,
     state: &mut u32,
     history: &mut [f64],
 ) -> ContactLoad {
     let touched = *state & TOUCHES != 0;
-    match with_safeguards::<K>(scene, pair, history, touched) {
+    match with_safeguards::<K>(scene, candidate, history, touched) {
         None => {
             *state = 0;
             ContactLoad::NONE
@@ -201,20 +210,17 @@ pub(crate) fn part(
 #[inline(always)]
 fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     scene: &Scene<'_>,
-    [i, j]: [usize; 2],
+    candidate: &Candidate,
     history: &mut [f64],
     touched: bool,
 ) -> Outcome {
     let layout = &scene.layout;
+    let [i, j] = candidate.pair();
+    // All is read before anything is decided by it: a device waits once.
     let (a, b) = (&scene.grains[i], &scene.grains[j]);
-    let d = b.centre() - a.centre();
-    let reach = K::radius(a) + K::radius(b);
-    if d.norm_squared() >= reach * reach {
-        part(layout, history, touched, None);
-        return Outcome::Apart;
-    }
-    let (body_a, body_b) = (K::body(a), K::body(b));
     let cached = cached_normal(layout, history);
+    let d = b.centre() - a.centre();
+    let (body_a, body_b) = (K::body(a), K::body(b));
     let found = if K::SPHERES {
         search_spheres(OneLane, &body_a, &body_b, vector(d))
     } else {
@@ -232,7 +238,7 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
         part(layout, history, touched, Some(vector_of(found.normal)));
         return Outcome::Apart;
     }
-    let law = scene.law(i, j);
+    let law = scene.law(candidate);
     let curvature = relative(&found);
     let Some(factors) = factors(
         OneLane,
@@ -245,7 +251,7 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     };
     Outcome::Touching(forces::<K, FRICTION, RATE, CONSERVATIVE>(
         scene,
-        [i, j],
+        candidate,
         d,
         &found,
         [&body_a, &body_b],
@@ -264,7 +270,7 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
 #[inline(always)]
 pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     scene: &Scene<'_>,
-    [i, j]: [usize; 2],
+    candidate: &Candidate,
     d: Vector3,
     found: &Found<OneLane>,
     bodies: [&K::Body<OneLane>; 2],
@@ -274,8 +280,9 @@ pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONS
     history: &mut [f64],
     touched: bool,
 ) -> ContactForces {
+    let [i, j] = candidate.pair();
     let (a, b) = (&scene.grains[i], &scene.grains[j]);
-    let (layout, law) = (&scene.layout, scene.law(i, j));
+    let (layout, law) = (&scene.layout, scene.law(candidate));
     let x = Contact {
         gradient,
         ..contact_of::<K>(scene, law, [i, j], found, bodies)
@@ -389,11 +396,12 @@ fn contact_of<K: Kind>(
 /// The pair as a single contact takes it.
 fn with_safeguards<K: Kind>(
     scene: &Scene<'_>,
-    [i, j]: [usize; 2],
+    candidate: &Candidate,
     history: &mut [f64],
     touched: bool,
 ) -> Option<ContactForces> {
-    let (layout, law) = (&scene.layout, scene.law(i, j));
+    let (layout, law) = (&scene.layout, scene.law(candidate));
+    let [i, j] = candidate.pair();
     let particle = |k: usize| {
         let mut p = K::particle(&scene.grains[k], scene.types[k], scene.inverse_mass(k));
         p.change = scene.change(law, k);

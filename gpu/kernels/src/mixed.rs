@@ -12,6 +12,7 @@
 //! The law stays in double precision. Its tangential part is a memory, to which each step adds little. In single precision an increment
 //! below 6e-8 of it would vanish, and the energy that `displacement rescaled` compares in each step would be given up by as much.
 
+use crate::candidates::Candidate;
 use crate::contacts::{direction, factors, forces, part, relative, Outcome, Scene, TOUCHES};
 use crate::one_lane::{basis_of, tangential_of, vector, vector_of, OneLane};
 use crate::one_single::{
@@ -40,29 +41,27 @@ pub fn mixed_contact_of_pair<
     const CONSERVATIVE: bool,
 >(
     scene: &Scene<'_>,
-    pair: [usize; 2],
+    candidate: &Candidate,
     state: &mut u32,
     history: &mut [f64],
 ) -> Option<ContactLoad> {
     let touched = *state & TOUCHES != 0;
-    one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, pair, history, touched).noted(state)
+    one_pair::<K, FRICTION, RATE, CONSERVATIVE>(scene, candidate, history, touched).noted(state)
 }
 
 #[inline(always)]
 fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     scene: &Scene<'_>,
-    [i, j]: [usize; 2],
+    candidate: &Candidate,
     history: &mut [f64],
     touched: bool,
 ) -> Outcome {
     let layout = &scene.layout;
+    let [i, j] = candidate.pair();
     let (a, b) = (&scene.grains[i], &scene.grains[j]);
+    let cached = cached_normal(layout, history);
     let d = b.centre() - a.centre();
     let reach = K::radius(a) + K::radius(b);
-    if d.norm_squared() >= reach * reach {
-        part(layout, history, touched, None);
-        return Outcome::Apart;
-    }
     let unit = Unit::of(reach);
     let body = |grain| K::body_in(OneSingle, grain, unit.length, unit.inverse);
     let singles = [body(a), body(b)];
@@ -71,7 +70,6 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     if !(smallest(&singles[0]) > least && smallest(&singles[1]) > least) {
         return Outcome::Marked;
     }
-    let cached = cached_normal(layout, history);
     let start = cached.unwrap_or_else(|| direction(d));
     let way = single_vector(d) * unit.inverse;
     let nearly = search_nearly(
@@ -117,14 +115,14 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
         weingarten_j: double_matrix(nearly.weingarten_j * unit.inverse),
         ..found
     };
-    let kinds = &scene.law(i, j).kinds;
+    let kinds = &scene.law(candidate).kinds;
     let with_sigma = FRICTION || CONSERVATIVE;
     let Some(factors) = factors(OneSingle, kinds, false, relative(&nearly), with_sigma) else {
         return Outcome::Marked;
     };
     Outcome::Touching(forces::<K, FRICTION, RATE, CONSERVATIVE>(
         scene,
-        [i, j],
+        candidate,
         d,
         &found,
         [&body_a, &body_b],

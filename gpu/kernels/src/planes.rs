@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Force and torque of the contact of one grain with a plane wall, and its history.
 
-use crate::contacts::{Load, Scene};
+use crate::contacts::{law_of_types, Load, Scene};
 use crate::shapes::Kind;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::pair::{contact_with_wall, factors_for, through_law};
@@ -45,8 +45,7 @@ pub fn contact_with_plane<
         }
         return Load::NONE;
     }
-    let row = (i.particle_type - 1) * scene.type_count;
-    let law = &scene.laws[(row + wall.wall_type - 1) as usize];
+    let law = &scene.laws[law_of_types(i.particle_type, wall.wall_type, scene.type_count)];
     i.change = scene.change(law, k);
     let x = contact_with_wall(
         &i,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An engine's numbers of one grain, checked and prepared for the contacts of a step.
 
-use crate::shapes::{Grain, Kind};
+use crate::shapes::{Grain, GrainChange, Kind};
 use ellgran::contact::particle::angular_velocity;
 use ellgran::contact::ranges::{is_mass, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use ellgran::contact::MotionChange;
@@ -76,7 +76,7 @@ fn differences(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 /// # Errors
 /// The first [`Fault`].
 #[inline(always)]
-pub fn prepare_grain<K: Kind>(given: &EngineGrain) -> Result<(Grain, MotionChange), Fault> {
+pub fn prepare_grain<K: Kind>(given: &EngineGrain) -> Result<(Grain, GrainChange), Fault> {
     let centre = within(given.position, LARGEST_COORDINATE, Fault::Position)?;
     let [x, y, z, a, b, c] = given.change;
     let velocity = within(
@@ -118,5 +118,6 @@ pub fn prepare_grain<K: Kind>(given: &EngineGrain) -> Result<(Grain, MotionChang
     }
     let scale = square.reciprocal_sqrt();
     let unit = [q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale];
-    Ok((K::prepare(centre, semi_axes, unit, velocity, omega), change))
+    let grain = K::prepare(centre, semi_axes, unit, velocity, omega);
+    Ok((grain, change.into()))
 }

@@ -2,7 +2,7 @@
 //! Prepared grains, and the kinds of shape that kernels are made for.
 
 use crate::one_lane::{number, OneLane};
-use ellgran::contact::Particle;
+use ellgran::contact::{MotionChange, Particle};
 use ellgran::geometry::ellipsoid::rotation_columns;
 use ellgran::geometry::{ConvexBody, Ellipsoid, Spheroid};
 use ellgran::real::Real;
@@ -32,6 +32,36 @@ impl Grain {
     #[inline(always)]
     pub fn centre(&self) -> Vector3 {
         Vector3::new(self.pose[0], self.pose[1], self.pose[2])
+    }
+}
+
+/// What the motion of a grain has more at the step than at the half step: a device reads two numbers at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(16))]
+pub struct GrainChange {
+    /// Of the velocity, then of the angular velocity; world frame.
+    values: [f64; 6],
+}
+
+impl GrainChange {
+    /// For the functions of a contact.
+    #[inline(always)]
+    pub fn motion(&self) -> MotionChange {
+        let [x, y, z, a, b, c] = self.values;
+        MotionChange {
+            velocity: Vector3::new(x, y, z),
+            omega: Vector3::new(a, b, c),
+        }
+    }
+}
+
+impl From<MotionChange> for GrainChange {
+    #[inline(always)]
+    fn from(change: MotionChange) -> Self {
+        let (v, w) = (change.velocity, change.omega);
+        GrainChange {
+            values: [v.x, v.y, v.z, w.x, w.y, w.z],
+        }
     }
 }
 

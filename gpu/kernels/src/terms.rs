@@ -5,39 +5,46 @@
 //! bits, whatever numbers the candidates have.
 
 use crate::candidates::{keeps, Candidate};
-use crate::contacts::comes_first;
+use crate::contacts::{comes_first, law_of_types};
 use ellgran::contact::ContactForces;
 
 /// Numbers of a [`Load`](crate::contacts::Load): force, then torque.
 pub const COMPONENTS: usize = 6;
+
+/// Numbers of a [`ContactLoad`].
+pub const NUMBERS: usize = 9;
 
 /// What a contact does to its two grains, world frame: the force on the second grain, the torque on the first about its centre, that on the
 /// second about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ContactLoad {
-    values: [f64; 9],
+    values: [f64; NUMBERS],
 }
 
 impl ContactLoad {
     /// Of a pair that does not touch.
-    pub const NONE: ContactLoad = ContactLoad { values: [0.0; 9] };
+    pub const NONE: ContactLoad = ContactLoad {
+        values: [0.0; NUMBERS],
+    };
 
-    /// What it adds to a component of the load of one of its grains.
+    /// Its numbers.
     #[inline(always)]
-    fn component(&self, is_first: bool, component: usize) -> f64 {
-        let is_force = component < 3;
-        let value = self.values[if is_force || is_first {
-            component
-        } else {
-            component + 3
-        }];
-        if is_force && is_first {
-            -value
-        } else {
-            value
-        }
+    pub fn values(&self) -> [f64; NUMBERS] {
+        self.values
     }
+}
+
+/// Which number of a [`ContactLoad`] is added to a component of the load of one of its grains, and whether it is taken away instead.
+#[inline(always)]
+fn part_of(is_first: bool, component: usize) -> (usize, bool) {
+    let is_force = component < 3;
+    let number = if is_force || is_first {
+        component
+    } else {
+        component + 3
+    };
+    (number, is_force && is_first)
 }
 
 impl From<ContactForces> for ContactLoad {
@@ -78,16 +85,12 @@ impl Candidates<'_> {
         &self.neighbours[self.starts[k] as usize..self.starts[k + 1] as usize]
     }
 
-    /// The candidate `place` of those that row `k` keeps.
+    /// The entry of the candidate `place` of those that row `k` keeps, and the other grain.
     #[inline(always)]
-    fn candidate(&self, k: usize, place: usize) -> Candidate {
+    fn kept(&self, k: usize, place: usize) -> (u32, usize) {
         let from = self.starts[k];
         let entry = from + self.places[from as usize + place];
-        Candidate {
-            grain: k as u32,
-            other: self.neighbours[entry as usize],
-            entry,
-        }
+        (entry, self.neighbours[entry as usize] as usize)
     }
 }
 
@@ -101,22 +104,39 @@ pub fn number_rows(counts: &[u32], first: u32, firsts: &mut [u32]) {
     }
 }
 
+/// What tells which grain of a pair is the first, and which law they have.
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// Identifiers of all grains.
+    pub identifiers: &'a [i32],
+    /// Their types, counted from 1.
+    pub types: &'a [u32],
+    /// Number of types.
+    pub type_count: u32,
+}
+
 /// Writes the candidates that the row of grain `k` keeps, which are `own`, and the terms of the grain, those first: how many terms there
 /// are.
 #[inline(always)]
 pub fn terms_of_grain(
     k: usize,
-    identifiers: &[i32],
+    names: &Names<'_>,
     all: &Candidates<'_>,
     own: &mut [Candidate],
     terms: &mut [u32],
 ) -> usize {
-    let owned = all.counts.len();
+    let (owned, identifiers) = (all.counts.len(), names.identifiers);
     let first = all.firsts[k] as usize;
     let mut count = 0;
     for candidate in own {
-        *candidate = all.candidate(k, count);
-        let is_first = comes_first(identifiers, k, candidate.other as usize);
+        let (entry, other) = all.kept(k, count);
+        let is_first = comes_first(identifiers, k, other);
+        let [i, j] = if is_first { [k, other] } else { [other, k] };
+        *candidate = Candidate {
+            grains: [i as u32, j as u32],
+            entry,
+            law: law_of_types(names.types[i], names.types[j], names.type_count) as u32,
+        };
         terms[count] = term(first + count, is_first);
         count += 1;
     }
@@ -127,7 +147,7 @@ pub fn terms_of_grain(
         }
         let mut theirs = 0..all.counts[other] as usize;
         // It comes first, as its row keeps the pair.
-        if let Some(place) = theirs.find(|&p| all.candidate(other, p).other as usize == k) {
+        if let Some(place) = theirs.find(|&p| all.kept(other, p).1 == k) {
             terms[count] = term(all.firsts[other] as usize + place, false);
             count += 1;
         }
@@ -135,12 +155,19 @@ pub fn terms_of_grain(
     count
 }
 
-/// A component of the load of a grain, from its terms. A device has one thread for each: those of a grain read a contact side by side.
+/// A component of the load of a grain, from its terms; `contact` reads a number of a contact's load, by the contact's number and its own.
+/// A device has one thread for each component.
 #[inline(always)]
-pub fn component_of_load(terms: &[u32], contacts: &[ContactLoad], component: usize) -> f64 {
+pub fn component_of_load(
+    terms: &[u32],
+    contact: impl Fn(usize, usize) -> f64,
+    component: usize,
+) -> f64 {
     let mut sum = 0.0;
     for &term in terms {
-        sum += contacts[(term >> 1) as usize].component(term & 1 == 0, component);
+        let (number, away) = part_of(term & 1 == 0, component);
+        let value = contact((term >> 1) as usize, number);
+        sum += if away { -value } else { value };
     }
     sum
 }

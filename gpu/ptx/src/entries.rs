@@ -5,7 +5,7 @@
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Here, Own, Thread};
+use crate::memory::{entries, Here, Own, OwnVectors, Thread};
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Step};
@@ -14,7 +14,7 @@ use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, MovedArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
     FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
@@ -30,7 +30,7 @@ use ellgran_kernels::poses::{has_moved, remembered_pose};
 use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
 use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use ellgran_kernels::terms::{
-    component_of_load, number_rows, terms_of_grain, Candidates, COMPONENTS,
+    component_of_load, number_rows, terms_of_grain, Candidates, Names, COMPONENTS,
 };
 
 /// Leaves a note. Many threads may leave the same one.
@@ -134,8 +134,13 @@ macro_rules! prepare {
         entries! {$(
             /// Prepares grains.
             fn $name(thread, arguments: PrepareArguments<Here>) {
-                let given = engine_grain(&arguments, thread.index());
-                let outcome = given.and_then(|given| {
+                let k = thread.index();
+                let outcome = engine_grain(&arguments, k).and_then(|given| {
+                    let poses = arguments.poses.all();
+                    let (x, q) = (given.position, given.quaternion);
+                    if !poses.is_empty() && has_moved(&poses[k], x, q, arguments.margin) {
+                        note(arguments.notes.all(), MOVED);
+                    }
                     let (grain, change) = prepare_grain::<$kind>(&given)?;
                     Ok((grain, change, 1.0 / given.mass))
                 });
@@ -149,16 +154,16 @@ macro_rules! prepare {
                 } = arguments;
                 match outcome {
                     Ok((grain, change, inverse_mass)) => {
-                        *grains.one(&thread) = grain;
+                        *grains.at(&thread) = grain;
                         if !motion_changes.is_empty() {
-                            *motion_changes.one(&thread) = change;
+                            *motion_changes.at(&thread) = change;
                         }
                         if !inverse_masses.is_empty() {
-                            *inverse_masses.one(&thread) = inverse_mass;
+                            *inverse_masses.at(&thread) = inverse_mass;
                         }
                     }
                     Err(fault) => {
-                        let first = faults.one(&thread);
+                        let first = faults.at(&thread);
                         if *first == 0 {
                             *first = fault as u32;
                         }
@@ -199,17 +204,19 @@ macro_rules! candidates {
                 let scene = scene_of(&scene, scene.tangential != 0);
                 let length = scene.layout.length;
                 let starts = starts.all();
-                let k = thread.index();
-                let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
-                let mut row = NewRow {
-                    neighbours: &neighbours.all()[from..to],
-                    places: places.row(&thread, starts, 1),
-                    states: states.row(&thread, starts, 1),
-                    histories: histories.row(&thread, starts, length),
-                };
                 let owned = starts.len() - 1;
-                let found = candidates_of_grain::<$kind>(k, &scene, owned, margin, &mut row);
-                *counts.one(&thread) = found as u32;
+                for own in thread.numbers(owned) {
+                    let k = own.number();
+                    let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
+                    let mut row = NewRow {
+                        neighbours: &neighbours.all()[from..to],
+                        places: places.row(&own, starts, 1),
+                        states: states.row(&own, starts, 1),
+                        histories: histories.row(&own, starts, length),
+                    };
+                    let found = candidates_of_grain::<$kind>(k, &scene, owned, margin, &mut row);
+                    *counts.at(&own) = found as u32;
+                }
             }
         )*}
     };
@@ -250,12 +257,12 @@ macro_rules! contacts {
                     let (candidate, entry) = pair_of(candidates, &own);
                     let found = $of_pair::<$kind, $friction, true, $conservative>(
                         &scene,
-                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        &candidate,
                         states.at(&entry),
                         histories.part(&entry, length),
                     );
                     match found {
-                        Some(load) => *contact_loads.at(&own) = load,
+                        Some(load) => contact_loads.write(&own, load.values()),
                         None => marked.taken(&notes[MARKED], 1).1[0] = own.number() as u32,
                     }
                 }
@@ -310,12 +317,13 @@ macro_rules! marked_contacts {
                     let number = *marked.at(&place);
                     let own = place.within(|_| number);
                     let (candidate, entry) = pair_of(candidates, &own);
-                    *contact_loads.at(&own) = marked_contact_of_pair::<$kind>(
+                    let load = marked_contact_of_pair::<$kind>(
                         &scene,
-                        scene.in_order(candidate.grain as usize, candidate.other as usize),
+                        &candidate,
                         states.at(&entry),
                         histories.part(&entry, length),
                     );
+                    contact_loads.write(&own, load.values());
                 }
             }
         )*}
@@ -326,6 +334,13 @@ macro_rules! marked_contacts {
 marked_contacts! {
     ellgran_marked_contacts_spheroids: Spheroids;
     ellgran_marked_contacts_ellipsoids: Ellipsoids;
+}
+
+/// Adds to a vector of this thread.
+#[inline(always)]
+fn add(vectors: &mut OwnVectors<3>, own: &Own, added: Vector3) {
+    let before = Vector3::from_array(vectors.read(own));
+    vectors.write(own, (before + added).to_array());
 }
 
 macro_rules! planes {
@@ -351,20 +366,17 @@ macro_rules! planes {
                     wall_type,
                 };
                 let length = scene.layout.length;
-                let state = states.one(&thread);
+                let state = states.at(&thread);
                 let load = contact_with_plane::<$kind, $friction, true, $conservative>(
                     thread.index(),
                     &scene,
                     &wall,
                     state,
-                    histories.of(&thread, length),
+                    histories.part(&thread, length),
                 );
                 if *state != 0 {
-                    let own = thread.own();
-                    for (vectors, added) in [(&mut forces, load.force), (&mut torques, load.torque)] {
-                        let before = Vector3::from_array(vectors.read(&own));
-                        vectors.write(&own, (before + added).to_array());
-                    }
+                    add(&mut forces, &thread, load.force);
+                    add(&mut torques, &thread, load.torque);
                 }
             }
         )*}
@@ -386,11 +398,11 @@ fn moved<const TURNS: bool, R>(
     thread: &Thread,
     act: impl FnOnce(Moving<'_>, f64) -> R,
 ) -> R {
-    let (k, own) = (thread.index(), thread.own());
-    let body = own.within(|k| named(arrays.places.all(), k) as u32);
-    let mut position = arrays.positions.read(&own);
-    let mut velocity = arrays.velocities.read(&own);
-    let mut angular_momentum = arrays.angular_momenta.read(&own);
+    let k = thread.index();
+    let body = thread.within(|k| named(arrays.places.all(), k) as u32);
+    let mut position = arrays.positions.read(thread);
+    let mut velocity = arrays.velocities.read(thread);
+    let mut angular_momentum = arrays.angular_momenta.read(thread);
     let mut quaternion = arrays.quaternions.read(&body);
     let outcome = act(
         Moving {
@@ -408,18 +420,18 @@ fn moved<const TURNS: bool, R>(
                 None
             } else {
                 Some((
-                    arrays.changes.one(thread),
-                    arrays.loads_before.one(thread),
+                    arrays.changes.at(thread),
+                    arrays.loads_before.at(thread),
                     arrays.step_ratio,
                 ))
             },
         },
         arrays.time_step,
     );
-    arrays.velocities.write(&own, velocity);
-    arrays.angular_momenta.write(&own, angular_momentum);
+    arrays.velocities.write(thread, velocity);
+    arrays.angular_momenta.write(thread, angular_momentum);
     if TURNS {
-        arrays.positions.write(&own, position);
+        arrays.positions.write(thread, position);
         arrays.quaternions.write(&body, quaternion);
     }
     outcome
@@ -444,6 +456,8 @@ entries! {
     fn ellgran_terms(thread, arguments: TermArguments<Here>) {
         let TermArguments {
             identifiers,
+            types,
+            type_count,
             starts,
             neighbours,
             places,
@@ -465,10 +479,17 @@ entries! {
             firsts: firsts.all(),
             counts: counts.all(),
         };
-        let own = candidates.range(&thread, all.firsts, all.counts);
-        let terms = terms.row(&thread, all.starts, 1);
-        let found = terms_of_grain(thread.index(), identifiers.all(), &all, own, terms);
-        *term_counts.one(&thread) = found as u32;
+        let names = Names {
+            identifiers: identifiers.all(),
+            types: types.all(),
+            type_count,
+        };
+        for row in thread.numbers(all.counts.len()) {
+            let own = candidates.range(&row, all.firsts, all.counts);
+            let terms = terms.row(&row, all.starts, 1);
+            let found = terms_of_grain(row.number(), &names, &all, own, terms);
+            *term_counts.at(&row) = found as u32;
+        }
     }
 
     /// The loads of all contacts of each grain.
@@ -487,7 +508,8 @@ entries! {
         let k = own.vector();
         let from = starts.all()[k] as usize;
         let terms = &terms.all()[from..from + term_counts.all()[k] as usize];
-        let sum = component_of_load(terms, contact_loads.all(), own.component());
+        let read = |contact, number| contact_loads.component_of(contact, number);
+        let sum = component_of_load(terms, read, own.component());
         let own_torque;
         let to = if own.component() < 3 {
             forces.component(&own)
@@ -515,7 +537,7 @@ entries! {
             Err(Refusal::Rotation) => 5,
             Err(Refusal::SemiAxis(_)) => 6,
         };
-        let first = arrays.faults.one(&thread);
+        let first = arrays.faults.at(&thread);
         if *first == 0 {
             *first = fault;
         }
@@ -528,16 +550,6 @@ entries! {
         moved::<false, _>(&mut arrays, &thread, finish_step_of_grain);
     }
 
-    /// Notes whether a grain has moved too far for the candidates.
-    fn ellgran_has_moved(thread, arguments: MovedArguments<Here>) {
-        let MovedArguments { positions, bodies, poses, notes, margin } = arguments;
-        let k = thread.index();
-        let (_, quaternion) = body(&bodies, k);
-        if has_moved(&poses.all()[k], positions.get(k), quaternion, margin) {
-            note(notes.all(), MOVED);
-        }
-    }
-
     /// Remembers the poses in which candidates were selected.
     fn ellgran_remember_poses(thread, arguments: PoseArguments<Here>) {
         let PoseArguments { positions, bodies, mut poses, notes, margin, always } = arguments;
@@ -545,10 +557,12 @@ entries! {
         if always == 0 && !is_noted(notes, MOVED) {
             return;
         }
-        let k = thread.index();
-        let (semi_axes, quaternion) = body(&bodies, k);
-        *poses.one(&thread) = remembered_pose(positions.get(k), quaternion, semi_axes, margin);
-        if k == 0 {
+        for own in thread.numbers(poses.len()) {
+            let k = own.number();
+            let (semi_axes, quaternion) = body(&bodies, k);
+            *poses.at(&own) = remembered_pose(positions.get(k), quaternion, semi_axes, margin);
+        }
+        if thread.index() == 0 {
             notes[SELECTIONS].fetch_add(1, Ordering::Relaxed);
             notes[CANDIDATES].store(notes[FOUND].swap(0, Ordering::Relaxed), Ordering::Relaxed);
         }
@@ -599,7 +613,7 @@ entries! {
         let (identifiers, starts, neighbours) = (identifiers.all(), starts.all(), neighbours.all());
         let fault = fault_of_row(k, starts, neighbours, identifiers.len());
         if fault != 0 {
-            *faults.one(&thread) = fault;
+            *faults.at(&thread) = fault;
             note(notes, FAULT);
             return;
         }
@@ -636,8 +650,8 @@ entries! {
             before,
             states_before.all(),
             histories_before.all(),
-            states.one(&thread),
-            histories.of(&thread, length as usize),
+            states.at(&thread),
+            histories.part(&thread, length as usize),
         );
     }
 }

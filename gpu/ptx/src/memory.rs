@@ -16,6 +16,7 @@
 use core::alloc::{GlobalAlloc, Layout};
 use core::arch::nvptx;
 use core::marker::PhantomData;
+use core::ops::Deref;
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran_kernels::arguments::Memory;
 
@@ -74,6 +75,15 @@ impl<const N: usize> SharedVectors<N> {
         // SAFETY: there are so many (just asserted), at these distances, and nothing writes to them while the kernel runs (above).
         core::array::from_fn(|c| unsafe { *self.first.add(from + c * step) })
     }
+
+    /// Component `c` of vector `k`.
+    #[inline(always)]
+    pub fn component_of(&self, k: usize, c: usize) -> f64 {
+        assert!((k as u64) < self.count && c < N);
+        let at = k * self.per_grain as usize + c * self.per_component as usize;
+        // SAFETY: as above.
+        unsafe { *self.first.add(at) }
+    }
 }
 
 /// Vectors of which each thread has some, or some components.
@@ -106,8 +116,9 @@ impl<const N: usize> OwnVectors<N> {
     /// Writes it.
     #[inline(always)]
     pub fn write(&mut self, own: &Own, vector: [f64; N]) {
-        for (c, value) in vector.into_iter().enumerate() {
-            *self.place(own.number, c) = value;
+        // By value: what goes through an iterator of its own would be kept in memory.
+        for (c, value) in vector.iter().enumerate() {
+            *self.place(own.number, c) = *value;
         }
     }
 
@@ -125,14 +136,21 @@ pub struct Parts<T> {
     length: u64,
 }
 
-/// The index of this thread, of which there is one: it cannot be made elsewhere, nor copied. What a thread owns of an array is
-/// what it names with it.
+/// This thread, of which there is one: it cannot be made elsewhere, nor copied. Its index is a number of its own; what a thread owns of an
+/// array is what it names with it.
 pub struct Thread {
-    index: usize,
+    own: Own,
     /// How many work.
     count: usize,
-    /// Not to be sent.
-    here: PhantomData<*mut ()>,
+}
+
+impl Deref for Thread {
+    type Target = Own;
+
+    #[inline(always)]
+    fn deref(&self) -> &Own {
+        &self.own
+    }
 }
 
 /// A number that this thread alone has.
@@ -199,9 +217,11 @@ pub fn thread(count: u32) -> Thread {
             + nvptx::_thread_idx_x() as u32 as usize
     };
     Thread {
-        index,
+        own: Own {
+            number: index,
+            here: PhantomData,
+        },
         count: count as usize,
-        here: PhantomData,
     }
 }
 
@@ -209,24 +229,15 @@ impl Thread {
     /// Its index, counted over all blocks.
     #[inline(always)]
     pub fn index(&self) -> usize {
-        self.index
-    }
-
-    /// Its index as a number of its own.
-    #[inline(always)]
-    pub fn own(&self) -> Own {
-        Own {
-            number: self.index,
-            here: PhantomData,
-        }
+        self.own.number
     }
 
     /// Its component, where each vector has `each` of them and each thread one.
     #[inline(always)]
     pub fn component_of(&self, each: usize) -> OwnComponent {
         OwnComponent {
-            vector: self.index / each,
-            component: self.index % each,
+            vector: self.index() / each,
+            component: self.index() % each,
             here: PhantomData,
         }
     }
@@ -234,7 +245,7 @@ impl Thread {
     /// The numbers below `end` that fall to this thread, each to one of those that work.
     #[inline(always)]
     pub fn numbers(&self, end: usize) -> impl Iterator<Item = Own> {
-        (self.index..end).step_by(self.count).map(|number| Own {
+        (self.index()..end).step_by(self.count).map(|number| Own {
             number,
             here: PhantomData,
         })
@@ -248,44 +259,39 @@ impl<T> Parts<T> {
         self.length == 0
     }
 
-    /// The thread's part of an array that has `each` elements for each thread.
+    /// How many elements it has.
     #[inline(always)]
-    pub fn of<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
-        self.between(thread.index * each, each)
+    pub fn len(&self) -> usize {
+        self.length as usize
     }
 
-    /// The thread's one element.
+    /// The row that goes with a number of this thread: `starts[k]` up to `starts[k + 1]` is row `k`, of `each` elements a place.
     #[inline(always)]
-    pub fn one<'t>(&'t mut self, thread: &'t Thread) -> &'t mut T {
-        &mut self.of(thread, 1)[0]
-    }
-
-    /// The thread's part of an array of rows: `starts[k]` up to `starts[k + 1]` is row `k`, of `each` elements a place.
-    #[inline(always)]
-    pub fn row<'t>(&'t mut self, thread: &'t Thread, starts: &[u32], each: usize) -> &'t mut [T] {
-        let (from, to) = (starts[thread.index] as usize, starts[thread.index + 1] as usize);
+    pub fn row<'t>(&'t mut self, own: &'t Own, starts: &[u32], each: usize) -> &'t mut [T] {
+        let k = own.number;
+        let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
         // Rows that do not follow each other would be two threads'.
         assert!(from <= to);
         self.between(from * each, (to - from) * each)
     }
 
-    /// The thread's part of an array that has up to `each` elements for each thread, the last thread fewer.
+    /// The part that goes with a number of this thread, of an array that has up to `each` elements for each number, for the last fewer.
     #[inline(always)]
-    pub fn chunk<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
-        let from = thread.index * each;
+    pub fn chunk<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
+        let from = own.number * each;
         let count = (self.length as usize).saturating_sub(from).min(each);
         self.between(from, count)
     }
 
-    /// The thread's part of an array in which each thread has a range of its own.
+    /// The part that goes with a number of this thread, of an array in which each number has a range of its own.
     #[inline(always)]
     pub fn range<'t>(
         &'t mut self,
-        thread: &'t Thread,
+        own: &'t Own,
         firsts: &[u32],
         counts: &[u32],
     ) -> &'t mut [T] {
-        let k = thread.index;
+        let k = own.number;
         self.between(firsts[k] as usize, counts[k] as usize)
     }
 

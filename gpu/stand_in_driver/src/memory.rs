@@ -5,6 +5,7 @@
 
 use crate::settings;
 use core::marker::PhantomData;
+use core::ops::Deref;
 use core::sync::atomic::{AtomicU32, Ordering};
 use ellgran_kernels::arguments::Memory;
 use std::alloc::{alloc, dealloc, Layout};
@@ -181,6 +182,11 @@ impl<const N: usize> Vectors<N> {
         core::array::from_fn(|c| unsafe { first.add(c * self.per_component as usize).read() })
     }
 
+    /// Component `c` of vector `k`.
+    pub fn component_of(&self, k: usize, c: usize) -> f64 {
+        self.get(k)[c]
+    }
+
     /// The vector that goes with a number of this thread.
     pub fn read(&mut self, own: &Own) -> [f64; N] {
         self.get(own.number)
@@ -214,8 +220,16 @@ pub struct Parts<T> {
 
 /// A thread.
 pub struct Thread {
-    index: usize,
+    own: Own,
     count: usize,
+}
+
+impl Deref for Thread {
+    type Target = Own;
+
+    fn deref(&self) -> &Own {
+        &self.own
+    }
 }
 
 /// A number that one thread alone has.
@@ -263,30 +277,26 @@ impl OwnComponent {
 impl Thread {
     pub fn new(index: usize, count: u32) -> Self {
         Thread {
-            index,
+            own: Own { number: index },
             count: count as usize,
         }
-    }
-    /// Its index as a number of its own.
-    pub fn own(&self) -> Own {
-        Own { number: self.index }
     }
     /// Its component, where each vector has `each` of them and each thread one.
     pub fn component_of(&self, each: usize) -> OwnComponent {
         OwnComponent {
-            vector: self.index / each,
-            component: self.index % each,
+            vector: self.index() / each,
+            component: self.index() % each,
         }
     }
     /// The numbers below `end` that fall to this thread.
     pub fn numbers(&self, end: usize) -> impl Iterator<Item = Own> {
-        (self.index..end)
+        (self.index()..end)
             .step_by(self.count)
             .map(|number| Own { number })
     }
     /// Its index, counted over all blocks.
     pub fn index(&self) -> usize {
-        self.index
+        self.own.number
     }
 }
 
@@ -296,41 +306,29 @@ impl<T> Parts<T> {
         self.length == 0
     }
 
-    /// The thread's part of an array that has `each` elements for each thread.
-    pub fn of<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
-        self.between(thread.index * each, each)
+    /// How many elements it has.
+    pub fn len(&self) -> usize {
+        self.length as usize
     }
 
-    /// The thread's one element.
-    pub fn one<'t>(&'t mut self, thread: &'t Thread) -> &'t mut T {
-        &mut self.of(thread, 1)[0]
-    }
-
-    /// The thread's part of an array of rows.
-    pub fn row<'t>(&'t mut self, thread: &'t Thread, starts: &[u32], each: usize) -> &'t mut [T] {
-        let (from, to) = (
-            starts[thread.index] as usize,
-            starts[thread.index + 1] as usize,
-        );
+    /// The row that goes with a number of this thread.
+    pub fn row<'t>(&'t mut self, own: &'t Own, starts: &[u32], each: usize) -> &'t mut [T] {
+        let k = own.number;
+        let (from, to) = (starts[k] as usize, starts[k + 1] as usize);
         assert!(from <= to);
         self.between(from * each, (to - from) * each)
     }
 
-    /// The thread's part of an array that has up to `each` elements for each thread, the last thread fewer.
-    pub fn chunk<'t>(&'t mut self, thread: &'t Thread, each: usize) -> &'t mut [T] {
-        let from = thread.index * each;
+    /// The part that goes with a number of this thread, of an array that has up to `each` elements for each number, for the last fewer.
+    pub fn chunk<'t>(&'t mut self, own: &'t Own, each: usize) -> &'t mut [T] {
+        let from = own.number * each;
         let count = (self.length as usize).saturating_sub(from).min(each);
         self.between(from, count)
     }
 
-    /// The thread's part of an array in which each thread has a range of its own.
-    pub fn range<'t>(
-        &'t mut self,
-        thread: &'t Thread,
-        firsts: &[u32],
-        counts: &[u32],
-    ) -> &'t mut [T] {
-        let k = thread.index;
+    /// The part that goes with a number of this thread, of an array in which each number has a range of its own.
+    pub fn range<'t>(&'t mut self, own: &'t Own, firsts: &[u32], counts: &[u32]) -> &'t mut [T] {
+        let k = own.number;
         self.between(firsts[k] as usize, counts[k] as usize)
     }
 

@@ -2,7 +2,7 @@
 //! A device on the host: its arrays, and its kernels index by index.
 
 use crate::scene::{Lists, Motion, Scene, STEP, TIME_STEP};
-use ellgran::contact::{Laws, MotionChange};
+use ellgran::contact::Laws;
 use ellgran::force::PairLaw;
 use ellgran::geometry::Plane;
 use ellgran::vector::Vector3;
@@ -14,15 +14,15 @@ use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Mo
 use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::planes::{contact_with_plane, MovingPlane};
 use ellgran_kernels::preparation::{prepare_grain, EngineGrain, Fault};
-use ellgran_kernels::shapes::{Grain, Kind};
+use ellgran_kernels::shapes::{Grain, GrainChange, Kind};
 use ellgran_kernels::terms::{
-    component_of_load, number_rows, terms_of_grain, Candidates, ContactLoad,
+    component_of_load, number_rows, terms_of_grain, Candidates, ContactLoad, Names,
 };
 
 pub struct Device {
     grains: Vec<Grain>,
     /// Empty where velocities are those of the half step.
-    changes: Vec<MotionChange>,
+    changes: Vec<GrainChange>,
     types: Vec<u32>,
     inverse_masses: Vec<f64>,
     identifiers: Vec<i32>,
@@ -46,7 +46,7 @@ pub struct Device {
 }
 
 /// One grain, prepared.
-pub fn prepare_one<K: Kind>(scene: &Scene, k: usize) -> Result<(Grain, MotionChange), Fault> {
+pub fn prepare_one<K: Kind>(scene: &Scene, k: usize) -> Result<(Grain, GrainChange), Fault> {
     let m = &scene.motion;
     prepare_grain::<K>(&EngineGrain {
         position: m.positions[k],
@@ -174,12 +174,17 @@ impl Device {
             firsts: &self.firsts,
             counts: &self.counts,
         };
+        let names = Names {
+            identifiers: &self.identifiers,
+            types: &self.types,
+            type_count: 1,
+        };
         self.terms = (0..self.owned)
             .map(|k| {
                 let mut terms = vec![0; (self.starts[k + 1] - self.starts[k]) as usize];
                 let first = self.firsts[k] as usize;
                 let own = &mut self.candidates[first..first + self.counts[k] as usize];
-                let found = terms_of_grain(k, &self.identifiers, &all, own, &mut terms);
+                let found = terms_of_grain(k, &names, &all, own, &mut terms);
                 terms.truncate(found);
                 terms
             })
@@ -196,7 +201,6 @@ impl Device {
         for candidate in &self.candidates {
             let entry = candidate.entry as usize;
             let scene = lent!(self, laws);
-            let pair = scene.in_order(candidate.grain as usize, candidate.other as usize);
             let state = &mut self.states[entry];
             let history = &mut self.histories[entry * length..(entry + 1) * length];
             let of_pair = if self.mixed {
@@ -204,16 +208,17 @@ impl Device {
             } else {
                 contact_of_pair::<K, FRICTION, true, CONSERVATIVE>
             };
-            let found = of_pair(&scene, pair, state, history);
+            let found = of_pair(&scene, candidate, state, history);
             let load: ContactLoad = found.unwrap_or_else(|| {
                 self.marked += 1;
-                marked_contact_of_pair::<K>(&scene, pair, state, history)
+                marked_contact_of_pair::<K>(&scene, candidate, state, history)
             });
             contacts.push(load);
         }
+        let read = |contact: usize, number: usize| contacts[contact].values()[number];
         for (load, terms) in self.loads.iter_mut().zip(&self.terms) {
             let [force, torque] = [0, 3].map(|first| {
-                let sum = |c: usize| component_of_load(terms, &contacts, first + c);
+                let sum = |c: usize| component_of_load(terms, read, first + c);
                 Vector3::new(sum(0), sum(1), sum(2))
             });
             *load = Load { force, torque };

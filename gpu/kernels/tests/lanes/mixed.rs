@@ -6,6 +6,7 @@ use crate::{compare, compare_to, Counts, ELASTIC, MINDLIN, TOTAL, VISCOELASTIC, 
 use ellgran::contact::Laws;
 use ellgran::geometry::Ellipsoid;
 use ellgran::vector::Vector3;
+use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::contacts::{self, contact_of_pair, marked_contact_of_pair, TOUCHES};
 use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::preparation::{prepare_grain, EngineGrain};
@@ -121,6 +122,10 @@ fn load<K: Kind>(two: &Two, laws: &Laws, in_single: bool) -> (Option<ContactLoad
         layout: laws.layout(),
         step: STEP,
     };
+    let candidate = Candidate {
+        grains: [0, 1],
+        ..Candidate::default()
+    };
     let (mut state, mut history) = (0, vec![0.0; laws.layout().length]);
     let of_pair = if in_single {
         mixed_contact_of_pair::<K, false, true, true>
@@ -130,10 +135,10 @@ fn load<K: Kind>(two: &Two, laws: &Laws, in_single: bool) -> (Option<ContactLoad
     // The second time from the normal of the first, as in a running scene.
     let mut last = (None, false);
     for _ in 0..2 {
-        let found = of_pair(&scene, [0, 1], &mut state, &mut history);
+        let found = of_pair(&scene, &candidate, &mut state, &mut history);
         let marked = found.is_none();
         let load = found.unwrap_or_else(|| {
-            marked_contact_of_pair::<K>(&scene, [0, 1], &mut state, &mut history)
+            marked_contact_of_pair::<K>(&scene, &candidate, &mut state, &mut history)
         });
         last = ((state & TOUCHES != 0).then_some(load), marked);
     }
@@ -144,7 +149,7 @@ fn load<K: Kind>(two: &Two, laws: &Laws, in_single: bool) -> (Option<ContactLoad
 fn difference(single: &ContactLoad, double: &ContactLoad, length: f64) -> f64 {
     // Of the first grain, and of the second.
     let vector = |load: &ContactLoad, term: u32, from: usize| {
-        let component = |c| component_of_load(&[term], &[*load], from + c);
+        let component = |c| component_of_load(&[term], |_, n| load.values()[n], from + c);
         Vector3::new(component(0), component(1), component(2))
     };
     let apart = |term, from| (vector(single, term, from) - vector(double, term, from)).norm();
