@@ -34,6 +34,8 @@ struct Bounds {
     definite: f64,
     /// The same for a proof of the global minimum.
     proof: f64,
+    /// By how much the minimum may seem to be above the value that it was searched from, as a share of the bodies' sizes.
+    rise: f64,
     /// Rounding of a value, as a share of the largest semi-axes.
     unknown: f64,
 }
@@ -44,6 +46,7 @@ impl Bounds {
         largest_correction: 1e-26,
         definite: 1e-11,
         proof: 1e-12,
+        rise: 1e-13,
         unknown: 0.0,
     };
     /// A gradient has a rounding of the size of the bodies, over the radius of curvature a step of 1e-7 times the square of the aspect
@@ -53,6 +56,7 @@ impl Bounds {
         largest_correction: 1e-8,
         definite: 1e-5,
         proof: 1e-5,
+        rise: 2e-6,
         unknown: 1e-6,
     };
 
@@ -247,13 +251,8 @@ fn search_to<const LAST_STEP: bool, S: Registers, B: ConvexBody<Lanes<S>>>(
     let converged = change
         .dot(change)
         .less(Lanes::splat(registers, bounds.largest_correction));
-    // No minimum is above the value that it was searched from, but for rounding.
-    let rise = if bounds.unknown > 0.0 {
-        least * -2.0
-    } else {
-        (support_i.h + support_j.h) * 1e-13
-    };
-    let falling = penetration.less(first + rise);
+    let size = support_i.h + support_j.h;
+    let falling = penetration.less(first + size * bounds.rise);
 
     // Deeper than half the smallest radius of curvature, Hertz' law ends: the scalar path counts such contacts.
     let twice = penetration * 2.0;
