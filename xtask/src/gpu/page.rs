@@ -211,6 +211,7 @@ Needles are of semi-axes r:1:1, discs r:r:1, blades r:sqrt(r):1. Marked are thos
 | 30 | 1e-6 to 0.01 | 2.4e-6, 5.5e-7 | 1.3e-5, 6.8e-7 | 3.2e-6, 3.1e-7 | at most 88, 10, 13; in double 29, 9, 4 |
 | | 0.1 | 3.7e-5, 2.5e-6 | 3.2e-5, 5.5e-7 | 4.0e-5, 7.9e-7 | |
 | 100 | 1e-6 and 1e-3 | 3.7e-6, 1.7e-7 | 1.0e-4, 7.1e-7 | 7.8e-6, 3.7e-7 | 1339, 72, 302; in double 1163, 55, 209 |
+| 1000 | 1e-6 and 1e-3 | 6.2e-3, 1.2e-11 | 1.4e-3, 1.2e-6 | 1.3e-3, 4.6e-7 | 1933, 125, 1346; in double 1835, 76, 1041 |
 
 In scenes over 60 steps loads and histories are those of the lists in lanes to 1e-5 of the largest of the scene, which is the bound of the tests. Flat bodies whose rims touch, \
 beyond an aspect ratio of 30, are better computed in double precision.

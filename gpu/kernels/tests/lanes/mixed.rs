@@ -28,7 +28,7 @@ fn mixed<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
     } = double;
     assert_eq!(mixed.touching, touching);
     // Few more are left to the kernel with all safeguards.
-    assert!(mixed.marked <= marked + touching / 1000, "{mixed:?}");
+    assert!(mixed.marked <= marked + touching / 100, "{mixed:?}");
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn shapes_and_overlaps() {
 /// Bodies that only just touch, and that only just do not, are found to do so.
 #[test]
 fn touches_and_gaps() {
-    for ratio in [1.2, 3.0, 30.0, 300.0] {
+    for ratio in [1.2, 3.0, 30.0, 300.0, 1000.0] {
         for overlap in [1e-9, -1e-9, 1e-7, -1e-7, -1e-5] {
             for (name, swept) in shapes(ratio, 1e-3, overlap) {
                 println!("{name} {ratio} {overlap:e} {swept:?}");
