@@ -141,7 +141,7 @@ fn both_versions_grains_deleted_before_the_first_run_of_a_restart() {
         runs: vec![format!("run {HALF}"), "write_restart half.restart".into()],
         ..plain.clone()
     };
-    attempt_in(&engine, &directory, &scene, &first, 1).succeeded();
+    attempt_in(&engine, directory.clone(), &scene, &first, 1).succeeded();
     for (before, fits) in [(None, false), (Some("run 0"), true)] {
         let mut runs: Vec<String> = before.into_iter().map(String::from).collect();
         runs.extend([
@@ -154,7 +154,7 @@ fn both_versions_grains_deleted_before_the_first_run_of_a_restart() {
             runs,
             ..plain.clone()
         };
-        let outcome = attempt_in(&engine, &directory, &scene, &again, 1);
+        let outcome = attempt_in(&engine, directory.clone(), &scene, &again, 1);
         assert_eq!(outcome.success, fits, "{}", outcome.output);
         assert_eq!(
             outcome

@@ -175,5 +175,5 @@ pub const ELLGRAN_GPU_ELLIPSOIDS: i32 = 3;
 
 /// Of `ellgran_gpu_scene_set_precision`: contacts in double precision, to 1e-12 of those of the host.
 pub const ELLGRAN_GPU_DOUBLE: i32 = 0;
-/// Their search in single precision, to 1e-5 of the largest load of a scene.
+/// Their search in single precision: the force of a contact to 6e-7, up to an aspect ratio of 5 (docs/gpu.md).
 pub const ELLGRAN_GPU_MIXED: i32 = 1;

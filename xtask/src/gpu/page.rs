@@ -216,6 +216,10 @@ Needles are of semi-axes r:1:1, discs r:r:1, blades r:sqrt(r):1. Marked are thos
 In scenes over 60 steps loads and histories are those of the lists in lanes to 1e-5 of the largest of the scene, which is the bound of the tests. Flat bodies whose rims touch, \
 beyond an aspect ratio of 30, are better computed in double precision.
 
+In a dense packing the forces on a grain nearly cancel: their sum is off by more of itself than a contact is. `whole_step FILE --mixed` of `cargo xtask gpu --pack DIR` times packings in mixed \
+precision, and computes the last step in both. On an H100, with 884 736 grains of aspect ratio 2: the largest difference of a load is 8.3e-6 of the largest load, the rate 4.07e8 grains a second, in double \
+precision 4.23e8. With 128 000 needles of aspect ratio 10: 2.7e-5, 4.64e7 and 4.78e7.
+
 ";
 
 fn significant(x: f64) -> String {
