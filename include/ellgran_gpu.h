@@ -46,6 +46,16 @@
 #define ELLGRAN_GPU_ELLIPSOIDS 3
 
 /*
+ Of `ellgran_gpu_scene_set_precision`: contacts in double precision, to 1e-12 of those of the host.
+ */
+#define ELLGRAN_GPU_DOUBLE 0
+
+/*
+ Their search in single precision, to 1e-5 of the largest load of a scene.
+ */
+#define ELLGRAN_GPU_MIXED 1
+
+/*
  Block 300 to 399, GPUs: the library of NVIDIA's driver (libcuda.so.1) is not to be found.
  */
 #define ELLGRAN_GPU_ERROR_NO_DRIVER 300
@@ -420,6 +430,21 @@ int32_t ellgran_gpu_scene_new(const struct EllgranGpu *gpu,
                               const EllgranLaws *laws,
                               int32_t shapes,
                               struct EllgranGpuScene **scene);
+
+/*
+ The precision in which pairs are computed from the next call on: ELLGRAN_GPU_DOUBLE, as with a new scene, or ELLGRAN_GPU_MIXED, for
+ a GPU that is slow with doubles. What is remembered is the same in each, and spheres and planes are computed in double precision in
+ each.
+
+ With ELLGRAN_GPU_MIXED the search runs in single precision. Where the bodies touch, their penetration, their law and their history
+ are computed in double precision. A pair that single precision cannot decide is computed as with ELLGRAN_GPU_DOUBLE: none is missed. docs/gpu.md has
+ the errors, and the speeds to be expected.
+
+ # Safety
+ `scene` is NULL or valid.
+ */
+int32_t ellgran_gpu_scene_set_precision(struct EllgranGpuScene *scene,
+                                        int32_t precision);
 
 /*
  Frees a scene and its memory on the GPU, once all that was started is done; NULL is allowed.

@@ -214,7 +214,8 @@ Needles are of semi-axes r:1:1, discs r:r:1, blades r:sqrt(r):1. Marked are thos
 | 1000 | 1e-6 and 1e-3 | 6.2e-3, 1.2e-11 | 1.4e-3, 1.2e-6 | 1.3e-3, 4.6e-7 | 1933, 125, 1346; in double 1835, 76, 1041 |
 
 In scenes over 60 steps loads and histories are those of the lists in lanes to 1e-5 of the largest of the scene, which is the bound of the tests. Flat bodies whose rims touch, \
-beyond an aspect ratio of 30, are better computed in double precision.
+beyond an aspect ratio of 30, are better computed in double precision. `whole_step --mixed`, the program that `cargo xtask gpu --bench` starts, times whole steps in mixed \
+precision and prints the largest difference of a load from double precision beside them.
 
 ";
 
