@@ -280,7 +280,7 @@ fn both_versions_a_mesh_that_ends_at_a_periodic_boundary() {
     let engine = Engine::from_environment();
     let axes = [0.2, 0.1, 0.1];
     // one beside each end of the box, and one far from both
-    let grains = [(-1.0, 0.6), (1.0, -0.6), (0.0, 0.6)].map(|(end, angle)| {
+    let grains = [(-1.0, -0.6), (1.0, 0.6), (0.0, 0.6)].map(|(end, angle)| {
         let quaternion = crate::shapes::about([0.0, 1.0, 0.0], angle);
         let low = crate::shapes::surface_point(axes, quaternion, [0.0, 0.0, -1.0]);
         assert!(low[0] * end >= 0.0, "{low:?}");
