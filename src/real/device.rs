@@ -5,8 +5,6 @@
 //! a reciprocal root is two of them. Here the machine's approximation, of 20 bits at least (PTX ISA 8.7, sections 9.7.3.13 and 9.7.3.20),
 //! is refined with fused operations.
 
-#![cfg_attr(target_arch = "nvptx64", allow(unsafe_code))]
-
 #[cfg(target_arch = "nvptx64")]
 fn fused(a: f64, b: f64, c: f64) -> f64 {
     core::f64::math::mul_add(a, b, c)
@@ -43,7 +41,9 @@ fn root_from_reciprocal(x: f64, reciprocal: f64) -> f64 {
     }
 }
 
+// The one `unsafe` of the library outside its C interface.
 #[cfg(target_arch = "nvptx64")]
+#[allow(unsafe_code)]
 mod instructions {
     unsafe extern "C" {
         #[link_name = "llvm.nvvm.rcp.approx.ftz.d"]

@@ -105,14 +105,6 @@ impl Load {
     };
 }
 
-impl core::ops::AddAssign for Load {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Load) {
-        self.force = self.force + other.force;
-        self.torque = self.torque + other.torque;
-    }
-}
-
 /// What became of a pair.
 // It is never in memory.
 #[allow(clippy::large_enum_variant)]
