@@ -105,8 +105,6 @@ pub struct Contact<T: Real = f64> {
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
     /// curvature.
     pub inverse_hessian: Option<Symmetric2<T>>,
-    /// Where it is known already.
-    pub gradient: Option<EnergyGradient<T>>,
     /// Of `i` and `j`, where velocities of the step are known beside those of the half step, which `i` and `j` hold: viscous
     /// forces take them. Else the velocities of the half step serve for all.
     pub changes: Option<[MotionChange<T>; 2]>,
@@ -132,7 +130,6 @@ impl<T: Real> Contact<T> {
             j,
             effective_mass,
             inverse_hessian: None,
-            gradient: None,
             changes: None,
             begin_time: None,
         }
@@ -198,6 +195,21 @@ pub struct EnergyGradient<T = f64> {
     pub torque_i: (Vector2<T>, T),
     /// Of the torque on `j`.
     pub torque_j: (Vector2<T>, T),
+}
+
+impl EnergyGradient {
+    /// Adds the further terms of a conservative law to the force and the torques of a contact of two bodies that were found without them,
+    /// its normal and its tangent basis as those of the gradient.
+    #[inline(always)]
+    pub fn add_to(&self, normal: Vector3, tangent: &Tangent, forces: &mut ContactForces) {
+        let minus = -forces.elastic_energy;
+        let in_world = |(across, along): (Vector2, f64)| {
+            normal.scale_add(along * minus, tangent.vector(across * minus))
+        };
+        forces.force = forces.force + in_world((self.lambda, 0.0));
+        forces.torque_i = forces.torque_i + in_world(self.torque_i);
+        forces.torque_j = forces.torque_j + in_world(self.torque_j);
+    }
 }
 
 /// What is remembered of the pair.
@@ -520,10 +532,7 @@ impl<T: Real> Load<T> {
         factors: &Factors<T>,
         elastic_energy: T,
     ) {
-        let gradient = match x.gradient {
-            Some(known) => known,
-            None => x.energy_gradient::<WALL>(curvature, factors),
-        };
+        let gradient = x.energy_gradient::<WALL>(curvature, factors);
         let minus = -elastic_energy;
         self.torque_i = self.torque_i.plus(minus, gradient.torque_i);
         if !WALL {

@@ -214,7 +214,7 @@ fn compute(
     if law.kinds.hale {
         hale_holds(contact_of(&found, i, j).curvature())?;
     }
-    let (mut f, couple) = law_of_pair::<true, true, true>(
+    let (mut f, couple) = law_of_pair::<true, true>(
         law,
         &found,
         [i, j],

@@ -203,7 +203,7 @@ impl Pair {
 #[doc(hidden)]
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+pub fn law_of_pair<const FRICTION: bool, const RATE: bool>(
     law: &PairLaw,
     found: &ContactSearch,
     [i, j]: [&Particle; 2],
@@ -216,7 +216,7 @@ pub fn law_of_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: b
     let x = contact_of(found, i, j);
     let factors = factors_for(law, x.curvature());
     let before = normal_before(cached, i, j, found.normal, step);
-    let f = through_law::<FRICTION, RATE, CONSERVATIVE, false>(
+    let f = through_law::<FRICTION, RATE, true, false>(
         law, &factors, &x, layout, history, touched, before, step,
     );
     if !law.resistance.any() {

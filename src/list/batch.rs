@@ -217,7 +217,7 @@ pub(super) fn run<
         kinds,
         curvature,
         found.separated,
-        FRICTION || CONSERVATIVE,
+        FRICTION || CONSERVATIVE && kinds.conservative,
     );
     let mut hard = registers.or(found.hard, beyond);
     if RECORD && numbers.layout.torques.is_some() {

@@ -135,12 +135,7 @@ impl<'a> Pending<'a> {
 }
 
 /// The whole list on the workspace's instruction set.
-pub(super) fn in_lanes<
-    const FRICTION: bool,
-    const RATE: bool,
-    const CONSERVATIVE: bool,
-    const RECORD: bool,
->(
+pub(super) fn in_lanes<const FRICTION: bool, const RATE: bool, const RECORD: bool>(
     mut pass: Pass<'_, '_, '_>,
     workspace: &mut Workspace,
 ) -> Result<u64, ListError> {
@@ -151,10 +146,10 @@ pub(super) fn in_lanes<
         // The conservative law adds nothing to a force between spheres.
         Shapes::Spheres => of_kind::<Spheres, FRICTION, RATE, false, RECORD>(&mut pass, workspace)?,
         Shapes::Spheroids => {
-            of_kind::<Spheroids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+            of_kind::<Spheroids, FRICTION, RATE, true, RECORD>(&mut pass, workspace)?;
         }
         Shapes::Ellipsoids => {
-            of_kind::<Ellipsoids, FRICTION, RATE, CONSERVATIVE, RECORD>(&mut pass, workspace)?;
+            of_kind::<Ellipsoids, FRICTION, RATE, true, RECORD>(&mut pass, workspace)?;
         }
     }
     Ok(pass.deep_contacts)
@@ -404,7 +399,7 @@ fn contacts<
             hard &= hard - 1;
             let pair = batches.pair(number, lane);
             batches.write_one(pass.rows, number, lane);
-            scalar_pair::<FRICTION, RATE, CONSERVATIVE>(pass, pair, single);
+            scalar_pair::<FRICTION, RATE>(pass, pair, single);
             batches.read_one(pass.rows, number, lane);
         }
         // While they are still close, and the arithmetic of the next batch hides the way to the engine's arrays.
@@ -589,7 +584,7 @@ fn resist(
 
 /// One pair with every safeguard.
 #[cold]
-fn scalar_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+fn scalar_pair<const FRICTION: bool, const RATE: bool>(
     pass: &mut Pass<'_, '_, '_>,
     pair: Candidate,
     single: ParticleRecords<'_>,
@@ -600,7 +595,7 @@ fn scalar_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>
         j: pair.j as usize,
     };
     let (i, j) = (single.particle(place.i), single.particle(place.j));
-    pass.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, &i, &j);
+    pass.one_pair::<FRICTION, RATE>(place, &i, &j);
 }
 
 /// Hands the sum of a particle to the engine's arrays and clears it.

@@ -138,18 +138,15 @@ fn compute_rows(
         recorded: records.then_some(&mut recorded),
         deep_contacts: 0,
     };
-    let deep_contacts = match (features.friction, rate, features.conservative) {
+    let deep_contacts = match (features.friction, rate) {
         // One kernel with all terms, of which the laws use theirs, serves all scenes. What resists rolling and twisting goes on from
         // what it records. It alone has the memory of the normal force, so that the others, and who builds them, do not pay for it.
         _ if records || features.resistance || features.memory => {
-            take::<true, true, true, true>(pass, workspace)
+            take::<true, true, true>(pass, workspace)
         }
-        (true, _, true) => take::<true, true, true, false>(pass, workspace),
-        (true, _, false) => take::<true, true, false, false>(pass, workspace),
-        (false, true, true) => take::<false, true, true, false>(pass, workspace),
-        (false, true, false) => take::<false, true, false, false>(pass, workspace),
-        (false, false, true) => take::<false, false, true, false>(pass, workspace),
-        (false, false, false) => take::<false, false, false, false>(pass, workspace),
+        (true, _) => take::<true, true, false>(pass, workspace),
+        (false, true) => take::<false, true, false>(pass, workspace),
+        (false, false) => take::<false, false, false>(pass, workspace),
     };
     if deep_contacts.is_ok() {
         recorded.sort();
@@ -161,14 +158,14 @@ fn compute_rows(
 }
 
 /// In lanes, or pair by pair.
-fn take<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool, const RECORD: bool>(
+fn take<const FRICTION: bool, const RATE: bool, const RECORD: bool>(
     pass: Pass<'_, '_, '_>,
     workspace: &mut Workspace,
 ) -> Result<u64, ListError> {
     if workspace.works_in_lanes(pass.laws) {
-        in_lanes::<FRICTION, RATE, CONSERVATIVE, RECORD>(pass, workspace)
+        in_lanes::<FRICTION, RATE, RECORD>(pass, workspace)
     } else {
-        Ok(pass.all_scalar::<FRICTION, RATE, CONSERVATIVE>(workspace.particles()))
+        Ok(pass.all_scalar::<FRICTION, RATE>(workspace.particles()))
     }
 }
 

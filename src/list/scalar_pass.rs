@@ -42,7 +42,7 @@ pub(super) struct Place {
 }
 
 impl Pass<'_, '_, '_> {
-    pub(super) fn all_scalar<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    pub(super) fn all_scalar<const FRICTION: bool, const RATE: bool>(
         mut self,
         particles: &[Particle],
     ) -> u64 {
@@ -57,7 +57,7 @@ impl Pass<'_, '_, '_> {
                         j: other,
                     };
                     let (i, j) = (&particles[central], &particles[other]);
-                    self.one_pair::<FRICTION, RATE, CONSERVATIVE>(place, i, j);
+                    self.one_pair::<FRICTION, RATE>(place, i, j);
                 }
             }
         }
@@ -97,7 +97,7 @@ impl Pass<'_, '_, '_> {
     }
 
     /// Search, law and scatter of one pair, with every safeguard.
-    pub(super) fn one_pair<const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
+    pub(super) fn one_pair<const FRICTION: bool, const RATE: bool>(
         &mut self,
         place: Place,
         i: &Particle,
@@ -119,7 +119,7 @@ impl Pass<'_, '_, '_> {
             .get(i.particle_type as usize, j.particle_type as usize);
         let d = j.position - i.position;
         let (_, history) = self.memory(place);
-        let (f, couple) = law_of_pair::<FRICTION, RATE, CONSERVATIVE>(
+        let (f, couple) = law_of_pair::<FRICTION, RATE>(
             law,
             &found,
             [i, j],

@@ -26,6 +26,7 @@ use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::tallies::{InelasticLoad, Tallies};
 use crate::vector::Vector3;
+use core::marker::PhantomData;
 use core::ops::Range;
 
 /// What a call is given.
@@ -106,7 +107,7 @@ pub fn compute_wall_in_lanes(
         t.start_step();
     }
     let mut load = WallLoad::default();
-    input.instruction_set.run(AddForces {
+    AddForces {
         input,
         layout,
         of_laws: &of_laws,
@@ -120,7 +121,8 @@ pub fn compute_wall_in_lanes(
         torques: output.torques,
         tallies: tallies.as_deref_mut(),
         load: &mut load,
-    });
+    }
+    .run();
     pass.take_others(wall, input, output, tallies, &mut load);
     wall.remember(output.histories, output.acts_on, &pass.written);
     wall.lone = pass;
@@ -287,22 +289,39 @@ impl<'i> AddForces<'_, 'i, '_> {
     }
 }
 
-impl Stage for AddForces<'_, '_, '_> {
-    #[inline(always)]
-    fn run<S: Registers>(self, registers: S) {
+impl AddForces<'_, '_, '_> {
+    fn run(&mut self) {
         // Planes that do not turn are the simplest and the most frequent surface: they have a kernel of their own.
         match (self.input.near.shapes, self.lone.planes.is_empty()) {
-            (Shapes::Ellipsoids, true) => self.add::<S, Ellipsoids, true>(registers),
-            (Shapes::Ellipsoids, false) => self.add::<S, Ellipsoids, false>(registers),
-            (_, true) => self.add::<S, Spheroids, true>(registers),
-            (_, false) => self.add::<S, Spheroids, false>(registers),
+            (Shapes::Ellipsoids, true) => self.of_kind::<Ellipsoids, true>(),
+            (Shapes::Ellipsoids, false) => self.of_kind::<Ellipsoids, false>(),
+            (_, true) => self.of_kind::<Spheroids, true>(),
+            (_, false) => self.of_kind::<Spheroids, false>(),
         }
+    }
+
+    fn of_kind<K: Kind, const SURFACES: bool>(&mut self) {
+        let set = self.input.instruction_set;
+        set.run(OfKind::<K, SURFACES>(self, PhantomData));
+    }
+}
+
+/// [`AddForces`] with the closed form of one kind of shape. Each kernel is compiled as a function of its own.
+struct OfKind<'q, 'p, 'i, 't, K, const SURFACES: bool>(
+    &'q mut AddForces<'p, 'i, 't>,
+    PhantomData<K>,
+);
+
+impl<K: Kind, const SURFACES: bool> Stage for OfKind<'_, '_, '_, '_, K, SURFACES> {
+    #[inline(always)]
+    fn run<S: Registers>(self, registers: S) {
+        self.0.add::<S, K, SURFACES>(registers);
     }
 }
 
 impl AddForces<'_, '_, '_> {
     #[inline(always)]
-    fn add<S: Registers, K: Kind, const SURFACES: bool>(mut self, registers: S) {
+    fn add<S: Registers, K: Kind, const SURFACES: bool>(&mut self, registers: S) {
         let zero = Lanes::splat(registers, 0.0);
         let null = Vector3::new(zero, zero, zero);
         let mut sums = Sums {

@@ -24,7 +24,7 @@ use ellgran::simd::{Lanes, Registers};
 use ellgran::vector::{Symmetric2, Vector3};
 
 use crate::one_lane::Number;
-use ellgran::contact::forces::{relative_curvature_matrix, EnergyGradient, Surface};
+use ellgran::contact::forces::{relative_curvature_matrix, Surface};
 
 /// Of a pair's state: it touches.
 pub const TOUCHES: u32 = 1;
@@ -251,14 +251,13 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
             phi: factors.phi.value,
             sigma: factors.sigma.value,
         },
-        None,
         cached,
         history,
         touched,
     ))
 }
 
-/// The law of a pair that touches as was found. `gradient` is that of the energy, where it is known already.
+/// The law of a pair that touches as was found.
 #[inline(always)]
 pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE: bool>(
     scene: &Scene<'_>,
@@ -267,7 +266,6 @@ pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONS
     found: &Found<OneLane>,
     bodies: [&K::Body<OneLane>; 2],
     factors: &Factors,
-    gradient: Option<EnergyGradient>,
     cached: Option<Vector3>,
     history: &mut [f64],
     touched: bool,
@@ -275,10 +273,7 @@ pub(crate) fn forces<K: Kind, const FRICTION: bool, const RATE: bool, const CONS
     let [i, j] = candidate.pair();
     let (a, b) = (&scene.grains[i], &scene.grains[j]);
     let (layout, law) = (&scene.layout, scene.law(candidate));
-    let x = Contact {
-        gradient,
-        ..contact_of::<K>(scene, law, [i, j], found, bodies)
-    };
+    let x = contact_of::<K>(scene, law, [i, j], found, bodies);
     let before = match cached {
         Some(n) => n,
         None if K::SPHERES || (K::is_sphere(a) && K::is_sphere(b)) => {
@@ -376,7 +371,6 @@ fn contact_of<K: Kind>(
         j: surface(j, body_b, &found.support_j, found.weingarten_j),
         effective_mass: effective_mass(scene.inverse_mass(i), scene.inverse_mass(j)),
         inverse_hessian: Some(matrix_of(found.inverse_hessian)),
-        gradient: None,
         changes: match (scene.change(law, i), scene.change(law, j)) {
             (Some(i), Some(j)) => Some([i, j]),
             _ => None,
@@ -408,7 +402,7 @@ fn with_safeguards<K: Kind>(
         }
         Pair::Touching(found) => {
             // Nothing resists rolling or twisting: the couple is none.
-            let (forces, _) = law_of_pair::<true, true, true>(
+            let (forces, _) = law_of_pair::<true, true>(
                 law,
                 &found,
                 [&a, &b],

@@ -120,7 +120,8 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     let Some(factors) = factors(OneSingle, kinds, false, relative(&nearly), with_sigma) else {
         return Outcome::Marked;
     };
-    Outcome::Touching(forces::<K, FRICTION, RATE, CONSERVATIVE>(
+    // Without the terms of the conservative law, which have precision of their own.
+    let mut forces = forces::<K, FRICTION, RATE, false>(
         scene,
         candidate,
         d,
@@ -130,12 +131,16 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
             phi: double(factors.phi).value,
             sigma: double(factors.sigma).value,
         },
-        (CONSERVATIVE && kinds.conservative)
-            .then(|| gradient::<K>(&nearly, [&singles[0], &singles[1]], &factors, unit)),
         cached,
         history,
         touched,
-    ))
+    );
+    if CONSERVATIVE && kinds.conservative {
+        let gradient = gradient::<K>(&nearly, [&singles[0], &singles[1]], &factors, unit);
+        let (normal, tangent) = (vector_of(found.normal), basis_of(found.tangent));
+        gradient.add_to(normal, &tangent, &mut forces);
+    }
+    Outcome::Touching(forces)
 }
 
 /// Two bodies at the normal and in the tangent basis of a contact.
