@@ -512,6 +512,22 @@ int32_t ellgran_gpu_histories(const struct EllgranGpuScene *scene,
                               struct EllgranGpuHistories *histories);
 
 /*
+ TEMP
+ */
+int32_t ellgran_gpu_read_histories(const struct EllgranGpuScene *scene,
+                                   int32_t plane,
+                                   uint32_t *touching,
+                                   double *histories,
+                                   void *stream);
+
+int32_t ellgran_gpu_write_histories(struct EllgranGpuScene *scene,
+                                    const struct EllgranGpuGrains *grains,
+                                    int32_t plane,
+                                    const uint32_t *touching,
+                                    const double *histories,
+                                    void *stream);
+
+/*
  Writes what a scene has done and holds. Waits for what was started on the stream.
 
  # Safety

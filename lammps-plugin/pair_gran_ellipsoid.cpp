@@ -525,12 +525,7 @@ void PairGranEllipsoid::init_style()
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
                CALLER);
-  // LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes.
-  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
-    error->all(FLERR,
-               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
-               "after read_restart and the fixes, before them",
-               CALLER, atoms_in_file - atom->natoms);
+  refuse_deletion_after_reading();
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();
@@ -562,6 +557,17 @@ void PairGranEllipsoid::init_style()
   if (by_size && history_length > 0) request |= NeighConst::REQ_HISTORY;
   neighbor->add_request(this, request);
   if (fix_history) fix_history->use_bit_flag = by_size ? 1 : 0;
+}
+
+/* LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes. */
+
+void PairGranEllipsoid::refuse_deletion_after_reading() const
+{
+  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
+    error->all(FLERR,
+               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
+               "after read_restart and the fixes, before them",
+               CALLER, atoms_in_file - atom->natoms);
 }
 
 double PairGranEllipsoid::init_one(int i, int j)
@@ -816,6 +822,11 @@ void PairGranEllipsoid::build_laws()
   described = text;
 }
 
+FixEllgranHistory *PairGranEllipsoid::make_history_fix(const std::string &id)
+{
+  return replace_by_history(modify, id_history, id, history_length);
+}
+
 void PairGranEllipsoid::place_history_fix()
 {
   history_length = ellgran_laws_history_length(laws);
@@ -835,7 +846,7 @@ void PairGranEllipsoid::place_history_fix()
       modify->replace_fix(id_history, id + " all DUMMY", 0);
       fix_history = nullptr;
     } else {
-      fix_history = replace_by_history(modify, id_history, id, history_length);
+      fix_history = make_history_fix(id);
     }
     id_history = id;
   }
