@@ -324,6 +324,11 @@ const EllgranDeviceGrains::Rows &EllgranDeviceGrains::rows()
   return rows_of_list;
 }
 
+std::vector<int> EllgranDeviceGrains::owners_on_host() const
+{
+  return has_owners ? copied_out<int>(owners.data(), listed_count) : std::vector<int>();
+}
+
 EllgranDeviceGrains::Remembered EllgranDeviceGrains::nothing_remembered() const
 {
   EllgranGpuHistories held = ELLGRAN_INIT(EllgranGpuHistories);
@@ -376,7 +381,7 @@ std::vector<double> EllgranDeviceGrains::velocity_changes() const
   if (!of_step) return {};
   if (!has_owners) return copied_out<double>(changes.data(), 6 * static_cast<std::size_t>(listed_count));
   auto values = copied_out<double>(changes.data(), 6 * static_cast<std::size_t>(listed_owned));
-  const auto of = copied_out<int>(owners.data(), listed_count);
+  const auto of = owners_on_host();
   values.resize(6 * static_cast<std::size_t>(listed_count));
   for (int i = listed_owned; i < listed_count; i++) std::copy_n(&values[6 * static_cast<std::size_t>(of[i])], 6, &values[6 * static_cast<std::size_t>(i)]);
   return values;

@@ -59,6 +59,8 @@ class EllgranDeviceGrains : protected Pointers {
     [[nodiscard]] bool keeps(int k, int other) const { return other >= owned || ids[k] < ids[other]; }
   };
   const Rows &rows();
+  /// The grain that each atom and image of the list is, or is an image of; empty with several ranks.
+  [[nodiscard]] std::vector<int> owners_on_host() const;
 
   /// What is remembered of the entries of the rows, on the host: `length` doubles each. Of a pair: as of the pair whose first grain has
   /// the lower ID.

@@ -65,10 +65,7 @@ PairGranEllipsoidDevice *PairGranEllipsoidDevice::of(LAMMPS *lmp, const char *ca
 
 void PairGranEllipsoidDevice::compute(int eflag, int vflag)
 {
-  ev_init(0, 0);
-  // Whoever asks for energies or stresses hears from LAMMPS that there are none.
-  if (eflag || vflag) update->eflag_global = update->vflag_global = update->eflag_atom = update->vflag_atom = -1;
-
+  ev_init(eflag, vflag);
   atomKK->sync(Device, datamask_read);
   if (neighbor->ago == 0) {
     begin_list();
@@ -81,6 +78,7 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes() ? 1 : 0;
+  if (evflag) tally(step);
   grains.add_forces(step);
   atomKK->modified(Device, datamask_modify);
   // Nothing wrong is shown.
@@ -105,6 +103,83 @@ void PairGranEllipsoidDevice::share_motion()
   if (comm->nprocs == 1) return;
   comm->forward_comm(this, grains.motion_length());
   atomKK->modified(Device, V_MASK | ANGMOM_MASK);
+}
+
+/* Energies and stresses are not on the GPU. In a step in which somebody asks for them the host computes the contacts once more, of what the
+   GPU is about to compute them from; its forces and histories are dropped. */
+
+void PairGranEllipsoidDevice::tally(const EllgranStep &step)
+{
+  if (atom->nlocal + atom->nghost == 0) return;
+  atomKK->sync(Host, X_MASK | V_MASK | ANGMOM_MASK | RMASS_MASK | TYPE_MASK | TAG_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  const auto &rows = grains.rows();
+  const auto remembered = grains.remembered();
+  const std::size_t count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
+
+  EllgranParticles particles = atoms.view();
+  const auto owners = grains.owners_on_host();
+  std::vector<double> velocities(3 * count), angular_momenta(3 * count), unused_forces(3 * count, 0.0), unused_torques(3 * count, 0.0);
+  std::vector<int> bodies(count);
+  for (std::size_t i = 0; i < count; i++) {
+    const std::size_t owner = owners.empty() ? i : static_cast<std::size_t>(owners[i]);
+    std::copy_n(particles.velocities + 3 * owner, 3, &velocities[3 * i]);
+    std::copy_n(particles.angular_momenta + 3 * owner, 3, &angular_momenta[3 * i]);
+    bodies[i] = particles.shape_indices[owner];
+  }
+  const auto changes = grains.velocity_changes();
+  particles.velocities = velocities.data();
+  particles.angular_momenta = angular_momenta.data();
+  particles.velocity_changes = changes.empty() ? nullptr : changes.data();
+  particles.shape_indices = bodies.data();
+  particles.forces = unused_forces.data();
+  particles.torques = unused_torques.data();
+
+  // The entries that the rows keep, each as of the pair whose first grain is that of the row.
+  std::vector<int> central(rows.owned), counts(count, 0), neighbours, touching;
+  std::vector<double> histories, source(history_length);
+  std::vector<std::size_t> begins(rows.owned);
+  for (int k = 0; k < rows.owned; k++) {
+    central[k] = k;
+    begins[k] = neighbours.size();
+    for (uint32_t e = rows.starts[k]; e < rows.starts[k + 1]; e++) {
+      const int other = static_cast<int>(rows.neighbours[e]);
+      if (!rows.keeps(k, other)) continue;
+      counts[k]++;
+      neighbours.push_back(other);
+      touching.push_back(static_cast<int>(remembered.touching[e]));
+      // Where walls remember more than pairs the GPU has longer histories, which begin in the same way.
+      const double *const history = &remembered.histories[e * remembered.length];
+      histories.insert(histories.end(), history, history + history_length);
+      if (rows.ids[k] < rows.ids[other]) continue;
+      std::copy_n(history, history_length, source.begin());
+      transfer_history(source.data(), histories.data() + (histories.size() - history_length), 0, 0);
+    }
+  }
+  std::vector<const int *> rows_of_neighbours(count, nullptr);
+  std::vector<int *> rows_of_touching(count, nullptr);
+  std::vector<double *> rows_of_histories(count, nullptr);
+  for (int k = 0; k < rows.owned; k++) {
+    rows_of_neighbours[k] = neighbours.data() + begins[k];
+    rows_of_touching[k] = touching.data() + begins[k];
+    rows_of_histories[k] = histories.data() + begins[k] * history_length;
+  }
+  EllgranNeighbourList pairs = ELLGRAN_INIT(EllgranNeighbourList);
+  pairs.count = central.size();
+  pairs.central = central.data();
+  pairs.neighbour_counts = counts.data();
+  pairs.neighbours = rows_of_neighbours.data();
+  pairs.index_mask = -1;
+  pairs.touching = (history_length > 0) ? rows_of_touching.data() : nullptr;
+  pairs.history = (history_length > 0) ? rows_of_histories.data() : nullptr;
+
+  EllgranTallies sums = ELLGRAN_INIT(EllgranTallies);
+  sums.particle_energies = eflag_atom ? eatom : nullptr;
+  sums.particle_virials = vflag_atom ? vatom[0] : nullptr;
+  if (ellgran_compute_pairs(laws, workspace, &particles, &pairs, &step, &sums) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  if (eflag_global) eng_vdwl += sums.normal_elastic_energy + sums.tangential_elastic_energy;
+  if (vflag_global)
+    for (int k = 0; k < 6; k++) virial[k] += sums.virial[k];
 }
 
 int PairGranEllipsoidDevice::pack_forward_comm_kokkos(int n, DAT::tdual_int_1d indices, DAT::tdual_double_1d &buffer, int, int *)

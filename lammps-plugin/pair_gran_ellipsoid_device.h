@@ -68,6 +68,7 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   class FixEllgranHistory *make_history_fix(const std::string &id) override;
   void begin_list();
   void share_motion();
+  void tally(const EllgranStep &step);
 };
 
 }    // namespace LAMMPS_NS
