@@ -223,11 +223,16 @@ void EllgranDeviceGrains::follow_order(bool several_ranks)
   const auto now = places;
   const auto of = owners, id = ids;
   const int size = static_cast<int>(places.extent(0));
+  const auto type = atoms->k_type.view_device();
+  const bool has_own_images = has_owners;
   Kokkos::parallel_for(
       Policy(0, count), KOKKOS_LAMBDA(const int i) {
         id(i) = tag(i);
         of(i) = (i < owned) ? i : ((tag(i) < size) ? now(tag(i)) : -1);
+        // Images do not hear of types that a command has changed before a run without set-up.
+        if (has_own_images && i >= owned && of(i) >= 0) type(i) = type(of(i));
       });
+  if (has_owners) atoms->modified(Device, TYPE_MASK);
   listed_owned = owned;
   listed_count = count;
   rows_known = false;

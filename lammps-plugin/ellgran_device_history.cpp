@@ -2,7 +2,8 @@
 
 #include "ellgran_device_history.h"
 
-#include "atom.h"
+#include "atom_kokkos.h"
+#include "atom_masks.h"
 #include "comm.h"
 #include "error.h"
 #include "my_page.h"
@@ -21,6 +22,10 @@ FixEllgranDeviceHistory::FixEllgranDeviceHistory(LAMMPS *lmp, int narg, char **a
   // Nothing of an atom has to be sent or sorted on the GPU: with one rank no atom leaves it, with several LAMMPS sends them from the host.
   sort_device = 1;
   exchange_comm_device = (comm->nprocs == 1) ? 1 : 0;
+  // What is read here is asked for where it is read: LAMMPS would copy all atoms to the host with each new list.
+  kokkosable = 1;
+  execution_space = Device;
+  datamask_read = datamask_modify = EMPTY_MASK;
 }
 
 void FixEllgranDeviceHistory::post_neighbor()
@@ -68,6 +73,7 @@ bool FixEllgranDeviceHistory::atoms_have_changed() const
 void FixEllgranDeviceHistory::take_from_device()
 {
   if (!grains->has_list()) return;
+  static_cast<AtomKokkos *>(atom)->sync(Host, TAG_MASK);
   const auto &rows = grains->rows();
   const auto pairs = grains->remembered();
 

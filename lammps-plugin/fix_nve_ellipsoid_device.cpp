@@ -126,6 +126,7 @@ bool FixNVEEllipsoidDevice::atoms_have_changed() const
 
 void FixNVEEllipsoidDevice::take_from_device()
 {
+  atomKK->sync(Host, TAG_MASK);
   const auto values = pair->grains.steps();
   std::unordered_map<tagint, std::size_t> place;
   if (!values.empty()) {

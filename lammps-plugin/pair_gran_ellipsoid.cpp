@@ -180,14 +180,16 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
   if (neighbor->ago > 0) require_listed_atoms();
   listed = atom->nlocal + atom->nghost;
-  if (neighbor->ago == 0 || shapes_may_change || update->setupflag) require_allowed_sizes();
+  // Commands may have changed types, masses and shapes before a run that goes on with an old list ('run ... pre no', 'run ... every'). LAMMPS
+  // computes no forces when such a run starts.
+  const bool grains_may_differ = shapes_may_change || update->setupflag || update->ntimestep == update->firststep + 1;
+  if (neighbor->ago == 0 || grains_may_differ) require_allowed_sizes();
   if (neighbor->ago == 0) {
     // A fix may have added atoms.
     atoms.require_shapes(~0);
     refresh_body_masses();
-  } else if (shapes_may_change || update->setupflag) {
-    // Ghosts were given their shapes when the list was built. Commands may have changed shapes before a run that
-    // goes on with an old list ('run ... pre no', 'run ... every').
+  } else if (grains_may_differ) {
+    // Ghosts were given theirs when the list was built.
     shapes_in_message = true;
     comm->forward_comm(this);
     shapes_in_message = false;

@@ -39,7 +39,7 @@ const char CALLER[] = "Pair gran/ellipsoid/kk";
 
 PairGranEllipsoidDevice::PairGranEllipsoidDevice(LAMMPS *lmp) :
     PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), motion(nullptr), device_history(nullptr), options_of_scene(0),
-    planes_remember(false)
+    planes_remember(false), between_runs(false)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style gran/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use gran/ellipsoid",
@@ -69,12 +69,20 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
   atomKK->sync(Device, datamask_read);
   if (neighbor->ago == 0) {
     begin_list();
+  } else if (between_runs) {
+    // The first step of a run without set-up: commands may have changed types, masses and shapes.
+    grains.require_listed();
+    require_same_grains();
+    atomKK->sync(Host, TYPE_MASK | ELLIPSOID_MASK | BONUS_MASK);
+    require_allowed_sizes();
+    begin_list();
   } else {
     grains.require_listed();
     if (device_history && device_history->is_held()) device_history->let_go();
     share_motion();
     grains.prepare();
   }
+  between_runs = false;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes() ? 1 : 0;
@@ -94,6 +102,36 @@ void PairGranEllipsoidDevice::begin_list()
   share_motion();
   grains.take_list(static_cast<NeighListKokkos<LMPDeviceType> *>(list));
   if (device_history && device_history->is_held()) device_history->give_to_device();
+}
+
+/* Images on other ranks hear of types, masses and shapes with a new neighbour list of LAMMPS alone. */
+
+std::vector<double> PairGranEllipsoidDevice::present_grains()
+{
+  atomKK->sync(Host, TYPE_MASK | RMASS_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  const EllgranParticles particles = atoms.view();
+  std::vector<double> values;
+  for (int i = 0; i < atom->nlocal; i++) {
+    values.push_back(atom->type[i]);
+    values.push_back(atom->rmass[i]);
+    const auto *const record = reinterpret_cast<const char *>(particles.semi_axes) + particles.semi_axes_stride * atom->ellipsoid[i];
+    const auto *const axes = reinterpret_cast<const double *>(record);
+    values.insert(values.end(), axes, axes + 3);
+  }
+  return values;
+}
+
+void PairGranEllipsoidDevice::require_same_grains()
+{
+  if (comm->nprocs == 1) return;
+  const int same_here = (present_grains() == grains_at_end) ? 1 : 0;
+  int same = 0;
+  MPI_Allreduce(&same_here, &same, 1, MPI_INT, MPI_MIN, world);
+  if (!same)
+    error->all(FLERR,
+               "{}: types, masses or shapes have changed since the last run, and on the GPU with several ranks images would not hear of it: "
+               "leave out 'pre no'",
+               CALLER);
 }
 
 /* With one rank images have the velocities of their grains. */
@@ -396,4 +434,6 @@ void PairGranEllipsoidDevice::finish()
   grains.require_sound();
   atomKK->sync(Host, TAG_MASK);
   ids_at_end.assign(atom->tag, atom->tag + atom->nlocal);
+  if (comm->nprocs > 1) grains_at_end = present_grains();
+  between_runs = true;
 }

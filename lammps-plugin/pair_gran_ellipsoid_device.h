@@ -55,7 +55,9 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   SceneLaws laws_of_scene;
   uint32_t options_of_scene;
   bool planes_remember;              // the scene has planes, and their contacts remember something
+  bool between_runs;                 // no force has been computed since the last run ended
   std::vector<tagint> ids_at_end;    // of all atoms in their order, when the last run ended
+  std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes
 
   void refuse_what_the_gpu_has_not() const;
   void refuse_what_walls_forget() const;
@@ -67,6 +69,8 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   void take_laws();
   class FixEllgranHistory *make_history_fix(const std::string &id) override;
   void begin_list();
+  [[nodiscard]] std::vector<double> present_grains();
+  void require_same_grains();
   void share_motion();
   void tally(const EllgranStep &step);
 };
