@@ -389,7 +389,7 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   if (FixEllgranStepVelocity::needed(modify)) refuse("prescribed motion of grains and changes of the box are", "remove fix move, rigid, deform, nph or press");
   for (const auto *fix : modify->get_fix_list()) {
     const std::string style = fix->style;
-    if (fix->rigid_flag || utils::strmatch(style, "^freeze") || fix->box_change)
+    if (fix->rigid_flag || utils::strmatch(style, "^freeze") || (fix->box_change & ~Fix::BOX_CHANGE_DOMAIN))
       refuse("fix " + style + " is", "remove it, or start LAMMPS without '-k on'");
     if (dynamic_cast<const FixWallGranEllipsoid *>(fix) && !dynamic_cast<const FixWallGranEllipsoidDevice *>(fix))
       refuse("fix wall/gran/ellipsoid without the suffix is", "use wall/gran/ellipsoid/kk ('-sf kk')");

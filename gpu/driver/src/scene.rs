@@ -1211,10 +1211,7 @@ fn require_lengths(
             wanted.0, wanted.1
         ));
     }
-    Ok((
-        held.touching.addr() as u64,
-        held.histories.addr() as u64,
-    ))
+    Ok((held.touching.addr() as u64, held.histories.addr() as u64))
 }
 
 /// Addresses of the components of a vector.

@@ -111,7 +111,7 @@ pub unsafe extern "C" fn ellgran_gpu_scene_free(scene: *mut EllgranGpuScene) {
 ///
 /// - What is remembered of pairs that both lists have, and of grains with planes, is carried over on the GPU, by the identifiers of the
 ///   grains. Of other pairs nothing is remembered, nor of an owned grain that was not in the list before, except with those that had it
-///   as a ghost: ranks that exchange grains write what they remember through `ellgran_gpu_histories`.
+///   as a ghost: ranks that exchange grains give what they remember to `ellgran_gpu_write_histories`.
 /// - Memory is allocated as needed. No other call allocates any.
 /// - Grains are prepared and candidates selected: `ellgran_gpu_compute_pairs` may follow at once.
 /// - The call waits for what was started before, and for its own checks: a grain or a row with which something is wrong is an
