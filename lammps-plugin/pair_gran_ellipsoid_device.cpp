@@ -124,7 +124,7 @@ std::vector<double> PairGranEllipsoidDevice::present_grains()
 void PairGranEllipsoidDevice::require_same_grains()
 {
   if (comm->nprocs == 1) return;
-  const int same_here = (present_grains() == grains_at_end) ? 1 : 0;
+  int same_here = (present_grains() == grains_at_end) ? 1 : 0;
   int same = 0;
   MPI_Allreduce(&same_here, &same, 1, MPI_INT, MPI_MIN, world);
   if (!same)
