@@ -460,7 +460,7 @@ void ellgran_gpu_scene_free(struct EllgranGpuScene *scene);
 
  - What is remembered of pairs that both lists have, and of grains with planes, is carried over on the GPU, by the identifiers of the
    grains. Of other pairs nothing is remembered, nor of an owned grain that was not in the list before, except with those that had it
-   as a ghost: ranks that exchange grains write what they remember through `ellgran_gpu_histories`.
+   as a ghost: ranks that exchange grains give what they remember to `ellgran_gpu_write_histories`.
  - Memory is allocated as needed. No other call allocates any.
  - Grains are prepared and candidates selected: `ellgran_gpu_compute_pairs` may follow at once.
  - The call waits for what was started before, and for its own checks: a grain or a row with which something is wrong is an
@@ -510,6 +510,36 @@ int32_t ellgran_gpu_check(struct EllgranGpuScene *scene,
 int32_t ellgran_gpu_histories(const struct EllgranGpuScene *scene,
                               int32_t plane,
                               struct EllgranGpuHistories *histories);
+
+/*
+ Copies what `ellgran_gpu_histories` tells of to arrays of the host: to `touching`, [count], and `histories`, [count][length]. Waits for
+ what was started on the stream. `plane` = -1: of pairs.
+
+ # Safety
+ `scene` is NULL or valid; `touching` is NULL or valid for `count` writes, `histories` for `count * length`; those arrays do not overlap.
+ */
+int32_t ellgran_gpu_read_histories(const struct EllgranGpuScene *scene,
+                                   int32_t plane,
+                                   uint32_t *touching,
+                                   double *histories,
+                                   void *stream);
+
+/*
+ Takes what is remembered from arrays of the host, as `ellgran_gpu_read_histories` writes them, in place of all that was remembered
+ of pairs (`plane` = -1) or of that plane: after a restart, or when grains have come from other ranks. Follows `ellgran_gpu_new_list`,
+ with the same `grains`. Entries of which nothing is remembered, and the entry of a pair of two owned grains in the row of the one with
+ the higher identifier, have 0 in both arrays. What a pair remembers that cannot touch is forgotten.
+
+ # Safety
+ `scene` is NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states; `touching` is NULL or valid
+ for `count` reads, `histories` for `count * length`.
+ */
+int32_t ellgran_gpu_write_histories(struct EllgranGpuScene *scene,
+                                    const struct EllgranGpuGrains *grains,
+                                    int32_t plane,
+                                    const uint32_t *touching,
+                                    const double *histories,
+                                    void *stream);
 
 /*
  Writes what a scene has done and holds. Waits for what was started on the stream.

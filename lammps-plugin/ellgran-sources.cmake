@@ -32,6 +32,7 @@ list(TRANSFORM ELLGRAN_STYLE_SOURCES PREPEND "${CMAKE_CURRENT_LIST_DIR}/")
 # Those for a GPU, compiled with the headers of KOKKOS.
 set(ELLGRAN_DEVICE_STYLE_SOURCES
   ellgran_device_grains.cpp
+  ellgran_device_history.cpp
   fix_nve_ellipsoid_device.cpp
   fix_wall_gran_ellipsoid_device.cpp
   pair_gran_ellipsoid_device.cpp)

@@ -317,6 +317,7 @@ void EllgranAtoms::pack_shapes(int n, const int *indices, double *buffer) const
     const int i = indices[k];
     if (const double *axes = semi_axes(found, i)) std::copy_n(axes, 3, buffer);
     buffer[3] = atom->rmass[i];
+    buffer[4] = atom->type[i];
   }
 }
 
@@ -327,6 +328,7 @@ void EllgranAtoms::unpack_shapes(int n, int first, const double *buffer)
     // LAMMPS hands the array out for writing; only the view of it here is constant.
     if (const double *axes = semi_axes(found, i)) std::copy_n(buffer, 3, const_cast<double *>(axes));
     atom->rmass[i] = buffer[3];
+    atom->type[i] = static_cast<int>(buffer[4]);
   }
 }
 

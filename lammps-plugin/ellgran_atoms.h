@@ -51,13 +51,13 @@ class EllgranAtoms : protected Pointers {
   /// Pointers to the arrays as they are now (they move when LAMMPS migrates atoms).
   [[nodiscard]] EllgranParticles view() const;
 
-  /// Semi-axes and mass of the atoms at `indices`, `SHAPE_SIZE` doubles each, into `buffer`; 0 for what has no shape.
+  /// Semi-axes, mass and type of the atoms at `indices`, `SHAPE_SIZE` doubles each, into `buffer`; 0 for what has no shape.
   void pack_shapes(int n, const int *indices, double *buffer) const;
 
   /// What `pack_shapes` wrote, for the ghosts from `first` on.
   void unpack_shapes(int n, int first, const double *buffer);
 
-  static constexpr int SHAPE_SIZE = 4;
+  static constexpr int SHAPE_SIZE = 5;
 
   /// Makes an owned atom, new or not, an ellipsoid at rest about its centre.
   void set_grain(int i, const double *semi_axes, const double *quaternion, double mass);

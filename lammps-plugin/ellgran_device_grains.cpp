@@ -56,6 +56,22 @@ struct Bodies {
   }
 };
 
+template <class T> using OnHost = Kokkos::View<T *, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+template <class T> using OnDevice = Kokkos::View<T *, LMPDeviceType, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
+
+// Copies to the host, and waits for it.
+template <class T> std::vector<T> copied_out(const T *from, std::size_t count)
+{
+  std::vector<T> to(count);
+  if (count > 0) Kokkos::deep_copy(OnHost<T>(to.data(), count), OnDevice<const T>(from, count));
+  return to;
+}
+
+template <class T> void copy_in(T *to, const T *from, std::size_t count)
+{
+  if (count > 0) Kokkos::deep_copy(OnDevice<T>(to, count), OnHost<const T>(from, count));
+}
+
 // Views that only grow: LAMMPS adds images with each list.
 template <class View> void fit(View &view, const char *label, size_t count)
 {
@@ -66,7 +82,7 @@ template <class View> void fit(View &view, const char *label, size_t count)
 }    // namespace
 
 EllgranDeviceGrains::EllgranDeviceGrains(LAMMPS *lmp, const std::string &caller_name) :
-    Pointers(lmp), caller(caller_name), gpu(nullptr), scene(nullptr), of_step(false), changes_known(false), listed_count(-1), listed_owned(0), margin(0.0)
+    Pointers(lmp), caller(caller_name), gpu(nullptr), scene(nullptr), of_step(false), changes_known(false), has_owners(true), rows_known(false), listed_count(-1), listed_owned(0), margin(0.0)
 {
 }
 
@@ -99,6 +115,7 @@ void EllgranDeviceGrains::set_laws(const EllgranLaws *laws)
   ellgran_gpu_scene_free(scene);
   scene = nullptr;
   listed_count = -1;
+  rows_known = false;
   check(ellgran_gpu_scene_new(gpu, laws, ELLGRAN_GPU_ANY_SHAPES, &scene));
 }
 
@@ -126,7 +143,7 @@ EllgranGpuGrains EllgranDeviceGrains::grains() const
   grains.quaternions = bodies.quaternions;
   grains.types = atoms->k_type.view_device().data();
   grains.identifiers = atoms->k_tag.view_device().data();
-  grains.owners = owners.data();
+  grains.owners = has_owners ? owners.data() : nullptr;
   grains.body_places = bodies.places;
   grains.body_count = bodies.count;
   return grains;
@@ -171,24 +188,25 @@ EllgranGpuMotion EllgranDeviceGrains::motion(double time_step_before) const
 
 /* LAMMPS has sorted its atoms, added or deleted some, and has other images. What is kept of each is carried over by its identifier. */
 
-void EllgranDeviceGrains::follow_order()
+void EllgranDeviceGrains::follow_order(bool several_ranks)
 {
   auto *const atoms = static_cast<AtomKokkos *>(atom);
   const int owned = atom->nlocal, count = owned + atom->nghost;
-  const int before = changes_known ? listed_owned : 0;
+  has_owners = !several_ranks;
+  const bool known = changes_known;
   const auto tag = atoms->k_tag.view_device();
   const int old_size = static_cast<int>(places.extent(0));
   const auto old_places = places;
 
   if (of_step) {
-    fit(other_changes, "ellgran:changes", owned);
+    fit(other_changes, "ellgran:changes", count);
     fit(other_loads, "ellgran:loads_before", owned);
     const auto to_changes = other_changes, from_changes = changes;
     const auto to_loads = other_loads, from_loads = loads_before;
     Kokkos::parallel_for(
         Policy(0, owned), KOKKOS_LAMBDA(const int i) {
           const int id = tag(i);
-          int from = (before > 0 && id < old_size) ? old_places(id) : -1;
+          int from = (known && id < old_size) ? old_places(id) : -1;
           for (int k = 0; k < 6; k++) {
             to_changes(i, k) = (from >= 0) ? from_changes(from, k) : 0.0;
             to_loads(i, k) = (from >= 0) ? from_loads(from, k) : ((k == 0) ? UNKNOWN : 0.0);
@@ -199,25 +217,45 @@ void EllgranDeviceGrains::follow_order()
     changes_known = true;
   }
 
+  place_ids();
+  fit(owners, "ellgran:owners", count);
+  fit(ids, "ellgran:ids", count);
+  const auto now = places;
+  const auto of = owners, id = ids;
+  const int size = static_cast<int>(places.extent(0));
+  const auto type = atoms->k_type.view_device();
+  const bool has_own_images = has_owners;
+  Kokkos::parallel_for(
+      Policy(0, count), KOKKOS_LAMBDA(const int i) {
+        id(i) = tag(i);
+        of(i) = (i < owned) ? i : ((tag(i) < size) ? now(tag(i)) : -1);
+        // Images do not hear of types that a command has changed before a run without set-up.
+        if (has_own_images && i >= owned && of(i) >= 0) type(i) = type(of(i));
+      });
+  if (has_owners) atoms->modified(Device, TYPE_MASK);
+  listed_owned = owned;
+  listed_count = count;
+  rows_known = false;
+}
+
+/* Where LAMMPS' present atoms are, by their IDs. */
+
+void EllgranDeviceGrains::place_ids()
+{
+  const int owned = atom->nlocal;
+  const auto tag = static_cast<AtomKokkos *>(atom)->k_tag.view_device();
   int largest = 0;
   Kokkos::parallel_reduce(
       Policy(0, owned), KOKKOS_LAMBDA(const int i, int &most) { most = (tag(i) > most) ? tag(i) : most; },
       Kokkos::Max<int>(largest));
-  if (old_size < largest + 1)
+  // On a rank without atoms the reduction leaves the least number that there is.
+  largest = std::max(largest, 0);
+  if (places.extent(0) < static_cast<size_t>(largest) + 1)
     places = Integers(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string("ellgran:places")), static_cast<size_t>(largest) + 1 + largest / 8);
   Kokkos::deep_copy(LMPDeviceType(), places, -1);
-  fit(owners, "ellgran:owners", count);
   const auto now = places;
-  const auto of = owners;
   Kokkos::parallel_for(
-      Policy(0, owned), KOKKOS_LAMBDA(const int i) {
-        now(tag(i)) = i;
-        of(i) = i;
-      });
-  Kokkos::parallel_for(
-      Policy(owned, count), KOKKOS_LAMBDA(const int i) { of(i) = now(tag(i)); });
-  listed_owned = owned;
-  listed_count = count;
+      Policy(0, owned), KOKKOS_LAMBDA(const int i) { now(tag(i)) = i; });
 }
 
 void EllgranDeviceGrains::find_margin()
@@ -269,7 +307,6 @@ void EllgranDeviceGrains::take_rows(NeighListKokkos<LMPDeviceType> *list)
 
 void EllgranDeviceGrains::take_list(NeighListKokkos<LMPDeviceType> *list)
 {
-  follow_order();
   find_margin();
   take_rows(list);
   EllgranGpuList rows = ELLGRAN_INIT(EllgranGpuList);
@@ -278,6 +315,120 @@ void EllgranDeviceGrains::take_list(NeighListKokkos<LMPDeviceType> *list)
   rows.margin = margin;
   const EllgranGpuGrains now = grains();
   check(ellgran_gpu_new_list(scene, &now, &rows, stream()));
+}
+
+const EllgranDeviceGrains::Rows &EllgranDeviceGrains::rows()
+{
+  if (!rows_known) {
+    rows_of_list.owned = listed_owned;
+    rows_of_list.starts = copied_out(starts.data(), static_cast<std::size_t>(listed_owned) + 1);
+    rows_of_list.neighbours = copied_out(neighbours.data(), rows_of_list.starts.back());
+    rows_of_list.ids = copied_out(ids.data(), listed_count);
+    rows_known = true;
+  }
+  return rows_of_list;
+}
+
+std::vector<int> EllgranDeviceGrains::owners_on_host() const
+{
+  return has_owners ? copied_out<int>(owners.data(), listed_count) : std::vector<int>();
+}
+
+EllgranDeviceGrains::Remembered EllgranDeviceGrains::nothing_remembered() const
+{
+  EllgranGpuHistories held = ELLGRAN_INIT(EllgranGpuHistories);
+  check(ellgran_gpu_histories(scene, -1, &held));
+  return {std::vector<uint32_t>(held.count), std::vector<double>(held.count * held.length), held.length};
+}
+
+EllgranDeviceGrains::Remembered EllgranDeviceGrains::remembered() const
+{
+  Remembered pairs = nothing_remembered();
+  check(ellgran_gpu_read_histories(scene, -1, pairs.touching.data(), pairs.histories.data(), stream()));
+  return pairs;
+}
+
+void EllgranDeviceGrains::remember(const Remembered &pairs)
+{
+  const EllgranGpuGrains now = grains();
+  check(ellgran_gpu_write_histories(scene, &now, -1, pairs.touching.data(), pairs.histories.data(), stream()));
+}
+
+std::vector<double> EllgranDeviceGrains::steps() const
+{
+  if (!of_step || !changes_known || listed_count < 0) return {};
+  const std::size_t n = listed_owned;
+  const auto more = copied_out<double>(changes.data(), 6 * n), before = copied_out<double>(loads_before.data(), 6 * n);
+  std::vector<double> values(KEPT_OF_STEPS * n);
+  for (std::size_t i = 0; i < n; i++) {
+    std::copy_n(&more[6 * i], 6, &values[KEPT_OF_STEPS * i]);
+    std::copy_n(&before[6 * i], 6, &values[KEPT_OF_STEPS * i + 6]);
+  }
+  return values;
+}
+
+void EllgranDeviceGrains::set_steps(const std::vector<double> &values)
+{
+  const std::size_t n = atom->nlocal;
+  fit(changes, "ellgran:changes", n);
+  fit(loads_before, "ellgran:loads_before", n);
+  std::vector<double> part(6 * n);
+  for (std::size_t i = 0; i < n; i++) std::copy_n(&values[KEPT_OF_STEPS * i], 6, &part[6 * i]);
+  copy_in<double>(changes.data(), part.data(), part.size());
+  for (std::size_t i = 0; i < n; i++) std::copy_n(&values[KEPT_OF_STEPS * i + 6], 6, &part[6 * i]);
+  copy_in<double>(loads_before.data(), part.data(), part.size());
+  place_ids();
+  changes_known = true;
+}
+
+std::vector<double> EllgranDeviceGrains::velocity_changes() const
+{
+  if (!of_step) return {};
+  if (!has_owners) return copied_out<double>(changes.data(), 6 * static_cast<std::size_t>(listed_count));
+  auto values = copied_out<double>(changes.data(), 6 * static_cast<std::size_t>(listed_owned));
+  const auto of = owners_on_host();
+  values.resize(6 * static_cast<std::size_t>(listed_count));
+  for (int i = listed_owned; i < listed_count; i++) std::copy_n(&values[6 * static_cast<std::size_t>(of[i])], 6, &values[6 * static_cast<std::size_t>(i)]);
+  return values;
+}
+
+void EllgranDeviceGrains::pack_motion(int n, const DAT::tdual_int_1d &indices, DAT::tdual_double_1d &buffer)
+{
+  auto *const atoms = static_cast<AtomKokkos *>(atom);
+  const auto index = indices.view<LMPDeviceType>();
+  const auto to = buffer.view<LMPDeviceType>();
+  const auto v = atoms->k_v.view_device();
+  const auto angmom = atoms->k_angmom.view_device();
+  const auto more = changes;
+  const int length = motion_length();
+  Kokkos::parallel_for(
+      Policy(0, n), KOKKOS_LAMBDA(const int i) {
+        const int j = index(i);
+        for (int k = 0; k < 3; k++) {
+          to(i * length + k) = v(j, k);
+          to(i * length + 3 + k) = angmom(j, k);
+        }
+        for (int k = 6; k < length; k++) to(i * length + k) = more(j, k - 6);
+      });
+}
+
+void EllgranDeviceGrains::unpack_motion(int n, int first, DAT::tdual_double_1d &buffer)
+{
+  auto *const atoms = static_cast<AtomKokkos *>(atom);
+  const auto from = buffer.view<LMPDeviceType>();
+  const auto v = atoms->k_v.view_device();
+  const auto angmom = atoms->k_angmom.view_device();
+  const auto more = changes;
+  const int length = motion_length();
+  Kokkos::parallel_for(
+      Policy(0, n), KOKKOS_LAMBDA(const int i) {
+        const int j = first + i;
+        for (int k = 0; k < 3; k++) {
+          v(j, k) = from(i * length + k);
+          angmom(j, k) = from(i * length + 3 + k);
+        }
+        for (int k = 6; k < length; k++) more(j, k - 6) = from(i * length + k);
+      });
 }
 
 void EllgranDeviceGrains::add_forces(const EllgranStep &step)

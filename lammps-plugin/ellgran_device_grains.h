@@ -35,6 +35,7 @@ class EllgranDeviceGrains : protected Pointers {
 
   /// Whether something is remembered of the contacts of the run before.
   [[nodiscard]] bool has_list() const { return listed_count >= 0; }
+  [[nodiscard]] int owned_in_list() const { return listed_owned; }
 
   /// Whether forces see velocities of the step; decided before a list.
   void use_velocities_of_step(bool yes);
@@ -42,8 +43,50 @@ class EllgranDeviceGrains : protected Pointers {
   /// Nothing is known of the velocities that the last forces saw: they are those that there are.
   void forget_steps() { changes_known = false; }
 
-  /// Takes the order that LAMMPS' atoms have now, and its neighbour list: full, and on the device.
+  /// Takes the order that LAMMPS' atoms have now, before `take_list`: what is kept of each atom follows its ID. With several ranks images
+  /// have velocities of their own (`pack_motion`), else those of the grains that they are images of.
+  void follow_order(bool several_ranks);
+
+  /// Takes LAMMPS' neighbour list: full, and on the device.
   void take_list(NeighListKokkos<LMPDeviceType> *list);
+
+  /// The rows of the list on the host, and the IDs that its atoms and images had when it was made.
+  struct Rows {
+    std::vector<uint32_t> starts, neighbours;
+    std::vector<tagint> ids;
+    int owned;
+    /// Whether row `k` is the one that keeps its pair with `other`.
+    [[nodiscard]] bool keeps(int k, int other) const { return other >= owned || ids[k] < ids[other]; }
+  };
+  const Rows &rows();
+  /// The grain that each atom and image of the list is, or is an image of; empty with several ranks.
+  [[nodiscard]] std::vector<int> owners_on_host() const;
+
+  /// What is remembered of the entries of the rows, on the host: `length` doubles each. Of a pair: as of the pair whose first grain has
+  /// the lower ID.
+  struct Remembered {
+    std::vector<uint32_t> touching;
+    std::vector<double> histories;
+    std::size_t length;
+  };
+  [[nodiscard]] Remembered remembered() const;
+  [[nodiscard]] Remembered nothing_remembered() const;
+  /// In place of all that is remembered.
+  void remember(const Remembered &pairs);
+
+  /// What is kept of the steps of each grain of the list, on the host: what velocities and angular momenta of the last forces have more,
+  /// and the loads before; KEPT_OF_STEPS doubles each. Empty if nothing is.
+  static constexpr int KEPT_OF_STEPS = 12;
+  [[nodiscard]] std::vector<double> steps() const;
+  /// In place of it, of LAMMPS' present atoms in their order.
+  void set_steps(const std::vector<double> &values);
+  /// The first part of it, of all atoms and images of the list, 6 doubles each; empty if nothing is kept.
+  [[nodiscard]] std::vector<double> velocity_changes() const;
+
+  /// Messages with the velocities of grains to their images on other ranks, `motion_length()` doubles each.
+  [[nodiscard]] int motion_length() const { return of_step ? 12 : 6; }
+  void pack_motion(int n, const DAT::tdual_int_1d &indices, DAT::tdual_double_1d &buffer);
+  void unpack_motion(int n, int first, DAT::tdual_double_1d &buffer);
 
   /// Stops where LAMMPS has other atoms than the list.
   void require_listed() const;
@@ -75,7 +118,7 @@ class EllgranDeviceGrains : protected Pointers {
   void require_sound();
 
   // Parts of the above. The compiler wants functions that have kernels of KOKKOS in them to be public.
-  void follow_order();
+  void place_ids();
   void find_margin();
   void take_rows(NeighListKokkos<LMPDeviceType> *list);
 
@@ -87,11 +130,13 @@ class EllgranDeviceGrains : protected Pointers {
   std::string caller;
   EllgranGpu *gpu;
   EllgranGpuScene *scene;
-  bool of_step, changes_known;
+  bool of_step, changes_known, has_owners, rows_known;
   int listed_count, listed_owned;    // grains of the list, images included, and owned ones; -1: none yet
   double margin;
 
-  Integers owners;    // the grain itself, or that of which it is an image
+  Integers owners;    // the grain itself, or that of which it is an image; not with several ranks
+  Integers ids;       // of the atoms and images of the list
+  Rows rows_of_list;
   Loads changes, loads_before, other_changes, other_loads;
   Integers places;    // of owned grains by identifier; -1: none
   Unsigned starts, neighbours;

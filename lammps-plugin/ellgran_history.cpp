@@ -2,8 +2,6 @@
 
 #include "ellgran_history.h"
 
-#include "ellgran_substitute.h"
-
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -269,12 +267,4 @@ void FixEllgranHistory::write_restart(FILE *fp)
 void FixEllgranHistory::set_molecule(int, tagint, int, double *, double *, double *)
 {
   error->all(FLERR, "Molecule update not implemented for fix {}", style);
-}
-
-FixEllgranHistory *LAMMPS_NS::replace_by_history(Modify *modify, const std::string &old_id,
-                                                 const std::string &id, int length)
-{
-  const SubstituteFix<FixEllgranHistory> substitute(modify, "NEIGH_HISTORY");
-  const std::string command = id + " all NEIGH_HISTORY " + std::to_string(length);
-  return static_cast<FixEllgranHistory *>(modify->replace_fix(old_id, command, 0));
 }

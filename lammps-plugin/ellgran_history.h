@@ -8,6 +8,8 @@
 
 #include "fix_neigh_history.h"
 
+#include "ellgran_substitute.h"
+
 #include <functional>
 #include <string>
 
@@ -53,10 +55,12 @@ class FixEllgranHistory : public FixNeighHistory {
   // lets a LAMMPS with other integer sizes load the plugin, which then says what is wrong.
   void set_molecule(int, tagint, int, double *, double *, double *) override;
 
- private:
+ protected:
   bool list_is_current;
-  static constexpr tagint NEW_ATOM = -1;
   tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as after a restart
+
+ private:
+  static constexpr tagint NEW_ATOM = -1;
   int room_for_ids;
   int round;    // of messages under `comm_style tiled`, -1: the base class' messages
 
@@ -69,8 +73,13 @@ class FixEllgranHistory : public FixNeighHistory {
 };
 
 /// Replaces the fix `old_id` by one with `id` that keeps `length` doubles per neighbour, in the same place.
-FixEllgranHistory *replace_by_history(class Modify *modify, const std::string &old_id,
-                                      const std::string &id, int length);
+template <class History = FixEllgranHistory>
+History *replace_by_history(Modify *modify, const std::string &old_id, const std::string &id, int length)
+{
+  const SubstituteFix<History> substitute(modify, "NEIGH_HISTORY");
+  const std::string command = id + " all NEIGH_HISTORY " + std::to_string(length);
+  return static_cast<History *>(modify->replace_fix(old_id, command, 0));
+}
 
 }    // namespace LAMMPS_NS
 

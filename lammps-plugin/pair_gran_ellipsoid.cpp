@@ -180,14 +180,16 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
   if (neighbor->ago > 0) require_listed_atoms();
   listed = atom->nlocal + atom->nghost;
-  if (neighbor->ago == 0 || shapes_may_change || update->setupflag) require_allowed_sizes();
+  // Commands may have changed types, masses and shapes before a run that goes on with an old list ('run ... pre no', 'run ... every'). LAMMPS
+  // computes no forces when such a run starts.
+  const bool grains_may_differ = shapes_may_change || update->setupflag || update->ntimestep == update->firststep + 1;
+  if (neighbor->ago == 0 || grains_may_differ) require_allowed_sizes();
   if (neighbor->ago == 0) {
     // A fix may have added atoms.
     atoms.require_shapes(~0);
     refresh_body_masses();
-  } else if (shapes_may_change || update->setupflag) {
-    // Ghosts were given their shapes when the list was built. Commands may have changed shapes before a run that
-    // goes on with an old list ('run ... pre no', 'run ... every').
+  } else if (grains_may_differ) {
+    // Ghosts were given theirs when the list was built.
     shapes_in_message = true;
     comm->forward_comm(this);
     shapes_in_message = false;
@@ -525,12 +527,7 @@ void PairGranEllipsoid::init_style()
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
                CALLER);
-  // LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes.
-  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
-    error->all(FLERR,
-               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
-               "after read_restart and the fixes, before them",
-               CALLER, atoms_in_file - atom->natoms);
+  refuse_deletion_after_reading();
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();
@@ -562,6 +559,17 @@ void PairGranEllipsoid::init_style()
   if (by_size && history_length > 0) request |= NeighConst::REQ_HISTORY;
   neighbor->add_request(this, request);
   if (fix_history) fix_history->use_bit_flag = by_size ? 1 : 0;
+}
+
+/* LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes. */
+
+void PairGranEllipsoid::refuse_deletion_after_reading() const
+{
+  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
+    error->all(FLERR,
+               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
+               "after read_restart and the fixes, before them",
+               CALLER, atoms_in_file - atom->natoms);
 }
 
 double PairGranEllipsoid::init_one(int i, int j)
@@ -816,6 +824,11 @@ void PairGranEllipsoid::build_laws()
   described = text;
 }
 
+FixEllgranHistory *PairGranEllipsoid::make_history_fix(const std::string &id)
+{
+  return replace_by_history(modify, id_history, id, history_length);
+}
+
 void PairGranEllipsoid::place_history_fix()
 {
   history_length = ellgran_laws_history_length(laws);
@@ -835,7 +848,7 @@ void PairGranEllipsoid::place_history_fix()
       modify->replace_fix(id_history, id + " all DUMMY", 0);
       fix_history = nullptr;
     } else {
-      fix_history = replace_by_history(modify, id_history, id, history_length);
+      fix_history = make_history_fix(id);
     }
     id_history = id;
   }

@@ -156,6 +156,8 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
+  virtual class FixEllgranHistory *make_history_fix(const std::string &id);
+  void refuse_deletion_after_reading() const;
   void refuse_what_cannot_work();
   void require_settings() const;
   void place_step_velocity_fix();

@@ -2,6 +2,7 @@
 
 #include "pair_gran_ellipsoid_device.h"
 
+#include "ellgran_device_history.h"
 #include "ellgran_step_velocity.h"
 #include "fix_nve_ellipsoid.h"
 #include "fix_nve_ellipsoid_device.h"
@@ -16,6 +17,7 @@
 #include "fix.h"
 #include "force.h"
 #include "input.h"
+#include "kokkos.h"
 #include "modify.h"
 #include "neigh_list_kokkos.h"
 #include "neigh_request.h"
@@ -36,7 +38,8 @@ const char CALLER[] = "Pair gran/ellipsoid/kk";
 }    // namespace
 
 PairGranEllipsoidDevice::PairGranEllipsoidDevice(LAMMPS *lmp) :
-    PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), options_of_scene(0)
+    PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), motion(nullptr), device_history(nullptr), options_of_scene(0),
+    planes_remember(false), between_runs(false)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style gran/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use gran/ellipsoid",
@@ -62,24 +65,170 @@ PairGranEllipsoidDevice *PairGranEllipsoidDevice::of(LAMMPS *lmp, const char *ca
 
 void PairGranEllipsoidDevice::compute(int eflag, int vflag)
 {
-  ev_init(0, 0);
-  // Whoever asks for energies or stresses hears from LAMMPS that there are none.
-  if (eflag || vflag) update->eflag_global = update->vflag_global = update->eflag_atom = update->vflag_atom = -1;
-
+  ev_init(eflag, vflag);
   atomKK->sync(Device, datamask_read);
   if (neighbor->ago == 0) {
-    grains.take_list(static_cast<NeighListKokkos<LMPDeviceType> *>(list));
+    begin_list();
+  } else if (between_runs) {
+    // The first step of a run without set-up: commands may have changed types, masses and shapes.
+    grains.require_listed();
+    require_same_grains();
+    atomKK->sync(Host, TYPE_MASK | ELLIPSOID_MASK | BONUS_MASK);
+    require_allowed_sizes();
+    begin_list();
   } else {
     grains.require_listed();
+    if (device_history && device_history->is_held()) device_history->let_go();
+    share_motion();
     grains.prepare();
   }
+  between_runs = false;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes() ? 1 : 0;
+  if (evflag) tally(step);
   grains.add_forces(step);
   atomKK->modified(Device, datamask_modify);
   // Nothing wrong is shown.
   if (update->ntimestep == output->next) grains.require_sound();
+}
+
+/* What has been kept on the host goes back to the GPU. */
+
+void PairGranEllipsoidDevice::begin_list()
+{
+  if (motion) motion->give_to_device();
+  grains.follow_order(comm->nprocs > 1);
+  share_motion();
+  grains.take_list(static_cast<NeighListKokkos<LMPDeviceType> *>(list));
+  if (device_history && device_history->is_held()) device_history->give_to_device();
+}
+
+/* Images on other ranks hear of types, masses and shapes with a new neighbour list of LAMMPS alone. */
+
+std::vector<double> PairGranEllipsoidDevice::present_grains()
+{
+  atomKK->sync(Host, TYPE_MASK | RMASS_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  const EllgranParticles particles = atoms.view();
+  std::vector<double> values;
+  for (int i = 0; i < atom->nlocal; i++) {
+    values.push_back(atom->type[i]);
+    values.push_back(atom->rmass[i]);
+    const auto *const record = reinterpret_cast<const char *>(particles.semi_axes) + particles.semi_axes_stride * atom->ellipsoid[i];
+    const auto *const axes = reinterpret_cast<const double *>(record);
+    values.insert(values.end(), axes, axes + 3);
+  }
+  return values;
+}
+
+void PairGranEllipsoidDevice::require_same_grains()
+{
+  if (comm->nprocs == 1) return;
+  int same_here = (present_grains() == grains_at_end) ? 1 : 0;
+  int same = 0;
+  MPI_Allreduce(&same_here, &same, 1, MPI_INT, MPI_MIN, world);
+  if (!same)
+    error->all(FLERR,
+               "{}: types, masses or shapes have changed since the last run, and on the GPU with several ranks images would not hear of it: "
+               "leave out 'pre no'",
+               CALLER);
+}
+
+/* With one rank images have the velocities of their grains. */
+
+void PairGranEllipsoidDevice::share_motion()
+{
+  if (comm->nprocs == 1) return;
+  comm->forward_comm(this, grains.motion_length());
+  atomKK->modified(Device, V_MASK | ANGMOM_MASK);
+}
+
+/* Energies and stresses are not on the GPU. In a step in which somebody asks for them the host computes the contacts once more, of what the
+   GPU is about to compute them from; its forces and histories are dropped. */
+
+void PairGranEllipsoidDevice::tally(const EllgranStep &step)
+{
+  if (atom->nlocal + atom->nghost == 0) return;
+  atomKK->sync(Host, X_MASK | V_MASK | ANGMOM_MASK | RMASS_MASK | TYPE_MASK | TAG_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  const auto &rows = grains.rows();
+  const auto remembered = grains.remembered();
+  const std::size_t count = static_cast<std::size_t>(atom->nlocal) + atom->nghost;
+
+  EllgranParticles particles = atoms.view();
+  const auto owners = grains.owners_on_host();
+  std::vector<double> velocities(3 * count), angular_momenta(3 * count), unused_forces(3 * count, 0.0), unused_torques(3 * count, 0.0);
+  std::vector<int> bodies(count);
+  for (std::size_t i = 0; i < count; i++) {
+    const std::size_t owner = owners.empty() ? i : static_cast<std::size_t>(owners[i]);
+    std::copy_n(particles.velocities + 3 * owner, 3, &velocities[3 * i]);
+    std::copy_n(particles.angular_momenta + 3 * owner, 3, &angular_momenta[3 * i]);
+    bodies[i] = particles.shape_indices[owner];
+  }
+  const auto changes = grains.velocity_changes();
+  particles.velocities = velocities.data();
+  particles.angular_momenta = angular_momenta.data();
+  particles.velocity_changes = changes.empty() ? nullptr : changes.data();
+  particles.shape_indices = bodies.data();
+  particles.forces = unused_forces.data();
+  particles.torques = unused_torques.data();
+
+  // The entries that the rows keep, each as of the pair whose first grain is that of the row.
+  std::vector<int> central(rows.owned), counts(count, 0), neighbours, touching;
+  std::vector<double> histories, source(history_length);
+  std::vector<std::size_t> begins(rows.owned);
+  for (int k = 0; k < rows.owned; k++) {
+    central[k] = k;
+    begins[k] = neighbours.size();
+    for (uint32_t e = rows.starts[k]; e < rows.starts[k + 1]; e++) {
+      const int other = static_cast<int>(rows.neighbours[e]);
+      if (!rows.keeps(k, other)) continue;
+      counts[k]++;
+      neighbours.push_back(other);
+      touching.push_back(static_cast<int>(remembered.touching[e]));
+      // Where walls remember more than pairs the GPU has longer histories, which begin in the same way.
+      const double *const history = &remembered.histories[e * remembered.length];
+      histories.insert(histories.end(), history, history + history_length);
+      if (rows.ids[k] < rows.ids[other]) continue;
+      std::copy_n(history, history_length, source.begin());
+      transfer_history(source.data(), histories.data() + (histories.size() - history_length), 0, 0);
+    }
+  }
+  std::vector<const int *> rows_of_neighbours(count, nullptr);
+  std::vector<int *> rows_of_touching(count, nullptr);
+  std::vector<double *> rows_of_histories(count, nullptr);
+  for (int k = 0; k < rows.owned; k++) {
+    rows_of_neighbours[k] = neighbours.data() + begins[k];
+    rows_of_touching[k] = touching.data() + begins[k];
+    rows_of_histories[k] = histories.data() + begins[k] * history_length;
+  }
+  EllgranNeighbourList pairs = ELLGRAN_INIT(EllgranNeighbourList);
+  pairs.count = central.size();
+  pairs.central = central.data();
+  pairs.neighbour_counts = counts.data();
+  pairs.neighbours = rows_of_neighbours.data();
+  pairs.index_mask = -1;
+  pairs.touching = (history_length > 0) ? rows_of_touching.data() : nullptr;
+  pairs.history = (history_length > 0) ? rows_of_histories.data() : nullptr;
+
+  EllgranTallies sums = ELLGRAN_INIT(EllgranTallies);
+  sums.particle_energies = eflag_atom ? eatom : nullptr;
+  sums.particle_virials = vflag_atom ? vatom[0] : nullptr;
+  if (ellgran_compute_pairs(laws, workspace, &particles, &pairs, &step, &sums) != ELLGRAN_SUCCESS)
+    error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  if (eflag_global) eng_vdwl += sums.normal_elastic_energy + sums.tangential_elastic_energy;
+  if (vflag_global)
+    for (int k = 0; k < 6; k++) virial[k] += sums.virial[k];
+}
+
+int PairGranEllipsoidDevice::pack_forward_comm_kokkos(int n, DAT::tdual_int_1d indices, DAT::tdual_double_1d &buffer, int, int *)
+{
+  grains.pack_motion(n, indices, buffer);
+  return n * grains.motion_length();
+}
+
+void PairGranEllipsoidDevice::unpack_forward_comm_kokkos(int n, int first, DAT::tdual_double_1d &buffer)
+{
+  grains.unpack_motion(n, first, buffer);
 }
 
 void PairGranEllipsoidDevice::init_style()
@@ -88,7 +237,9 @@ void PairGranEllipsoidDevice::init_style()
   atomKK->sync(Host, ALL_MASK);
   require_settings();
   refuse_what_the_gpu_has_not();
+  refuse_deletion_after_reading();
   refuse_other_atoms();
+  keep_what_contacts_remember();
   if (comm->ghost_velocity) {
     // LAMMPS of 4 Jul 2026 would write quaternions over what else images have; see docs/kokkos.md.
     comm->ghost_velocity = 0;
@@ -103,11 +254,13 @@ void PairGranEllipsoidDevice::init_style()
   build_laws();
   tell_step_limits();
   refuse_what_cannot_work();
+  place_history_fix();
+  if (!fix_history) device_history = nullptr;
   take_laws();
 
-  const FixNVEEllipsoidDevice *motion = nullptr;
-  for (const auto *fix : modify->get_fix_list())
-    if (const auto *found = dynamic_cast<const FixNVEEllipsoidDevice *>(fix)) motion = found;
+  motion = nullptr;
+  for (auto *fix : modify->get_fix_list())
+    if (auto *found = dynamic_cast<FixNVEEllipsoidDevice *>(fix)) motion = found;
   grains.use_velocities_of_step(motion && motion->has_velocities_of_step());
 
   auto *const request = neighbor->add_request(this, NeighConst::REQ_FULL);
@@ -115,44 +268,99 @@ void PairGranEllipsoidDevice::init_style()
   request->set_kokkos_device(1);
 }
 
-/* Contacts are remembered on the GPU, by kernels that were made for the laws. Walls have types behind those of the atoms. */
+FixEllgranHistory *PairGranEllipsoidDevice::make_history_fix(const std::string &id)
+{
+  device_history = replace_by_history<FixEllgranDeviceHistory>(modify, id_history, id, history_length);
+  device_history->grains = &grains;
+  return device_history;
+}
+
+std::vector<FixWallGranEllipsoidDevice *> PairGranEllipsoidDevice::walls() const
+{
+  std::vector<FixWallGranEllipsoidDevice *> all;
+  for (auto *fix : modify->get_fix_list())
+    if (auto *wall = dynamic_cast<FixWallGranEllipsoidDevice *>(fix)) all.push_back(wall);
+  return all;
+}
+
+bool PairGranEllipsoidDevice::SceneLaws::is(const SceneLaws &other) const
+{
+  return given.size() == other.given.size() && is_set == other.is_set &&
+      std::memcmp(given.data(), other.given.data(), given.size() * sizeof(EllgranLawParameters)) == 0;
+}
+
+/* Walls have types behind those of the atoms. */
+
+PairGranEllipsoidDevice::SceneLaws PairGranEllipsoidDevice::wanted_laws() const
+{
+  const auto all = walls();
+  const int types = atom->ntypes + static_cast<int>(all.size());
+  SceneLaws wanted;
+  fill_laws(types, wanted.given, wanted.is_set);
+  for (std::size_t k = 0; k < all.size(); k++)
+    for (int i = 0; i <= atom->ntypes + static_cast<int>(k); i++) {
+      const std::size_t place = static_cast<std::size_t>(i) * types + atom->ntypes + k;
+      wanted.given[place] = all[k]->contact_law();
+      wanted.is_set[place] = 1;
+    }
+  return wanted;
+}
+
+/* Between two runs the GPU finds contacts by the IDs that atoms had when the first one ended. Where these are others now, or the scene is
+   to be made anew, the atoms take what their contacts remember. */
+
+void PairGranEllipsoidDevice::keep_what_contacts_remember()
+{
+  if (!device_history || device_history->is_held() || !grains.has_list()) return;
+  if (device_history->atoms_have_changed() || !wanted_laws().is(laws_of_scene)) device_history->take_from_device();
+}
+
+/* Contacts are remembered on the GPU, by kernels that were made for the laws. */
 
 void PairGranEllipsoidDevice::take_laws()
 {
-  std::vector<FixWallGranEllipsoidDevice *> walls;
-  for (auto *fix : modify->get_fix_list())
-    if (auto *wall = dynamic_cast<FixWallGranEllipsoidDevice *>(fix)) walls.push_back(wall);
-  const int types = atom->ntypes + static_cast<int>(walls.size());
-  std::vector<EllgranLawParameters> given;
-  std::vector<uint8_t> is_set;
-  fill_laws(types, given, is_set);
-  for (std::size_t k = 0; k < walls.size(); k++)
-    for (int i = 0; i <= atom->ntypes + static_cast<int>(k); i++) {
-      const std::size_t place = static_cast<std::size_t>(i) * types + atom->ntypes + k;
-      given[place] = walls[k]->contact_law();
-      is_set[place] = 1;
-    }
-
-  const bool same = grains.has_scene() && options_of_scene == laws_options && laws_of_scene.size() == given.size() && set_in_scene == is_set &&
-      std::memcmp(laws_of_scene.data(), given.data(), given.size() * sizeof(EllgranLawParameters)) == 0;
-  if (same && std::all_of(walls.begin(), walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
-  EllgranLaws *all = nullptr;
-  if (ellgran_laws_new(types, given.data(), is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
-    error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
-  const bool remembers = ellgran_laws_history_length(all) > 0;
-  if (grains.has_list() && remembers) {
-    ellgran_laws_free(all);
+  const auto all_walls = walls();
+  const SceneLaws wanted = wanted_laws();
+  const bool same = grains.has_scene() && options_of_scene == laws_options && wanted.is(laws_of_scene);
+  if (same && std::all_of(all_walls.begin(), all_walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
+  if (grains.has_list() && planes_remember)
     error->all(FLERR,
-               "{}: laws or walls have changed since the last run, and on the GPU contacts that exist cannot go on with others: start "
+               "{}: laws or walls have changed since the last run, and on the GPU contacts with walls cannot go on with others: start "
                "anew from a data file ('write_data')",
                CALLER);
-  }
+  const int types = atom->ntypes + static_cast<int>(all_walls.size());
+  EllgranLaws *all = nullptr;
+  if (ellgran_laws_new(types, wanted.given.data(), wanted.is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  planes_remember = !all_walls.empty() && ellgran_laws_memory_offset(all) >= 0;
+  if (planes_remember) refuse_what_walls_forget();
   grains.set_laws(all);
   ellgran_laws_free(all);
-  for (std::size_t k = 0; k < walls.size(); k++) walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
-  laws_of_scene = given;
+  for (std::size_t k = 0; k < all_walls.size(); k++) all_walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
+  laws_of_scene = wanted;
   options_of_scene = laws_options;
-  set_in_scene = is_set;
+}
+
+/* What contacts with walls remember stays on the GPU. */
+
+void PairGranEllipsoidDevice::refuse_what_walls_forget() const
+{
+  const auto refuse = [this](const char *what, const char *cure) {
+    error->all(FLERR, "{}: {} with walls that have friction {} not on the GPU: {}", CALLER, what, "are", cure);
+  };
+  if (comm->nprocs > 1) refuse("several ranks", "start LAMMPS with one, or give all laws no friction");
+  if (output->restart_flag) refuse("restart files", "remove 'restart', and use 'write_data'");
+  if (atoms_in_file > 0) refuse("runs from a restart file", "use a data file");
+}
+
+void PairGranEllipsoidDevice::write_restart_settings(FILE *fp)
+{
+  if (planes_remember)
+    error->one(FLERR,
+               "{}: restart files are not written on the GPU where walls have friction: use 'write_data', which leaves out what contacts "
+               "remember",
+               CALLER);
+  PairGranEllipsoid::write_restart_settings(fp);
 }
 
 void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
@@ -161,10 +369,13 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
     error->all(FLERR, "{}: {} not on the GPU: {}", CALLER, what, cure);
   };
   of(lmp, CALLER);
-  if (comm->nprocs > 1) refuse("several ranks are", "start LAMMPS with one");
+  if (comm->nprocs > 1) {
+    if (comm->style != Comm::BRICK) refuse("comm_style tiled with several ranks is", "use 'comm_style brick'");
+    if (lmp->kokkos->forward_pair_comm_legacy)
+      refuse("'package kokkos comm/pair/forward no' with several ranks is", "use 'comm/pair/forward device'");
+  }
   if (update->whichflag == 2) refuse("minimisation is", "use a run with damping");
   if (input->command && std::strcmp(input->command, "rerun") == 0) refuse("'rerun' is", "start LAMMPS without '-k on'");
-  if (output->restart_flag) refuse("restart files are", "remove 'restart', and use 'write_data'");
   if (atom->molecular)
     for (int k = 1; k < 4; k++)
       if (force->special_coul[k] != force->special_lj[k])
@@ -178,7 +389,7 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   if (FixEllgranStepVelocity::needed(modify)) refuse("prescribed motion of grains and changes of the box are", "remove fix move, rigid, deform, nph or press");
   for (const auto *fix : modify->get_fix_list()) {
     const std::string style = fix->style;
-    if (fix->rigid_flag || utils::strmatch(style, "^freeze") || fix->box_change)
+    if (fix->rigid_flag || utils::strmatch(style, "^freeze") || (fix->box_change & ~Fix::BOX_CHANGE_DOMAIN))
       refuse("fix " + style + " is", "remove it, or start LAMMPS without '-k on'");
     if (dynamic_cast<const FixWallGranEllipsoid *>(fix) && !dynamic_cast<const FixWallGranEllipsoidDevice *>(fix))
       refuse("fix wall/gran/ellipsoid without the suffix is", "use wall/gran/ellipsoid/kk ('-sf kk')");
@@ -187,15 +398,15 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   }
 }
 
-/* What contacts remember is found by the IDs of atoms, which `delete_atoms` gives to others. */
+/* What contacts with walls remember is found by the IDs of atoms, which `delete_atoms` gives to others. */
 
 void PairGranEllipsoidDevice::refuse_other_atoms()
 {
-  if (!grains.has_list()) return;
+  if (!grains.has_list() || !planes_remember) return;
   const std::size_t known = ids_at_end.size();
   if (static_cast<std::size_t>(atom->nlocal) < known || !std::equal(ids_at_end.begin(), ids_at_end.end(), atom->tag))
     error->all(FLERR,
-               "{}: atoms have been deleted, or have other IDs, since the last run, and on the GPU contacts that exist cannot follow them: start "
+               "{}: atoms have been deleted, or have other IDs, since the last run, and on the GPU contacts with walls cannot follow them: start "
                "anew from a data file ('write_data')",
                CALLER);
 }
@@ -223,24 +434,6 @@ void PairGranEllipsoidDevice::finish()
   grains.require_sound();
   atomKK->sync(Host, TAG_MASK);
   ids_at_end.assign(atom->tag, atom->tag + atom->nlocal);
-}
-
-void PairGranEllipsoidDevice::write_restart(FILE *)
-{
-  error->all(FLERR, "{}: restart files are not written on the GPU: use 'write_data', which leaves out what contacts remember", CALLER);
-}
-
-void PairGranEllipsoidDevice::read_restart(FILE *)
-{
-  error->all(FLERR, "{}: restart files are not read on the GPU: use a data file", CALLER);
-}
-
-void PairGranEllipsoidDevice::write_restart_settings(FILE *fp)
-{
-  write_restart(fp);
-}
-
-void PairGranEllipsoidDevice::read_restart_settings(FILE *fp)
-{
-  read_restart(fp);
+  if (comm->nprocs > 1) grains_at_end = present_grains();
+  between_runs = true;
 }

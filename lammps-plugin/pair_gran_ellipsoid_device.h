@@ -17,11 +17,14 @@ PairStyle(gran/ellipsoid/kk/device,PairGranEllipsoidDevice);
 
 #include "ellgran_device_grains.h"
 
+#include "kokkos_base.h"
+
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-class PairGranEllipsoidDevice : public PairGranEllipsoid {
+class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
  public:
   PairGranEllipsoidDevice(class LAMMPS *);
 
@@ -29,10 +32,9 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid {
   void init_style() override;
   void setup() override;
   void finish() override;
-  void write_restart(FILE *) override;
-  void read_restart(FILE *) override;
   void write_restart_settings(FILE *) override;
-  void read_restart_settings(FILE *) override;
+  int pack_forward_comm_kokkos(int, DAT::tdual_int_1d, DAT::tdual_double_1d &, int, int *) override;
+  void unpack_forward_comm_kokkos(int, int, DAT::tdual_double_1d &) override;
 
   EllgranDeviceGrains grains;
 
@@ -41,15 +43,36 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid {
 
  private:
   class AtomKokkos *atomKK;
-  std::vector<EllgranLawParameters> laws_of_scene;    // row-major over the types of atoms and the walls
-  std::vector<uint8_t> set_in_scene;
+  class FixNVEEllipsoidDevice *motion;    // nullptr: LAMMPS moves the grains
+  class FixEllgranDeviceHistory *device_history;
+
+  /// The laws of a scene, row-major over the types of atoms and the walls.
+  struct SceneLaws {
+    std::vector<EllgranLawParameters> given;
+    std::vector<uint8_t> is_set;
+    [[nodiscard]] bool is(const SceneLaws &other) const;
+  };
+  SceneLaws laws_of_scene;
   uint32_t options_of_scene;
+  bool planes_remember;              // the scene has planes, and their contacts remember something
+  bool between_runs;                 // no force has been computed since the last run ended
   std::vector<tagint> ids_at_end;    // of all atoms in their order, when the last run ended
+  std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes
 
   void refuse_what_the_gpu_has_not() const;
+  void refuse_what_walls_forget() const;
   void require_wide_box() const;
   void refuse_other_atoms();
+  void keep_what_contacts_remember();
+  [[nodiscard]] std::vector<class FixWallGranEllipsoidDevice *> walls() const;
+  [[nodiscard]] SceneLaws wanted_laws() const;
   void take_laws();
+  class FixEllgranHistory *make_history_fix(const std::string &id) override;
+  void begin_list();
+  [[nodiscard]] std::vector<double> present_grains();
+  void require_same_grains();
+  void share_motion();
+  void tally(const EllgranStep &step);
 };
 
 }    // namespace LAMMPS_NS

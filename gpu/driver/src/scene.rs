@@ -1096,6 +1096,69 @@ impl Scene {
         })
     }
 
+    /// Copies what is remembered of pairs, or of a plane, to the host. Waits for what was started.
+    ///
+    /// # Errors
+    /// There is no such plane, or no list; arrays of another length; a status of a GPU.
+    pub fn read_histories(
+        &self,
+        plane: Option<i32>,
+        touching: &mut [u32],
+        histories: &mut [f64],
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let held = self.histories(plane)?;
+        let (states, values) = require_lengths(&held, touching.len(), histories.len())?;
+        let _entered = self.device.enter()?;
+        let driver = self.device.driver();
+        driver.synchronise(stream)?;
+        if !touching.is_empty() {
+            driver.copy_out(touching, states, stream)?;
+        }
+        if !histories.is_empty() {
+            driver.copy_out(histories, values, stream)?;
+        }
+        Ok(())
+    }
+
+    /// Takes what is remembered of pairs, or of a plane, from the host, in place of all that there was. What a pair remembers that cannot
+    /// touch is forgotten.
+    ///
+    /// # Errors
+    /// There is no such plane, or no list; arrays of another length; other grains than those of the list; a status of a GPU.
+    pub fn write_histories(
+        &mut self,
+        g: &EllgranGpuGrains,
+        plane: Option<i32>,
+        touching: &[u32],
+        histories: &[f64],
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let listed = self.listed_for(g)?;
+        let held = self.histories(plane)?;
+        let (states, values) = require_lengths(&held, touching.len(), histories.len())?;
+        if let Some(k) = touching.iter().position(|&state| state > 1) {
+            return argument(format!("touching[{k}] = {} must be 0 or 1", touching[k]));
+        }
+        let _entered = self.device.enter()?;
+        let driver = self.device.driver();
+        driver.synchronise(stream)?;
+        driver.copy_in(states, touching, stream)?;
+        driver.copy_in(values, histories, stream)?;
+        // Before the caller's arrays go.
+        driver.synchronise(stream)?;
+        if plane.is_some() {
+            return Ok(());
+        }
+        self.launch_candidates(g, &self.now, &listed, true, stream)?;
+        let (found, kept) = (
+            self.read_notes(stream)?[CANDIDATES] as usize,
+            self.candidates.len(),
+        );
+        self.contact_threads = (found + found / 8).max(FEWEST_CONTACT_THREADS).min(kept);
+        Ok(())
+    }
+
     /// What was done, and what is held. Waits for what was started.
     ///
     /// # Errors
@@ -1133,6 +1196,22 @@ impl Scene {
             },
         })
     }
+}
+
+/// Where states and histories are, if arrays of the host are as long.
+fn require_lengths(
+    held: &EllgranGpuHistories,
+    states: usize,
+    values: usize,
+) -> Result<(u64, u64), Failure> {
+    let wanted = (held.count, held.count * held.length);
+    if (states, values) != wanted {
+        return argument(format!(
+            "{states} states and {values} doubles of histories were given where there are {} and {}",
+            wanted.0, wanted.1
+        ));
+    }
+    Ok((held.touching.addr() as u64, held.histories.addr() as u64))
 }
 
 /// Addresses of the components of a vector.

@@ -90,16 +90,16 @@ void copy_back(const EllgranGpuVectors &host, std::size_t count, std::size_t com
 EllgranGpuGrains copied(const EllgranGpuGrains &host)
 {
   EllgranGpuGrains there = host;
-  const std::size_t count = host.count, owned = host.owned_count;
+  const std::size_t count = host.count, named = host.owners ? host.owned_count : count;
   there.positions = copied(host.positions, count, VECTOR);
-  there.velocities = copied(host.velocities, owned, VECTOR);
-  there.angular_momenta = copied(host.angular_momenta, owned, VECTOR);
-  there.velocity_changes = copied(host.velocity_changes, LOAD * owned);
-  there.masses = copied(host.masses, sizeof(double) * owned);
+  there.velocities = copied(host.velocities, named, VECTOR);
+  there.angular_momenta = copied(host.angular_momenta, named, VECTOR);
+  there.velocity_changes = copied(host.velocity_changes, LOAD * named);
+  there.masses = copied(host.masses, sizeof(double) * named);
   there.semi_axes = copied(host.semi_axes, host.body_count, VECTOR);
   there.quaternions = copied(host.quaternions, host.body_count, QUATERNION);
   there.owners = copied(host.owners, sizeof(int32_t) * count);
-  there.body_places = copied(host.body_places, sizeof(int32_t) * owned);
+  there.body_places = copied(host.body_places, sizeof(int32_t) * named);
   there.types = copied(host.types, sizeof(int32_t) * count);
   there.identifiers = copied(host.identifiers, sizeof(int32_t) * count);
   return there;
@@ -169,6 +169,7 @@ REAL(open_current);
 REAL(new_list);
 REAL(prepare);
 REAL(check);
+REAL(write_histories);
 REAL(compute_pairs);
 REAL(compute_plane);
 REAL(start_step);
@@ -209,6 +210,13 @@ int32_t __wrap_ellgran_gpu_check(EllgranGpuScene *scene, const EllgranGpuGrains 
 {
   const EllgranGpuGrains there = copied(*grains);
   return __real_ellgran_gpu_check(scene, &there, stream);
+}
+
+int32_t __wrap_ellgran_gpu_write_histories(EllgranGpuScene *scene, const EllgranGpuGrains *grains, int32_t plane, const uint32_t *touching,
+                                           const double *histories, void *stream)
+{
+  const EllgranGpuGrains there = copied(*grains);
+  return __real_ellgran_gpu_write_histories(scene, &there, plane, touching, histories, stream);
 }
 
 int32_t __wrap_ellgran_gpu_compute_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step,

@@ -139,7 +139,7 @@ added to forces and torques where the engine asks for it (`EllgranGpuLoads`).
 device, which selects them anew by itself.
 - **The neighbour list** is a full one: that a pair is in one row alone is found, and is an error that names the grain.
 - **Histories** stay on the device. With a new list they are carried over by the identifiers of the grains, in whatever order the engine \
-has them now. Grains that come from another rank bring none with them.
+has them now. For those of a restart file, and of grains that come from another rank, there are `ellgran_gpu_read_histories` and `ellgran_gpu_write_histories`.
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
@@ -171,7 +171,7 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 (`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
 What is not there: curved walls and triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
-energies, histories of grains from other ranks.
+energies.
 
 ";
 

@@ -2,6 +2,7 @@
 //! A scene: its laws, its neighbour list, its planes, and what it remembers.
 
 use super::gpu::EllgranGpu;
+use super::{slice, slice_mut};
 use crate::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList,
     ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_MIXED,
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn ellgran_gpu_scene_free(scene: *mut EllgranGpuScene) {
 ///
 /// - What is remembered of pairs that both lists have, and of grains with planes, is carried over on the GPU, by the identifiers of the
 ///   grains. Of other pairs nothing is remembered, nor of an owned grain that was not in the list before, except with those that had it
-///   as a ghost: ranks that exchange grains write what they remember through `ellgran_gpu_histories`.
+///   as a ghost: ranks that exchange grains give what they remember to `ellgran_gpu_write_histories`.
 /// - Memory is allocated as needed. No other call allocates any.
 /// - Grains are prepared and candidates selected: `ellgran_gpu_compute_pairs` may follow at once.
 /// - The call waits for what was started before, and for its own checks: a grain or a row with which something is wrong is an
@@ -202,6 +203,74 @@ pub unsafe extern "C" fn ellgran_gpu_histories(
         let plane = (plane != -1).then_some(plane);
         out.write(&scene.scene.histories(plane)?);
         Ok(())
+    })
+}
+
+/// Copies what `ellgran_gpu_histories` tells of to arrays of the host: to `touching`, [count], and `histories`, [count][length]. Waits for
+/// what was started on the stream. `plane` = -1: of pairs.
+///
+/// # Safety
+/// `scene` is NULL or valid; `touching` is NULL or valid for `count` writes, `histories` for `count * length`; those arrays do not overlap.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_read_histories(
+    scene: *const EllgranGpuScene,
+    plane: i32,
+    touching: *mut u32,
+    histories: *mut f64,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_read_histories", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let scene = unsafe { required(scene, "scene")? };
+        let plane = (plane != -1).then_some(plane);
+        let held = scene.scene.histories(plane)?;
+        // SAFETY: NULL or so long, by this function's safety section.
+        let (touching, histories) = unsafe {
+            (
+                slice_mut(touching, held.count, "touching")?,
+                slice_mut(histories, held.count * held.length, "histories")?,
+            )
+        };
+        let stream = Stream(stream);
+        scene
+            .scene
+            .read_histories(plane, touching, histories, stream)
+    })
+}
+
+/// Takes what is remembered from arrays of the host, as `ellgran_gpu_read_histories` writes them, in place of all that was remembered
+/// of pairs (`plane` = -1) or of that plane: after a restart, or when grains have come from other ranks. Follows `ellgran_gpu_new_list`,
+/// with the same `grains`. Entries of which nothing is remembered, and the entry of a pair of two owned grains in the row of the one with
+/// the higher identifier, have 0 in both arrays. What a pair remembers that cannot touch is forgotten.
+///
+/// # Safety
+/// `scene` is NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states; `touching` is NULL or valid
+/// for `count` reads, `histories` for `count * length`.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_write_histories(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    plane: i32,
+    touching: *const u32,
+    histories: *const f64,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_write_histories", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains) = unsafe { (required_mut(scene, "scene")?, given(grains, "grains")?) };
+        let plane = (plane != -1).then_some(plane);
+        let held = scene.scene.histories(plane)?;
+        // SAFETY: NULL or so long, by this function's safety section.
+        let (touching, histories) = unsafe {
+            (
+                slice(touching, held.count, "touching")?,
+                slice(histories, held.count * held.length, "histories")?,
+            )
+        };
+        let stream = Stream(stream);
+        scene
+            .scene
+            .write_histories(&grains, plane, touching, histories, stream)
     })
 }
 

@@ -24,8 +24,8 @@ use ellgran_gpu::arrays::{
 use ellgran_gpu::c_api::gpu::{ellgran_gpu_free, EllgranGpu};
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_histories, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free, ellgran_gpu_scene_new, ellgran_gpu_scene_set_precision,
-    EllgranGpuScene,
+    ellgran_gpu_read_histories, ellgran_gpu_scene_free, ellgran_gpu_scene_new,
+    ellgran_gpu_scene_set_precision, ellgran_gpu_write_histories, EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
@@ -446,6 +446,76 @@ fn gpu_scene(words: &str, shapes: i32) -> (*mut EllgranGpu, *mut EllgranGpuScene
     (gpu, made)
 }
 
+/// What is remembered of pairs, on the host.
+unsafe fn remembered(made: *const EllgranGpuScene, device: &OnDevice) -> (Vec<u32>, Vec<f64>) {
+    let mut held = new::<EllgranGpuHistories>();
+    let (mut touching, mut histories);
+    unsafe {
+        succeed(ellgran_gpu_histories(made, -1, &mut held));
+        touching = vec![7; held.count];
+        histories = vec![7.0; held.count * held.length];
+        let (to, values) = (touching.as_mut_ptr(), histories.as_mut_ptr());
+        let stream = device.engine.stream;
+        succeed(ellgran_gpu_read_histories(made, -1, to, values, stream));
+    }
+    (touching, histories)
+}
+
+/// Through the host and back, as with a restart; with the claim that all pairs touch, of which those that cannot are forgotten.
+unsafe fn through_the_host(made: *mut EllgranGpuScene, device: &OnDevice) {
+    let grains = device.grains();
+    let written = |touching: &[u32], histories: &[f64]| {
+        let (to, values) = (touching.as_ptr(), histories.as_ptr());
+        let stream = device.engine.stream;
+        unsafe { ellgran_gpu_write_histories(made, &grains, -1, to, values, stream) }
+    };
+    unsafe {
+        let (touching, histories) = remembered(made, device);
+        assert!(touching.contains(&1) && !touching.iter().any(|&t| t > 1));
+        let all = touching.len();
+        let ones: Vec<u32> = (0..all).map(|k| u32::from(kept(device, k))).collect();
+        succeed(written(&ones, &vec![1.0; histories.len()]));
+        let (claimed, values) = remembered(made, device);
+        let length = histories.len() / all;
+        let left = claimed.iter().filter(|&&t| t == 1).count();
+        let touch = touching.iter().filter(|&&t| t == 1).count();
+        let claims = ones.iter().filter(|&&t| t == 1).count();
+        assert!(left >= touch && left < claims, "{touch} {left} {claims}");
+        for (k, &state) in claimed.iter().enumerate() {
+            assert!(state == 1 || touching[k] == 0);
+            // A normal is the start of the next search.
+            let tail = &values[k * length + length.min(3)..(k + 1) * length];
+            let is = |x: f64| tail.iter().all(|&v| v == x);
+            assert!(is(if state == 1 { 1.0 } else { 0.0 }) || ones[k] == 0);
+        }
+        let mut wrong = touching.clone();
+        wrong[all - 1] = 2;
+        assert_eq!(
+            written(&wrong, &histories),
+            ellgran::c_api::status::ELLGRAN_ERROR_ARGUMENT
+        );
+        succeed(written(&touching, &histories));
+        let (again, values) = remembered(made, device);
+        assert_eq!(again, touching);
+        for (k, _) in touching.iter().enumerate().filter(|(_, &t)| t == 1) {
+            let of = k * length..(k + 1) * length;
+            assert_eq!(values[of.clone()], histories[of]);
+        }
+    }
+}
+
+/// Whether an entry of the list is in the row that keeps its pair.
+fn kept(device: &OnDevice, entry: usize) -> bool {
+    let row = device
+        .starts
+        .iter()
+        .filter(|&&s| s as usize <= entry)
+        .count()
+        - 1;
+    let other = device.neighbours[entry] as usize;
+    other >= device.owned || device.order[row] < device.order[other]
+}
+
 fn compare(words: &str, stated: i32, shapes: i32, scene: Scene) -> EllgranGpuCounts {
     compare_with(Layout::Rows, words, stated, shapes, scene)
 }
@@ -502,6 +572,9 @@ fn compare_in(
                 device.begin_anew(&scene, now / BETWEEN_LISTS + 1, true);
                 let (grains, list) = (device.grains(), device.neighbour_list());
                 succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+                if now == STEPS - 1 && layout.length > 0 {
+                    through_the_host(made, &device);
+                }
                 lists = carried(&scene, &laws, &lists);
                 unchanged = false;
             } else {
