@@ -179,6 +179,8 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   if (neighbor->ago > 0) require_listed_atoms();
+  if (!update->setupflag) require_end_of_run();
+  end_of_run.known = false;
   listed = atom->nlocal + atom->nghost;
   // Commands may have changed types, masses and shapes before a run that goes on with an old list ('run ... pre no', 'run ... every'). LAMMPS
   // computes no forces when such a run starts.
@@ -523,6 +525,7 @@ void PairGranEllipsoid::init_style()
 {
   require_host_kokkos(lmp, CALLER);
   require_settings();
+  end_of_run.set_up_since = true;
   if (comm->ghost_velocity == 0)
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
@@ -626,6 +629,35 @@ void PairGranEllipsoid::require_listed_atoms() const
                "{}: the neighbour list is of {} atoms and images, but there are {} now: a command between two runs has changed "
                "them: leave out 'pre no' in the run that follows it",
                CALLER, listed, now);
+}
+
+/* Others (write_restart, write_data) may leave as many there, and put atoms that have crossed a periodic boundary back into the box, or images into
+   another order. */
+
+void PairGranEllipsoid::note_end_of_run()
+{
+  end_of_run.known = true;
+  end_of_run.set_up_since = false;
+  end_of_run.ids.assign(atom->tag, atom->tag + atom->nlocal + atom->nghost);
+  end_of_run.positions.clear();
+  if (atom->nlocal > 0) end_of_run.positions.assign(atom->x[0], atom->x[0] + 3 * static_cast<std::size_t>(atom->nlocal));
+}
+
+void PairGranEllipsoid::require_end_of_run()
+{
+  if (!end_of_run.known) return;
+  const auto stop = [this](const std::string &what) {
+    error->one(FLERR, "{}: {} by a command between two runs, and the neighbour list is of what was before: leave out 'pre no' in the run that follows it",
+               CALLER, what);
+  };
+  // A new list in the first step finds what contacts remember by images that are no longer there.
+  if (end_of_run.set_up_since) stop("LAMMPS has been set up anew");
+  if (neighbor->ago == 0) return;
+  if (!std::equal(end_of_run.ids.begin(), end_of_run.ids.end(), atom->tag)) stop("atoms or images have been put into another order");
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int k = 0; k < 3; k++)
+      if (domain->periodicity[k] && std::fabs(atom->x[i][k] - end_of_run.positions[3 * static_cast<std::size_t>(i) + k]) > 0.5 * domain->prd[k])
+        stop(fmt::format("atom {} has been put back into the periodic box", atom->tag[i]));
 }
 
 /* Atoms that another fix made larger, or added, since the cutoffs were made would miss contacts. */
@@ -983,6 +1015,7 @@ void PairGranEllipsoid::gather_work()
 
 void PairGranEllipsoid::finish()
 {
+  note_end_of_run();
   gather_work();
   const bigint so_far = ellgran_workspace_deep_contacts_count(workspace);
   bigint deep = so_far - deep_told, sum = 0;

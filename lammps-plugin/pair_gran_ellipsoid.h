@@ -124,6 +124,15 @@ class PairGranEllipsoid : public Pair {
   bigint atoms_in_file = 0;    // of a restart file that was read; 0: none was
   int listed;    // atoms and images when the neighbour list was built
 
+  // What was there when the last run ended, if no force has been computed since
+  struct End {
+    bool known = false;
+    bool set_up_since = false;        // a command has had LAMMPS set up anew, and no list has been built
+    std::vector<tagint> ids;          // of atoms and images
+    std::vector<double> positions;    // of atoms
+  };
+  End end_of_run;
+
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;
 
@@ -167,6 +176,8 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] double contact_mass(int i) const;
   void require_allowed_sizes() const;
   void require_listed_atoms() const;
+  void note_end_of_run();
+  void require_end_of_run();
   void require_same_images();
   void gather_work();
   void follow_dissipation();

@@ -67,6 +67,10 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   atomKK->sync(Device, datamask_read);
+  if (end_of_run.known && !update->setupflag) {
+    atomKK->sync(Host, X_MASK | TAG_MASK);
+    require_end_of_run();
+  }
   if (neighbor->ago == 0) {
     begin_list();
   } else if (between_runs) {
@@ -82,7 +86,7 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
     share_motion();
     grains.prepare();
   }
-  between_runs = false;
+  between_runs = end_of_run.known = false;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes() ? 1 : 0;
@@ -236,6 +240,7 @@ void PairGranEllipsoidDevice::init_style()
   // What follows reads the arrays of the host.
   atomKK->sync(Host, ALL_MASK);
   require_settings();
+  end_of_run.set_up_since = true;
   refuse_what_the_gpu_has_not();
   refuse_deletion_after_reading();
   refuse_other_atoms();
@@ -432,8 +437,9 @@ void PairGranEllipsoidDevice::setup() {}
 void PairGranEllipsoidDevice::finish()
 {
   grains.require_sound();
-  atomKK->sync(Host, TAG_MASK);
+  atomKK->sync(Host, X_MASK | TAG_MASK);
   ids_at_end.assign(atom->tag, atom->tag + atom->nlocal);
   if (comm->nprocs > 1) grains_at_end = present_grains();
+  note_end_of_run();
   between_runs = true;
 }

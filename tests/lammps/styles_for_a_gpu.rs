@@ -400,6 +400,24 @@ fn what_set_has_changed_counts_in_a_run_without_set_up() {
     }
 }
 
+/// LAMMPS puts grains back into the box for these, and has other images then: how many there are may be as before.
+#[test]
+fn a_run_without_set_up_is_refused_after_a_file_was_written() {
+    for (engine, ranks) in [
+        (Engine::from_environment(), 1),
+        (with_the_stand_in(), 1),
+        (with_the_stand_in(), 2),
+    ] {
+        for command in ["write_restart file", "write_data file"] {
+            let mut deck = deck("velocities step");
+            deck.runs = vec!["run 2".into(), command.into(), "run 2 pre no".into()];
+            let outcome = attempt(&engine, "written", &crowd(64), &deck, ranks);
+            let refused = !outcome.success && outcome.output.contains("leave out 'pre no'");
+            assert!(refused, "{ranks}: {}", last_lines(&outcome.output));
+        }
+    }
+}
+
 /// Commands and settings that the page says are right on the GPU.
 #[test]
 fn other_commands_give_what_they_give_on_the_host() {
