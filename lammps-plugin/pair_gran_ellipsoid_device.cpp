@@ -135,7 +135,7 @@ void PairGranEllipsoidDevice::take_laws()
 
   const bool same = grains.has_scene() && options_of_scene == laws_options && laws_of_scene.size() == given.size() && set_in_scene == is_set &&
       std::memcmp(laws_of_scene.data(), given.data(), given.size() * sizeof(EllgranLawParameters)) == 0;
-  if (same && std::all_of(walls.begin(), walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
+  if (same && std::all_of(walls.begin(), walls.end(), [](const auto *wall) { return wall->is_in_scene(); })) return;
   EllgranLaws *all = nullptr;
   if (ellgran_laws_new(types, given.data(), is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
@@ -149,7 +149,7 @@ void PairGranEllipsoidDevice::take_laws()
   }
   grains.set_laws(all);
   ellgran_laws_free(all);
-  for (std::size_t k = 0; k < walls.size(); k++) walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
+  for (std::size_t k = 0; k < walls.size(); k++) walls[k]->add_to_scene(grains, atom->ntypes + 1 + static_cast<int>(k));
   laws_of_scene = given;
   options_of_scene = laws_options;
   set_in_scene = is_set;

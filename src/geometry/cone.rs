@@ -28,11 +28,14 @@
 
 use super::convex_body::{ConvexBody, SquaredSupport};
 use super::ellipsoid::{Ellipsoid, LARGEST_ASPECT_RATIO};
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
 /// A cone, without ends.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Cone {
     /// A point of the axis, world frame.
     pub point: Vector3,
@@ -474,36 +477,40 @@ impl Search<'_> {
             } else {
                 self.sample_at(half)
             };
-            self.maxima_between([left, right], MOST_HALVINGS, &mut found);
+            self.maxima_between([left, right], &mut found);
             left = right;
         }
     }
 
-    /// The maxima of an interval. A cubic has at most as many zeros as its control points change their sign (Bernstein's form).
-    fn maxima_between(
-        &self,
-        [left, right]: [Sample; 2],
-        halvings: usize,
-        found: &mut impl FnMut(f64),
-    ) {
-        let third = (right.angle - left.angle) / 3.0;
-        let rises = [
-            left.first,
-            left.first + third * left.second,
-            right.first - third * right.second,
-            right.first,
-        ]
-        .map(|slope| slope > 0.0);
-        let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if changes > 1 && halvings > 0 {
-            let middle = self.sample_at(0.5 * (left.angle + right.angle));
-            self.maxima_between([left, middle], halvings - 1, found);
-            self.maxima_between([middle, right], halvings - 1, found);
-        } else if rises[0] && !rises[3] {
-            // from the zero of the chord of the slopes
-            let share = left.first / (left.first - right.first);
-            let start = left.angle + (right.angle - left.angle) * share;
-            found(self.maximum([left.angle, right.angle], start));
+    /// The maxima of an interval. A cubic has at most as many zeros as its control points change their sign (Bernstein's form). Intervals that
+    /// are left are kept in an array: a function that calls itself has no bound on its memory that a device could know.
+    fn maxima_between(&self, interval: [Sample; 2], found: &mut impl FnMut(f64)) {
+        // Of each number of halvings one is left at most, beside the one that is looked at.
+        let mut left_over = [(interval, 0); MOST_HALVINGS + 1];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let ([left, right], halvings) = left_over[count];
+            let third = (right.angle - left.angle) / 3.0;
+            let rises = [
+                left.first,
+                left.first + third * left.second,
+                right.first - third * right.second,
+                right.first,
+            ]
+            .map(|slope| slope > 0.0);
+            let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            if changes > 1 && halvings < MOST_HALVINGS {
+                let middle = self.sample_at(0.5 * (left.angle + right.angle));
+                left_over[count] = ([middle, right], halvings + 1);
+                left_over[count + 1] = ([left, middle], halvings + 1);
+                count += 2;
+            } else if rises[0] && !rises[3] {
+                // from the zero of the chord of the slopes
+                let share = left.first / (left.first - right.first);
+                let start = left.angle + (right.angle - left.angle) * share;
+                found(self.maximum([left.angle, right.angle], start));
+            }
         }
     }
 
