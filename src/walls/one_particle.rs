@@ -13,11 +13,14 @@ use crate::force::PairLaw;
 use crate::vector::Vector3;
 
 /// Contacts of one particle with one wall, at most.
+#[doc(hidden)]
 pub const MOST_CONTACTS: usize = 8;
 /// Doubles of the history of one of them, at most: of laws without springs, memories and resistance to rolling and twisting.
+#[doc(hidden)]
 pub const LONGEST_HISTORY: usize = 7;
 
 /// A wall whose parts have no memory of their own.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacesInMotion<'a> {
     /// Its parts.
@@ -33,6 +36,7 @@ pub struct SurfacesInMotion<'a> {
 }
 
 /// What a wall does to a particle.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParticleLoad {
     /// Force on the particle, world frame.
@@ -44,6 +48,7 @@ pub struct ParticleLoad {
 }
 
 /// More contacts than [`MOST_CONTACTS`].
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManyContacts;
 
@@ -69,6 +74,7 @@ impl Touched {
 
 impl SurfacesInMotion<'_> {
     /// Forgets the contacts of a particle that touches no more.
+    #[doc(hidden)]
     pub fn forget(&self, histories: &mut [f64]) {
         let used = self.layout.used(histories);
         histories[..used].fill(0.0);
@@ -79,6 +85,7 @@ impl SurfacesInMotion<'_> {
     ///
     /// # Errors
     /// Too many contacts. Nothing is written then.
+    #[doc(hidden)]
     pub fn load(
         &self,
         law: &PairLaw,

@@ -14,6 +14,7 @@ use crate::contact::staged::WallSurface;
 use core::any::Any;
 
 /// A surface that ellipsoids touch, in the frame of its wall. Each is as long as the longest of them.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 // They are in one array on a device.
@@ -57,6 +58,7 @@ impl Surface {
     }
 
     /// False only if a body within the ball cannot touch; true where a number is not finite.
+    #[doc(hidden)]
     pub fn is_near(&self, ball: &Ball) -> bool {
         match self {
             Surface::Plane(s) => s.is_near(ball),
@@ -69,6 +71,7 @@ impl Surface {
     }
 
     /// Calls `found` with the surface at every contact of a body.
+    #[doc(hidden)]
     pub fn contacts(&self, grain: &Grain<'_>, found: impl FnMut(&WallSurface)) {
         match self {
             Surface::Plane(s) => s.contacts(grain, found),
