@@ -3,8 +3,10 @@
 
 use crate::contacts::{law_of_types, Load, Scene};
 use crate::shapes::Kind;
+use ellgran::contact::Particle;
+use ellgran::force::PairLaw;
 use ellgran::vector::Vector3;
-use ellgran::walls::one_particle::{SurfacesInMotion, TooManyContacts};
+use ellgran::walls::one_particle::{ParticleLoad, SurfacesInMotion, TooManyContacts};
 use ellgran::walls::{Ball, Motion, Surface, WallHistoryLayout};
 
 /// What is wrong with a grain that has more contacts with a wall than a thread has room for: beside
@@ -76,6 +78,17 @@ impl From<&WallMotion> for Motion {
     }
 }
 
+/// One function for all kinds of grains: it is long, and few grains come here.
+#[inline(never)]
+fn load_of_particle(
+    wall: &SurfacesInMotion<'_>,
+    law: &PairLaw,
+    i: &Particle,
+    histories: &mut [f64],
+) -> Result<ParticleLoad, TooManyContacts> {
+    wall.load(law, i, histories)
+}
+
 /// Load of grain `k` by a wall. `state` is the number of its contacts at the last step, and written; `histories` are the grain's own with
 /// this wall, as its layout says.
 ///
@@ -114,7 +127,7 @@ pub fn contacts_with_wall<K: Kind>(
     let mut i = K::particle(grain, scene.types[k], mass);
     let law = &scene.laws[law_of_types(i.particle_type, wall.wall_type, scene.type_count)];
     i.change = scene.change(law, k);
-    let load = wall_now.load(law, &i, histories)?;
+    let load = load_of_particle(&wall_now, law, &i, histories)?;
     *state = load.contacts as u32;
     Ok(Load {
         force: load.force,
