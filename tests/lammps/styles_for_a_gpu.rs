@@ -184,11 +184,11 @@ fn the_trajectories_in_curved_walls_are_those_of_the_host() {
             ),
             wall(
                 "ball",
-                "shape sphere point 0.048 0.048 -0.024 radius 0.022 side outside velocity 0 0 1",
+                "shape sphere point 0.036 0.036 -0.021 radius 0.022 side outside velocity 0 0 1",
             ),
             wall(
                 "cone",
-                "shape cone point -0.03 0.03 0.04 axis 1 0 0 radii 0.02 0 bounds 0 0.03 ends closed closed side outside",
+                "shape cone point -0.03 0.036 0.036 axis 1 0 0 radii 0.02 0 bounds 0 0.038 ends closed closed side outside",
             ),
             format!(
                 "region hull sphere 0.048 0.048 0.048 0.074\n{}",
