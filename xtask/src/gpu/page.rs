@@ -190,8 +190,7 @@ applies the law. What is remembered is laid out as on the host.
 - A wall with triangles is refused. What triangles share of a contact, and which of them meet, takes lists of any length.
 - A grain takes 24 bytes and, with friction, 224 for each contact that a wall remembers: two for an endless cylinder or a sphere, one for a plane. Planes of \
 `ellgran_gpu_add_plane` take 120, and less time.
-- The kernel needs 22 kB of memory a thread, most of it for a sphere from without, which is found by the search with every safeguard. The driver sets it \
-aside when a wall is first computed.
+- The kernel needs 22 kB of memory a thread, most of it for a sphere from without, which is found by the search with every safeguard.
 
 `cargo test -p ellgran-kernels` compares loads and histories with those of the walls of the host, at rest and in motion, to 1e-12 of the largest; \
 `cargo test -p ellgran-gpu` does so through the C interface, over a new list.
