@@ -13,6 +13,7 @@
  *   ellgran_gpu_prepare         or ellgran_gpu_new_list, where the engine has a new neighbour list
  *   ellgran_gpu_compute_pairs   forces
  *   ellgran_gpu_compute_plane   for each plane
+ *   ellgran_gpu_compute_wall    for each wall of other shapes
  *   ellgran_gpu_finish_step     the other half of the kick
  * These calls start kernels on the caller's stream and return: nothing is allocated, copied or waited for, but with a new list.
  * ellgran_gpu_check waits, and tells what went wrong.
@@ -486,6 +487,22 @@ int32_t ellgran_gpu_add_plane(struct EllgranGpuScene *scene,
                               int32_t *plane);
 
 /*
+ Adds a wall of any shapes but triangles to a scene: planes, cylinders, cones and spheres, with their ends, as
+ `ellgran_wall_add_shape` and `ellgran_wall_add_shape_words` have added them. Writes its number, counted from 0 over planes and walls, to
+ `number`. The parts are copied: what is added to `wall` later, or done with it, is not seen. The scene keeps the histories of
+ its contacts; where it is and how it moves is told in each step.
+
+ A wall with triangles is refused: ELLGRAN_ERROR_ARGUMENT, with the number of the part.
+
+ # Safety
+ `scene` and `wall` are NULL or valid; `number` is NULL or valid for writes.
+ */
+int32_t ellgran_gpu_add_wall(struct EllgranGpuScene *scene,
+                             const EllgranWall *wall,
+                             void *stream,
+                             int32_t *number);
+
+/*
  Waits for all that was started on the stream, and tells of the first grain with which something was wrong since the last call of
  this or of `ellgran_gpu_new_list`: ELLGRAN_ERROR_PARTICLE, and a message that names it and the value it has now. `grains` are those
  of the steps since then.
@@ -502,7 +519,8 @@ int32_t ellgran_gpu_check(struct EllgranGpuScene *scene,
 
 /*
  Writes where the histories of pairs are in the memory of the GPU, those of row `k` from `starts[k]` on, or with `plane` 0 or greater
- those of that plane. `plane` = -1: of pairs.
+ those of that plane or wall. `plane` = -1: of pairs. Those of a grain with a wall are laid out as `ellgran_compute_wall` has them on the
+ host, for 8 contacts at most, and `touching` is how many there are.
 
  # Safety
  `scene` is NULL or valid; `histories` is NULL or valid for writes of its `size` bytes.
@@ -606,6 +624,26 @@ int32_t ellgran_gpu_compute_plane(struct EllgranGpuScene *scene,
                                   const EllgranStep *step,
                                   const struct EllgranGpuLoads *loads,
                                   void *stream);
+
+/*
+ Starts the forces of a wall: adds to forces and torques, as `ellgran_gpu_compute_pairs` wrote them. `wall` is the number that
+ `ellgran_gpu_add_wall` wrote, `motion` where the wall is and how it moves, as for `ellgran_compute_wall` on the host (NULL: at
+ rest), `wall_type` its type in the laws.
+
+ A grain that touches the wall in more than 8 places gets no force of it, and `ellgran_gpu_check` tells of it.
+
+ # Safety
+ `scene` is NULL or valid; `grains`, `motion`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory
+ of the GPU as stated.
+ */
+int32_t ellgran_gpu_compute_wall(struct EllgranGpuScene *scene,
+                                 const struct EllgranGpuGrains *grains,
+                                 int32_t wall,
+                                 const EllgranWallMotion *motion,
+                                 int32_t wall_type,
+                                 const EllgranStep *step,
+                                 const struct EllgranGpuLoads *loads,
+                                 void *stream);
 
 /*
  Starts the second half of a step of velocity Verlet, with the loads of its end, as `ellgran_finish_step` on the host.

@@ -454,6 +454,21 @@ void EllgranDeviceGrains::add_plane_forces(const std::vector<PlaneNow> &planes, 
     check(ellgran_gpu_compute_plane(scene, &now, plane.number, &plane.place, wall_type, &step, &to, stream()));
 }
 
+int32_t EllgranDeviceGrains::add_wall(const EllgranWall *wall)
+{
+  int32_t number = -1;
+  check(ellgran_gpu_add_wall(scene, wall, stream(), &number));
+  return number;
+}
+
+void EllgranDeviceGrains::add_wall_forces(int32_t number, const EllgranWallMotion &motion, int32_t wall_type, const EllgranStep &step)
+{
+  require_listed();
+  const EllgranGpuGrains now = grains();
+  const EllgranGpuLoads to = loads();
+  check(ellgran_gpu_compute_wall(scene, &now, number, &motion, wall_type, &step, &to, stream()));
+}
+
 /* Some commands between two runs take images away, or atoms. A run without set-up goes on with the list of the one before it. */
 
 void EllgranDeviceGrains::require_listed() const

@@ -107,6 +107,12 @@ class EllgranDeviceGrains : protected Pointers {
   };
   void add_plane_forces(const std::vector<PlaneNow> &planes, int32_t wall_type, const EllgranStep &step);
 
+  /// Adds a wall of any shapes without triangles to the scene, before its first list; its number.
+  int32_t add_wall(const EllgranWall *wall);
+
+  /// Adds the forces of such a wall to LAMMPS', after those of pairs: `wall_type` in the laws of the scene.
+  void add_wall_forces(int32_t number, const EllgranWallMotion &motion, int32_t wall_type, const EllgranStep &step);
+
   /// Halves of a step of velocity Verlet, of all owned grains.
   void start_step(double time_step, double time_step_before);
   void finish_step(double time_step, double time_step_before);

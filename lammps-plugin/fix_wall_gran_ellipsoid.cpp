@@ -515,10 +515,7 @@ void FixWallGranEllipsoid::init()
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
   check_periodicity();
-  // The surfaces were taken from the region when the fix was made.
-  if (!region_id.empty() && measures_of_region(present_region()) != region_measures)
-    error->all(FLERR, "{} {}: region {} was defined anew, with another shape or place, since the fix was made: give the fix anew, too", CALLER,
-               id, region_id);
+  require_region_as_it_was();
   atoms.require_shapes(groupbit);
   // Contacts of grains that are not in the group any more are over.
   for (int i = 0; i < atom->nlocal; i++)
@@ -541,6 +538,15 @@ void FixWallGranEllipsoid::init()
       if (fix_rigid) error->all(FLERR, "{}: only one fix rigid is allowed", CALLER);
       fix_rigid = fix;
     }
+}
+
+/* The surfaces were taken from the region when the fix was made. */
+
+void FixWallGranEllipsoid::require_region_as_it_was() const
+{
+  if (region_id.empty() || measures_of_region(present_region()) == region_measures) return;
+  error->all(FLERR, "{} {}: region {} was defined anew, with another shape or place, since the fix was made: give the fix anew, too", CALLER, id,
+             region_id);
 }
 
 void FixWallGranEllipsoid::setup(int vflag)

@@ -200,6 +200,7 @@ class FixWallGranEllipsoid : public Fix {
   void check(int32_t status) const;
   void check_words(int32_t status) const;
   void check_periodicity() const;
+  void require_region_as_it_was() const;
   void warn_of_missing_images();
   int axis_word(const char *keyword, const char *word) const;
   void follow_time(bool passes);

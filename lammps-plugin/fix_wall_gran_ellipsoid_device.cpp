@@ -25,7 +25,7 @@ const char CALLER[] = "Fix wall/gran/ellipsoid/kk";
 
 FixWallGranEllipsoidDevice::FixWallGranEllipsoidDevice(LAMMPS *lmp, int narg, char **arg) :
     FixWallGranEllipsoid(checked(lmp), narg, arg, false), atomKK(static_cast<AtomKokkos *>(atom)), pair(nullptr), type_in_scene(0),
-    numbers{-1, -1}
+    numbers{-1, -1}, number(-1)
 {
   refuse_what_the_gpu_has_not();
   // Sums over contacts are not on the GPU.
@@ -54,10 +54,10 @@ void FixWallGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   const auto refuse = [this](const char *what) {
     error->all(FLERR, "{} {}: {} not on the GPU: start LAMMPS without '-k on'", CALLER, id, what);
   };
-  if (plane_slots[0] < 0 && plane_slots[1] < 0) refuse("walls other than xplane, yplane and zplane are");
+  if (is_mesh) refuse("walls of meshes are");
+  if (ellgran_wall_triangle_count(wall) > 0) refuse("blocks with faces on their outer side, which are made of triangles, are");
   if (has_material) refuse("a material of the wall is");
   if (servo) refuse("'servo' is");
-  if (rotates) refuse("'rotate' and 'omega' are");
   if (tells_contacts) refuse("'contacts' is");
   if (keeps_energies) refuse("'energies yes' is");
   if (igroup != 0) refuse("a wall for a group other than 'all' is");
@@ -72,13 +72,19 @@ void FixWallGranEllipsoidDevice::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa")) error->all(FLERR, "{} does not support rRESPA: use 'run_style verlet'", CALLER);
   check_periodicity();
+  require_region_as_it_was();
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
+  rotation_rate.require_variable(lmp);
   pair = PairGranEllipsoidDevice::of(lmp, CALLER);
 }
 
-void FixWallGranEllipsoidDevice::add_planes(EllgranDeviceGrains &grains, int type)
+void FixWallGranEllipsoidDevice::add_to_scene(EllgranDeviceGrains &grains, int type)
 {
   type_in_scene = type;
+  if (!is_of_planes()) {
+    number = grains.add_wall(wall);
+    return;
+  }
   for (int k = 0; k < 2; k++)
     if (plane_slots[k] >= 0) numbers[k] = grains.add_plane();
 }
@@ -93,6 +99,19 @@ void FixWallGranEllipsoidDevice::post_force(int)
   const bool time_passes = update->setupflag == 0;
   follow_time(time_passes);
   const EllgranWallMotion motion = motion_now(time_passes);
+  EllgranStep step = ELLGRAN_INIT(EllgranStep);
+  step.time_step = update->dt;
+  step.advance_history = time_passes ? 1 : 0;
+  atomKK->sync(Device, X_MASK | F_MASK | TORQUE_MASK | TAG_MASK);
+  if (is_of_planes())
+    add_plane_forces(motion, step);
+  else
+    pair->grains.add_wall_forces(number, motion, type_in_scene, step);
+  atomKK->modified(Device, F_MASK | TORQUE_MASK);
+}
+
+void FixWallGranEllipsoidDevice::add_plane_forces(const EllgranWallMotion &motion, const EllgranStep &step)
+{
   std::vector<EllgranDeviceGrains::PlaneNow> planes;
   for (int k = 0; k < 2; k++) {
     if (plane_slots[k] < 0) continue;
@@ -103,10 +122,5 @@ void FixWallGranEllipsoidDevice::post_force(int)
     std::copy_n(motion.velocity, 3, plane.place.velocity);
     planes.push_back(plane);
   }
-  EllgranStep step = ELLGRAN_INIT(EllgranStep);
-  step.time_step = update->dt;
-  step.advance_history = time_passes ? 1 : 0;
-  atomKK->sync(Device, X_MASK | F_MASK | TORQUE_MASK | TAG_MASK);
   pair->grains.add_plane_forces(planes, type_in_scene, step);
-  atomKK->modified(Device, F_MASK | TORQUE_MASK);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// `fix wall/gran/ellipsoid/kk` in a LAMMPS with KOKKOS for CUDA: planes, with forces by the kernels of ellgran.
+/// `fix wall/gran/ellipsoid/kk` in a LAMMPS with KOKKOS for CUDA: walls without triangles, with forces by the kernels of ellgran.
 
 #ifdef FIX_CLASS
 // clang-format off
@@ -27,19 +27,22 @@ class FixWallGranEllipsoidDevice : public FixWallGranEllipsoid {
   void setup(int) override;
   void post_force(int) override;
 
-  /// The law of contacts of any grain with the planes.
+  /// The law of contacts of any grain with the wall.
   [[nodiscard]] const EllgranLawParameters &contact_law() const { return law_words; }
 
-  /// Adds the planes to a scene in which the wall is of this type.
-  void add_planes(EllgranDeviceGrains &grains, int type);
-  [[nodiscard]] bool has_planes_in_scene() const { return type_in_scene > 0; }
+  /// Adds the wall to a scene in which it is of this type.
+  void add_to_scene(EllgranDeviceGrains &grains, int type);
+  [[nodiscard]] bool is_in_scene() const { return type_in_scene > 0; }
 
  private:
   class AtomKokkos *atomKK;
   class PairGranEllipsoidDevice *pair;
   int type_in_scene;    // 0: in none
   int32_t numbers[2];   // of the lower and the upper plane
+  int32_t number;       // of a wall that is not made of these two alone, or that turns
 
+  [[nodiscard]] bool is_of_planes() const { return (plane_slots[0] >= 0 || plane_slots[1] >= 0) && !rotates; }
+  void add_plane_forces(const EllgranWallMotion &motion, const EllgranStep &step);
   static LAMMPS *checked(LAMMPS *lmp);
   void refuse_what_the_gpu_has_not() const;
 };

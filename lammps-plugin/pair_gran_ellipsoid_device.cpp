@@ -39,7 +39,7 @@ const char CALLER[] = "Pair gran/ellipsoid/kk";
 
 PairGranEllipsoidDevice::PairGranEllipsoidDevice(LAMMPS *lmp) :
     PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), motion(nullptr), device_history(nullptr), options_of_scene(0),
-    planes_remember(false), between_runs(false)
+    walls_remember(false), between_runs(false)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style gran/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use gran/ellipsoid",
@@ -327,8 +327,8 @@ void PairGranEllipsoidDevice::take_laws()
   const auto all_walls = walls();
   const SceneLaws wanted = wanted_laws();
   const bool same = grains.has_scene() && options_of_scene == laws_options && wanted.is(laws_of_scene);
-  if (same && std::all_of(all_walls.begin(), all_walls.end(), [](const auto *wall) { return wall->has_planes_in_scene(); })) return;
-  if (grains.has_list() && planes_remember)
+  if (same && std::all_of(all_walls.begin(), all_walls.end(), [](const auto *wall) { return wall->is_in_scene(); })) return;
+  if (grains.has_list() && walls_remember)
     error->all(FLERR,
                "{}: laws or walls have changed since the last run, and on the GPU contacts with walls cannot go on with others: start "
                "anew from a data file ('write_data')",
@@ -337,11 +337,11 @@ void PairGranEllipsoidDevice::take_laws()
   EllgranLaws *all = nullptr;
   if (ellgran_laws_new(types, wanted.given.data(), wanted.is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
-  planes_remember = !all_walls.empty() && ellgran_laws_memory_offset(all) >= 0;
-  if (planes_remember) refuse_what_walls_forget();
+  walls_remember = !all_walls.empty() && ellgran_laws_memory_offset(all) >= 0;
+  if (walls_remember) refuse_what_walls_forget();
   grains.set_laws(all);
   ellgran_laws_free(all);
-  for (std::size_t k = 0; k < all_walls.size(); k++) all_walls[k]->add_planes(grains, atom->ntypes + 1 + static_cast<int>(k));
+  for (std::size_t k = 0; k < all_walls.size(); k++) all_walls[k]->add_to_scene(grains, atom->ntypes + 1 + static_cast<int>(k));
   laws_of_scene = wanted;
   options_of_scene = laws_options;
 }
@@ -360,7 +360,7 @@ void PairGranEllipsoidDevice::refuse_what_walls_forget() const
 
 void PairGranEllipsoidDevice::write_restart_settings(FILE *fp)
 {
-  if (planes_remember)
+  if (walls_remember)
     error->one(FLERR,
                "{}: restart files are not written on the GPU where walls have friction: use 'write_data', which leaves out what contacts "
                "remember",
@@ -407,7 +407,7 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
 
 void PairGranEllipsoidDevice::refuse_other_atoms()
 {
-  if (!grains.has_list() || !planes_remember) return;
+  if (!grains.has_list() || !walls_remember) return;
   const std::size_t known = ids_at_end.size();
   if (static_cast<std::size_t>(atom->nlocal) < known || !std::equal(ids_at_end.begin(), ids_at_end.end(), atom->tag))
     error->all(FLERR,

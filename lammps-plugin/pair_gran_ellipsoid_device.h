@@ -54,7 +54,7 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   };
   SceneLaws laws_of_scene;
   uint32_t options_of_scene;
-  bool planes_remember;              // the scene has planes, and their contacts remember something
+  bool walls_remember;              // the scene has walls, and their contacts remember something
   bool between_runs;                 // no force has been computed since the last run ended
   std::vector<tagint> ids_at_end;    // of all atoms in their order, when the last run ended
   std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes

@@ -15,8 +15,8 @@
 //! - [`c_api`]: everything `extern "C"`.
 
 //!
-//! The feature `std` is on by default. Without it the library has no list, no walls and no C interface: what is left, one
-//! contact and the motion of one body, is what a device takes from it (`gpu/` in the repository).
+//! The feature `std` is on by default. Without it the library has no list, no walls with triangles and no C interface: what is left, one
+//! contact, one particle at the surfaces of a wall and the motion of one body, is what a device takes from it (`gpu/` in the repository).
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(
@@ -45,7 +45,6 @@ pub mod simd;
 #[cfg(feature = "std")]
 pub mod tallies;
 pub mod vector;
-#[cfg(feature = "std")]
 pub mod walls;
 
 /// The Rust snippets of the README are run as tests.

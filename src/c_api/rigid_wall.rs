@@ -48,6 +48,14 @@ pub struct EllgranWall {
     pub(super) names: Vec<i64>,
 }
 
+impl EllgranWall {
+    /// The wall itself. Public for the border of `gpu/driver`; no interface for others.
+    #[doc(hidden)]
+    pub fn parts(&self) -> &Wall {
+        &self.wall
+    }
+}
+
 /// A shape, described in the place where the wall has not yet moved. What a shape does not need is not read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -492,9 +500,15 @@ pub unsafe extern "C" fn ellgran_wall_histories_used(
     }
 }
 
+/// Where a wall is and how it moves: NULL is at rest. Public for the border of `gpu/driver`; no interface for others.
+///
+/// # Errors
+/// Numbers out of range.
+///
 /// # Safety
 /// `motion` is NULL or valid.
-pub(super) unsafe fn motion_of(motion: *const EllgranWallMotion) -> Result<Motion, Failure> {
+#[doc(hidden)]
+pub unsafe fn motion_of(motion: *const EllgranWallMotion) -> Result<Motion, Failure> {
     if motion.is_null() {
         return Ok(Motion::REST);
     }

@@ -18,9 +18,7 @@ pub mod ranges;
 pub mod stability;
 #[cfg(feature = "std")]
 pub mod stable_step;
-#[cfg(feature = "std")]
 pub mod staged;
-#[cfg(feature = "std")]
 mod turning_normal;
 #[cfg(feature = "std")]
 pub(crate) mod vectors_in_lanes;

@@ -74,7 +74,9 @@ use super::turning_normal::{along_and_across, TurningNormal};
 use crate::force::hertz_factors;
 use crate::force::memory::MOST_PARTS;
 use crate::force::{PairLaw, Springs, Tangential, TwistingResistance, SPRINGS};
-use crate::geometry::facet_shares::Share;
+use crate::geometry::share::Share;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// The surface of a wall where a body touches it.
@@ -233,7 +235,7 @@ impl StagedContact {
     /// Area of the plane section of the overlap, `pi delta / sqrt(A B)`, to first order in the penetration over the radii; with
     /// spheres that of the circle in which they intersect, and twice the contact area of Hertz.
     pub fn section_area(&self) -> f64 {
-        std::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
+        core::f64::consts::PI * self.x.penetration / self.curvature.determinant().sqrt()
     }
 
     /// Normal force and the further terms of the conservative law, without the tangential force and without memory. The time step is for the begin

@@ -28,11 +28,14 @@
 
 use super::convex_body::{ConvexBody, SquaredSupport};
 use super::ellipsoid::{Ellipsoid, LARGEST_ASPECT_RATIO};
+#[cfg(not(feature = "std"))]
+use crate::real::Functions;
 use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
 /// A cone, without ends.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Cone {
     /// A point of the axis, world frame.
     pub point: Vector3,
@@ -474,18 +477,26 @@ impl Search<'_> {
             } else {
                 self.sample_at(half)
             };
-            self.maxima_between([left, right], MOST_HALVINGS, &mut found);
+            self.maxima_between([left, right], &mut found);
             left = right;
         }
     }
 
-    /// The maxima of an interval. A cubic has at most as many zeros as its control points change their sign (Bernstein's form).
-    fn maxima_between(
-        &self,
-        [left, right]: [Sample; 2],
-        halvings: usize,
-        found: &mut impl FnMut(f64),
-    ) {
+    /// The maxima of an interval.
+    #[inline(always)]
+    fn maxima_between(&self, interval: [Sample; 2], found: &mut impl FnMut(f64)) {
+        let (changes, is_peak) = Self::changes_of_slope(&interval);
+        if changes > 1 {
+            self.maxima_of_halves(interval, found);
+        } else if is_peak {
+            found(self.peak_between(&interval));
+        }
+    }
+
+    /// How often the slope may change its sign in an interval, and whether it rises at its beginning alone. A cubic has at most as many zeros as
+    /// its control points change their sign (Bernstein's form).
+    #[inline(always)]
+    fn changes_of_slope([left, right]: &[Sample; 2]) -> (usize, bool) {
         let third = (right.angle - left.angle) / 3.0;
         let rises = [
             left.first,
@@ -495,15 +506,37 @@ impl Search<'_> {
         ]
         .map(|slope| slope > 0.0);
         let changes = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        if changes > 1 && halvings > 0 {
-            let middle = self.sample_at(0.5 * (left.angle + right.angle));
-            self.maxima_between([left, middle], halvings - 1, found);
-            self.maxima_between([middle, right], halvings - 1, found);
-        } else if rises[0] && !rises[3] {
-            // from the zero of the chord of the slopes
-            let share = left.first / (left.first - right.first);
-            let start = left.angle + (right.angle - left.angle) * share;
-            found(self.maximum([left.angle, right.angle], start));
+        (changes, rises[0] && !rises[3])
+    }
+
+    /// The maximum of an interval with one.
+    fn peak_between(&self, [left, right]: &[Sample; 2]) -> f64 {
+        // from the zero of the chord of the slopes
+        let share = left.first / (left.first - right.first);
+        let start = left.angle + (right.angle - left.angle) * share;
+        self.maximum([left.angle, right.angle], start)
+    }
+
+    /// The maxima of an interval in which the slope may change its sign more than once, which seldom is. Halves that are left are kept in
+    /// an array: a function that calls itself has no bound on its memory that a device could know.
+    #[inline(never)]
+    fn maxima_of_halves(&self, interval: [Sample; 2], found: &mut impl FnMut(f64)) {
+        // Of each number of halvings one is left at most, beside the one that is looked at.
+        let mut left_over = [(interval, 0); MOST_HALVINGS + 1];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (interval, halvings) = left_over[count];
+            let (changes, is_peak) = Self::changes_of_slope(&interval);
+            if changes > 1 && halvings < MOST_HALVINGS {
+                let [left, right] = interval;
+                let middle = self.sample_at(0.5 * (left.angle + right.angle));
+                left_over[count] = ([middle, right], halvings + 1);
+                left_over[count + 1] = ([left, middle], halvings + 1);
+                count += 2;
+            } else if is_peak {
+                found(self.peak_between(&interval));
+            }
         }
     }
 

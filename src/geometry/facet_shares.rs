@@ -19,6 +19,7 @@
 //!   a flat surface is the plane in whatever pieces it comes.
 
 use super::ellipsoid::Ellipsoid;
+pub use super::share::Share;
 use crate::vector::{Tangent, Vector3};
 use core::f64::consts::{PI, TAU};
 
@@ -29,30 +30,6 @@ pub struct SupportingPlane {
     pub point: Vector3,
     /// Unit normal out of the wall, towards the body.
     pub normal: Vector3,
-}
-
-/// The share of a plane in a body's contact, and its gradient.
-#[derive(Clone, Copy, Debug)]
-pub struct Share {
-    /// Between 0 and 1.
-    pub value: f64,
-    /// Gradient along the body's position, 1/length, world frame.
-    pub by_position: Vector3,
-    /// Gradient along the body's rotation about its centre, 1/radian, world frame.
-    pub by_rotation: Vector3,
-}
-
-impl Share {
-    /// That of a plane alone.
-    pub const WHOLE: Share = Share {
-        value: 1.0,
-        by_position: Vector3::ZERO,
-        by_rotation: Vector3::ZERO,
-    };
-    const NONE: Share = Share {
-        value: 0.0,
-        ..Share::WHOLE
-    };
 }
 
 /// Memory for [`share`].

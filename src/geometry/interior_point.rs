@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A point inside an ellipsoid (or ellipse), or outside of it: the direction in which the surface is nearest.
 
+#[cfg(not(feature = "std"))]
+use crate::real::{Functions, Real};
+
 /// Outward normal, not of unit length, of the surface point nearest to the interior point `y`, both along the principal
 /// axes; `semi_axes` > 0. `None` if the point is not inside.
 pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Option<[f64; N]> {

@@ -3,7 +3,6 @@
 
 #[cfg(feature = "std")]
 pub(crate) mod box_tree;
-#[cfg(feature = "std")]
 pub mod cone;
 pub mod contact_search;
 pub(crate) mod convex_body;
@@ -16,13 +15,12 @@ pub mod facet_shares;
 #[cfg(feature = "std")]
 pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
-#[cfg(feature = "std")]
 pub(crate) mod interior_point;
 #[cfg(feature = "std")]
 pub(crate) mod mixed_corners;
-#[cfg(feature = "std")]
 pub(crate) mod nearest_line;
 pub mod plane;
+pub(crate) mod share;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]
 pub mod small_motion;

@@ -3,6 +3,8 @@
 
 use super::ellipsoid::Ellipsoid;
 use super::interior_point::{nearest_normal, normal_towards};
+#[cfg(not(feature = "std"))]
+use crate::real::{Functions, Real};
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// The unit vector `n` across `along` that makes `h(n) - n.y` smallest: from within the body to the surface nearest to the

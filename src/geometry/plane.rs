@@ -6,6 +6,7 @@ use crate::vector::{Tangent, Vector3};
 
 /// A half-space.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Plane {
     /// A point of the surface, world frame.
     pub point: Vector3,

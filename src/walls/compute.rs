@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contacts of all particles with a wall: force, torque, energies, and what is remembered of them.
 
+use super::contact_history::{effective_mass, recalled, write_history};
 use super::contacts::{Contacts, FoundContact, Frame, Places};
 use super::histories::WrongHistory;
 use super::motion::Motion;
@@ -8,12 +9,10 @@ use super::shape::Shape;
 use super::touching_loads::TouchingLoads;
 use super::wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
 use crate::contact::couple::{couple as contact_couple, Couple, TurningContact};
-use crate::contact::history;
-use crate::contact::particle::{self, Particle};
+use crate::contact::particle::Particle;
 use crate::contact::staged::{take_share, StagedContact, StagedHistory};
 use crate::contact::wall_batch::{LastContact, WallBatch};
 use crate::contact::{ContactForces, HistoryLayout, Laws, Step};
-use crate::force::memory::MOST_PARTS;
 use crate::force::PairLaw;
 use crate::geometry::triangles::Triangle;
 use crate::simd::InstructionSet;
@@ -261,7 +260,7 @@ impl<'i> Forces<'_, 'i, '_> {
                 let (c, history) = found.with_history(index);
                 write_history(
                     self.of_laws,
-                    c,
+                    &c.surface,
                     (f.memory, f.tangential_energy, &f.rests),
                     history,
                 );
@@ -286,7 +285,7 @@ impl<'i> Forces<'_, 'i, '_> {
             found.forget(index);
             return;
         };
-        let mut remembered = recalled(self.of_laws, c, history);
+        let mut remembered = recalled(self.of_laws, c.last_normal, &c.surface, history);
         // Hale's form was tried before anything was written.
         let Ok(mut f) = contact.whole_force(
             law,
@@ -330,7 +329,7 @@ impl<'i> Forces<'_, 'i, '_> {
             torques,
             ..
         } = &remembered;
-        write_history(self.of_laws, c, (*memory, *energy, rests), history);
+        write_history(self.of_laws, &c.surface, (*memory, *energy, rests), history);
         self.of_laws.write_springs(history, springs.as_ref());
         self.of_laws.write_torques(history, torques.as_ref());
         self.add(c, &mut f, contact.penetration(), couple.as_ref());
@@ -477,51 +476,9 @@ pub(super) fn triangle_normal(corners: &Triangle) -> Vector3 {
     (b - a).cross(c - a).direction().unwrap_or(Vector3::ZERO)
 }
 
-/// The mass of a particle against a wall that nothing moves.
-fn effective_mass(i: &Particle) -> f64 {
-    particle::effective_mass(i.inverse_mass, 0.0)
-}
-
 /// The law of a particle's type and the wall's.
 fn law_of<'a>(input: &WallInput<'a>, i: &Particle) -> &'a PairLaw {
     input.laws.get(i.particle_type as usize, input.wall_type)
-}
-
-fn recalled(layout: &HistoryLayout, c: &FoundContact, history: &[f64]) -> StagedHistory {
-    let (memory, energy) = layout.tangential(history);
-    StagedHistory {
-        touched: c.last_normal.is_some(),
-        normal: c.last_normal.unwrap_or(-c.surface.normal),
-        memory,
-        energy,
-        rests: {
-            let mut rests = [0.0; MOST_PARTS];
-            if let Some(at) = layout.rests {
-                rests[..layout.rest_count].copy_from_slice(&history[at..at + layout.rest_count]);
-            }
-            rests
-        },
-        springs: layout.springs_of(history),
-        torques: layout.torques_of(history),
-    }
-}
-
-/// Tangential memory, its energy, penetrations of rest.
-type ToRemember<'a> = (Vector3, f64, &'a [f64; MOST_PARTS]);
-
-fn write_history(
-    layout: &HistoryLayout,
-    c: &FoundContact,
-    (memory, energy, rests): ToRemember<'_>,
-    history: &mut [f64],
-) {
-    // Without a tangential memory there is no history.
-    if layout.memory.is_some() {
-        history::write(layout, history, (-c.surface.normal, memory, energy));
-    }
-    if let Some(at) = layout.rests {
-        history[at..at + layout.rest_count].copy_from_slice(&rests[..layout.rest_count]);
-    }
 }
 
 /// Whether Hale's form holds at every contact that was found.

@@ -3,19 +3,26 @@
 
 use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
-use super::shape::{
-    Ball, Block, ConeSide, End, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side,
-};
+use super::shape::{Ball, ConeSide, Grain, Side};
+#[cfg(feature = "std")]
+use super::shape::{Block, End, Found, Search, Shape, ShapeInLanes, ShapeParameters};
 use super::tip::Tip;
+#[cfg(feature = "std")]
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::contact::staged::WallSurface;
-use crate::geometry::cone::{touch_cone, Cone, ConeContact};
+#[cfg(feature = "std")]
+use crate::geometry::cone::Cone;
+use crate::geometry::cone::{touch_cone, ConeContact};
+#[cfg(feature = "std")]
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
+#[cfg(feature = "std")]
 use crate::message::Number;
 use crate::vector::Vector3;
 
+/// The side of a cylinder or a cone.
 #[derive(Clone, Copy, Debug)]
-struct ConeWall {
+#[repr(C)]
+pub struct ConeWall {
     surface: ConeSide,
     /// [`Cone::stretch`].
     stretch: f64,
@@ -26,8 +33,10 @@ struct ConeWall {
 const ROUNDING: f64 = 1e-9;
 
 /// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.
+#[cfg(feature = "std")]
 const REMEMBERED: usize = 2;
 
+#[cfg(feature = "std")]
 pub(super) fn add_cylinder(
     p: &ShapeParameters,
     parts: &mut Vec<Box<dyn Shape>>,
@@ -51,6 +60,7 @@ pub(super) fn add_cylinder(
     )
 }
 
+#[cfg(feature = "std")]
 pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     if !(low.is_finite() && high.is_finite()) {
@@ -81,6 +91,7 @@ pub(super) fn add_cone(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> 
 }
 
 /// With the bounds as they were given, before they are measured from the cone's point.
+#[cfg(feature = "std")]
 fn require_order(name: &str, p: &ShapeParameters) -> Result<(), String> {
     let [low, high] = p.bounds;
     if low < high {
@@ -94,6 +105,7 @@ fn require_order(name: &str, p: &ShapeParameters) -> Result<(), String> {
 }
 
 /// With the bounds from the cone's point, and the radii there.
+#[cfg(feature = "std")]
 fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let [low, high] = p.bounds;
     for (bound, end) in p.bounds.iter().zip(p.ends) {
@@ -119,7 +131,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
     };
     let mut caps = vec![];
     let mut edges = vec![];
-    let mut end_in = |centre: Vector3, radius: f64, out: f64, surfaces: &[[f64; 2]]| {
+    let mut end_in = |centre: Vector3, radius: f64, out: f64, surfaces: [[f64; 2]; 2]| {
         edges.push(if radius > 0.0 {
             Edge::Rim(Rim::new(centre, cone.axis, radius, surfaces))
         } else {
@@ -133,7 +145,7 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
         let inwards = [-out * cone.slope, -out];
         match p.ends[k] {
             End::None => {}
-            End::Open => end_in(centre, radius, out, &[inwards]),
+            End::Open => end_in(centre, radius, out, [inwards; 2]),
             End::Closed if p.side == Side::Inside => {
                 // The plane goes on beyond the edge, which is concave.
                 caps.push(PlaneWall::disc(
@@ -147,12 +159,19 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
                 let both_sides = p.side == Side::OfCentre;
                 let normal = cone.axis * out;
                 caps.push(PlaneWall::disc(centre, normal, radius, both_sides));
-                end_in(centre, radius, out, &[inwards, [-1.0, 0.0]]);
+                end_in(centre, radius, out, [inwards, [-1.0, 0.0]]);
             }
         }
     }
-    if p.side == Side::Outside && !caps.is_empty() {
-        parts.push(Box::new(ConvexSolid { side, caps, edges }));
+    // From without each closed end has an edge.
+    if let (Side::Outside, Some(cap), Some(edge)) = (p.side, caps.first(), edges.first()) {
+        parts.push(Box::new(ConvexSolid {
+            side,
+            caps: [*cap, *caps.last().unwrap_or(cap)],
+            edges: [*edge, *edges.last().unwrap_or(edge)],
+            cap_count: caps.len() as u32,
+            edge_count: edges.len() as u32,
+        }));
         return Ok(());
     }
     parts.push(Box::new(side));
@@ -169,9 +188,12 @@ fn add(cone: Cone, p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resu
 }
 
 /// What a side ends in: a rim, or the tip that it has become.
-#[derive(Debug)]
-enum Edge {
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub enum Edge {
+    /// A rim.
     Rim(Rim),
+    /// A tip.
     Tip(Tip),
 }
 
@@ -183,7 +205,7 @@ impl Edge {
                 // Where a body is apart from the edge, the nearest place may be beyond its reach, by less than the depth of a surface.
                 let reach = 1.5 * grain.body.bounding_radius();
                 rim.places(grain, reach, f64::INFINITY, |place| {
-                    found(place.depth, &rim.surface(grain, place));
+                    found(place.depth, &rim.surface_at(grain, place));
                 });
             }
             Edge::Tip(tip) => {
@@ -197,32 +219,35 @@ impl Edge {
 
 /// A solid from without: a body touches it if it reaches behind all of its surfaces, and the one behind which it is least
 /// deep acts.
-#[derive(Debug)]
-struct ConvexSolid {
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct ConvexSolid {
     side: ConeWall,
-    caps: Vec<PlaneWall>,
-    edges: Vec<Edge>,
+    /// So many of them.
+    caps: [PlaneWall; 2],
+    edges: [Edge; 2],
+    cap_count: u32,
+    edge_count: u32,
 }
 
-impl Shape for ConvexSolid {
-    fn remembered(&self) -> usize {
-        1
+impl ConvexSolid {
+    fn caps(&self) -> &[PlaneWall] {
+        &self.caps[..self.cap_count as usize]
     }
 
-    fn may_touch(&self, ball: &Ball) -> bool {
-        self.side.may_touch(ball) && self.caps.iter().all(|cap| cap.may_touch(ball))
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
+        self.side.is_near(ball) && self.caps().iter().all(|cap| cap.is_near(ball))
     }
 
-    fn may_touch_block(&self, block: &Block) -> bool {
-        self.side.may_touch_block(block) && self.caps.iter().all(|cap| cap.may_touch_block(block))
-    }
-
-    fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
         let Grain { body, centre, .. } = *grain;
         let depth_at =
             |normal: Vector3, point: Vector3| body.support(-normal).h - normal.dot(centre - point);
         let mut shallowest =
-            (self.caps.iter().map(|cap| cap.depth(grain))).fold(f64::INFINITY, f64::min);
+            (self.caps().iter().map(|cap| cap.depth(grain))).fold(f64::INFINITY, f64::min);
         if !(shallowest > 0.0) {
             return;
         }
@@ -244,11 +269,10 @@ impl Shape for ConvexSolid {
         if !is_behind_side {
             return;
         }
-        let mut touches = |s: &WallSurface, _| offer(s, depth_at(s.normal, s.point));
-        for cap in &self.caps {
-            cap.touch(grain, search, &mut touches);
+        for cap in self.caps() {
+            cap.contacts(grain, |s| offer(s, depth_at(s.normal, s.point)));
         }
-        for edge in &self.edges {
+        for edge in &self.edges[..self.edge_count as usize] {
             edge.places(grain, |depth, s| {
                 shallowest = shallowest.min(depth);
                 offer(s, depth);
@@ -260,8 +284,27 @@ impl Shape for ConvexSolid {
         if let Some((_, surface)) =
             least.filter(|(depth, _)| *depth <= shallowest * (1.0 + ROUNDING))
         {
-            found(&surface, 0);
+            found(&surface);
         }
+    }
+}
+
+#[cfg(feature = "std")]
+impl Shape for ConvexSolid {
+    fn remembered(&self) -> usize {
+        1
+    }
+
+    fn may_touch(&self, ball: &Ball) -> bool {
+        self.is_near(ball)
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        self.side.may_touch_block(block) && self.caps().iter().all(|cap| cap.may_touch_block(block))
+    }
+
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }
 
@@ -281,14 +324,10 @@ impl ConeWall {
             ..flat_along(c.point, c.normal, cone.axis.cross(c.normal).normalised())
         })
     }
-}
 
-impl Shape for ConeWall {
-    fn remembered(&self) -> usize {
-        REMEMBERED
-    }
-
-    fn may_touch(&self, ball: &Ball) -> bool {
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
         let Ball { centre, radius, .. } = *ball;
         let ConeSide { cone, bounds, side } = &self.surface;
         let offset = centre - cone.point;
@@ -308,6 +347,29 @@ impl Shape for ConeWall {
             Side::Outside => is_clear_outside,
             Side::OfCentre => is_clear_within || is_clear_outside,
         }
+    }
+
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
+        let Grain { body, centre, .. } = *grain;
+        let ConeSide { cone, side, .. } = &self.surface;
+        let within = side.is_within(|| cone.has_within(centre));
+        touch_cone(body, centre, cone, within, |c| {
+            if let Some(surface) = self.surface_at(&c, within) {
+                found(&surface);
+            }
+        });
+    }
+}
+
+#[cfg(feature = "std")]
+impl Shape for ConeWall {
+    fn remembered(&self) -> usize {
+        REMEMBERED
+    }
+
+    fn may_touch(&self, ball: &Ball) -> bool {
+        self.is_near(ball)
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
@@ -340,13 +402,6 @@ impl Shape for ConeWall {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let Grain { body, centre, .. } = *grain;
-        let ConeSide { cone, side, .. } = &self.surface;
-        let within = side.is_within(|| cone.has_within(centre));
-        touch_cone(body, centre, cone, within, |c| {
-            if let Some(surface) = self.surface_at(&c, within) {
-                found(&surface, 0);
-            }
-        });
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }

@@ -46,8 +46,10 @@ pub struct WallHistoryLayout {
 }
 
 impl WallHistoryLayout {
-    /// Without a history there is nothing to remember.
-    pub(super) fn new(history: usize, records: usize) -> Self {
+    /// Of so many records at most, with so long a history of the contact model. Without a history there is nothing to remember.
+    /// Public for `gpu/`; no interface for others.
+    #[doc(hidden)]
+    pub fn new(history: usize, records: usize) -> Self {
         WallHistoryLayout {
             history,
             records: if history > 0 { records } else { 0 },

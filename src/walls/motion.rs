@@ -12,7 +12,7 @@ use crate::contact::staged::WallSurface;
 use crate::contact::Particle;
 use crate::contact::Step;
 use crate::geometry::ellipsoid::rotation_columns;
-use crate::geometry::facet_shares::Share;
+use crate::geometry::share::Share;
 use crate::geometry::Ellipsoid;
 use crate::vector::Vector3;
 

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A plane, or a disc of it, as a wall.
 
-use super::shape::{
-    Ball, Block, Found, Grain, Search, Shape, ShapeInLanes, ShapeParameters, Side, WholePlane,
-};
+use super::shape::{Ball, Grain, Side};
+#[cfg(feature = "std")]
+use super::shape::{Block, Found, Search, Shape, ShapeInLanes, ShapeParameters, WholePlane};
 use crate::contact::staged::WallSurface;
-use crate::geometry::facet_shares::Share;
+use crate::geometry::share::Share;
 use crate::geometry::Plane;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::{Tangent, Vector3};
 
+/// A plane, or a disc of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlaneWall {
+#[repr(C)]
+pub struct PlaneWall {
     plane: Plane,
     both_sides: bool,
     /// Radius of the disc about the plane's point; infinite for the whole plane.
@@ -47,8 +51,34 @@ impl PlaneWall {
         let Plane { point, normal } = self.plane;
         grain.body.support(-normal).h - normal.dot(grain.centre - point)
     }
+
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
+        let height = self.plane.normal.dot(ball.centre - self.plane.point);
+        self.side().may_touch(height, ball.radius)
+    }
+
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
+        let Grain { body, centre, .. } = *grain;
+        let mut plane = self.plane;
+        if self.both_sides && plane.normal.dot(centre - plane.point) < 0.0 {
+            plane.normal = -plane.normal;
+        }
+        let inwards = -plane.normal;
+        let support = body.support(inwards);
+        let penetration = support.h - plane.normal.dot(centre - plane.point);
+        if penetration > 0.0 {
+            let point = centre + support.point - inwards * penetration;
+            if self.radius == f64::INFINITY || (point - plane.point).norm() <= self.radius {
+                found(&flat_along(point, plane.normal, self.direction));
+            }
+        }
+    }
 }
 
+#[cfg(feature = "std")]
 pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let normal = if p.side == Side::Outside {
         -p.axis
@@ -71,7 +101,7 @@ pub(super) fn flat(point: Vector3, normal: Vector3) -> WallSurface {
 }
 
 /// The same, with this unit vector along it.
-pub(super) fn flat_along(point: Vector3, normal: Vector3, direction: Vector3) -> WallSurface {
+pub(super) const fn flat_along(point: Vector3, normal: Vector3, direction: Vector3) -> WallSurface {
     WallSurface {
         point,
         normal,
@@ -83,14 +113,14 @@ pub(super) fn flat_along(point: Vector3, normal: Vector3, direction: Vector3) ->
     }
 }
 
+#[cfg(feature = "std")]
 impl Shape for PlaneWall {
     fn remembered(&self) -> usize {
         1
     }
 
     fn may_touch(&self, ball: &Ball) -> bool {
-        let height = self.plane.normal.dot(ball.centre - self.plane.point);
-        self.side().may_touch(height, ball.radius)
+        self.is_near(ball)
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
@@ -112,19 +142,6 @@ impl Shape for PlaneWall {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let Grain { body, centre, .. } = *grain;
-        let mut plane = self.plane;
-        if self.both_sides && plane.normal.dot(centre - plane.point) < 0.0 {
-            plane.normal = -plane.normal;
-        }
-        let inwards = -plane.normal;
-        let support = body.support(inwards);
-        let penetration = support.h - plane.normal.dot(centre - plane.point);
-        if penetration > 0.0 {
-            let point = centre + support.point - inwards * penetration;
-            if self.radius == f64::INFINITY || (point - plane.point).norm() <= self.radius {
-                found(&flat_along(point, plane.normal, self.direction), 0);
-            }
-        }
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }

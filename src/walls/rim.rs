@@ -9,19 +9,25 @@
 //! tangents of a part of it as short as the root of the depth do.
 
 use super::plane::flat;
-use super::shape::{Ball, Block, Found, Grain, Search, Shape};
+use super::shape::{Ball, Grain};
+#[cfg(feature = "std")]
+use super::shape::{Block, Found, Search, Shape};
 use crate::contact::staged::WallSurface;
 use crate::geometry::nearest_line::towards_line;
 use crate::geometry::Ellipsoid;
+#[cfg(not(feature = "std"))]
+use crate::real::{Functions, Real};
 use crate::vector::{Tangent, Vector3};
 
-#[derive(Clone, Debug)]
-pub(super) struct Rim {
+/// The circular edge of a cylinder or a cone.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Rim {
     centre: Vector3,
     axis: Vector3,
     radius: f64,
-    /// Directions of the surfaces that end here, from the edge inwards, along radius and axis.
-    surfaces: Vec<[f64; 2]>,
+    /// Directions of the surfaces that end here, from the edge inwards, along radius and axis; of one alone, twice.
+    surfaces: [[f64; 2]; 2],
 }
 
 /// Sine of an angle that counts as none: ten times the rounding of a normal at the largest aspect ratio, 1000, whose square is lost in digits
@@ -35,8 +41,13 @@ const MOST_PLACES: usize = 512;
 
 impl Rim {
     /// The circle about `axis`, with the directions of the surfaces that end in it.
-    pub(super) fn new(centre: Vector3, axis: Vector3, radius: f64, surfaces: &[[f64; 2]]) -> Self {
-        let unit = |d: &[f64; 2]| {
+    pub(super) fn new(
+        centre: Vector3,
+        axis: Vector3,
+        radius: f64,
+        surfaces: [[f64; 2]; 2],
+    ) -> Self {
+        let unit = |d: [f64; 2]| {
             let length = d[0].hypot(d[1]);
             [d[0] / length, d[1] / length]
         };
@@ -44,7 +55,7 @@ impl Rim {
             centre,
             axis,
             radius,
-            surfaces: surfaces.iter().map(unit).collect(),
+            surfaces: surfaces.map(unit),
         }
     }
 }
@@ -145,7 +156,7 @@ impl Rim {
         (place.normal.dot(place.radial), place.normal.dot(self.axis))
     }
 
-    pub(super) fn surface(&self, grain: &Grain<'_>, place: &Place) -> WallSurface {
+    pub(super) fn surface_at(&self, grain: &Grain<'_>, place: &Place) -> WallSurface {
         let (out, _) = self.components(place);
         WallSurface {
             direction: self.axis.cross(place.radial),
@@ -171,19 +182,38 @@ impl Rim {
             ahead: tangent.dot(support.point - point),
         }
     }
+
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
+        let Ball { centre, radius, .. } = *ball;
+        let offset = centre - self.centre;
+        let along = self.axis.dot(offset);
+        let across = (offset - self.axis * along).norm() - self.radius;
+        !(across * across + along * along >= radius * radius)
+    }
+
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
+        let ball = grain.ball();
+        if self.is_near(&ball) {
+            self.places(grain, ball.radius, 0.0, |place| {
+                if place.depth > 0.0 && place.is_in(grain.body) {
+                    found(&self.surface_at(grain, place));
+                }
+            });
+        }
+    }
 }
 
+#[cfg(feature = "std")]
 impl Shape for Rim {
     fn remembered(&self) -> usize {
         2
     }
 
     fn may_touch(&self, ball: &Ball) -> bool {
-        let Ball { centre, radius, .. } = *ball;
-        let offset = centre - self.centre;
-        let along = self.axis.dot(offset);
-        let across = (offset - self.axis * along).norm() - self.radius;
-        !(across * across + along * along >= radius * radius)
+        self.is_near(ball)
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
@@ -196,13 +226,6 @@ impl Shape for Rim {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        let ball = grain.ball();
-        if self.may_touch(&ball) {
-            self.places(grain, ball.radius, 0.0, |place| {
-                if place.depth > 0.0 && place.is_in(grain.body) {
-                    found(&self.surface(grain, place), 0);
-                }
-            });
-        }
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a shape of a wall is, and what describes one.
 
+#[cfg(feature = "std")]
 use super::motion::Motion;
+#[cfg(feature = "std")]
 use crate::contact::staged::WallSurface;
+#[cfg(feature = "std")]
 use crate::geometry::box_tree::Extent;
 use crate::geometry::cone::Cone;
+#[cfg(feature = "std")]
 use crate::geometry::triangles::{Triangle, TriangleSearch};
-use crate::geometry::{Ellipsoid, Plane};
+use crate::geometry::Ellipsoid;
+#[cfg(feature = "std")]
+use crate::geometry::Plane;
 use crate::vector::Vector3;
+#[cfg(feature = "std")]
+use core::any::Any;
 use core::fmt::Debug;
 
 /// A particle in the frame of a wall, before its axes are known.
@@ -22,6 +30,7 @@ pub struct Ball {
 }
 
 /// Some particles in the frame of a wall: a box about their centres, and the largest of their radii.
+#[cfg(feature = "std")]
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     low: Vector3,
@@ -31,6 +40,7 @@ pub struct Block {
     finite: bool,
 }
 
+#[cfg(feature = "std")]
 impl Block {
     /// Without particles.
     pub(super) const EMPTY: Block = Block {
@@ -223,10 +233,12 @@ impl Grain<'_> {
 
 /// What is called with a surface that a particle touches, and the index of the triangle that stands for it; 0 where a shape has
 /// no triangles.
+#[cfg(feature = "std")]
 pub type Found<'a> = dyn FnMut(&WallSurface, usize) + 'a;
 
 /// A surface that ellipsoids touch, in the frame of its wall.
-pub trait Shape: Debug + Send + Sync {
+#[cfg(feature = "std")]
+pub trait Shape: Any + Debug + Send + Sync {
     /// How many contacts of one particle are remembered at most; further ones act and start anew in each step.
     fn remembered(&self) -> usize;
 
@@ -294,6 +306,7 @@ pub struct WholePlane {
 }
 
 /// Memory for the searches of all shapes, kept between calls.
+#[cfg(feature = "std")]
 #[derive(Debug, Default)]
 pub struct Search {
     /// Contacts with triangles.
@@ -306,6 +319,7 @@ pub struct Search {
 
 /// A cylinder or a cone between two planes across its axis, without its ends.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct ConeSide {
     /// The surface.
     pub cone: Cone,
@@ -317,6 +331,7 @@ pub struct ConeSide {
 
 /// On which side of a surface the particles are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Side {
     /// On the side of a particle's centre.
     OfCentre,

@@ -9,20 +9,29 @@
 //! two are equal, has one maximum.
 
 use super::plane::flat;
-use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeParameters, Side};
+use super::shape::{Ball, Grain, Side};
+#[cfg(feature = "std")]
+use super::shape::{Block, Found, Search, Shape, ShapeParameters};
 use crate::contact::staged::WallSurface;
+#[cfg(feature = "std")]
 use crate::geometry::ellipsoid::{LARGEST_SEMI_AXIS, LEAST_SEMI_AXIS};
 use crate::geometry::{search, Ellipsoid, Outcome};
+#[cfg(feature = "std")]
 use crate::message::Number;
+#[cfg(not(feature = "std"))]
+use crate::real::{Functions, Real};
 use crate::vector::Vector3;
 
+/// A sphere.
 #[derive(Clone, Copy, Debug)]
-struct SphereWall {
+#[repr(C)]
+pub struct SphereWall {
     centre: Vector3,
     radius: f64,
     side: Side,
 }
 
+#[cfg(feature = "std")]
 pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Result<(), String> {
     let radius = p.radii[0];
     if !(LEAST_SEMI_AXIS..=LARGEST_SEMI_AXIS).contains(&radius) {
@@ -40,7 +49,7 @@ pub(super) fn add(p: &ShapeParameters, parts: &mut Vec<Box<dyn Shape>>) -> Resul
 }
 
 impl SphereWall {
-    fn surface(&self, outwards: Vector3, within: bool) -> WallSurface {
+    fn surface_at(&self, outwards: Vector3, within: bool) -> WallSurface {
         let signed = if within { -self.radius } else { self.radius };
         let normal = if within { -outwards } else { outwards };
         WallSurface {
@@ -49,33 +58,23 @@ impl SphereWall {
             ..flat(self.centre + outwards * self.radius, normal)
         }
     }
-}
 
-impl Shape for SphereWall {
-    fn remembered(&self) -> usize {
-        2
-    }
-
-    fn may_touch(&self, ball: &Ball) -> bool {
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
         let outwards = (ball.centre - self.centre).norm() - self.radius;
         self.side.may_touch(outwards, ball.radius)
     }
 
-    fn may_touch_block(&self, block: &Block) -> bool {
-        let spread = block.half_edges().norm();
-        let distances = block.distances(block.centre() - self.centre, spread);
-        let outwards = distances.map(|distance| distance - self.radius);
-        self.side.may_touch_block(outwards, block.radius())
-    }
-
-    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
         let Grain { body, centre, .. } = *grain;
         let x = centre - self.centre;
         if self.side.is_within(|| x.norm() <= self.radius) {
             for point in farthest(body, x).into_iter().flatten() {
                 let distance = point.norm();
                 if distance > self.radius {
-                    found(&self.surface(point * (1.0 / distance), true), 0);
+                    found(&self.surface_at(point * (1.0 / distance), true));
                 }
             }
             return;
@@ -100,8 +99,30 @@ impl Shape for SphereWall {
             }
         };
         if let Some(outwards) = outwards {
-            found(&self.surface(outwards, false), 0);
+            found(&self.surface_at(outwards, false));
         }
+    }
+}
+
+#[cfg(feature = "std")]
+impl Shape for SphereWall {
+    fn remembered(&self) -> usize {
+        2
+    }
+
+    fn may_touch(&self, ball: &Ball) -> bool {
+        self.is_near(ball)
+    }
+
+    fn may_touch_block(&self, block: &Block) -> bool {
+        let spread = block.half_edges().norm();
+        let distances = block.distances(block.centre() - self.centre, spread);
+        let outwards = distances.map(|distance| distance - self.radius);
+        self.side.may_touch_block(outwards, block.radius())
+    }
+
+    fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }
 

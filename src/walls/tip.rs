@@ -5,13 +5,19 @@
 //! of the side. Where the side goes over into it, place and normal are the same.
 
 use super::plane::flat;
-use super::shape::{Ball, Block, Found, Grain, Search, Shape};
+use super::shape::{Ball, Grain};
+#[cfg(feature = "std")]
+use super::shape::{Block, Found, Search, Shape};
 use crate::contact::staged::WallSurface;
 use crate::geometry::interior_point::normal_towards;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
-#[derive(Clone, Debug)]
-pub(super) struct Tip {
+/// The tip of a cone.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Tip {
     point: Vector3,
     /// Along the axis, out of the cone.
     out: Vector3,
@@ -48,15 +54,29 @@ impl Tip {
         let is_away = across * self.slope <= along + TOLERANCE * (1.0 + self.slope);
         is_away.then_some((depth, surface))
     }
+
+    /// As `Shape::may_touch`.
+    #[inline(always)]
+    pub(super) fn is_near(&self, ball: &Ball) -> bool {
+        !self.is_far(ball.centre, ball.radius)
+    }
+
+    /// As `Shape::touch`.
+    pub(super) fn contacts(&self, grain: &Grain<'_>, mut found: impl FnMut(&WallSurface)) {
+        if let Some((_, surface)) = self.place(grain).filter(|(depth, _)| *depth > 0.0) {
+            found(&surface);
+        }
+    }
 }
 
+#[cfg(feature = "std")]
 impl Shape for Tip {
     fn remembered(&self) -> usize {
         1
     }
 
     fn may_touch(&self, ball: &Ball) -> bool {
-        !self.is_far(ball.centre, ball.radius)
+        self.is_near(ball)
     }
 
     fn may_touch_block(&self, block: &Block) -> bool {
@@ -64,8 +84,6 @@ impl Shape for Tip {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        if let Some((_, surface)) = self.place(grain).filter(|(depth, _)| *depth > 0.0) {
-            found(&surface, 0);
-        }
+        self.contacts(grain, |surface| found(surface, 0));
     }
 }

@@ -8,6 +8,7 @@ use super::lone_contacts::LoneContacts;
 use super::mesh::Mesh;
 use super::motion::Motion;
 use super::shape::{Ball, Block, Shape, ShapeInLanes, WholePlane};
+use super::surface::Surface;
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::geometry::triangles::Triangle;
@@ -229,6 +230,18 @@ impl Wall {
             ShapeInLanes::Plane(plane) => Some(plane),
             ShapeInLanes::Cone(_) | ShapeInLanes::PlaneInPlaces => None,
         }
+    }
+
+    /// The parts without memory of their own, as a device has them. Public for `gpu/`; no interface for others.
+    ///
+    /// # Errors
+    /// The number of the first part that is no such surface: triangles.
+    #[doc(hidden)]
+    pub fn surfaces(&self) -> Result<Vec<Surface>, usize> {
+        let parts = self.parts.iter().map(|part| Surface::of(&**part));
+        let lent = self.lent.iter().map(|_| None);
+        let all = parts.chain(lent).enumerate();
+        all.map(|(part, surface)| surface.ok_or(part)).collect()
     }
 
     /// How the histories of a particle are laid out, with the library's own contact laws.

@@ -477,6 +477,44 @@ fn other_commands_give_what_they_give_on_the_host() {
     }
 }
 
+/// Cylinders, cones, spheres and regions of them, that turn, move and stand, with their ends; a plane that turns.
+#[test]
+fn the_trajectories_in_curved_walls_are_those_of_the_host() {
+    for motion in ["velocities step", "velocities half"] {
+        let mut deck = Deck {
+            runs: three_runs(),
+            ..deck(motion)
+        };
+        let wall =
+            |name: &str, words: &str| format!("fix {name} all wall/gran/ellipsoid {LAW} {words}");
+        deck.fixes.extend([
+            wall(
+                "drum",
+                "shape cylinder point 0.048 0.048 0.048 axis 0 1 0 radius 0.063 bounds -0.048 0.048 ends closed closed side inside \
+                 omega 0.048 0.048 0.048 0 1 0 20",
+            ),
+            wall(
+                "ball",
+                "shape sphere point 0.036 0.036 -0.021 radius 0.022 side outside velocity 0 0 1",
+            ),
+            wall(
+                "cone",
+                "shape cone point -0.03 0.036 0.036 axis 1 0 0 radii 0.02 0 bounds 0 0.038 ends closed closed side outside",
+            ),
+            format!(
+                "region hull sphere 0.048 0.048 0.048 0.074\n{}",
+                wall("hull", "region hull wiggle z 1e-3 0.002")
+            ),
+            wall("floor", "zplane 0.0 NULL omega 0.048 0.048 0 0 0 1 -20"),
+        ]);
+        let mut scene = between_walls();
+        scene.boundary = "f f f".into();
+        scene.low[1] -= 0.03;
+        scene.high[1] += 0.03;
+        same_trajectories(&motion.replace(' ', "_"), &scene, &deck);
+    }
+}
+
 /// What docs/kokkos.md lists as refused, each with a word of the message.
 #[test]
 fn what_is_not_on_the_gpu_is_refused() {
@@ -537,9 +575,11 @@ fn what_is_not_on_the_gpu_is_refused() {
     refused_on(2, "set_ranks", other_masses, "leave out 'pre no'");
 
     refused(
-        "wall_cylinder",
-        wall("ycylinder 0.14"),
-        "walls other than xplane, yplane and zplane are not on the GPU",
+        "wall_block",
+        with(&format!(
+            "region b block 0.02 0.03 0.02 0.03 -0.03 -0.02 side out\nfix w all wall/gran/ellipsoid {LAW} region b"
+        )),
+        "made of triangles, are not on the GPU",
     );
     refused(
         "wall_servo",

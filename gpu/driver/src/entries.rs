@@ -11,7 +11,7 @@ use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
     MotionArguments, NumberArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    ShapeArguments, SumArguments, TermArguments,
+    ShapeArguments, SumArguments, TermArguments, WallArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
@@ -206,12 +206,14 @@ pub struct Chosen {
     pub marked_contacts: Entry<ContactArguments<OnDevice>>,
     /// Planes.
     pub plane: Entry<PlaneArguments<OnDevice>>,
+    /// Walls of surfaces.
+    pub wall: Entry<WallArguments<OnDevice>>,
 }
 
-/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes.
-fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 5] {
+/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls.
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
     let kind = shapes.word();
-    // Marked contacts and planes take spheres as spheroids.
+    // Marked contacts, planes and walls take spheres as spheroids.
     let spheroids_too = match shapes {
         Shapes::Spheres => Shapes::Spheroids.word(),
         _ => kind,
@@ -239,6 +241,7 @@ fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 5] {
         format!("ellgran_contacts_{mixed}{kind}{terms_of_contacts}"),
         format!("ellgran_marked_contacts_{spheroids_too}"),
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
+        format!("ellgran_wall_{spheroids_too}"),
     ]
 }
 
@@ -253,7 +256,7 @@ impl Chosen {
         terms: Terms,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane] =
+        let [prepare, candidates, contacts, marked_contacts, plane, wall] =
             names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
@@ -262,6 +265,7 @@ impl Chosen {
             contacts: Entry::new(device, contacts)?,
             marked_contacts: Entry::new(device, marked_contacts)?,
             plane: Entry::new(device, plane)?,
+            wall: Entry::new(device, wall)?,
         })
     }
 }
@@ -347,13 +351,14 @@ mod tests {
                     mass: false,
                 };
                 for precision in [Precision::Double, Precision::Mixed] {
-                    let [prepare, candidates, contacts, marked, plane] =
+                    let [prepare, candidates, contacts, marked, plane, wall] =
                         names(shapes, terms, precision);
                     is_of::<PrepareArguments<OnDevice>>(&prepare);
                     is_of::<CandidateArguments<OnDevice>>(&candidates);
                     is_of::<ContactArguments<OnDevice>>(&contacts);
                     is_of::<ContactArguments<OnDevice>>(&marked);
                     is_of::<PlaneArguments<OnDevice>>(&plane);
+                    is_of::<WallArguments<OnDevice>>(&wall);
                 }
             }
         }

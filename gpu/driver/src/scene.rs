@@ -17,18 +17,21 @@ use ellgran::c_api::status::{
 use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
 use ellgran::contact::{Laws, Step};
 use ellgran::force::PairLaw;
-use ellgran::walls::MovingPlane;
+use ellgran::walls::one_particle::{LONGEST_HISTORY, MOST_CONTACTS};
+use ellgran::walls::{Motion, MovingPlane, Surface, Wall, WallHistoryLayout};
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
     FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES,
-    FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
+    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
+    CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
+    SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::{Grain, GrainChange};
 use ellgran_kernels::terms::{COMPONENTS, NUMBERS};
+use ellgran_kernels::walls::{WallMotion, TOO_MANY_CONTACTS};
 use std::sync::Arc;
 
 /// Threads that contacts get, at least, where there are so many pairs: few candidates may become more before the next list.
@@ -119,6 +122,32 @@ fn bodies(g: &EllgranGpuGrains) -> Result<BodyArguments<OnDevice>, Failure> {
 struct WallMemory {
     states: Buffer<u32>,
     histories: Buffer<f64>,
+    /// Doubles of one grain.
+    length: usize,
+}
+
+impl WallMemory {
+    fn new(device: &Arc<Device>, length: usize) -> Self {
+        WallMemory {
+            states: Buffer::new(device),
+            histories: Buffer::new(device),
+            length,
+        }
+    }
+
+    /// Room for so many grains.
+    fn resize(&mut self, owned: usize) -> Result<(), Failure> {
+        self.states.resize(owned)?;
+        self.histories.resize(owned * self.length)
+    }
+}
+
+/// What a wall is.
+enum WallKind {
+    /// A plane, of which each call says where it is.
+    Plane,
+    /// Surfaces on the device, and how the histories of a grain with them are laid out.
+    Surfaces(Buffer<Surface>, WallHistoryLayout),
 }
 
 /// What is remembered of the pairs of one list, and of walls.
@@ -206,6 +235,8 @@ pub struct Scene {
     motion_faults: Buffer<u32>,
     notes: Buffer<u32>,
     slots: Buffer<u64>,
+    /// By their numbers.
+    walls: Vec<WallKind>,
     now: PairMemory,
     /// The memory of the list before, or of a list that is being made.
     other: PairMemory,
@@ -252,6 +283,7 @@ impl Scene {
             motion_faults: Buffer::new(device),
             notes: Buffer::new(device),
             slots: Buffer::new(device),
+            walls: Vec::new(),
             now: PairMemory::new(device),
             other: PairMemory::new(device),
         };
@@ -622,8 +654,7 @@ impl Scene {
         memory.states.resize(pairs)?;
         memory.histories.resize(pairs * length)?;
         for wall in &mut memory.walls {
-            wall.states.resize(owned)?;
-            wall.histories.resize(owned * length)?;
+            wall.resize(owned)?;
         }
         Ok(())
     }
@@ -673,7 +704,7 @@ impl Scene {
                 histories_before: before.histories.all(),
                 states: wall.states.all(),
                 histories: wall.histories.all(),
-                length,
+                length: wall.length as u32,
             };
             let carry = &self.common.carry_wall;
             carry.launch(&self.device, stream, listed.owned, &arguments)?;
@@ -749,30 +780,77 @@ impl Scene {
     pub fn add_plane(&mut self, stream: Stream) -> Result<usize, Failure> {
         let _entered = self.device.enter()?;
         let length = self.laws.layout().length;
-        let owned = self.now.owned;
-        let mut wall = WallMemory {
-            states: Buffer::new(&self.device),
-            histories: Buffer::new(&self.device),
+        self.add_memory(WallKind::Plane, length, stream)
+    }
+
+    /// One more wall, with copies of its parts: its number.
+    ///
+    /// # Errors
+    /// A wall without parts, or one with triangles; too little memory.
+    pub fn add_wall(&mut self, wall: &Wall, stream: Stream) -> Result<usize, Failure> {
+        let surfaces = match wall.surfaces() {
+            Ok(surfaces) if surfaces.is_empty() => return argument("the wall has no parts"),
+            Ok(surfaces) => surfaces,
+            Err(part) => {
+                return argument(format!(
+                    "part {part} of the wall, counted from 0, is made of triangles, for which there is no kernel: use the functions of \
+                     ellgran.h on the host, or planes, cylinders, cones and spheres"
+                ))
+            }
         };
-        wall.states.resize(owned)?;
-        wall.histories.resize(owned * length)?;
+        let _entered = self.device.enter()?;
+        // More than these there are not.
+        let WallHistoryLayout {
+            history, records, ..
+        } = wall.histories(&self.laws);
+        let layout = WallHistoryLayout::new(history, records.min(MOST_CONTACTS));
+        assert!(history <= LONGEST_HISTORY);
+        let mut buffer = Buffer::new(&self.device);
+        buffer.resize(surfaces.len())?;
+        let driver = self.device.driver();
+        driver.copy_in(buffer.address(), &surfaces, stream)?;
+        driver.synchronise(stream)?;
+        self.add_memory(WallKind::Surfaces(buffer, layout), layout.length(), stream)
+    }
+
+    /// Memory of one more wall, which remembers `length` doubles of each grain: its number.
+    fn add_memory(
+        &mut self,
+        kind: WallKind,
+        length: usize,
+        stream: Stream,
+    ) -> Result<usize, Failure> {
+        let mut wall = WallMemory::new(&self.device, length);
+        wall.resize(self.now.owned)?;
         wall.states.clear(stream)?;
         wall.histories.clear(stream)?;
         self.now.walls.push(wall);
-        self.other.walls.push(WallMemory {
-            states: Buffer::new(&self.device),
-            histories: Buffer::new(&self.device),
-        });
-        Ok(self.now.walls.len() - 1)
+        self.other.walls.push(WallMemory::new(&self.device, length));
+        self.walls.push(kind);
+        Ok(self.walls.len() - 1)
     }
 
-    fn wall(&self, number: i32) -> Result<&WallMemory, Failure> {
-        let walls = &self.now.walls;
-        match usize::try_from(number).ok().and_then(|k| walls.get(k)) {
+    fn wall(&self, number: i32) -> Result<(&WallKind, &WallMemory), Failure> {
+        let found = usize::try_from(number).ok().and_then(|k| {
+            let kind = self.walls.get(k)?;
+            Some((kind, self.now.walls.get(k)?))
+        });
+        match found {
             Some(wall) => Ok(wall),
             None => argument(format!(
-                "there is no plane {number}: ellgran_gpu_add_plane has made {}",
-                walls.len()
+                "there is no wall {number}: ellgran_gpu_add_plane and ellgran_gpu_add_wall have made {}",
+                self.walls.len()
+            )),
+        }
+    }
+
+    /// A type of a wall that is one of the laws.
+    fn wall_type(&self, wall_type: i32) -> Result<u32, Failure> {
+        let types = self.laws.types();
+        match u32::try_from(wall_type) {
+            Ok(t) if t >= 1 && t as usize <= types => Ok(t),
+            _ => argument(format!(
+                "wall_type = {wall_type} must be between 1 and {types}"
             )),
         }
     }
@@ -793,16 +871,12 @@ impl Scene {
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
-        let wall = self.wall(number)?;
-        let types = self.laws.types();
-        let wall_type = match u32::try_from(wall_type) {
-            Ok(t) if t >= 1 && t as usize <= types => t,
-            _ => {
-                return argument(format!(
-                    "wall_type = {wall_type} must be between 1 and {types}"
-                ))
-            }
+        let (WallKind::Plane, wall) = self.wall(number)? else {
+            return argument(format!(
+                "wall {number} is no plane: call ellgran_gpu_compute_wall"
+            ));
         };
+        let wall_type = self.wall_type(wall_type)?;
         let _entered = self.device.enter()?;
         let arguments = PlaneArguments {
             scene: self.scene_arguments(g, step)?,
@@ -817,6 +891,46 @@ impl Scene {
         };
         let plane = &self.chosen()?.plane;
         plane.launch(&self.device, stream, listed.owned, &arguments)
+    }
+
+    /// Adds the loads of a wall.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments; a status of a GPU.
+    #[allow(clippy::too_many_arguments)]
+    pub fn compute_wall(
+        &mut self,
+        g: &EllgranGpuGrains,
+        number: i32,
+        motion: &Motion,
+        wall_type: i32,
+        step: &Step,
+        loads: &EllgranGpuLoads,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let listed = self.listed_for(g)?;
+        let (WallKind::Surfaces(surfaces, layout), wall) = self.wall(number)? else {
+            return argument(format!(
+                "wall {number} is a plane: call ellgran_gpu_compute_plane"
+            ));
+        };
+        let wall_type = self.wall_type(wall_type)?;
+        let _entered = self.device.enter()?;
+        let arguments = WallArguments {
+            scene: self.scene_arguments(g, step)?,
+            surfaces: surfaces.all(),
+            motion: WallMotion::from(motion),
+            states: wall.states.all(),
+            histories: wall.histories.all(),
+            forces: vectors(&loads.forces, listed.owned, "forces")?,
+            torques: vectors(&loads.torques, listed.owned, "torques")?,
+            faults: self.faults.all(),
+            notes: self.notes(),
+            wall_type,
+            records: layout.records as u32,
+        };
+        let wall = &self.chosen()?.wall;
+        wall.launch(&self.device, stream, listed.owned, &arguments)
     }
 
     fn motion_arguments(
@@ -1058,6 +1172,8 @@ impl Scene {
             )
         } else if is(Fault::Place) {
             "its entry in owners is no owned grain, or its entry in body_places is not below body_count".to_owned()
+        } else if fault == TOO_MANY_CONTACTS {
+            format!("it touches one wall in more than {MOST_CONTACTS} places, for which a kernel has no room: use the host")
         } else if fault == WRONG_ROW {
             format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
         } else if fault == WRONG_NEIGHBOUR {
@@ -1071,26 +1187,30 @@ impl Scene {
         })
     }
 
-    /// What is remembered of pairs, or of a plane.
+    /// What is remembered of pairs, or of a plane or wall.
     ///
     /// # Errors
-    /// There is no such plane, or no list.
-    pub fn histories(&self, plane: Option<i32>) -> Result<EllgranGpuHistories, Failure> {
+    /// There is no such wall, or no list.
+    pub fn histories(&self, wall: Option<i32>) -> Result<EllgranGpuHistories, Failure> {
         if self.listed.is_none() {
             return argument("there is no list yet: call ellgran_gpu_new_list first");
         }
-        let (states, histories) = match plane {
-            None => (&self.now.states, &self.now.histories),
+        let (states, histories, length) = match wall {
+            None => (
+                &self.now.states,
+                &self.now.histories,
+                self.laws.layout().length,
+            ),
             Some(number) => {
-                let wall = self.wall(number)?;
-                (&wall.states, &wall.histories)
+                let (_, wall) = self.wall(number)?;
+                (&wall.states, &wall.histories, wall.length)
             }
         };
         let pointer = |address: u64| core::ptr::without_provenance_mut::<f64>(address as usize);
         Ok(EllgranGpuHistories {
             size: size_of::<EllgranGpuHistories>(),
             count: states.len(),
-            length: self.laws.layout().length,
+            length,
             touching: pointer(states.address()).cast(),
             histories: pointer(histories.address()),
         })
@@ -1182,6 +1302,12 @@ impl Scene {
             + self.motion_faults.bytes()
             + self.notes.bytes()
             + self.slots.bytes()
+            + (self.walls.iter())
+                .map(|wall| match wall {
+                    WallKind::Plane => 0,
+                    WallKind::Surfaces(surfaces, _) => surfaces.bytes(),
+                })
+                .sum::<usize>()
             + self.now.bytes()
             + self.other.bytes();
         Ok(EllgranGpuCounts {

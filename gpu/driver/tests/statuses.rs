@@ -19,13 +19,13 @@ use ellgran_gpu::c_api::gpu::{
     ellgran_gpu_free, ellgran_gpu_open, ellgran_gpu_open_current, EllgranGpu,
 };
 use ellgran_gpu::c_api::scene::{
-    ellgran_gpu_add_plane, ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free, ellgran_gpu_scene_new, ellgran_gpu_scene_set_precision,
-    EllgranGpuScene,
+    ellgran_gpu_add_plane, ellgran_gpu_add_wall, ellgran_gpu_check, ellgran_gpu_counts,
+    ellgran_gpu_new_list, ellgran_gpu_scene_free, ellgran_gpu_scene_new,
+    ellgran_gpu_scene_set_precision, EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
-    ellgran_gpu_compute_pairs, ellgran_gpu_compute_plane, ellgran_gpu_prepare,
-    ellgran_gpu_start_step,
+    ellgran_gpu_compute_pairs, ellgran_gpu_compute_plane, ellgran_gpu_compute_wall,
+    ellgran_gpu_prepare, ellgran_gpu_start_step,
 };
 use ellgran_gpu::status::{
     ELLGRAN_GPU_ERROR_ASSEMBLER, ELLGRAN_GPU_ERROR_DRIVER, ELLGRAN_GPU_ERROR_KERNEL,
@@ -573,9 +573,79 @@ fn arguments() {
         fail(
             compute(1, 1),
             ELLGRAN_ERROR_ARGUMENT,
-            &["no plane 1", "made 1"],
+            &["no wall 1", "made 1"],
         );
         fail(compute(0, 2), ELLGRAN_ERROR_ARGUMENT, &["wall_type = 2"]);
+    });
+}
+
+/// Walls that have no kernel, that are taken for others, and that a grain touches in too many places.
+#[test]
+fn walls_that_will_not_do() {
+    use ellgran::c_api::rigid_wall::{
+        ellgran_wall_add_shape, ellgran_wall_add_triangles, ellgran_wall_free, ellgran_wall_new,
+        EllgranWallShape, ELLGRAN_SIDE_INSIDE,
+    };
+    with_driver("walls_that_will_not_do", &[], || unsafe {
+        let row = Row::new();
+        let stream = row.engine.stream;
+        let mut numbers = [7; 2];
+        let add = |wall, number: &mut i32| ellgran_gpu_add_wall(row.scene, wall, stream, number);
+        let mut wall = core::ptr::null_mut();
+        let status = add(wall, &mut numbers[0]);
+        fail(status, ELLGRAN_ERROR_NULL_POINTER, &["wall"]);
+        succeed(ellgran_wall_new(&mut wall));
+        let status = add(wall, &mut numbers[0]);
+        fail(status, ELLGRAN_ERROR_ARGUMENT, &["no parts"]);
+        // Nine planes under all grains of the row.
+        let shape = EllgranWallShape {
+            name: c"plane".as_ptr(),
+            point: [5.7, 0.0, -0.99],
+            axis: [0.0, 0.0, 1.0],
+            side: ELLGRAN_SIDE_INSIDE,
+            ..new()
+        };
+        succeed(ellgran_wall_add_shape(wall, &shape));
+        succeed(add(wall, &mut numbers[0]));
+        for _ in 0..8 {
+            succeed(ellgran_wall_add_shape(wall, &shape));
+        }
+        succeed(add(wall, &mut numbers[1]));
+        assert_eq!(numbers, [0, 1]);
+        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        succeed(ellgran_wall_add_triangles(wall, 1, corners.as_ptr()));
+        let status = add(wall, &mut numbers[1]);
+        fail(status, ELLGRAN_ERROR_ARGUMENT, &["part 9", "triangles"]);
+        ellgran_wall_free(wall);
+
+        let mut plane = 0;
+        succeed(ellgran_gpu_add_plane(row.scene, stream, &mut plane));
+        assert_eq!(plane, 2);
+        succeed(row.new_list());
+        let step = new::<ellgran::c_api::particles::EllgranStep>();
+        let (grains, loads) = (row.grains(), row.loads.loads());
+        let compute = |number: i32, wall_type: i32| {
+            let rest = core::ptr::null();
+            ellgran_gpu_compute_wall(
+                row.scene, &grains, number, rest, wall_type, &step, &loads, stream,
+            )
+        };
+        succeed(compute(0, 1));
+        succeed(row.check());
+        fail(compute(3, 1), ELLGRAN_ERROR_ARGUMENT, &["no wall 3"]);
+        fail(compute(2, 1), ELLGRAN_ERROR_ARGUMENT, &["compute_plane"]);
+        fail(compute(0, 2), ELLGRAN_ERROR_ARGUMENT, &["wall_type = 2"]);
+        let at = ellgran::c_api::plane::EllgranPlane {
+            normal: [0.0, 0.0, 1.0],
+            ..new()
+        };
+        let status =
+            ellgran_gpu_compute_plane(row.scene, &grains, 0, &at, 1, &step, &loads, stream);
+        fail(status, ELLGRAN_ERROR_ARGUMENT, &["compute_wall"]);
+        succeed(compute(1, 1));
+        let words = ["particle 10", "more than 8 places"];
+        fail(row.check(), ELLGRAN_ERROR_PARTICLE, &words);
+        succeed(row.check());
     });
 }
 

@@ -7,9 +7,11 @@
 use crate::candidates::Candidate;
 use crate::shapes::{Grain, GrainChange};
 use crate::terms::NUMBERS;
+use crate::walls::WallMotion;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::force::PairLaw;
 use ellgran::vector::Vector3;
+use ellgran::walls::Surface;
 
 /// How arrays are held: as a pointer and a length on a device, as an address and a length on its host. Of 16 bytes, vectors of 32,
 /// aligned to 8.
@@ -272,6 +274,33 @@ pub struct PlaneArguments<M: Memory> {
     pub torques: M::OwnVectors<3>,
     /// Type of the wall.
     pub wall_type: u32,
+}
+
+/// Of `ellgran_wall_*`. States and histories are the grains' own with this wall.
+#[repr(C)]
+pub struct WallArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// The parts of the wall.
+    pub surfaces: M::Shared<Surface>,
+    /// Where it is and how it moves.
+    pub motion: WallMotion,
+    /// One per grain: how many contacts it has.
+    pub states: M::Parts<u32>,
+    /// Those of each grain.
+    pub histories: M::Parts<f64>,
+    /// Added to.
+    pub forces: M::OwnVectors<3>,
+    /// Added to.
+    pub torques: M::OwnVectors<3>,
+    /// The first fault of each grain stays here until the host has read it.
+    pub faults: M::Parts<u32>,
+    /// [`FAULT`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// Type of the wall.
+    pub wall_type: u32,
+    /// Contacts of a grain that are remembered.
+    pub records: u32,
 }
 
 /// Of `ellgran_start_step` and `ellgran_finish_step`.

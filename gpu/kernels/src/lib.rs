@@ -10,6 +10,7 @@
 //! - [`mixed`]: the same with the search in single precision.
 //! - [`terms`]: which contacts add to the load of a grain, and their sum.
 //! - [`planes`]: the same of one grain's contact with a plane.
+//! - [`walls`]: the same of its contacts with a wall of planes, cylinders, cones and spheres.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
 //! - [`poses`]: has a grain moved too far for the present candidates.
 //! - [`pair_memory`]: histories go from one neighbour list to the next.
@@ -38,3 +39,4 @@ pub mod poses;
 pub mod preparation;
 pub mod shapes;
 pub mod terms;
+pub mod walls;

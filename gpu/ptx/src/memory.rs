@@ -2,7 +2,7 @@
 //! A device's memory as a kernel sees it: arrays that all threads read, and arrays of which each thread has a part of its own.
 //!
 //! What holds for every kernel, and is for its caller to see to:
-//! - an array is as long as its length says, of a type that every bit pattern in it is a value of, aligned, and there until the
+//! - an array is as long as its length says, of values of its type, aligned, and there until the
 //!   kernel ends; of vectors there are so many, at the distances that are stated, no two components at the same place;
 //! - nothing writes to an array of the first kind while the kernel runs, unless it is of atomic numbers, and no array of the second
 //!   kind overlaps with another array of the call;

@@ -172,6 +172,7 @@ REAL(check);
 REAL(write_histories);
 REAL(compute_pairs);
 REAL(compute_plane);
+REAL(compute_wall);
 REAL(start_step);
 REAL(finish_step);
 
@@ -235,6 +236,16 @@ int32_t __wrap_ellgran_gpu_compute_plane(EllgranGpuScene *scene, const EllgranGp
   const EllgranGpuGrains there = copied(*grains);
   const EllgranGpuLoads added_to = copied(*loads, grains->owned_count);
   const int32_t status = __real_ellgran_gpu_compute_plane(scene, &there, plane, at, wall_type, step, &added_to, stream);
+  copy_back(*loads, grains->owned_count, static_cast<CUstream>(stream));
+  return status;
+}
+
+int32_t __wrap_ellgran_gpu_compute_wall(EllgranGpuScene *scene, const EllgranGpuGrains *grains, int32_t wall, const EllgranWallMotion *motion,
+                                        int32_t wall_type, const EllgranStep *step, const EllgranGpuLoads *loads, void *stream)
+{
+  const EllgranGpuGrains there = copied(*grains);
+  const EllgranGpuLoads added_to = copied(*loads, grains->owned_count);
+  const int32_t status = __real_ellgran_gpu_compute_wall(scene, &there, wall, motion, wall_type, step, &added_to, stream);
   copy_back(*loads, grains->owned_count, static_cast<CUstream>(stream));
   return status;
 }

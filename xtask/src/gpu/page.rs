@@ -143,6 +143,7 @@ has them now. For those of a restart file, and of grains that come from another 
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
+- **Walls** are planes, of which each call says where they are, or [any wall of ellgran.h without triangles](#walls).
 - **Precision** is double, or mixed (`ellgran_gpu_scene_set_precision`): [below](#precision).
 
 | status | what is to be done |
@@ -170,8 +171,29 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 `ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1` the scenes of the kernels' tests run on the GPU of the machine, to the same bound \
 (`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
-What is not there: curved walls and triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
+What is not there: walls of triangles, output of the force on a wall, motion of a part of the grains, contact masses of rigid bodies, tallies of \
 energies.
+
+";
+
+/// Which walls there are, and what they take.
+const WALLS: &str = "\
+## Walls
+
+`ellgran_gpu_add_wall` takes a wall of `ellgran.h` (`ellgran_wall_add_shape`, `ellgran_wall_add_shape_words`): planes, cylinders, cones and \
+spheres, from within, from without or on both sides, with discs, rims and tips where they end. `ellgran_gpu_compute_wall` takes its place and its \
+motion in each step, rotation and `along_itself` included.
+
+- One thread takes one grain, by the functions of the host: it looks for the contacts with each part that is near, finds what each goes on from, and \
+applies the law. What is remembered is laid out as on the host.
+- A grain may touch one wall in 8 places. One that touches it in more is an error of `ellgran_gpu_check` that names it.
+- A wall with triangles is refused. What triangles share of a contact, and which of them meet, takes lists of any length.
+- A grain takes 24 bytes and, with friction, 224 for each contact that a wall remembers: two for an endless cylinder or a sphere, one for a plane. Planes of \
+`ellgran_gpu_add_plane` take 120, and less time.
+- The kernel needs 22 kB of memory a thread, most of it for a sphere from without, which is found by the search with every safeguard.
+
+`cargo test -p ellgran-kernels` compares loads and histories with those of the walls of the host, at rest and in motion, to 1e-12 of the largest; \
+`cargo test -p ellgran-gpu` does so through the C interface, over a new list.
 
 ";
 
@@ -276,11 +298,11 @@ pub fn page(figures: &Figures, results: &str) -> String {
          # On a GPU\n\n\
          **State: run on an H100, where forces and histories agree with the host to 1e-12.** The kernels are compiled from the library's own \
          functions. They are started through a C interface, by an engine that has its grains in the memory of a GPU, or by \
-         [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu).\n\n\
+         [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu). The kernels of [walls other than planes](#walls) have been run on the host alone.\n\n\
          ## What there is\n\n\
          | place | what it is |\n|---|---|\n\
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
-         | `gpu/kernels` | what a thread does with one grain or one pair: preparation, candidates, contacts, planes, motion; no formula, no `unsafe` |\n\
+         | `gpu/kernels` | what a thread does with one grain or one pair: preparation, candidates, contacts, planes, walls, motion; no formula, no `unsafe` |\n\
          | `gpu/ptx` | the entries, and the memory of the device; the nightly compiler is pinned by date |\n\
          | `gpu/ptx/ellgran.ptx` | what the compiler makes of it, with the hash of its sources |\n\
          | `gpu/driver` | the C interface, [ellgran_gpu.h](../include/ellgran_gpu.h): device pointers and a stream in |\n\
@@ -290,13 +312,14 @@ pub fn page(figures: &Figures, results: &str) -> String {
          atomic operation, and two runs give the same bits.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
          every safeguard. That kernel needs 18 kB of memory a thread.\n\
-         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting`, curved walls and triangles have no kernel.\n\
+         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting` and triangles have no kernel.\n\
          - The contacts of spheroids and ellipsoids have a second form each, in [mixed precision](#precision).\n\n\
          `cargo test -p ellgran-kernels` runs the kernels on the host, index by index, and compares loads and histories with the \
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \
          compares them. `cargo xtask test` compares the hash of the sources alone, which needs no nightly.\n\n",
     );
     text += FROM_C;
+    text += WALLS;
     text += PRECISION;
     text += &measured(results);
     let _ = write!(

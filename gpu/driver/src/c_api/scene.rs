@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use core::ffi::c_void;
 use ellgran::c_api::growing::{given, Output};
 use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::rigid_wall::EllgranWall;
 use ellgran::c_api::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 
 /// What is kept of a scene in the memory of a GPU. Opaque; it belongs to one thread at a time.
@@ -159,6 +160,36 @@ pub unsafe extern "C" fn ellgran_gpu_add_plane(
     })
 }
 
+/// Adds a wall of any shapes but triangles to a scene: planes, cylinders, cones and spheres, with their ends, as
+/// `ellgran_wall_add_shape` and `ellgran_wall_add_shape_words` have added them. Writes its number, counted from 0 over planes and walls, to
+/// `number`. The parts are copied: what is added to `wall` later, or done with it, is not seen. The scene keeps the histories of
+/// its contacts; where it is and how it moves is told in each step.
+///
+/// A wall with triangles is refused: ELLGRAN_ERROR_ARGUMENT, with the number of the part.
+///
+/// # Safety
+/// `scene` and `wall` are NULL or valid; `number` is NULL or valid for writes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_add_wall(
+    scene: *mut EllgranGpuScene,
+    wall: *const EllgranWall,
+    stream: *mut c_void,
+    number: *mut i32,
+) -> i32 {
+    at_border("ellgran_gpu_add_wall", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, wall, out) = unsafe {
+            (
+                required_mut(scene, "scene")?,
+                required(wall, "wall")?,
+                required_mut(number, "number")?,
+            )
+        };
+        *out = scene.scene.add_wall(wall.parts(), Stream(stream))? as i32;
+        Ok(())
+    })
+}
+
 /// Waits for all that was started on the stream, and tells of the first grain with which something was wrong since the last call of
 /// this or of `ellgran_gpu_new_list`: ELLGRAN_ERROR_PARTICLE, and a message that names it and the value it has now. `grains` are those
 /// of the steps since then.
@@ -182,7 +213,8 @@ pub unsafe extern "C" fn ellgran_gpu_check(
 }
 
 /// Writes where the histories of pairs are in the memory of the GPU, those of row `k` from `starts[k]` on, or with `plane` 0 or greater
-/// those of that plane. `plane` = -1: of pairs.
+/// those of that plane or wall. `plane` = -1: of pairs. Those of a grain with a wall are laid out as `ellgran_compute_wall` has them on the
+/// host, for 8 contacts at most, and `touching` is how many there are.
 ///
 /// # Safety
 /// `scene` is NULL or valid; `histories` is NULL or valid for writes of its `size` bytes.

@@ -8,6 +8,7 @@ use core::ffi::c_void;
 use ellgran::c_api::growing::given;
 use ellgran::c_api::particles::EllgranStep;
 use ellgran::c_api::plane::EllgranPlane;
+use ellgran::c_api::rigid_wall::{motion_of, EllgranWallMotion};
 use ellgran::c_api::status::{at_border, required_mut};
 
 /// Starts the first half of a step of velocity Verlet, as `ellgran_start_step` on the host. A grain that cannot be moved is told of by
@@ -113,6 +114,45 @@ pub unsafe extern "C" fn ellgran_gpu_compute_plane(
         scene
             .scene
             .compute_plane(&grains, plane, &at, wall_type, &step, &loads, stream)
+    })
+}
+
+/// Starts the forces of a wall: adds to forces and torques, as `ellgran_gpu_compute_pairs` wrote them. `wall` is the number that
+/// `ellgran_gpu_add_wall` wrote, `motion` where the wall is and how it moves, as for `ellgran_compute_wall` on the host (NULL: at
+/// rest), `wall_type` its type in the laws.
+///
+/// A grain that touches the wall in more than 8 places gets no force of it, and `ellgran_gpu_check` tells of it.
+///
+/// # Safety
+/// `scene` is NULL or valid; `grains`, `motion`, `step` and `loads` are NULL or valid; the pointers of `grains` and `loads` are to memory
+/// of the GPU as stated.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_compute_wall(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    wall: i32,
+    motion: *const EllgranWallMotion,
+    wall_type: i32,
+    step: *const EllgranStep,
+    loads: *const EllgranGpuLoads,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_compute_wall", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains, motion, step, loads) = unsafe {
+            (
+                required_mut(scene, "scene")?,
+                given(grains, "grains")?,
+                motion_of(motion)?,
+                given(step, "step")?,
+                given(loads, "loads")?,
+            )
+        };
+        let step = step.to_core()?;
+        let stream = Stream(stream);
+        scene
+            .scene
+            .compute_wall(&grains, wall, &motion, wall_type, &step, &loads, stream)
     })
 }
 

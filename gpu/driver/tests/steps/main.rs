@@ -13,6 +13,7 @@ mod planes;
 mod scene;
 #[path = "../support/mod.rs"]
 mod support;
+mod walls;
 
 use ellgran::c_api::particles::EllgranStep;
 use ellgran::contact::{HistoryLayout, Laws};

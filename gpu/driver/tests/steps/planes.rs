@@ -137,7 +137,7 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
     assert!(touching > 200, "{touching}");
 }
 
-fn particle(scene: &Scene, k: usize) -> ellgran::contact::Particle {
+pub fn particle(scene: &Scene, k: usize) -> ellgran::contact::Particle {
     let m = &scene.motion;
     let body = Body {
         position: m.positions[k],

@@ -2,7 +2,7 @@
 //! A device on the host: its arrays, and its kernels index by index.
 
 use crate::scene::{Lists, Motion, Scene, STEP, TIME_STEP};
-use ellgran::contact::Laws;
+use ellgran::contact::{Laws, Particle};
 use ellgran::force::PairLaw;
 use ellgran::geometry::Plane;
 use ellgran::vector::Vector3;
@@ -77,7 +77,7 @@ macro_rules! lent {
     };
 }
 
-fn near(a: f64, b: f64, scale: f64, tolerance: f64, what: &str, k: usize) {
+pub fn near(a: f64, b: f64, scale: f64, tolerance: f64, what: &str, k: usize) {
     assert!(
         (a - b).abs() <= tolerance * scale,
         "{what} of {k}: {a:e} {b:e}, apart by {:e} of {scale:e}",
@@ -114,6 +114,24 @@ impl Device {
             mixed: false,
             marked: 0,
             selected: scene.motion.clone(),
+        }
+    }
+
+    /// What the threads of a kernel read.
+    pub fn lent(&self, laws: &Laws) -> contacts::Scene<'_> {
+        lent!(self, laws)
+    }
+
+    /// A grain as the library's walls take it.
+    pub fn particle<K: Kind>(&self, k: usize) -> Particle {
+        let particle = K::particle(&self.grains[k], 1, self.inverse_masses[k]);
+        let law = &self.laws[0].kinds;
+        // A law that reads neither rates nor a stiffness over the step is not asked for them.
+        let asks = law.normal.relaxation || law.normal.restitution || law.tangential.any();
+        let changes = self.changes.get(k).filter(|_| asks);
+        Particle {
+            change: changes.map(GrainChange::motion),
+            ..particle
         }
     }
 

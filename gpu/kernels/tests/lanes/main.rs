@@ -5,6 +5,7 @@
 mod device;
 mod mixed;
 mod scene;
+mod walls;
 
 use device::Device;
 use ellgran::contact::Laws;

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Contacts with walls of other shapes than planes, one of them in motion, against those of the library's walls; their histories follow
+//! the grains into another order.
+
+use crate::engine_arrays::Layout::{self, Columns, Rows};
+use crate::planes::particle;
+use crate::scene::{Scene, STEP, TIME_STEP};
+use crate::support::{new, succeed, with_driver, Engine};
+use crate::{
+    gpu_scene, laws_on_host, near, step_of, OnDevice, ELASTIC, MINDLIN, TOLERANCE, VISCOELASTIC,
+    WHOLE,
+};
+use ellgran::c_api::rigid_wall::{
+    ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_new, EllgranWall, EllgranWallMotion,
+    EllgranWallShape, ELLGRAN_END_CLOSED, ELLGRAN_END_NONE, ELLGRAN_END_OPEN,
+    ELLGRAN_SIDE_OF_CENTRE, ELLGRAN_SIDE_OUTSIDE,
+};
+use ellgran::contact::Particle;
+use ellgran::simd::InstructionSet;
+use ellgran::vector::Vector3;
+use ellgran::walls::{
+    compute_wall, End, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput,
+};
+use ellgran_gpu::arrays::{EllgranGpuHistories, ELLGRAN_GPU_ANY_SHAPES};
+use ellgran_gpu::c_api::gpu::ellgran_gpu_free;
+use ellgran_gpu::c_api::scene::{
+    ellgran_gpu_add_wall, ellgran_gpu_check, ellgran_gpu_histories, ellgran_gpu_new_list,
+    ellgran_gpu_scene_free,
+};
+use ellgran_gpu::c_api::step::{
+    ellgran_gpu_compute_pairs, ellgran_gpu_compute_wall, ellgran_gpu_prepare,
+};
+use std::ffi::CStr;
+
+const STEPS: usize = 20;
+/// When there is a new list.
+const NEW_LIST: usize = 11;
+
+/// Shapes about the middle of the scenes, of two walls, of which one is there before the first list: name, radii, bounds, ends, outside.
+type Given = (&'static CStr, [f64; 2], [f64; 2], i32, bool);
+const WALLS: [&[Given]; 2] = [
+    &[
+        (c"cylinder", [2.9, 0.0], [0.0; 2], ELLGRAN_END_NONE, false),
+        (c"sphere", [2.2, 0.0], [0.0; 2], ELLGRAN_END_NONE, false),
+    ],
+    &[
+        (c"cone", [2.0, 0.0], [-2.5, 2.0], ELLGRAN_END_CLOSED, true),
+        (
+            c"cylinder",
+            [1.5, 0.0],
+            [-2.0, 2.6],
+            ELLGRAN_END_OPEN,
+            false,
+        ),
+    ],
+];
+const MIDDLE: [f64; 3] = [3.5, 3.4, 3.3];
+const AXIS: [f64; 3] = [0.2, -0.1, 1.0];
+const VELOCITY: [f64; 3] = [0.3, 0.1, -0.2];
+const SPIN: [f64; 3] = [0.3, -0.2, 0.9];
+
+fn through_c(shapes: &[Given]) -> *mut EllgranWall {
+    let mut wall = core::ptr::null_mut();
+    unsafe {
+        succeed(ellgran_wall_new(&mut wall));
+        for (name, radii, bounds, end, outside) in shapes {
+            let shape = EllgranWallShape {
+                name: name.as_ptr(),
+                point: MIDDLE,
+                axis: AXIS,
+                radii: *radii,
+                bounds: *bounds,
+                ends: [*end; 2],
+                side: if *outside {
+                    ELLGRAN_SIDE_OUTSIDE
+                } else {
+                    ELLGRAN_SIDE_OF_CENTRE
+                },
+                ..new()
+            };
+            succeed(ellgran_wall_add_shape(wall, &shape));
+        }
+    }
+    wall
+}
+
+fn on_host(shapes: &[Given]) -> Wall {
+    let mut wall = Wall::new();
+    for (name, radii, bounds, end, outside) in shapes {
+        let endless = *bounds == [0.0; 2];
+        let parameters = ShapeParameters {
+            point: Vector3::from_array(MIDDLE),
+            axis: Vector3::from_array(AXIS).normalised(),
+            radii: *radii,
+            bounds: if endless {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                *bounds
+            },
+            ends: [match *end {
+                ELLGRAN_END_NONE => End::None,
+                ELLGRAN_END_OPEN => End::Open,
+                _ => End::Closed,
+            }; 2],
+            side: if *outside {
+                Side::Outside
+            } else {
+                Side::OfCentre
+            },
+        };
+        wall.add_shape(name.to_str().unwrap(), &parameters).unwrap();
+    }
+    wall
+}
+
+/// The first wall is at rest, the second one moves and turns.
+fn motions(time: f64) -> [EllgranWallMotion; 2] {
+    let half = 0.5 * SPIN.iter().map(|x| x * x).sum::<f64>().sqrt() * time;
+    let axis = Vector3::from_array(SPIN).normalised() * half.sin();
+    [
+        new(),
+        EllgranWallMotion {
+            origin: MIDDLE,
+            displacement: VELOCITY.map(|v| v * time),
+            quaternion: [half.cos(), axis.x, axis.y, axis.z],
+            velocity: VELOCITY,
+            angular_velocity: SPIN,
+            ..new()
+        },
+    ]
+}
+
+fn motion_on_host(m: &EllgranWallMotion) -> Motion {
+    if m.quaternion == [0.0; 4] {
+        return Motion::REST;
+    }
+    Motion {
+        origin: Vector3::from_array(m.origin),
+        displacement: Vector3::from_array(m.displacement),
+        axes: Motion::axes_of(m.quaternion),
+        velocity: Vector3::from_array(m.velocity),
+        angular_velocity: Vector3::from_array(m.angular_velocity),
+        along_itself: false,
+    }
+}
+
+fn compare(arrays: Layout, words: &str, mut scene: Scene) {
+    let laws = laws_on_host(words);
+    let (gpu, made) = gpu_scene(words, ELLGRAN_GPU_ANY_SHAPES);
+    let count = scene.count();
+    let mut device = OnDevice::new(Engine::new(), &scene, count, false, arrays);
+    let stream = device.engine.stream;
+    let step = step_of(TIME_STEP);
+    let mut numbers = [7; 2];
+    let mut walls = WALLS.map(on_host);
+    let lengths: Vec<usize> = walls.iter().map(|w| w.histories(&laws).length()).collect();
+    let mut remembered: Vec<Vec<f64>> = lengths.iter().map(|n| vec![0.0; n * count]).collect();
+    let mut touching = 0;
+    unsafe {
+        let mut add = |at: usize| {
+            let wall = through_c(WALLS[at]);
+            succeed(ellgran_gpu_add_wall(made, wall, stream, &mut numbers[at]));
+            // The parts are copied.
+            ellgran_wall_free(wall);
+        };
+        add(0);
+        let (grains, list) = (device.grains(), device.neighbour_list());
+        succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+        add(1);
+        assert_eq!(numbers, [0, 1]);
+        for now in 0..STEPS {
+            scene.start_step();
+            if now == NEW_LIST {
+                device.begin_anew(&scene, 3, false);
+                let (grains, list) = (device.grains(), device.neighbour_list());
+                succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+            } else {
+                device.write_all(&scene);
+            }
+            let (grains, loads) = (device.grains(), device.to_load());
+            let motions = motions(now as f64 * TIME_STEP);
+            device.engine.in_a_step(|| {
+                succeed(ellgran_gpu_prepare(made, &grains, stream));
+                // There are no pairs: it writes zeros.
+                succeed(ellgran_gpu_compute_pairs(
+                    made, &grains, &step, &loads, stream,
+                ));
+                for (motion, number) in motions.iter().zip(numbers) {
+                    succeed(ellgran_gpu_compute_wall(
+                        made, &grains, number, motion, 1, &step, &loads, stream,
+                    ));
+                }
+            });
+            succeed(ellgran_gpu_check(made, &grains, stream));
+            let loads = device.loads();
+            let (mut forces, mut torques) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
+            for ((wall, motion), histories) in walls.iter_mut().zip(&motions).zip(&mut remembered) {
+                let motion = motion_on_host(motion);
+                let place = |k: usize| {
+                    let largest = scene.semi_axes[k].iter().copied().fold(0.0, f64::max);
+                    Some((Vector3::from_array(scene.motion.positions[k]), largest))
+                };
+                let near_wall = wall.find_near(&motion, count, place).to_vec();
+                let particles: Vec<Particle> =
+                    near_wall.iter().map(|&k| particle(&scene, k)).collect();
+                let load = compute_wall(
+                    wall,
+                    &WallInput {
+                        laws: &laws,
+                        wall_type: 1,
+                        near: &particles,
+                        motion: &motion,
+                        step: &STEP,
+                        instruction_set: InstructionSet::choose().unwrap(),
+                    },
+                    &mut WallOutput {
+                        acts_on: &|_| true,
+                        histories,
+                        forces: &mut forces,
+                        torques: &mut torques,
+                    },
+                    None,
+                );
+                touching += load.unwrap().contacts;
+            }
+            let largest = forces.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+            for k in 0..count {
+                let expected = [forces[k], torques[k]].concat();
+                for c in 0..6 {
+                    near(loads[k][c], expected[c], largest, TOLERANCE, "load", k);
+                }
+            }
+            for (at, number) in numbers.into_iter().enumerate() {
+                let mut histories = new::<EllgranGpuHistories>();
+                succeed(ellgran_gpu_histories(made, number, &mut histories));
+                let length = histories.length;
+                // There is room for fewer records where a wall has many parts.
+                assert!(histories.count == count && length <= lengths[at]);
+                let e = &device.engine;
+                let states: Vec<u32> = e.read_at(histories.touching.addr() as u64, count);
+                let values: Vec<f64> = e.read_at(histories.histories.addr() as u64, count * length);
+                for (row, &k) in device.order.iter().enumerate() {
+                    let own = &values[row * length..(row + 1) * length];
+                    let other = &remembered[at][k * lengths[at]..(k + 1) * lengths[at]];
+                    if length > 0 {
+                        assert_eq!(f64::from(states[row]), own[0]);
+                    }
+                    for (own, other) in own.iter().zip(other) {
+                        near(*own, *other, 1.0 + largest, TOLERANCE, "history", k);
+                    }
+                }
+            }
+        }
+        ellgran_gpu_scene_free(made);
+        ellgran_gpu_free(gpu);
+    }
+    assert!(touching > 1000, "{touching}");
+}
+
+#[test]
+fn walls() {
+    with_driver("walls::walls", &[], || {
+        compare(Rows, WHOLE, Scene::spheroids());
+        compare(Columns, MINDLIN, Scene::ellipsoids());
+        compare(Rows, VISCOELASTIC, Scene::spheres());
+        compare(Columns, ELASTIC, Scene::ellipsoids());
+    });
+}
