@@ -13,9 +13,9 @@ use crate::vector::Vector3;
 /// once.
 const NARROW: f64 = 0.5;
 
-/// Cosine of 60 degrees. Across an edge at which the normals differ by more the plane of one face would lie deep in a body that touches the
-/// other, and its side would change as the body goes over the edge.
-const GENTLE: f64 = 0.5;
+/// Cosine of 15 degrees. Where the normals of two faces differ by more, a body that touches their edge is so deep in the planes of both that their
+/// own forces, to which friction is in proportion, are a small part of the whole.
+const GENTLE: f64 = 0.965_925_826_289_068_3;
 
 /// Up to which square of the distance, where the body is the unit sphere, an edge has all its effect, and from which on none. So nothing is
 /// left of what edges and corners do there when the edge comes into the body. Within what is looked at
@@ -49,7 +49,7 @@ impl FineFolds {
         self.left.clear();
         self.left.resize(near.len(), [Share::WHOLE; 2]);
         let width = NARROW * body.bounding_radius();
-        for (k, t) in near.iter().enumerate() {
+        for t in near {
             let unit = t
                 .corners
                 .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));

@@ -11,8 +11,8 @@ use super::triangle::{sides, Near, TOLERANCE};
 use super::triangle_places::{TrianglePlaces, REACH};
 use crate::vector::Vector3;
 
-/// Corners at which convex and concave edges meet, within reach of one body, at most: of a curved surface of many small triangles the
-/// pieces of more would reach far beyond their places.
+/// Corners at which convex and concave edges meet, within reach of one body, at most: the pieces of more would reach far beyond their
+/// places. Those of narrow triangles are left to `fine_folds`.
 const MOST: usize = 3;
 
 /// Such a corner, the one that was gathered last.

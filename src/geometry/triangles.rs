@@ -21,8 +21,14 @@
 //! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
 //! share, and a face beyond a fold ends at the line of its convex edges.
 //!
-//! What is not continuous: where several such corners lie within one overlap, of which more than three act as faces and edges alone, and by a few per cent
-//! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
+//! Of a surface of many narrow triangles that is shaped as a saddle, or uneven, nearly all corners are of that kind, and a body has many of them within its
+//! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, the faces alone act, each by
+//! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
+//! approaches.
+//!
+//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where an obtuse face's corner comes into reach
+//! and where more than three lie within reach; and narrow triangles at angles of more than 15 degrees. An edge that shares the
+//! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!
 //! # Example
