@@ -17,6 +17,9 @@ const NARROW: f64 = 0.5;
 /// own forces, to which friction is in proportion, are a small part of the whole.
 const GENTLE: f64 = 0.965_925_826_289_068_3;
 
+/// Cosine of 45 degrees. Where a sharper convex edge is within reach, edges and corners act as elsewhere.
+const SHARP: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
 /// Up to which square of the distance, where the body is the unit sphere, an edge has all its effect, and from which on none. So nothing is
 /// left of what edges and corners do there when the edge comes into the body. Within what is looked at
 /// (`triangle_places::REACH`).
@@ -48,6 +51,26 @@ impl FineFolds {
         }
         self.left.clear();
         self.left.resize(near.len(), [Share::WHOLE; 2]);
+        self.act(places, body, meeting);
+        let mut rest = Share::WHOLE;
+        for [convex, concave] in &self.left {
+            if convex.value < 1.0 && concave.value < 1.0 {
+                let both = convex.complement().times(&concave.complement());
+                rest = rest.times(&both.complement());
+            }
+        }
+        if rest.value == 1.0 {
+            return rest;
+        }
+        let part = rest
+            .complement()
+            .times(&far_from_sharp(places, body, meeting));
+        part.complement()
+    }
+
+    /// What the edges of narrow triangles leave.
+    fn act(&mut self, places: &TrianglePlaces, body: &Ellipsoid, meeting: f64) {
+        let near = &places.near;
         let width = NARROW * body.bounding_radius();
         for t in near {
             let unit = t
@@ -76,9 +99,6 @@ impl FineFolds {
                     if kinds[kind] {
                         let left = &mut self.left[t.plane];
                         left[kind] = left[kind].times(&fade(body, ends, nearest));
-                        if left.iter().all(|l| l.value == 0.0) {
-                            return Share::NONE;
-                        }
                         self.edges.push(Edge {
                             ends,
                             plane: t.plane,
@@ -88,14 +108,6 @@ impl FineFolds {
                 }
             }
         }
-        let mut rest = Share::WHOLE;
-        for [convex, concave] in &self.left {
-            if convex.value < 1.0 && concave.value < 1.0 {
-                let both = convex.complement().times(&concave.complement());
-                rest = rest.times(&both.complement());
-            }
-        }
-        rest
     }
 
     /// Whether a convex and a concave edge of one narrow face meet at a corner; after [`FineFolds::rest`].
@@ -107,6 +119,36 @@ impl FineFolds {
             .filter(ends_there)
             .any(|e| self.edges.iter().filter(ends_there).any(|q| is_other(e, q)))
     }
+}
+
+/// 1 where no sharp edge is within reach, 0 where one is in the body.
+fn far_from_sharp(places: &TrianglePlaces, body: &Ellipsoid, meeting: f64) -> Share {
+    let near = &places.near;
+    let mut far = Share::WHOLE;
+    for (k, t) in near.iter().enumerate() {
+        let unit = t
+            .corners
+            .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
+        for m in 0..3 {
+            let next = (m + 1) % 3;
+            let Some(nearest) = nearest_within_effect(unit[m], unit[next]) else {
+                continue;
+            };
+            let ends = [t.corners[m], t.corners[next]];
+            let mut is_sharp = false;
+            places.visit_edge(ends, meeting, |other| {
+                let q = &near[other];
+                if other != k && has_edge(q, ends) {
+                    let behind = sides(t.normal, ends[0], &q.corners)[1];
+                    is_sharp |= behind && t.normal.dot(q.normal) < SHARP;
+                }
+            });
+            if is_sharp {
+                far = far.times(&fade(body, ends, nearest));
+            }
+        }
+    }
+    far
 }
 
 fn has_edge(t: &Near, ends: [Vector3; 2]) -> bool {

@@ -335,7 +335,7 @@ fn passed_surfaces(
 }
 
 /// Of saddle-shaped surfaces of many triangles all corners have convex and concave edges. All ways over them had a jump, by
-/// up to 0.4 of the force, where edges and corners acted as well.
+/// up to half of the force, where edges and corners acted as well.
 #[test]
 fn a_grain_passes_a_saddle_of_many_triangles_without_a_jump() {
     let left = passed_surfaces(&mut Stream::new(71), 32, |stream, _| {
