@@ -22,7 +22,7 @@
 //! share, and a face beyond a fold ends at the line of its convex edges.
 //!
 //! Of a surface of many narrow triangles that is shaped as a saddle, or uneven, nearly all corners are of that kind, and a body has many of them within its
-//! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, the faces alone act, each by
+//! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, and no sharp edge is, the faces alone act, each by
 //! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
 //! approaches.
 //!
