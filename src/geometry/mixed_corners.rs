@@ -6,12 +6,13 @@
 use super::box_tree::Extent;
 use super::convex_corner::{self, Support};
 use super::ellipsoid::Ellipsoid;
+use super::fine_folds::FineFolds;
 use super::triangle::{sides, Near, TOLERANCE};
 use super::triangle_places::{TrianglePlaces, REACH};
 use crate::vector::Vector3;
 
-/// Corners at which convex and concave edges meet, within reach of one body, at most: of a curved surface of many small triangles the
-/// pieces of more would reach far beyond their places.
+/// Corners at which convex and concave edges meet, within reach of one body, at most: the pieces of more would reach far beyond their
+/// places. Those of narrow triangles are left to `fine_folds`.
 const MOST: usize = 3;
 
 /// Such a corner, the one that was gathered last.
@@ -52,13 +53,15 @@ impl MixedCorner {
         places: &TrianglePlaces,
         body: &Ellipsoid,
         meeting: f64,
+        fine: &FineFolds,
     ) -> ([(usize, Vector3); MOST], usize) {
         let mut found = [(0, Vector3::ZERO); MOST];
         let mut count = 0;
         for k in 0..places.near.len() {
             for apex in places.near[k].corners {
                 let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
-                if unit.norm_squared() < REACH * REACH && self.gather(places, k, apex, meeting) {
+                let is_near = unit.norm_squared() < REACH * REACH;
+                if is_near && self.gather(places, k, apex, meeting) && !fine.meet_at(apex) {
                     if count == MOST {
                         return (found, 0);
                     }

@@ -13,6 +13,8 @@ pub mod ellipsoid;
 #[cfg(feature = "std")]
 pub mod facet_shares;
 #[cfg(feature = "std")]
+pub(crate) mod fine_folds;
+#[cfg(feature = "std")]
 pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
 pub(crate) mod interior_point;

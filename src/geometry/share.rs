@@ -27,3 +27,34 @@ impl Share {
         ..Share::WHOLE
     };
 }
+
+#[cfg(feature = "std")]
+impl Share {
+    /// A share of a share.
+    pub(super) fn times(&self, part: &Share) -> Share {
+        let both = |a: Vector3, b: Vector3| a * part.value + b * self.value;
+        Share {
+            value: self.value * part.value,
+            by_position: both(self.by_position, part.by_position),
+            by_rotation: both(self.by_rotation, part.by_rotation),
+        }
+    }
+
+    /// Two parts together.
+    pub(super) fn plus(&self, other: &Share) -> Share {
+        Share {
+            value: self.value + other.value,
+            by_position: self.by_position + other.by_position,
+            by_rotation: self.by_rotation + other.by_rotation,
+        }
+    }
+
+    /// What is left of the whole.
+    pub(super) fn complement(&self) -> Share {
+        Share {
+            value: 1.0 - self.value,
+            by_position: -self.by_position,
+            by_rotation: -self.by_rotation,
+        }
+    }
+}

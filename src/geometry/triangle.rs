@@ -3,6 +3,7 @@
 //! hides another.
 
 use super::ellipsoid::{Ellipsoid, Support};
+use super::facet_shares::SupportingPlane;
 use crate::vector::{Tangent, Vector2, Vector3};
 
 /// Three corners.
@@ -140,6 +141,29 @@ impl Near {
             let square = size * (scaled.norm_squared() - along * along);
             let room = out.dot(from) - meeting;
             room > out.dot(foot) && room > out.dot(middle) + square.max(0.0).sqrt()
+        })
+    }
+
+    /// Its least height.
+    pub fn height(&self) -> f64 {
+        let (across, longest) = across(&self.corners);
+        (across.norm_squared() / longest).sqrt()
+    }
+
+    /// The planes through its sides across it, which leave of its own plane what it covers.
+    pub fn borders(&self) -> [SupportingPlane; 3] {
+        core::array::from_fn(|k| {
+            let [from, to, across] = [0, 1, 2].map(|m| self.corners[(k + m) % 3]);
+            let inwards = self.normal.cross(to - from).normalised();
+            let normal = if inwards.dot(across - from) < 0.0 {
+                -inwards
+            } else {
+                inwards
+            };
+            SupportingPlane {
+                point: from,
+                normal,
+            }
         })
     }
 

@@ -176,6 +176,15 @@ impl TrianglePlaces {
         outermost
     }
 
+    /// Visits the triangles that pass the middle of an edge.
+    pub fn visit_edge(&self, [a, b]: [Vector3; 2], meeting: f64, mut found: impl FnMut(usize)) {
+        let place = Extent::about(((a + b) * 0.5).to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            found(k);
+            true
+        });
+    }
+
     /// Whether another triangle of the same plane continues this one beyond an edge: that is none.
     pub fn is_within_plane(&self, own: usize, a: Vector3, b: Vector3) -> bool {
         let t = &self.near[own];

@@ -21,8 +21,14 @@
 //! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
 //! share, and a face beyond a fold ends at the line of its convex edges.
 //!
-//! What is not continuous: where several such corners lie within one overlap, of which more than three act as faces and edges alone, and by a few per cent
-//! where an obtuse face's corner comes into reach. An edge that shares the overlap with something else is taken to hold its normal in
+//! Of a surface of many narrow triangles that is shaped as a saddle, or uneven, nearly all corners are of that kind, and a body has many of them within its
+//! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, and no sharp edge is, the faces alone act, each by
+//! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
+//! approaches.
+//!
+//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where an obtuse face's corner comes into reach
+//! and where more than three lie within reach; and narrow triangles at angles of more than 15 degrees. An edge that shares the
+//! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!
 //! # Example
@@ -64,6 +70,7 @@ use super::box_tree::Extent;
 use super::convex_corner::Support as CornerSupport;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
+use super::fine_folds::FineFolds;
 use super::interior_point::nearest_normal;
 use super::mixed_corners::MixedCorner;
 use super::nearest_line::nearest_across;
@@ -113,6 +120,9 @@ pub struct TriangleSearch {
     /// A candidate and another that cuts its contact.
     cuts: Vec<[usize; 2]>,
     corner: MixedCorner,
+    fine: FineFolds,
+    /// For each of `near` the contact of its plane by what its triangles cover, `NOTHING` without one.
+    covered: Vec<usize>,
     memory: ShareMemory,
 }
 
@@ -171,6 +181,26 @@ impl TriangleSearch {
     /// The contacts with the triangles that are near.
     fn all_contacts(&mut self, body: &Ellipsoid, centre: Vector3, meeting: f64) {
         self.places.join_planes(body.bounding_radius(), meeting);
+        self.covered.clear();
+        let rest = self.fine.rest(&self.places, body, meeting);
+        if rest.value < 1.0 {
+            self.covered_faces(body, meeting, &rest.complement());
+        }
+        if rest.value > 0.0 {
+            self.whole_contacts(body, meeting, &rest);
+        }
+        for contact in &mut self.contacts {
+            contact.point = contact.point + centre;
+        }
+        self.contacts.sort_unstable_by(|a, b| {
+            b.penetration
+                .total_cmp(&a.penetration)
+                .then(a.triangle.cmp(&b.triangle))
+        });
+    }
+
+    /// Faces, edges and corners, by a part of their shares.
+    fn whole_contacts(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         self.faces(body, meeting);
         for k in 0..self.places.near.len() {
             self.edges(body, k, meeting);
@@ -184,23 +214,68 @@ impl TriangleSearch {
             let (own, rest) = cuts.split_at(cuts.partition_point(|cut| cut[0] == k));
             cuts = rest;
             let others = own.iter().map(|cut| &self.sections[cut[1]]);
-            let share = share(body, &self.sections[k], others, &mut self.memory);
+            let share = share(body, &self.sections[k], others, &mut self.memory).times(part);
             if share.value > 0.0 {
-                self.contacts.push(TriangleContact {
-                    point: centre + c.foot,
+                let found = TriangleContact {
+                    point: c.foot,
                     normal: c.plane.normal,
                     penetration: c.penetration,
                     triangle: c.triangle,
                     feature: c.feature,
                     share,
-                });
+                };
+                let plane = self.places.near[c.near].plane;
+                match self.covered.get(plane) {
+                    Some(&known) if known != NOTHING && c.feature == Feature::Face => {
+                        let own = &mut self.contacts[known];
+                        own.share = own.share.plus(&share);
+                    }
+                    _ => self.contacts.push(found),
+                }
             }
         }
-        self.contacts.sort_unstable_by(|a, b| {
-            b.penetration
-                .total_cmp(&a.penetration)
-                .then(a.triangle.cmp(&b.triangle))
-        });
+    }
+
+    /// The planes of faces, each by the part of its section that its triangles cover, and that by a part.
+    fn covered_faces(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
+        let places = &self.places;
+        self.covered.resize(places.near.len(), NOTHING);
+        for (k, t) in places.near.iter().enumerate() {
+            let support = body.support(-t.normal);
+            let penetration = support.h - t.distance;
+            if !(penetration > 0.0 && t.is_in_section(body, &support, penetration)) {
+                continue;
+            }
+            let foot = support.point + t.normal * penetration;
+            if places.is_hidden(k, t.nearest_to(body, &support, Vector3::ZERO), meeting) {
+                continue;
+            }
+            let plane = SupportingPlane {
+                point: t.corners[0],
+                normal: t.normal,
+            };
+            let own = Section::new(body, &plane);
+            let borders = t.borders().map(|border| Section::new(body, &border));
+            let share = share(body, &own, borders.iter(), &mut self.memory).times(part);
+            if !(share.value > 0.0) {
+                continue;
+            }
+            let known = self.covered[t.plane];
+            if known == NOTHING {
+                self.covered[t.plane] = self.contacts.len();
+                self.contacts.push(TriangleContact {
+                    point: foot,
+                    normal: t.normal,
+                    penetration,
+                    triangle: t.index,
+                    feature: Feature::Face,
+                    share,
+                });
+            } else {
+                let contact = &mut self.contacts[known];
+                contact.share = contact.share.plus(&share);
+            }
+        }
     }
 
     /// The one contact, its point from the body's centre, where all triangles near the body are of one plane and the body is within the
@@ -376,7 +451,7 @@ impl TriangleSearch {
     /// Puts the supports by the convex pieces of corners at which convex edges meet concave ones in the place of what the triangles' planes say.
     fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
         let mut corner = core::mem::take(&mut self.corner);
-        let (found, count) = corner.find(&self.places, body, meeting);
+        let (found, count) = corner.find(&self.places, body, meeting, &self.fine);
         for &(k, apex) in &found[..count] {
             if corner.gather(&self.places, k, apex, meeting) {
                 self.act_at_corner(body, apex, &mut corner);

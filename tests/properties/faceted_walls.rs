@@ -28,7 +28,7 @@ fn law() -> Laws {
     laws(&["hertz 1e7 0.3 conservative yes"])
 }
 
-fn felt(laws: &Laws, b: &Body, surfaces: impl Iterator<Item = WallSurface>) -> Felt {
+pub fn felt(laws: &Laws, b: &Body, surfaces: impl Iterator<Item = WallSurface>) -> Felt {
     let i = prepare_body(b, None).unwrap();
     let mut sum = Felt {
         energy: 0.0,
@@ -49,7 +49,7 @@ fn felt(laws: &Laws, b: &Body, surfaces: impl Iterator<Item = WallSurface>) -> F
     sum
 }
 
-fn flat(point: Vector3, normal: Vector3, share: Share) -> WallSurface {
+pub fn flat(point: Vector3, normal: Vector3, share: Share) -> WallSurface {
     WallSurface {
         point,
         normal,

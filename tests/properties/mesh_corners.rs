@@ -5,10 +5,12 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::faceted_walls::{on_triangles, point, support, turned, Felt};
+use crate::faceted_walls::{felt, flat, on_triangles, point, support, turned, Felt};
 use crate::support::random::Stream;
-use crate::support::scene::{body, laws, Vector};
+use crate::support::scene::{body, laws, Rotation, Vector};
+use ellgran::contact::staged::WallSurface;
 use ellgran::contact::{prepare_body, Body, Laws};
+use ellgran::geometry::facet_shares::Share;
 use ellgran::geometry::triangles::{Triangle, TriangleSearch};
 
 /// Triangles that meet at the origin, each from one ray to the next; rays in the order of their angle.
@@ -233,5 +235,228 @@ fn a_grain_passes_any_corner_on_any_way() {
     );
     assert!(left.iter().all(|all| all.len() > 100));
     assert!(shares[0][0] < 0.01 && shares[0][1] < 0.01);
-    assert!(shares[0][2] < 0.08 && shares[1][2] < 0.02);
+    assert!(shares[0][2] < 0.05 && shares[1][2] < 0.015);
+}
+
+/// A surface of squares about the origin, each as two triangles by either diagonal, with corners that are off their places by a fifth of a square.
+fn surface(
+    stream: &mut Stream,
+    squares: usize,
+    size: f64,
+    mut height: impl FnMut(&mut Stream, f64, f64) -> f64,
+) -> Vec<Triangle> {
+    let row = squares + 1;
+    let corners: Vec<_> = (0..row * row)
+        .map(|k| {
+            let [x, y] = [k / row, k % row]
+                .map(|m| size * (m as f64 - 0.5 * squares as f64 + stream.uniform(-0.2, 0.2)));
+            point(x, y, height(stream, x, y))
+        })
+        .collect();
+    (0..squares * squares)
+        .flat_map(|k| {
+            let (i, j) = (k / squares, k % squares);
+            let at = |i: usize, j: usize| corners[i * row + j];
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            if stream.uniform(0.0, 1.0) < 0.5 {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            }
+        })
+        .collect()
+}
+
+/// The body over a place, so high that its energy is that on a plane at this depth.
+fn loaded(laws: &Laws, b: Body, wall: &[Triangle], depth: f64) -> Body {
+    let energy = |b: &Body, wall: &[Triangle]| on_triangles(laws, b, wall).energy;
+    let i = prepare_body(&b, None).unwrap();
+    let h = i.body.support(point(0.0, 0.0, -1.0)).h;
+    let at = |z: f64| {
+        let mut b = b;
+        b.position[2] = z;
+        b
+    };
+    let plane = [
+        point(-9.0, -9.0, 0.0),
+        point(9.0, -9.0, 0.0),
+        point(0.0, 18.0, 0.0),
+    ];
+    let whole = energy(&at(h - depth), &[plane]);
+    let (mut low, mut high) = (h - 0.1, h + 0.1);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if energy(&at(middle), wall) > whole {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    at(low)
+}
+
+/// What is left on random ways over such surfaces, of which `height` makes one; triangles of 0.3 to 2 radii of a contact.
+fn passed_surfaces(
+    stream: &mut Stream,
+    ways: usize,
+    mut height: impl FnMut(&mut Stream, f64) -> Box<dyn Fn(&mut Stream, f64, f64) -> f64>,
+) -> Vec<f64> {
+    let laws = laws(&["hertz 1e7 0.3 conservative no"]);
+    let mut left = vec![];
+    for case in 0..ways {
+        let axes = if case % 4 == 0 {
+            [1.0; 3]
+        } else {
+            stream.semi_axes(5.0)
+        };
+        let least = axes.iter().copied().fold(1.0, f64::min);
+        let turn = stream.rotation();
+        let depth = stream.log_uniform(1e-3, 3e-2) * least;
+        let radius = (2.0 * depth).sqrt();
+        let size = [0.3, 0.6, 1.0, 2.0][case % 4] * radius;
+        let height = height(stream, size);
+        let wall = surface(stream, 12, size, height);
+        let s = support(axes, turn, -Vector::z());
+        let reach = 0.5 * size.max(radius);
+        let [from, to, middle] = [0, 1, 2].map(|_| {
+            let [x, y] = [0, 1].map(|_| stream.uniform(-reach, reach));
+            let b = body(axes, Vector::new(x - s.x, y - s.y, 0.0), turn);
+            loaded(&laws, b, &wall, depth)
+        });
+        let way = Way {
+            from,
+            to,
+            middle,
+            turn: stream.direction() * stream.uniform(0.0, 0.02),
+        };
+        left.extend(jump(&laws, &wall, &way, 0.2 * least));
+    }
+    left
+}
+
+/// Of saddle-shaped surfaces of many triangles all corners have convex and concave edges. All ways over them had a jump, by
+/// up to half of the force, where edges and corners acted as well.
+#[test]
+fn a_grain_passes_a_saddle_of_many_triangles_without_a_jump() {
+    let left = passed_surfaces(&mut Stream::new(71), 32, |stream, _| {
+        let [a, b] = [0, 1].map(|_| stream.log_uniform(4.0, 40.0));
+        let (sin, cos) = stream.uniform(0.0, TAU).sin_cos();
+        Box::new(move |_, x, y| {
+            let (u, v) = (x * cos + y * sin, y * cos - x * sin);
+            0.5 * (u * u / a - v * v / b)
+        })
+    });
+    let worst = left.iter().copied().fold(0.0, f64::max);
+    println!(
+        "{} ways, the largest jump is {worst:.1e} of the force",
+        left.len()
+    );
+    assert!(left.len() > 25 && worst < 1e-4);
+}
+
+/// The same of a plane of which each corner is off by up to a fiftieth of a triangle.
+#[test]
+fn a_grain_passes_an_uneven_floor_without_a_jump() {
+    let left = passed_surfaces(&mut Stream::new(73), 32, |_, size| {
+        Box::new(move |stream, _, _| 0.02 * size * stream.uniform(-1.0, 1.0))
+    });
+    let worst = left.iter().copied().fold(0.0, f64::max);
+    println!(
+        "{} ways, the largest jump is {worst:.1e} of the force",
+        left.len()
+    );
+    assert!(left.len() > 25 && worst < 1e-4);
+}
+
+/// A saddle-shaped surface of many triangles is the curved wall that it approaches: its edges and corners pushed a grain up to three times
+/// over.
+#[test]
+fn many_triangles_of_a_saddle_are_the_saddle() {
+    let laws = laws(&["hertz 1e7 0.3 conservative yes"]);
+    let mut stream = Stream::new(79);
+    let depth = 0.01;
+    let ball = body(
+        [1.0; 3],
+        Vector::new(0.0, 0.0, 1.0 - depth),
+        Rotation::identity(),
+    );
+    for (a, b) in [(8.0, 8.0), (40.0, 40.0), (20.0, 10.0)] {
+        let curved = WallSurface {
+            direction: point(1.0, 0.0, 0.0),
+            curvatures: [-1.0 / a, 1.0 / b],
+            turning_radii: [-a, b],
+            ..flat(point(0.0, 0.0, 0.0), point(0.0, 0.0, 1.0), Share::WHOLE)
+        };
+        let whole = felt(&laws, &ball, std::iter::once(curved)).force.z;
+        for (cells, limit) in [(0.3, 0.015), (0.6, 0.03), (1.0, 0.06)] {
+            let size = cells * (2.0f64 * depth).sqrt();
+            let mut worst = 0.0f64;
+            for _ in 0..10 {
+                let off = [0, 1].map(|_| stream.uniform(-0.5, 0.5) * size);
+                let mut wall = surface(&mut stream, 24, size, |_, _, _| 0.0);
+                for p in wall.iter_mut().flatten() {
+                    (p.x, p.y) = (p.x + off[0], p.y + off[1]);
+                    p.z = 0.5 * (p.x * p.x / a - p.y * p.y / b);
+                }
+                let force = on_triangles(&laws, &ball, &wall).force.z;
+                worst = worst.max((force / whole - 1.0).abs());
+            }
+            println!("radii {a} and {b}, triangles of {cells} contacts: force off by {worst:.1e}");
+            assert!(worst < limit);
+        }
+    }
+}
+
+/// Where the triangles of a fine mesh come into reach, and within it, force and torque are the gradient of one energy.
+#[test]
+fn force_and_torque_at_a_fine_saddle_are_the_gradient_of_one_energy() {
+    let laws = laws(&["hertz 1e7 0.3 conservative yes"]);
+    let mut stream = Stream::new(83);
+    // Two ridges and two valleys, of triangles as wide as a third of the grain.
+    let slopes = [0.02, -0.02, 0.02, -0.02];
+    let rays: Vec<[f64; 2]> = (0..4).map(|k| [FRAC_PI_2 * k as f64, slopes[k]]).collect();
+    let smaller = |t: Triangle| t.map(|p| p * 0.015);
+    let corner: Vec<Triangle> = fan(&rays).into_iter().map(smaller).collect();
+    let (mut worst, mut parts) = ([0.0f64; 2], 0);
+    for case in 0..240 {
+        let axes = [[1.0, 1.0, 1.0], [1.0, 0.7, 0.6]][case / 2 % 2];
+        let turn = stream.rotation();
+        let depth = 0.002;
+        let s = support(axes, turn, -Vector::z());
+        let is_within = case % 2 == 1;
+        let (wall, place) = if is_within {
+            let wall = surface(&mut stream, 12, 0.05, |_, x, y| 0.05 * (x * x - y * y));
+            (wall, [0, 1].map(|_| stream.uniform(-0.1, 0.1)))
+        } else {
+            let (sin, cos) = (FRAC_PI_2 * (case / 4) as f64 + stream.uniform(-0.1, 0.1)).sin_cos();
+            let r = stream.uniform(0.1, 0.25);
+            (corner.clone(), [r * cos, r * sin])
+        };
+        let at = body(axes, Vector::new(place[0] - s.x, place[1] - s.y, 0.0), turn);
+        let b = loaded(&laws, at, &wall, depth);
+        let now = on_triangles(&laws, &b, &wall);
+        parts += usize::from(now.contacts > 1);
+        let h = 2e-3 * depth;
+        let energy = |b: &Body| on_triangles(&laws, b, &wall).energy;
+        let slope = |f: &dyn Fn(f64) -> Body| {
+            let d = |k: f64| energy(&f(k * h)) - energy(&f(-k * h));
+            -(45.0 * d(1.0) - 9.0 * d(2.0) + d(3.0)) / (60.0 * h)
+        };
+        let force = Vector::from([0, 1, 2].map(|k| {
+            slope(&|by| {
+                let mut b = b;
+                b.position[k] += by;
+                b
+            })
+        }));
+        let torque = Vector::from([0, 1, 2].map(|k| slope(&|by| turned(&b, k, by))));
+        let error = (force - now.force).norm().max((torque - now.torque).norm()) / now.force.norm();
+        let kind = &mut worst[usize::from(is_within)];
+        *kind = kind.max(error);
+    }
+    println!(
+        "{parts} of 240 on several planes; off the gradient by {:.1e} where it comes into reach, {:.1e} within",
+        worst[0], worst[1]
+    );
+    assert!(parts > 150 && worst[0] < 1e-7 && worst[1] < 1e-7);
 }
