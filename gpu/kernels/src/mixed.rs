@@ -120,7 +120,9 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
     let Some(factors) = factors(OneSingle, kinds, false, relative(&nearly), with_sigma) else {
         return Outcome::Marked;
     };
-    // Without the terms of the conservative law, which have precision of their own.
+    // The terms of the conservative law have a precision of their own. Found first, they are all that waits for the rest of the law.
+    let gradient = (CONSERVATIVE && kinds.conservative)
+        .then(|| gradient::<K>(&nearly, [&singles[0], &singles[1]], &factors, unit));
     let mut forces = forces::<K, FRICTION, RATE, false>(
         scene,
         candidate,
@@ -135,8 +137,7 @@ fn one_pair<K: Kind, const FRICTION: bool, const RATE: bool, const CONSERVATIVE:
         history,
         touched,
     );
-    if CONSERVATIVE && kinds.conservative {
-        let gradient = gradient::<K>(&nearly, [&singles[0], &singles[1]], &factors, unit);
+    if let Some(gradient) = gradient {
         let (normal, tangent) = (vector_of(found.normal), basis_of(found.tangent));
         gradient.add_to(normal, &tangent, &mut forces);
     }
