@@ -338,7 +338,7 @@ fn passed_surfaces(
 /// up to half of the force, where edges and corners acted as well.
 #[test]
 fn a_grain_passes_a_saddle_of_many_triangles_without_a_jump() {
-    let left = passed_surfaces(&mut Stream::new(71), 32, |stream, _| {
+    let left = passed_surfaces(&mut Stream::new(71), 16, |stream, _| {
         let [a, b] = [0, 1].map(|_| stream.log_uniform(4.0, 40.0));
         let (sin, cos) = stream.uniform(0.0, TAU).sin_cos();
         Box::new(move |_, x, y| {
@@ -351,13 +351,13 @@ fn a_grain_passes_a_saddle_of_many_triangles_without_a_jump() {
         "{} ways, the largest jump is {worst:.1e} of the force",
         left.len()
     );
-    assert!(left.len() > 25 && worst < 1e-4);
+    assert!(left.len() == 16 && worst < 1e-6);
 }
 
 /// The same of a plane of which each corner is off by up to a fiftieth of a triangle.
 #[test]
 fn a_grain_passes_an_uneven_floor_without_a_jump() {
-    let left = passed_surfaces(&mut Stream::new(73), 32, |_, size| {
+    let left = passed_surfaces(&mut Stream::new(73), 16, |_, size| {
         Box::new(move |stream, _, _| 0.02 * size * stream.uniform(-1.0, 1.0))
     });
     let worst = left.iter().copied().fold(0.0, f64::max);
@@ -365,7 +365,7 @@ fn a_grain_passes_an_uneven_floor_without_a_jump() {
         "{} ways, the largest jump is {worst:.1e} of the force",
         left.len()
     );
-    assert!(left.len() > 25 && worst < 1e-4);
+    assert!(left.len() == 16 && worst < 1e-6);
 }
 
 /// A saddle-shaped surface of many triangles is the curved wall that it approaches: its edges and corners pushed a grain up to three times
@@ -388,7 +388,7 @@ fn many_triangles_of_a_saddle_are_the_saddle() {
             ..flat(point(0.0, 0.0, 0.0), point(0.0, 0.0, 1.0), Share::WHOLE)
         };
         let whole = felt(&laws, &ball, std::iter::once(curved)).force.z;
-        for (cells, limit) in [(0.3, 0.015), (0.6, 0.03), (1.0, 0.06)] {
+        for (cells, limit) in [(0.3, 0.003), (0.6, 0.008), (1.0, 0.02)] {
             let size = cells * (2.0f64 * depth).sqrt();
             let mut worst = 0.0f64;
             for _ in 0..10 {
