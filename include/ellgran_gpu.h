@@ -560,6 +560,45 @@ int32_t ellgran_gpu_write_histories(struct EllgranGpuScene *scene,
                                     void *stream);
 
 /*
+ Adds what grains remember of wall `number` of the scene to `histories`, in the form in which `ellgran_compute_wall` keeps it of
+ `wall` under `laws`: [`owned_count` of the list][`ellgran_wall_histories_length`], of each grain as many records as it has contacts,
+ behind those that there are; set to 0 by the caller. `wall` is the one that was given to `ellgran_gpu_add_wall`; a plane of the scene is
+ its part `part`, counted from 0, which must be a plane without an end, and `part` is not read for other walls. `laws` may
+ be others than those of the scene, and remember less: what they have no place for is left out. Waits for what was started on the
+ stream.
+
+ # Safety
+ `scene`, `wall` and `laws` are NULL or valid; `histories` is NULL or valid for writes of so many doubles.
+ */
+int32_t ellgran_gpu_read_wall_histories(const struct EllgranGpuScene *scene,
+                                        int32_t number,
+                                        const EllgranWall *wall,
+                                        const EllgranLaws *laws,
+                                        int32_t part,
+                                        double *histories,
+                                        void *stream);
+
+/*
+ Takes what grains remember of wall `number` of the scene from `histories`, as `ellgran_gpu_read_wall_histories` and `ellgran_compute_wall` write
+ them, in place of all that was remembered of it. Follows `ellgran_gpu_new_list`, with the same `grains`. What the laws of the scene
+ remember and `laws` do not begins with 0.
+
+ A number that no call writes is refused: ELLGRAN_ERROR_ARGUMENT, with its place.
+
+ # Safety
+ `scene`, `wall` and `laws` are NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states;
+ `histories` is NULL or valid for reads of so many doubles.
+ */
+int32_t ellgran_gpu_write_wall_histories(struct EllgranGpuScene *scene,
+                                         const struct EllgranGpuGrains *grains,
+                                         int32_t number,
+                                         const EllgranWall *wall,
+                                         const EllgranLaws *laws,
+                                         int32_t part,
+                                         const double *histories,
+                                         void *stream);
+
+/*
  Writes what a scene has done and holds. Waits for what was started on the stream.
 
  # Safety

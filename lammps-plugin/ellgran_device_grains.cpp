@@ -354,6 +354,22 @@ void EllgranDeviceGrains::remember(const Remembered &pairs)
   check(ellgran_gpu_write_histories(scene, &now, -1, pairs.touching.data(), pairs.histories.data(), stream()));
 }
 
+std::vector<tagint> EllgranDeviceGrains::ids_of_owned() const
+{
+  return copied_out<tagint>(ids.data(), listed_owned);
+}
+
+void EllgranDeviceGrains::read_wall(const WallOnHost &of, double *histories) const
+{
+  check(ellgran_gpu_read_wall_histories(scene, of.number, of.wall, of.laws, of.part, histories, stream()));
+}
+
+void EllgranDeviceGrains::write_wall(const WallOnHost &of, const double *histories)
+{
+  const EllgranGpuGrains now = grains();
+  check(ellgran_gpu_write_wall_histories(scene, &now, of.number, of.wall, of.laws, of.part, histories, stream()));
+}
+
 std::vector<double> EllgranDeviceGrains::steps() const
 {
   if (!of_step || !changes_known || listed_count < 0) return {};

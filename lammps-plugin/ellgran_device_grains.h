@@ -74,6 +74,21 @@ class EllgranDeviceGrains : protected Pointers {
   /// In place of all that is remembered.
   void remember(const Remembered &pairs);
 
+  /// The IDs that the atoms of this rank had when the list was made.
+  [[nodiscard]] std::vector<tagint> ids_of_owned() const;
+
+  /// A wall of the scene, or a plane that is one of its parts, and how the host keeps what it remembers.
+  struct WallOnHost {
+    int32_t number;
+    const EllgranWall *wall;
+    const EllgranLaws *laws;
+    int32_t part;
+  };
+  /// Adds what grains of the list remember of it to `histories` on the host; see ellgran_gpu_read_wall_histories.
+  void read_wall(const WallOnHost &wall, double *histories) const;
+  /// In place of all that is remembered of it, of LAMMPS' present atoms in their order.
+  void write_wall(const WallOnHost &wall, const double *histories);
+
   /// What is kept of the steps of each grain of the list, on the host: what velocities and angular momenta of the last forces have more,
   /// and the loads before; KEPT_OF_STEPS doubles each. Empty if nothing is.
   static constexpr int KEPT_OF_STEPS = 12;

@@ -62,6 +62,14 @@ void FixEllgranDeviceHistory::unpack_restart(int i, int nth)
   held = true;
 }
 
+/* A rank to which no atom of a restart file belonged may get some before the first step. */
+
+int FixEllgranDeviceHistory::unpack_exchange(int i, double *buffer)
+{
+  held = true;
+  return FixEllgranHistory::unpack_exchange(i, buffer);
+}
+
 bool FixEllgranDeviceHistory::atoms_have_changed() const
 {
   return atom->nlocal != grains->owned_in_list() || !std::equal(ids_at_end, ids_at_end + atom->nlocal, atom->tag);

@@ -28,6 +28,7 @@ class FixEllgranDeviceHistory : public FixEllgranHistory, public KokkosBase {
   void post_run() override;
   void write_restart(FILE *) override;
   void unpack_restart(int, int) override;
+  int unpack_exchange(int, double *) override;
 
   /// Whether atoms are others, have other IDs, or have been put into another order than when the last run ended.
   [[nodiscard]] bool atoms_have_changed() const;

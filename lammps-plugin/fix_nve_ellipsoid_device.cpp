@@ -113,7 +113,14 @@ void FixNVEEllipsoidDevice::init()
   // A minimisation, and a fix that was not there in the last run, know nothing of the step before.
   if (is_new && !held) pair->grains.forget_steps();
   is_new = false;
-  if (of_step && !held && atoms_have_changed()) take_from_device();
+}
+
+/* The pair style may be another one than in the last run. */
+
+void FixNVEEllipsoidDevice::follow_atoms(PairGranEllipsoidDevice *pair_now)
+{
+  pair = pair_now;
+  if (of_step && !is_new && !held && atoms_have_changed()) take_from_device();
 }
 
 bool FixNVEEllipsoidDevice::atoms_have_changed() const
@@ -244,8 +251,11 @@ int FixNVEEllipsoidDevice::pack_exchange(int i, double *buffer)
   return STATE + 1;
 }
 
+/* A rank to which no atom of a restart file belonged may get some before the first step. */
+
 int FixNVEEllipsoidDevice::unpack_exchange(int i, double *buffer)
 {
+  held = true;
   std::copy_n(buffer, STATE, of_steps[i]);
   ids_at_end[i] = static_cast<tagint>(ubuf(buffer[STATE]).i);
   return STATE + 1;

@@ -55,6 +55,9 @@ class FixNVEEllipsoidDevice : public Fix, public KokkosBase {
 
   /// Gives to the GPU what the atoms have, before the order of a new list is taken.
   void give_to_device();
+  /// When a run starts, while `pair_now` still knows the atoms of the last one: where there are others now, these take what is kept of
+  /// their steps.
+  void follow_atoms(class PairGranEllipsoidDevice *pair_now);
 
   [[nodiscard]] bool has_velocities_of_step() const { return of_step; }
 

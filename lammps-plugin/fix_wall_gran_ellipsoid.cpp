@@ -118,7 +118,12 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg, bo
     local_freq = 1;
   }
 
-  if (!remembers_here) return;
+  if (remembers_here) keep_with_atoms();
+}
+
+void FixWallGranEllipsoid::keep_with_atoms()
+{
+  remembers_here = true;
   FixWallGranEllipsoid::grow_arrays(atom->nmax);
   atom->add_callback(Atom::GROW);
   if (restart_peratom) atom->add_callback(Atom::RESTART);

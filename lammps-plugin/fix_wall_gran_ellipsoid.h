@@ -73,6 +73,9 @@ class FixWallGranEllipsoid : public Fix {
   /// `remembers_here`: with an array of what is remembered of the contacts of each atom.
   FixWallGranEllipsoid(class LAMMPS *, int, char **, bool remembers_here);
 
+  /// The same later: an array of what is remembered of the contacts of each atom.
+  void keep_with_atoms();
+
   EllgranAtoms atoms;
   bool remembers_here;
   EllgranLawParameters law_words;    // the law of the grains, which is that of the wall unless it has a material of its own

@@ -6,12 +6,14 @@
 
 #include "atom_kokkos.h"
 #include "atom_masks.h"
+#include "comm.h"
 #include "error.h"
 #include "group.h"
 #include "update.h"
 #include "utils.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <vector>
 
 using namespace LAMMPS_NS;
@@ -25,14 +27,18 @@ const char CALLER[] = "Fix wall/gran/ellipsoid/kk";
 
 FixWallGranEllipsoidDevice::FixWallGranEllipsoidDevice(LAMMPS *lmp, int narg, char **arg) :
     FixWallGranEllipsoid(checked(lmp), narg, arg, false), atomKK(static_cast<AtomKokkos *>(atom)), pair(nullptr), type_in_scene(0),
-    numbers{-1, -1}, number(-1)
+    numbers{-1, -1}, number(-1), held(false)
 {
   refuse_what_the_gpu_has_not();
+  // From here on nothing stops this constructor: LAMMPS does not know yet whose arrays they are.
+  keep_with_atoms();
   // Sums over contacts are not on the GPU.
   scalar_flag = vector_flag = local_flag = 0;
   energy_global_flag = virial_global_flag = virial_peratom_flag = 0;
-  create_attribute = restart_global = restart_peratom = maxexchange = 0;
   stores_ids = 1;
+  // As of FixEllgranDeviceHistory.
+  sort_device = 1;
+  exchange_comm_device = (comm->nprocs == 1) ? 1 : 0;
   kokkosable = 1;
   execution_space = Device;
   datamask_read = datamask_modify = EMPTY_MASK;
@@ -63,9 +69,18 @@ void FixWallGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   if (igroup != 0) refuse("a wall for a group other than 'all' is");
 }
 
+/* LAMMPS compares the names of fixes when it hands out what a restart file has for each atom: it then goes on with and without a GPU. */
+
+void FixWallGranEllipsoidDevice::post_constructor()
+{
+  FixWallGranEllipsoid::post_constructor();
+  delete[] style;
+  style = utils::strdup("wall/gran/ellipsoid");
+}
+
 int FixWallGranEllipsoidDevice::setmask()
 {
-  return POST_FORCE;
+  return PRE_EXCHANGE | POST_FORCE;
 }
 
 void FixWallGranEllipsoidDevice::init()
@@ -123,4 +138,66 @@ void FixWallGranEllipsoidDevice::add_plane_forces(const EllgranWallMotion &motio
     planes.push_back(plane);
   }
   pair->grains.add_plane_forces(planes, type_in_scene, step);
+}
+
+/* The wall of the scene, or its planes, with their parts. */
+
+std::vector<EllgranDeviceGrains::WallOnHost> FixWallGranEllipsoidDevice::on_host() const
+{
+  if (!is_of_planes()) return {{number, wall, laws, 0}};
+  std::vector<EllgranDeviceGrains::WallOnHost> planes;
+  for (int k = 0; k < 2; k++)
+    if (plane_slots[k] >= 0) planes.push_back({numbers[k], wall, laws, plane_slots[k]});
+  return planes;
+}
+
+void FixWallGranEllipsoidDevice::take_from_device()
+{
+  if (histories_length == 0 || !is_in_scene() || !pair->grains.has_list()) return;
+  atomKK->sync(Host, TAG_MASK);
+  const auto ids = pair->grains.ids_of_owned();
+  const auto length = static_cast<std::size_t>(histories_length);
+  std::vector<double> values(ids.size() * length);
+  for (const auto &part : on_host()) pair->grains.read_wall(part, values.data());
+  std::unordered_map<tagint, std::size_t> row_of;
+  for (std::size_t k = 0; k < ids.size(); k++) row_of[ids[k]] = k;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const auto found = row_of.find(atom->tag[i]);
+    if (found == row_of.end())
+      std::fill_n(contact_histories[i], length, 0.0);
+    else
+      std::copy_n(&values[found->second * length], length, contact_histories[i]);
+  }
+  held = true;
+}
+
+void FixWallGranEllipsoidDevice::give_to_device()
+{
+  if (held && histories_length > 0)
+    for (const auto &part : on_host()) pair->grains.write_wall(part, atom->nlocal > 0 ? contact_histories[0] : nullptr);
+  held = false;
+}
+
+void FixWallGranEllipsoidDevice::pre_exchange()
+{
+  if (comm->nprocs > 1) take_from_device();
+}
+
+/* Commands between two runs may delete atoms, give them other IDs, or change what the scene is made of. */
+
+void FixWallGranEllipsoidDevice::post_run()
+{
+  take_from_device();
+}
+
+void FixWallGranEllipsoidDevice::write_restart(FILE *fp)
+{
+  if (!held) take_from_device();
+  FixWallGranEllipsoid::write_restart(fp);
+}
+
+int FixWallGranEllipsoidDevice::unpack_exchange(int i, double *buffer)
+{
+  held = true;
+  return FixWallGranEllipsoid::unpack_exchange(i, buffer);
 }

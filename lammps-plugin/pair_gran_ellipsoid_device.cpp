@@ -39,7 +39,7 @@ const char CALLER[] = "Pair gran/ellipsoid/kk";
 
 PairGranEllipsoidDevice::PairGranEllipsoidDevice(LAMMPS *lmp) :
     PairGranEllipsoid(lmp), grains(lmp, CALLER), atomKK(nullptr), motion(nullptr), device_history(nullptr), options_of_scene(0),
-    walls_remember(false), between_runs(false)
+    between_runs(false)
 {
   if (!lmp->kokkos)
     error->all(FLERR, "{}: style gran/ellipsoid/kk needs LAMMPS to run with KOKKOS: start it with '-k on g 1', or use gran/ellipsoid",
@@ -83,6 +83,7 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
   } else {
     grains.require_listed();
     if (device_history && device_history->is_held()) device_history->let_go();
+    for (auto *wall : walls_of_scene) wall->let_go();
     share_motion();
     grains.prepare();
   }
@@ -106,6 +107,7 @@ void PairGranEllipsoidDevice::begin_list()
   share_motion();
   grains.take_list(static_cast<NeighListKokkos<LMPDeviceType> *>(list));
   if (device_history && device_history->is_held()) device_history->give_to_device();
+  for (auto *wall : walls_of_scene) wall->give_to_device();
 }
 
 /* Images on other ranks hear of types, masses and shapes with a new neighbour list of LAMMPS alone. */
@@ -243,7 +245,11 @@ void PairGranEllipsoidDevice::init_style()
   end_of_run.set_up_since = true;
   refuse_what_the_gpu_has_not();
   refuse_deletion_after_reading();
-  refuse_other_atoms();
+  motion = nullptr;
+  for (auto *fix : modify->get_fix_list())
+    if (auto *found = dynamic_cast<FixNVEEllipsoidDevice *>(fix)) motion = found;
+  // Before a scene is made anew, which knows nothing of the atoms of the last run.
+  if (motion) motion->follow_atoms(this);
   keep_what_contacts_remember();
   if (comm->ghost_velocity) {
     // LAMMPS of 4 Jul 2026 would write quaternions over what else images have; see docs/kokkos.md.
@@ -263,9 +269,6 @@ void PairGranEllipsoidDevice::init_style()
   if (!fix_history) device_history = nullptr;
   take_laws();
 
-  motion = nullptr;
-  for (auto *fix : modify->get_fix_list())
-    if (auto *found = dynamic_cast<FixNVEEllipsoidDevice *>(fix)) motion = found;
   grains.use_velocities_of_step(motion && motion->has_velocities_of_step());
 
   auto *const request = neighbor->add_request(this, NeighConst::REQ_FULL);
@@ -311,61 +314,39 @@ PairGranEllipsoidDevice::SceneLaws PairGranEllipsoidDevice::wanted_laws() const
   return wanted;
 }
 
+/* Contacts are remembered on the GPU, by kernels that were made for the laws. */
+
+bool PairGranEllipsoidDevice::scene_serves(const SceneLaws &wanted) const
+{
+  const auto all = walls();
+  return grains.has_scene() && options_of_scene == laws_options && wanted.is(laws_of_scene) &&
+      std::all_of(all.begin(), all.end(), [](const auto *wall) { return wall->is_in_scene(); });
+}
+
 /* Between two runs the GPU finds contacts by the IDs that atoms had when the first one ended. Where these are others now, or the scene is
    to be made anew, the atoms take what their contacts remember. */
 
 void PairGranEllipsoidDevice::keep_what_contacts_remember()
 {
   if (!device_history || device_history->is_held() || !grains.has_list()) return;
-  if (device_history->atoms_have_changed() || !wanted_laws().is(laws_of_scene)) device_history->take_from_device();
+  if (device_history->atoms_have_changed() || !scene_serves(wanted_laws())) device_history->take_from_device();
 }
-
-/* Contacts are remembered on the GPU, by kernels that were made for the laws. */
 
 void PairGranEllipsoidDevice::take_laws()
 {
   const auto all_walls = walls();
   const SceneLaws wanted = wanted_laws();
-  const bool same = grains.has_scene() && options_of_scene == laws_options && wanted.is(laws_of_scene);
-  if (same && std::all_of(all_walls.begin(), all_walls.end(), [](const auto *wall) { return wall->is_in_scene(); })) return;
-  if (grains.has_list() && walls_remember)
-    error->all(FLERR,
-               "{}: laws or walls have changed since the last run, and on the GPU contacts with walls cannot go on with others: start "
-               "anew from a data file ('write_data')",
-               CALLER);
+  walls_of_scene = all_walls;
+  if (scene_serves(wanted)) return;
   const int types = atom->ntypes + static_cast<int>(all_walls.size());
   EllgranLaws *all = nullptr;
   if (ellgran_laws_new(types, wanted.given.data(), wanted.is_set.data(), laws_options, &all) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
-  walls_remember = !all_walls.empty() && ellgran_laws_memory_offset(all) >= 0;
-  if (walls_remember) refuse_what_walls_forget();
   grains.set_laws(all);
   ellgran_laws_free(all);
   for (std::size_t k = 0; k < all_walls.size(); k++) all_walls[k]->add_to_scene(grains, atom->ntypes + 1 + static_cast<int>(k));
   laws_of_scene = wanted;
   options_of_scene = laws_options;
-}
-
-/* What contacts with walls remember stays on the GPU. */
-
-void PairGranEllipsoidDevice::refuse_what_walls_forget() const
-{
-  const auto refuse = [this](const char *what, const char *cure) {
-    error->all(FLERR, "{}: {} with walls that have friction {} not on the GPU: {}", CALLER, what, "are", cure);
-  };
-  if (comm->nprocs > 1) refuse("several ranks", "start LAMMPS with one, or give all laws no friction");
-  if (output->restart_flag) refuse("restart files", "remove 'restart', and use 'write_data'");
-  if (atoms_in_file > 0) refuse("runs from a restart file", "use a data file");
-}
-
-void PairGranEllipsoidDevice::write_restart_settings(FILE *fp)
-{
-  if (walls_remember)
-    error->one(FLERR,
-               "{}: restart files are not written on the GPU where walls have friction: use 'write_data', which leaves out what contacts "
-               "remember",
-               CALLER);
-  PairGranEllipsoid::write_restart_settings(fp);
 }
 
 void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
@@ -403,19 +384,6 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   }
 }
 
-/* What contacts with walls remember is found by the IDs of atoms, which `delete_atoms` gives to others. */
-
-void PairGranEllipsoidDevice::refuse_other_atoms()
-{
-  if (!grains.has_list() || !walls_remember) return;
-  const std::size_t known = ids_at_end.size();
-  if (static_cast<std::size_t>(atom->nlocal) < known || !std::equal(ids_at_end.begin(), ids_at_end.end(), atom->tag))
-    error->all(FLERR,
-               "{}: atoms have been deleted, or have other IDs, since the last run, and on the GPU contacts with walls cannot follow them: start "
-               "anew from a data file ('write_data')",
-               CALLER);
-}
-
 /* Grains are known by their identifiers: no grain may meet two images of another one, nor its own. */
 
 void PairGranEllipsoidDevice::require_wide_box() const
@@ -438,7 +406,6 @@ void PairGranEllipsoidDevice::finish()
 {
   grains.require_sound();
   atomKK->sync(Host, X_MASK | TAG_MASK);
-  ids_at_end.assign(atom->tag, atom->tag + atom->nlocal);
   if (comm->nprocs > 1) grains_at_end = present_grains();
   note_end_of_run();
   between_runs = true;

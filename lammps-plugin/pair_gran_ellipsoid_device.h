@@ -32,7 +32,6 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   void init_style() override;
   void setup() override;
   void finish() override;
-  void write_restart_settings(FILE *) override;
   int pack_forward_comm_kokkos(int, DAT::tdual_int_1d, DAT::tdual_double_1d &, int, int *) override;
   void unpack_forward_comm_kokkos(int, int, DAT::tdual_double_1d &) override;
 
@@ -54,18 +53,16 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   };
   SceneLaws laws_of_scene;
   uint32_t options_of_scene;
-  bool walls_remember;              // the scene has walls, and their contacts remember something
-  bool between_runs;                 // no force has been computed since the last run ended
-  std::vector<tagint> ids_at_end;    // of all atoms in their order, when the last run ended
+  std::vector<class FixWallGranEllipsoidDevice *> walls_of_scene;
+  bool between_runs;                    // no force has been computed since the last run ended
   std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes
 
   void refuse_what_the_gpu_has_not() const;
-  void refuse_what_walls_forget() const;
   void require_wide_box() const;
-  void refuse_other_atoms();
   void keep_what_contacts_remember();
   [[nodiscard]] std::vector<class FixWallGranEllipsoidDevice *> walls() const;
   [[nodiscard]] SceneLaws wanted_laws() const;
+  [[nodiscard]] bool scene_serves(const SceneLaws &wanted) const;
   void take_laws();
   class FixEllgranHistory *make_history_fix(const std::string &id) override;
   void begin_list();

@@ -292,10 +292,13 @@ fn energies_and_stresses_are_those_of_the_host() {
     same_trajectories("energies", &crowd(216), &deck);
 }
 
-/// A run to the middle, or a file that is written while it goes on, and a run from that file.
-fn through_a_file(name: &str, engines: [&Engine; 2], ranks: [usize; 2], motion: &str) -> Outcome {
-    let scene = crowd(216);
-    let first = Deck {
+/// A run to the middle, or a file that is written while it goes on, and a run from that file; of an engine and a number of ranks each.
+fn through_a_file(
+    name: &str,
+    (scene, long): (&Scene, &Deck),
+    [first, second]: [(&Engine, usize); 2],
+) -> Outcome {
+    let to_the_middle = Deck {
         runs: vec![
             format!("restart {} middle.restart other.restart", LONG - 10),
             format!("run {LONG}"),
@@ -303,61 +306,148 @@ fn through_a_file(name: &str, engines: [&Engine; 2], ranks: [usize; 2], motion: 
             "delete_atoms group gone compress no".into(),
             "write_restart end.restart".into(),
         ],
-        ..long(motion)
+        ..long.clone()
     };
-    let outcome = run(engines[0], name, &scene, &first, ranks[0]);
-    let second = Deck {
+    let outcome = run(first.0, name, scene, &to_the_middle, first.1);
+    // A file from a run on a GPU has 'comm_modify vel no'.
+    let from = |file: &str| {
+        vec![
+            format!("read_restart {file}.restart"),
+            "comm_modify vel yes".into(),
+        ]
+    };
+    let from_the_end = Deck {
         pair: vec![],
-        // A file from a run on a GPU has 'comm_modify vel no'.
-        source: vec![
-            "read_restart end.restart".into(),
-            "comm_modify vel yes".into(),
-        ],
+        source: from("end"),
         runs: vec![format!("run {LONG}"), format!("run {LONG}")],
-        ..long(motion)
+        ..long.clone()
     };
-    let mut outcome =
-        attempt_in(engines[1], outcome.directory, &scene, &second, ranks[1]).succeeded();
+    let go_on =
+        |directory, deck: &Deck| attempt_in(second.0, directory, scene, deck, second.1).succeeded();
+    let mut outcome = go_on(outcome.directory, &from_the_end);
     let from_the_middle = Deck {
-        source: vec![
-            "read_restart middle.restart".into(),
-            "comm_modify vel yes".into(),
-        ],
+        source: from("middle"),
         runs: vec![format!("run {}", LONG / 2)],
         dump_every: LONG / 4 - 10,
-        ..second
+        ..from_the_end
     };
-    let middle = attempt_in(
-        engines[1],
-        outcome.directory.clone(),
-        &scene,
-        &from_the_middle,
-        ranks[1],
-    )
-    .succeeded();
+    let middle = go_on(outcome.directory.clone(), &from_the_middle);
     outcome.frames.extend(middle.frames);
     outcome
 }
 
+/// With and without a GPU on either side, and other numbers of ranks.
+fn goes_on_from_files(name: &str, scene: &Scene, long: &Deck) {
+    let (host, gpu) = (Engine::from_environment(), with_the_stand_in());
+    let reference = through_a_file(name, (scene, long), [(&host, 1), (&host, 1)]);
+    require_action(&reference);
+    for (way, sides) in [
+        ("both", [(&gpu, 1), (&gpu, 1)]),
+        ("to_gpu", [(&host, 1), (&gpu, 1)]),
+        ("from_gpu", [(&gpu, 1), (&host, 1)]),
+        ("ranks", [(&gpu, 2), (&gpu, 1)]),
+        ("more_ranks", [(&host, 1), (&gpu, 2)]),
+    ] {
+        let name = format!("{name}_{way}");
+        let outcome = through_a_file(&name, (scene, long), sides);
+        require_same(&name, &reference, &outcome);
+    }
+}
+
 #[test]
 fn restart_files_go_on_with_and_without_a_gpu() {
-    let (host, gpu) = (Engine::from_environment(), with_the_stand_in());
     for motion in ["velocities step", "velocities half"] {
-        let short = &motion[11..];
-        let reference = through_a_file(&format!("file_{short}"), [&host, &host], [1, 1], motion);
-        require_action(&reference);
-        for (name, engines, ranks) in [
-            ("both", [&gpu, &gpu], [1, 1]),
-            ("to_gpu", [&host, &gpu], [1, 1]),
-            ("from_gpu", [&gpu, &host], [1, 1]),
-            ("ranks", [&gpu, &gpu], [2, 1]),
-            ("more_ranks", [&host, &gpu], [1, 2]),
-        ] {
-            let name = format!("file_{short}_{name}");
-            let outcome = through_a_file(&name, engines, ranks, motion);
-            require_same(&name, &reference, &outcome);
-        }
+        let name = format!("file_{}", &motion[11..]);
+        goes_on_from_files(&name, &crowd(216), &long(motion));
     }
+}
+
+/// A scene with friction at two planes that slide, one that wiggles, and a drum that turns, of which a grain may touch two.
+fn among_walls() -> (Scene, Deck) {
+    let mut deck = long("velocities step");
+    deck.fixes.extend([
+        format!("fix x all wall/gran/ellipsoid {LAW} xplane 0.0 0.096 shear y 0.5"),
+        format!("fix low all wall/gran/ellipsoid {LAW} zplane 0.0 NULL wiggle z 1e-3 0.004"),
+        format!(
+            "fix drum all wall/gran/ellipsoid nfd 2e7 0.3 80 80 tangential tfd 0.3 displacement rescaled shape cylinder \
+             point 0.048 0.048 0.048 axis 0 1 0 radius 0.063 bounds -0.048 0.048 ends closed closed side inside \
+             omega 0.048 0.048 0.048 0 1 0 20"
+        ),
+    ]);
+    let mut scene = between_walls();
+    scene.boundary = "f f f".into();
+    scene.low[1] -= 0.03;
+    scene.high[1] += 0.03;
+    (scene, deck)
+}
+
+/// Also that the walls are where they were, and as far in their motion.
+#[test]
+fn restart_files_have_what_walls_remember() {
+    let (scene, deck) = among_walls();
+    goes_on_from_files("file_walls", &scene, &deck);
+}
+
+/// Where atoms are deleted, go to other ranks, and where there are other laws and other walls in a later run.
+#[test]
+fn what_walls_remember_goes_with_the_grains() {
+    let (scene, deck) = among_walls();
+    // On two ranks LAMMPS gives other new IDs than on one.
+    for (ranks, compress) in [(1, "yes"), (2, "no")] {
+        let runs = vec![
+            format!("run {}", LONG / 2),
+            "group gone id 3 17 40".into(),
+            format!("delete_atoms group gone compress {compress}"),
+            "pair_coeff * * nfd 1.2e7 0.3 200 300 tangential tfd 0.4".into(),
+            format!("run {}", LONG / 2),
+            format!("fix high all wall/gran/ellipsoid {LAW} zplane NULL 0.096"),
+            "balance 1.0 shift z 5 1.0".into(),
+            format!("run {}", LONG / 2),
+            "unfix x".into(),
+            format!("fix x all wall/gran/ellipsoid {LAW} xplane -0.001 0.097"),
+            format!("run {}", LONG / 2),
+            format!("run {} pre no", LONG / 4),
+        ];
+        let deck = Deck {
+            runs,
+            ..deck.clone()
+        };
+        same_on_ranks(&format!("walls_{ranks}"), &scene, &deck, ranks);
+    }
+}
+
+/// One that no atom of a restart file belongs to gets some before the first step.
+#[test]
+fn a_rank_may_get_its_first_grains_after_a_restart() {
+    let mut scene = crowd(64);
+    scene.high[0] *= 4.0;
+    let mut deck = long("velocities step");
+    deck.fixes.push(format!(
+        "fix low all wall/gran/ellipsoid {LAW} zplane 0.0 0.096"
+    ));
+    scene.boundary = "p p f".into();
+    let file = Deck {
+        runs: vec![format!("run {LONG}"), "write_restart end.restart".into()],
+        ..deck.clone()
+    };
+    let (host, gpu) = (Engine::from_environment(), with_the_stand_in());
+    let go_on = |engine: &Engine, name: &str, ranks: usize| {
+        let outcome = run(&host, name, &scene, &file, 1);
+        let from_the_file = Deck {
+            pair: vec![],
+            source: vec![
+                "read_restart end.restart".into(),
+                "comm_modify vel yes".into(),
+                "balance 1.0 shift x 10 1.0".into(),
+            ],
+            runs: vec![format!("run {LONG}")],
+            ..deck.clone()
+        };
+        attempt_in(engine, outcome.directory, &scene, &from_the_file, ranks).succeeded()
+    };
+    let reference = go_on(&host, "first_grains_host", 1);
+    let outcome = go_on(&gpu, "first_grains_gpu", 2);
+    require_same("first_grains", &reference, &outcome);
 }
 
 /// LAMMPS computes no forces when such a run starts, and its images hear of nothing before the next neighbour list.
@@ -552,18 +642,6 @@ fn what_is_not_on_the_gpu_is_refused() {
     let pour = "region top block 0 0.096 0 0.096 0.05 0.096\n\
                 fix pour all pour/ellipsoid 60 1 99 region top shape one 0.004 0.003 0.002 dens 2500 2500";
     refused("pour", with(pour), "fix pour/ellipsoid is not on the GPU");
-    let floor = format!("fix w all wall/gran/ellipsoid {LAW} zplane -0.01 NULL");
-    let with_floor = |commands: &[&str]| {
-        let mut deck = after_a_run(commands);
-        deck.fixes.push(floor.clone());
-        deck
-    };
-    refused_on(
-        2,
-        "wall_ranks",
-        with_floor(&[]),
-        "several ranks with walls that have friction are not on the GPU",
-    );
     refused_on(
         2,
         "tiled",
@@ -642,11 +720,6 @@ fn what_is_not_on_the_gpu_is_refused() {
     );
 
     refused(
-        "wall_restart",
-        with_floor(&["write_restart file"]),
-        "restart files are not written on the GPU where walls have friction",
-    );
-    refused(
         "rerun",
         after_a_run(&[
             "dump states all custom 1 states id type x y z",
@@ -655,25 +728,6 @@ fn what_is_not_on_the_gpu_is_refused() {
             "rerun states dump x y z",
         ]),
         "'rerun' is not on the GPU",
-    );
-    let law = "pair_coeff * * nfd 2e7 0.3 200 300 tangential tfd 0.5";
-    refused(
-        "wall_other_law",
-        with_floor(&[law, "run 1"]),
-        "laws or walls have changed since the last run",
-    );
-    // The default of `delete_atoms` gives all others new IDs.
-    refused(
-        "wall_deleted",
-        with_floor(&["group some id 1", "delete_atoms group some", "run 1"]),
-        "atoms have been deleted, or have other IDs",
-    );
-    let mut restart_later = with_floor(&[]);
-    restart_later.fixes.push("restart 1000 file".into());
-    refused(
-        "wall_restart_later",
-        restart_later,
-        "restart files with walls that have friction are not on the GPU",
     );
     refused(
         "other_images",

@@ -5,6 +5,7 @@
 //! - [`device`]: a device with the module of all kernels on it, and its memory.
 //! - [`entries`]: which kernel serves which shapes and laws.
 //! - [`scene`]: what a scene holds on the device, and what is started in a step.
+//! - [`wall_histories`]: what is remembered of walls, as the host keeps it.
 //! - [`arrays`]: the structs of the C interface.
 //! - [`c_api`]: everything `extern "C"`.
 //!
@@ -19,3 +20,4 @@ pub mod driver_library;
 pub mod entries;
 pub mod scene;
 pub mod status;
+pub mod wall_histories;

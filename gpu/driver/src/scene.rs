@@ -10,6 +10,7 @@ use crate::arrays::{
 use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
 use crate::entries::{Chosen, Common, Precision, Shapes, Terms};
+use crate::wall_histories::WallHistories;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::c_api::status::{
     Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_PARTICLE,
@@ -1260,6 +1261,9 @@ impl Scene {
         if let Some(k) = touching.iter().position(|&state| state > 1) {
             return argument(format!("touching[{k}] = {} must be 0 or 1", touching[k]));
         }
+        if plane.is_none() {
+            require_written(&self.laws, touching, histories, held.length)?;
+        }
         let _entered = self.device.enter()?;
         let driver = self.device.driver();
         driver.synchronise(stream)?;
@@ -1277,6 +1281,96 @@ impl Scene {
         );
         self.contact_threads = (found + found / 8).max(FEWEST_CONTACT_THREADS).min(kept);
         Ok(())
+    }
+
+    /// How the host and this scene keep what is remembered of a wall; `part` is that of a plane of the scene.
+    ///
+    /// # Errors
+    /// There is no such wall; a part that is no plane.
+    pub fn wall_histories(
+        &self,
+        number: i32,
+        host: (&Wall, &Laws),
+        part: i32,
+    ) -> Result<WallHistories, Failure> {
+        let layout = match self.wall(number)?.0 {
+            WallKind::Plane => None,
+            WallKind::Surfaces(_, layout) => Some(*layout),
+        };
+        let part = usize::try_from(part).unwrap_or(usize::MAX);
+        WallHistories::new(host, (&self.laws, layout), part)
+            .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
+    }
+
+    /// How many grains the list has of its own.
+    ///
+    /// # Errors
+    /// There is no list yet.
+    pub fn owned(&self) -> Result<usize, Failure> {
+        match &self.listed {
+            Some(_) => Ok(self.now.owned),
+            None => argument("there is no list yet: call ellgran_gpu_new_list first"),
+        }
+    }
+
+    /// Adds what is remembered of a wall to histories of the host. Waits for what was started.
+    ///
+    /// # Errors
+    /// There is no such wall, or no list; a status of a GPU.
+    pub fn read_wall_histories(
+        &self,
+        number: i32,
+        forms: &WallHistories,
+        histories: &mut [f64],
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let held = self.histories(Some(number))?;
+        let mut states = vec![0; held.count];
+        let mut values = vec![0.0; held.count * held.length];
+        self.read_histories(Some(number), &mut states, &mut values, stream)?;
+        if forms.length() == 0 || held.length == 0 {
+            return Ok(());
+        }
+        let of_grains = values.chunks_exact(held.length);
+        let to_grains = histories.chunks_exact_mut(forms.length());
+        for ((&state, from), to) in states.iter().zip(of_grains).zip(to_grains) {
+            forms.add_to_host(state, from, to);
+        }
+        Ok(())
+    }
+
+    /// Takes what is remembered of a wall from histories of the host, in place of all that there was.
+    ///
+    /// # Errors
+    /// There is no such wall, or no list; other grains than those of the list; a number that no call has written; a status of a GPU.
+    pub fn write_wall_histories(
+        &mut self,
+        g: &EllgranGpuGrains,
+        number: i32,
+        forms: &WallHistories,
+        histories: &[f64],
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let held = self.histories(Some(number))?;
+        let mut states = vec![0; held.count];
+        let mut values = vec![0.0; held.count * held.length];
+        if forms.length() > 0 && held.length > 0 {
+            let of_grains = histories.chunks_exact(forms.length());
+            let to_grains = values.chunks_exact_mut(held.length);
+            for (k, ((state, from), to)) in
+                states.iter_mut().zip(of_grains).zip(to_grains).enumerate()
+            {
+                if let Some((place, value)) = forms.first_wrong(from) {
+                    return argument(format!(
+                        "histories[{}] = {value} of grain {k}, counted from 0, with wall {number}: ellgran_gpu_read_wall_histories and \
+                         ellgran_compute_wall write no such number",
+                        k * forms.length() + place
+                    ));
+                }
+                *state = forms.to_scene(from, to);
+            }
+        }
+        self.write_histories(g, Some(number), &states, &values, stream)
     }
 
     /// What was done, and what is held. Waits for what was started.
@@ -1338,6 +1432,27 @@ fn require_lengths(
         ));
     }
     Ok((held.touching.addr() as u64, held.histories.addr() as u64))
+}
+
+/// Whether the histories of pairs that touch are such as calls have written.
+fn require_written(
+    laws: &Laws,
+    touching: &[u32],
+    histories: &[f64],
+    length: usize,
+) -> Result<(), Failure> {
+    let layout = laws.layout();
+    for (k, _) in touching.iter().enumerate().filter(|(_, &t)| t == 1) {
+        let of_pair = &histories[k * length..(k + 1) * length];
+        if let Some((place, value)) = layout.first_wrong(of_pair) {
+            return argument(format!(
+                "histories[{}] = {value} of entry {k} of the list: ellgran_gpu_read_histories and ellgran_compute_pairs write no such \
+                 number",
+                k * length + place
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Addresses of the components of a vector.

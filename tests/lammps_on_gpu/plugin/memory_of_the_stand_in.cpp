@@ -170,6 +170,7 @@ REAL(new_list);
 REAL(prepare);
 REAL(check);
 REAL(write_histories);
+REAL(write_wall_histories);
 REAL(compute_pairs);
 REAL(compute_plane);
 REAL(compute_wall);
@@ -218,6 +219,13 @@ int32_t __wrap_ellgran_gpu_write_histories(EllgranGpuScene *scene, const Ellgran
 {
   const EllgranGpuGrains there = copied(*grains);
   return __real_ellgran_gpu_write_histories(scene, &there, plane, touching, histories, stream);
+}
+
+int32_t __wrap_ellgran_gpu_write_wall_histories(EllgranGpuScene *scene, const EllgranGpuGrains *grains, int32_t number, const EllgranWall *wall,
+                                                const EllgranLaws *laws, int32_t part, const double *histories, void *stream)
+{
+  const EllgranGpuGrains there = copied(*grains);
+  return __real_ellgran_gpu_write_wall_histories(scene, &there, number, wall, laws, part, histories, stream);
 }
 
 int32_t __wrap_ellgran_gpu_compute_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step,

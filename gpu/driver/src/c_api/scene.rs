@@ -306,6 +306,84 @@ pub unsafe extern "C" fn ellgran_gpu_write_histories(
     })
 }
 
+/// Adds what grains remember of wall `number` of the scene to `histories`, in the form in which `ellgran_compute_wall` keeps it of
+/// `wall` under `laws`: [`owned_count` of the list][`ellgran_wall_histories_length`], of each grain as many records as it has contacts,
+/// behind those that there are; set to 0 by the caller. `wall` is the one that was given to `ellgran_gpu_add_wall`; a plane of the scene is
+/// its part `part`, counted from 0, which must be a plane without an end, and `part` is not read for other walls. `laws` may
+/// be others than those of the scene, and remember less: what they have no place for is left out. Waits for what was started on the
+/// stream.
+///
+/// # Safety
+/// `scene`, `wall` and `laws` are NULL or valid; `histories` is NULL or valid for writes of so many doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_read_wall_histories(
+    scene: *const EllgranGpuScene,
+    number: i32,
+    wall: *const EllgranWall,
+    laws: *const EllgranLaws,
+    part: i32,
+    histories: *mut f64,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_read_wall_histories", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, wall, laws) = unsafe {
+            (
+                required(scene, "scene")?,
+                required(wall, "wall")?,
+                required(laws, "laws")?,
+            )
+        };
+        let scene = &scene.scene;
+        let host = (wall.parts(), laws.table());
+        let forms = scene.wall_histories(number, host, part)?;
+        let length = scene.owned()? * forms.length();
+        // SAFETY: NULL or so long, by this function's safety section.
+        let histories = unsafe { slice_mut(histories, length, "histories")? };
+        scene.read_wall_histories(number, &forms, histories, Stream(stream))
+    })
+}
+
+/// Takes what grains remember of wall `number` of the scene from `histories`, as `ellgran_gpu_read_wall_histories` and `ellgran_compute_wall` write
+/// them, in place of all that was remembered of it. Follows `ellgran_gpu_new_list`, with the same `grains`. What the laws of the scene
+/// remember and `laws` do not begins with 0.
+///
+/// A number that no call writes is refused: ELLGRAN_ERROR_ARGUMENT, with its place.
+///
+/// # Safety
+/// `scene`, `wall` and `laws` are NULL or valid; `grains` is NULL or valid, and its pointers are to memory of the GPU as it states;
+/// `histories` is NULL or valid for reads of so many doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_write_wall_histories(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    number: i32,
+    wall: *const EllgranWall,
+    laws: *const EllgranLaws,
+    part: i32,
+    histories: *const f64,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_write_wall_histories", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains, wall, laws) = unsafe {
+            (
+                required_mut(scene, "scene")?,
+                given(grains, "grains")?,
+                required(wall, "wall")?,
+                required(laws, "laws")?,
+            )
+        };
+        let scene = &mut scene.scene;
+        let host = (wall.parts(), laws.table());
+        let forms = scene.wall_histories(number, host, part)?;
+        let length = scene.owned()? * forms.length();
+        // SAFETY: NULL or so long, by this function's safety section.
+        let histories = unsafe { slice(histories, length, "histories")? };
+        scene.write_wall_histories(&grains, number, &forms, histories, Stream(stream))
+    })
+}
+
 /// Writes what a scene has done and holds. Waits for what was started on the stream.
 ///
 /// # Safety

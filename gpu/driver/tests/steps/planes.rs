@@ -4,10 +4,15 @@
 use crate::engine_arrays::Layout::{self, Columns, Rows};
 use crate::scene::{Scene, STEP, TIME_STEP};
 use crate::support::{new, succeed, with_driver, Engine};
+use crate::walls::through_the_host;
 use crate::{
     gpu_scene, laws_on_host, near, step_of, OnDevice, MINDLIN, TOLERANCE, VISCOELASTIC, WHOLE,
 };
 use ellgran::c_api::plane::EllgranPlane;
+use ellgran::c_api::rigid_wall::{
+    ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_new, EllgranWall, EllgranWallShape,
+    ELLGRAN_SIDE_INSIDE,
+};
 use ellgran::contact::{prepare_body, Body};
 use ellgran::geometry::Plane;
 use ellgran::vector::Vector3;
@@ -55,6 +60,18 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                 device.begin_anew(&scene, 3, false);
                 let (grains, list) = (device.grains(), device.neighbour_list());
                 succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+                let wall = with_planes();
+                for (at, number) in numbers.into_iter().enumerate() {
+                    // The second plane is the part before the first one.
+                    let part = 1 - at;
+                    let records: Vec<Vec<f64>> = (device.order.iter())
+                        .map(|&k| record(at, part, touched[k][at], &remembered[k][at]))
+                        .collect();
+                    let of_host = |row: usize| &records[row][..];
+                    let of_wall = (wall.cast_const(), part as i32);
+                    through_the_host((made, number), &device, of_wall, words, &of_host);
+                }
+                ellgran_wall_free(wall);
             } else {
                 device.write_all(&scene);
             }
@@ -135,6 +152,38 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
         ellgran_gpu_free(gpu);
     }
     assert!(touching > 200, "{touching}");
+}
+
+/// The planes as parts of one wall, in the other order.
+fn with_planes() -> *mut EllgranWall {
+    let mut wall = core::ptr::null_mut();
+    unsafe {
+        succeed(ellgran_wall_new(&mut wall));
+        for (point, normal, _) in PLANES.iter().rev() {
+            let shape = EllgranWallShape {
+                name: c"plane".as_ptr(),
+                point: *point,
+                axis: *normal,
+                side: ELLGRAN_SIDE_INSIDE,
+                ..new()
+            };
+            succeed(ellgran_wall_add_shape(wall, &shape));
+        }
+    }
+    wall
+}
+
+/// What a wall of the host with two planes remembers of one of them: how many contacts, the part, a point, the normal, the history.
+fn record(at: usize, part: usize, touches: bool, history: &[f64]) -> Vec<f64> {
+    let mut record = vec![0.0; 1 + 2 * (7 + history.len())];
+    if touches {
+        let normal = Vector3::from_array(PLANES[at].1).normalised();
+        record[0] = 1.0;
+        record[1] = (part + 1) as f64;
+        record[5..8].copy_from_slice(&(-normal).to_array());
+        record[8..8 + history.len()].copy_from_slice(history);
+    }
+    record
 }
 
 pub fn particle(scene: &Scene, k: usize) -> ellgran::contact::Particle {

@@ -5,16 +5,19 @@
 use crate::engine_arrays::Layout::{self, Columns, Rows};
 use crate::planes::particle;
 use crate::scene::{Scene, STEP, TIME_STEP};
-use crate::support::{new, succeed, with_driver, Engine};
+use crate::support::{self, new, succeed, with_driver, Engine};
 use crate::{
     gpu_scene, laws_on_host, near, step_of, OnDevice, ELASTIC, MINDLIN, TOLERANCE, VISCOELASTIC,
     WHOLE,
 };
+use ellgran::c_api::law::ellgran_laws_free;
 use ellgran::c_api::rigid_wall::{
-    ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_new, EllgranWall, EllgranWallMotion,
+    ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_histories_length,
+    ellgran_wall_histories_used, ellgran_wall_new, EllgranWall, EllgranWallMotion,
     EllgranWallShape, ELLGRAN_END_CLOSED, ELLGRAN_END_NONE, ELLGRAN_END_OPEN,
     ELLGRAN_SIDE_OF_CENTRE, ELLGRAN_SIDE_OUTSIDE,
 };
+use ellgran::c_api::status::ELLGRAN_ERROR_ARGUMENT;
 use ellgran::contact::Particle;
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
@@ -25,7 +28,8 @@ use ellgran_gpu::arrays::{EllgranGpuHistories, ELLGRAN_GPU_ANY_SHAPES};
 use ellgran_gpu::c_api::gpu::ellgran_gpu_free;
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_add_wall, ellgran_gpu_check, ellgran_gpu_histories, ellgran_gpu_new_list,
-    ellgran_gpu_scene_free,
+    ellgran_gpu_read_wall_histories, ellgran_gpu_scene_free, ellgran_gpu_write_wall_histories,
+    EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_compute_wall, ellgran_gpu_prepare,
@@ -144,6 +148,76 @@ fn motion_on_host(m: &EllgranWallMotion) -> Motion {
     }
 }
 
+/// What a scene remembers of a wall, or of a plane that is a part of it: as the host does (`of_host`, by the rows of the list), and it goes to
+/// the host and back.
+pub unsafe fn through_the_host<'h>(
+    (made, number): (*mut EllgranGpuScene, i32),
+    device: &OnDevice,
+    (wall, part): (*const EllgranWall, i32),
+    words: &str,
+    of_host: &dyn Fn(usize) -> &'h [f64],
+) {
+    let laws = support::laws(words);
+    let (grains, stream) = (device.grains(), device.engine.stream);
+    let (count, length) = unsafe {
+        (
+            device.order.len(),
+            ellgran_wall_histories_length(wall, laws),
+        )
+    };
+    let read = || unsafe {
+        let mut values = vec![0.0; count * length];
+        let to = values.as_mut_ptr();
+        succeed(ellgran_gpu_read_wall_histories(
+            made, number, wall, laws, part, to, stream,
+        ));
+        values
+    };
+    let write = |values: &[f64]| unsafe {
+        let from = values.as_ptr();
+        ellgran_gpu_write_wall_histories(made, &grains, number, wall, laws, part, from, stream)
+    };
+    let values = read();
+    let mut contacts = 0;
+    for row in 0..if length > 0 { count } else { 0 } {
+        let own = &values[row * length..(row + 1) * length];
+        contacts += own[0] as usize;
+        let other = of_host(row);
+        assert_eq!((own.len(), own[0]), (other.len(), other[0]));
+        for (own, other) in own.iter().zip(other) {
+            near(*own, *other, 1.0 + other.abs(), TOLERANCE, "history", row);
+        }
+    }
+    assert!(contacts > 5 || length == 0, "{contacts}");
+    // Zeros are nothing.
+    succeed(write(&vec![0.0; values.len()]));
+    assert!(read().iter().all(|x| *x == 0.0));
+    if let Some(first) = values.iter().step_by(length.max(1)).position(|n| *n > 0.0) {
+        for (place, number) in [
+            (0, 0.5),
+            (1, 99.0),
+            (2, f64::NAN),
+            (length - 1, f64::INFINITY),
+        ] {
+            let mut wrong = values.clone();
+            // The last of them in a record that is in use.
+            let used = unsafe { ellgran_wall_histories_used(wall, laws, &values[first * length]) };
+            let place = place.min(used - 1);
+            wrong[first * length + place] = number;
+            let status = write(&wrong);
+            let name = format!("histories[{}]", first * length + place);
+            support::fail(
+                status,
+                ELLGRAN_ERROR_ARGUMENT,
+                &[&name, &format!("grain {first}")],
+            );
+        }
+    }
+    succeed(write(&values));
+    assert_eq!(read(), values);
+    unsafe { ellgran_laws_free(laws) };
+}
+
 fn compare(arrays: Layout, words: &str, mut scene: Scene) {
     let laws = laws_on_host(words);
     let (gpu, made) = gpu_scene(words, ELLGRAN_GPU_ANY_SHAPES);
@@ -174,6 +248,15 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                 device.begin_anew(&scene, 3, false);
                 let (grains, list) = (device.grains(), device.neighbour_list());
                 succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
+                for at in 0..2 {
+                    let wall = through_c(WALLS[at]);
+                    let of_host = |row: usize| {
+                        let k = device.order[row];
+                        &remembered[at][k * lengths[at]..(k + 1) * lengths[at]]
+                    };
+                    through_the_host((made, numbers[at]), &device, (wall, 0), words, &of_host);
+                    ellgran_wall_free(wall);
+                }
             } else {
                 device.write_all(&scene);
             }
