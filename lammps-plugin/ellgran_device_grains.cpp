@@ -23,6 +23,9 @@ constexpr double MARGIN = 0.05;
 // Forces and torques that are not known, as in fix nve/ellipsoid.
 constexpr double UNKNOWN = std::numeric_limits<double>::infinity();
 
+// Threads that sum up what acts on a wall, at most: each takes some of the grains.
+constexpr int SUMMING_THREADS = 1 << 16;
+
 using Policy = Kokkos::RangePolicy<LMPDeviceType>;
 
 // Rows or columns, as KOKKOS has them for this machine.
@@ -116,6 +119,7 @@ void EllgranDeviceGrains::set_laws(const EllgranLaws *laws)
   scene = nullptr;
   listed_count = -1;
   rows_known = false;
+  loads_on_walls.clear();
   check(ellgran_gpu_scene_new(gpu, laws, ELLGRAN_GPU_ANY_SHAPES, &scene));
 }
 
@@ -465,9 +469,11 @@ void EllgranDeviceGrains::add_plane_forces(const std::vector<PlaneNow> &planes, 
 {
   require_listed();
   const EllgranGpuGrains now = grains();
-  const EllgranGpuLoads to = loads();
-  for (const PlaneNow &plane : planes)
+  for (const PlaneNow &plane : planes) {
+    const EllgranGpuLoads to = no_wall_loads();
     check(ellgran_gpu_compute_plane(scene, &now, plane.number, &plane.place, wall_type, &step, &to, stream()));
+    add_wall_loads(plane.number);
+  }
 }
 
 int32_t EllgranDeviceGrains::add_wall(const EllgranWall *wall)
@@ -481,8 +487,67 @@ void EllgranDeviceGrains::add_wall_forces(int32_t number, const EllgranWallMotio
 {
   require_listed();
   const EllgranGpuGrains now = grains();
-  const EllgranGpuLoads to = loads();
+  const EllgranGpuLoads to = no_wall_loads();
   check(ellgran_gpu_compute_wall(scene, &now, number, &motion, wall_type, &step, &to, stream()));
+  add_wall_loads(number);
+}
+
+/* Loads by one wall, before it is computed. */
+
+EllgranGpuLoads EllgranDeviceGrains::no_wall_loads()
+{
+  fit(wall_forces, "ellgran:wall_forces", listed_owned);
+  fit(wall_torques, "ellgran:wall_torques", listed_owned);
+  Kokkos::deep_copy(LMPDeviceType(), wall_forces, 0.0);
+  Kokkos::deep_copy(LMPDeviceType(), wall_torques, 0.0);
+  EllgranGpuLoads loads = ELLGRAN_INIT(EllgranGpuLoads);
+  loads.forces = vectors_of(wall_forces);
+  loads.torques = vectors_of(wall_torques);
+  loads.add = 1;
+  return loads;
+}
+
+/* To LAMMPS' forces and torques, and to the sums of the wall, in the same order each time. */
+
+void EllgranDeviceGrains::add_wall_loads(int32_t number)
+{
+  auto *const atoms = static_cast<AtomKokkos *>(atom);
+  if (loads_on_walls.size() <= static_cast<std::size_t>(number)) loads_on_walls.resize(number + 1);
+  const int owned = listed_owned, threads = std::min(owned, SUMMING_THREADS);
+  auto &sums_of_wall = loads_on_walls[number];
+  if (sums_of_wall.extent(0) != static_cast<std::size_t>(threads)) sums_of_wall = Loads("ellgran:load_on_wall", threads);
+  const auto sums = sums_of_wall;
+  const auto x = atoms->k_x.view_device();
+  const auto f = atoms->k_f.view_device();
+  const auto torque = atoms->k_torque.view_device();
+  const auto of_forces = wall_forces, of_torques = wall_torques;
+  Kokkos::parallel_for(
+      Policy(0, threads), KOKKOS_LAMBDA(const int thread) {
+        double sum[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        for (int i = thread; i < owned; i += threads) {
+          for (int k = 0; k < 3; k++) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            f(i, k) += of_forces(i, k);
+            torque(i, k) += of_torques(i, k);
+            sum[k] -= of_forces(i, k);
+            sum[3 + k] -= x(i, l) * of_forces(i, m) - x(i, m) * of_forces(i, l) + of_torques(i, k);
+          }
+        }
+        for (int k = 0; k < 6; k++) sums(thread, k) = sum[k];
+      });
+}
+
+EllgranDeviceGrains::WallLoad EllgranDeviceGrains::load_on_wall(int32_t number) const
+{
+  WallLoad load;
+  if (loads_on_walls.size() <= static_cast<std::size_t>(number)) return load;
+  const auto &sums = loads_on_walls[number];
+  const auto of_threads = copied_out<double>(sums.data(), 6 * sums.extent(0));
+  for (std::size_t k = 0; k < of_threads.size(); k++) {
+    double *const to = (k % 6 < 3) ? load.force : load.torque;
+    to[k % 3] += of_threads[k];
+  }
+  return load;
 }
 
 /* Some commands between two runs take images away, or atoms. A run without set-up goes on with the list of the one before it. */

@@ -128,6 +128,12 @@ class EllgranDeviceGrains : protected Pointers {
   /// Adds the forces of such a wall to LAMMPS', after those of pairs: `wall_type` in the laws of the scene.
   void add_wall_forces(int32_t number, const EllgranWallMotion &motion, int32_t wall_type, const EllgranStep &step);
 
+  /// What acted on a plane or wall of the scene in the last step: the force, and the torque about the origin. Waits for it.
+  struct WallLoad {
+    double force[3] = {}, torque[3] = {};
+  };
+  [[nodiscard]] WallLoad load_on_wall(int32_t number) const;
+
   /// Halves of a step of velocity Verlet, of all owned grains.
   void start_step(double time_step, double time_step_before);
   void finish_step(double time_step, double time_step_before);
@@ -142,9 +148,11 @@ class EllgranDeviceGrains : protected Pointers {
   void place_ids();
   void find_margin();
   void take_rows(NeighListKokkos<LMPDeviceType> *list);
+  void add_wall_loads(int32_t number);
 
  private:
   using Loads = Kokkos::View<double *[6], Kokkos::LayoutRight, LMPDeviceType>;
+  using Vectors = Kokkos::View<double *[3], Kokkos::LayoutRight, LMPDeviceType>;
   using Integers = Kokkos::View<int *, LMPDeviceType>;
   using Unsigned = Kokkos::View<uint32_t *, LMPDeviceType>;
 
@@ -159,6 +167,8 @@ class EllgranDeviceGrains : protected Pointers {
   Integers ids;       // of the atoms and images of the list
   Rows rows_of_list;
   Loads changes, loads_before, other_changes, other_loads;
+  Vectors wall_forces, wall_torques;    // of the owned grains, by one wall
+  std::vector<Loads> loads_on_walls;    // by their numbers: parts of the sums over all grains
   Integers places;    // of owned grains by identifier; -1: none
   Unsigned starts, neighbours;
 
@@ -166,6 +176,7 @@ class EllgranDeviceGrains : protected Pointers {
   [[nodiscard]] void *stream() const;
   [[nodiscard]] EllgranGpuGrains grains() const;
   [[nodiscard]] EllgranGpuLoads loads() const;
+  [[nodiscard]] EllgranGpuLoads no_wall_loads();
   [[nodiscard]] EllgranGpuMotion motion(double time_step_before) const;
 };
 

@@ -27,13 +27,13 @@ const char CALLER[] = "Fix wall/gran/ellipsoid/kk";
 
 FixWallGranEllipsoidDevice::FixWallGranEllipsoidDevice(LAMMPS *lmp, int narg, char **arg) :
     FixWallGranEllipsoid(checked(lmp), narg, arg, false), atomKK(static_cast<AtomKokkos *>(atom)), pair(nullptr), type_in_scene(0),
-    numbers{-1, -1}, number(-1), held(false)
+    numbers{-1, -1}, number(-1), knows_loads(true), held(false)
 {
   refuse_what_the_gpu_has_not();
   // From here on nothing stops this constructor: LAMMPS does not know yet whose arrays they are.
   keep_with_atoms();
-  // Sums over contacts are not on the GPU.
-  scalar_flag = vector_flag = local_flag = 0;
+  // Energies and contacts one by one are not on the GPU.
+  scalar_flag = local_flag = 0;
   energy_global_flag = virial_global_flag = virial_peratom_flag = 0;
   stores_ids = 1;
   // As of FixEllgranDeviceHistory.
@@ -114,6 +114,11 @@ void FixWallGranEllipsoidDevice::post_force(int)
   const bool time_passes = update->setupflag == 0;
   follow_time(time_passes);
   const EllgranWallMotion motion = motion_now(time_passes);
+  motion_of_forces = motion;
+  std::copy_n(motion.displacement, 3, displacement);
+  std::copy_n(motion.velocity, 3, wall_velocity);
+  has_forces = true;
+  summed = knows_loads = false;
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes ? 1 : 0;
@@ -138,6 +143,51 @@ void FixWallGranEllipsoidDevice::add_plane_forces(const EllgranWallMotion &motio
     planes.push_back(plane);
   }
   pair->grains.add_plane_forces(planes, type_in_scene, step);
+}
+
+/* The force on the wall and its torque are summed up on the GPU in each step, and are asked for here. */
+
+double FixWallGranEllipsoidDevice::compute_vector(int k)
+{
+  const bool is_of_one_plane = k < NORMAL_ELASTIC;
+  if (k < NUMBER_OF_SUMS && k < FORCE && !is_of_one_plane)
+    error->all(FLERR,
+               "{} {}: f_{}[{}], an energy or a count, is not on the GPU, where there are forces, torque and power of the wall and its motion: start "
+               "LAMMPS without '-k on'",
+               CALLER, id, id, k + 1);
+  if (is_of_one_plane && rotates && plane_slots[0] >= 0 && plane_slots[1] >= 0)
+    error->all(FLERR, "{} {}: f_{}[{}], the force on one of two planes that turn, is not on the GPU: give each plane a fix of its own", CALLER, id,
+               id, k + 1);
+  if (!knows_loads) take_loads();
+  return FixWallGranEllipsoid::compute_vector(k);
+}
+
+void FixWallGranEllipsoidDevice::take_loads()
+{
+  knows_loads = true;
+  std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
+  const EllgranWallMotion &motion = motion_of_forces;
+  double centre[3];
+  for (int c = 0; c < 3; c++) centre[c] = motion.origin[c] + motion.displacement[c];
+  double *const force = output_here + FORCE, *const torque = output_here + TORQUE;
+  const auto add = [&](int32_t of, double *to) {
+    const auto load = pair->grains.load_on_wall(of);
+    for (int c = 0; c < 3; c++) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      force[c] += load.force[c];
+      torque[c] += load.torque[c] - (centre[d] * load.force[e] - centre[e] * load.force[d]);
+      if (to) to[c] += load.force[c];
+    }
+  };
+  if (is_of_planes()) {
+    for (int k = 0; k < 2; k++)
+      if (plane_slots[k] >= 0) add(numbers[k], output_here + (k == 0 ? FORCE_LO : FORCE_HI));
+  } else {
+    // A wall of another kind has neither plane.
+    double *const only = (plane_slots[0] >= 0) ? output_here + FORCE_LO : (plane_slots[1] >= 0) ? output_here + FORCE_HI : nullptr;
+    add(number, only);
+  }
+  for (int c = 0; c < 3; c++) output_here[POWER] -= force[c] * motion.velocity[c] + torque[c] * motion.angular_velocity[c];
 }
 
 /* The wall of the scene, or its planes, with their parts. */

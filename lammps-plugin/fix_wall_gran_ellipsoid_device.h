@@ -33,6 +33,7 @@ class FixWallGranEllipsoidDevice : public FixWallGranEllipsoid {
   void post_force(int) override;
   void pre_exchange() override;
   void post_run() override;
+  double compute_vector(int) override;
   void write_restart(FILE *) override;
   int unpack_exchange(int, double *) override;
 
@@ -54,12 +55,14 @@ class FixWallGranEllipsoidDevice : public FixWallGranEllipsoid {
   int type_in_scene;    // 0: in none
   int32_t numbers[2];   // of the lower and the upper plane
   int32_t number;       // of a wall that is not made of these two alone, or that turns
+  bool knows_loads;     // `output_here` is of the last step
   bool held;            // the atoms have what contacts remember, and no longer the GPU
 
   [[nodiscard]] bool is_of_planes() const { return (plane_slots[0] >= 0 || plane_slots[1] >= 0) && !rotates; }
   void add_plane_forces(const EllgranWallMotion &motion, const EllgranStep &step);
   [[nodiscard]] std::vector<EllgranDeviceGrains::WallOnHost> on_host() const;
   void take_from_device();
+  void take_loads();
   static LAMMPS *checked(LAMMPS *lmp);
   void refuse_what_the_gpu_has_not() const;
 };

@@ -646,12 +646,13 @@ void PairGranEllipsoid::note_end_of_run()
 void PairGranEllipsoid::require_end_of_run()
 {
   if (!end_of_run.known) return;
-  const auto stop = [this](const std::string &what) {
-    error->one(FLERR, "{}: {} by a command between two runs, and the neighbour list is of what was before: leave out 'pre no' in the run that follows it",
-               CALLER, what);
+  const auto message = [](const std::string &what) {
+    return fmt::format("{}: {} by a command between two runs, and the neighbour list is of what was before: leave out 'pre no' in the run that follows it",
+                       CALLER, what);
   };
-  // A new list in the first step finds what contacts remember by images that are no longer there.
-  if (end_of_run.set_up_since) stop("LAMMPS has been set up anew");
+  // A new list in the first step finds what contacts remember by images that are no longer there. All ranks know it.
+  if (end_of_run.set_up_since) error->all(FLERR, message("LAMMPS has been set up anew"));
+  const auto stop = [this, &message](const std::string &what) { error->one(FLERR, message(what)); };
   if (neighbor->ago == 0) return;
   if (!std::equal(end_of_run.ids.begin(), end_of_run.ids.end(), atom->tag)) stop("atoms or images have been put into another order");
   for (int i = 0; i < atom->nlocal; i++)

@@ -365,6 +365,11 @@ fn restart_files_go_on_with_and_without_a_gpu() {
 /// A scene with friction at two planes that slide, one that wiggles, and a drum that turns, of which a grain may touch two.
 fn among_walls() -> (Scene, Deck) {
     let mut deck = long("velocities step");
+    // Forces on the planes and the walls, their torques, powers and motions.
+    let of_x = "f_x[1] f_x[2] f_x[4] f_x[14] f_x[17] f_x[20]";
+    let of_drum = "f_drum[1] f_drum[14] f_drum[16] f_drum[18] f_drum[20]";
+    let of_low = "f_low[3] f_low[16] f_low[17] f_low[20] f_low[23] f_low[26]";
+    deck.thermo_columns = format!("step ke {of_x} {of_drum} {of_low}");
     deck.fixes.extend([
         format!("fix x all wall/gran/ellipsoid {LAW} xplane 0.0 0.096 shear y 0.5"),
         format!("fix low all wall/gran/ellipsoid {LAW} zplane 0.0 NULL wiggle z 1e-3 0.004"),
@@ -663,6 +668,24 @@ fn what_is_not_on_the_gpu_is_refused() {
         "wall_servo",
         wall("zplane -0.01 NULL servo 0 0 1 1.0 0.1"),
         "'servo' is not on the GPU",
+    );
+    let mut energy = with(&format!(
+        "fix w all wall/gran/ellipsoid {LAW} zplane -0.01 NULL"
+    ));
+    energy.thermo_columns = "step f_w[3] f_w[7]".into();
+    refused(
+        "wall_energy",
+        energy,
+        "f_w[7], an energy or a count, is not on the GPU",
+    );
+    let turning =
+        format!("fix w all wall/gran/ellipsoid {LAW} zplane -0.01 0.11 omega 0 0 0 0 0 1 1");
+    let mut one_of_two = with(&turning);
+    one_of_two.thermo_columns = "step f_w[16] f_w[3]".into();
+    refused(
+        "wall_of_two",
+        one_of_two,
+        "f_w[3], the force on one of two planes that turn",
     );
     refused(
         "wall_contacts",

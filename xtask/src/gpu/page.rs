@@ -139,7 +139,7 @@ added to forces and torques where the engine asks for it (`EllgranGpuLoads`).
 device, which selects them anew by itself.
 - **The neighbour list** is a full one: that a pair is in one row alone is found, and is an error that names the grain.
 - **Histories** stay on the device. With a new list they are carried over by the identifiers of the grains, in whatever order the engine \
-has them now. For those of a restart file, and of grains that come from another rank, there are `ellgran_gpu_read_histories` and `ellgran_gpu_write_histories`.
+has them now. For those of a restart file, and of grains that come from another rank, there are `ellgran_gpu_read_histories` and `ellgran_gpu_write_histories`, and for what is remembered of a wall, in the form of the host's walls, `ellgran_gpu_read_wall_histories` and `ellgran_gpu_write_wall_histories`.
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
