@@ -373,11 +373,10 @@ fn among_walls() -> (Scene, Deck) {
     deck.fixes.extend([
         format!("fix x all wall/gran/ellipsoid {LAW} xplane 0.0 0.096 shear y 0.5"),
         format!("fix low all wall/gran/ellipsoid {LAW} zplane 0.0 NULL wiggle z 1e-3 0.004"),
-        format!(
-            "fix drum all wall/gran/ellipsoid nfd 2e7 0.3 80 80 tangential tfd 0.3 displacement rescaled shape cylinder \
+        "fix drum all wall/gran/ellipsoid nfd 2e7 0.3 80 80 tangential tfd 0.3 displacement rescaled shape cylinder \
              point 0.048 0.048 0.048 axis 0 1 0 radius 0.063 bounds -0.048 0.048 ends closed closed side inside \
              omega 0.048 0.048 0.048 0 1 0 20"
-        ),
+            .to_string(),
     ]);
     let mut scene = between_walls();
     scene.boundary = "f f f".into();
