@@ -39,6 +39,7 @@ fn built(mut cargo: Command, directory: &Path, name: &str) -> Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     /// A crate under Apache-2.0 alone could not be distributed in one binary with LAMMPS, which is GPL-2.0-only.
     #[test]
@@ -50,6 +51,25 @@ mod tests {
     #[test]
     fn every_crate_in_the_library_for_gpus_may_be_taken_under_mit_or_isc() {
         every_crate_may_be_taken_under("ellgran-gpu", &["MIT", "ISC"]);
+    }
+
+    /// Else the benches and the report compile a library of their own, which takes minutes.
+    #[test]
+    fn engines_and_benches_share_one_library() {
+        let crates = |edges: &str| {
+            let list = process::output_of(
+                workspace::cargo()
+                    .args(["tree", "--offline", "--package=ellgran", "--prefix=none"])
+                    .args(["--format={p} [{f}]", &format!("--edges={edges}")]),
+            );
+            let lines = list.unwrap();
+            let lines = lines.lines().map(|line| line.trim_end_matches(" (*)"));
+            lines.map(String::from).collect::<BTreeSet<_>>()
+        };
+        let (of_engines, of_benches) = (crates("normal"), crates("normal,dev"));
+        assert!(of_engines.len() > 5);
+        let others: Vec<_> = of_engines.difference(&of_benches).collect();
+        assert!(others.is_empty(), "with other features: {others:?}");
     }
 
     fn every_crate_may_be_taken_under(package: &str, licences: &[&str]) {
