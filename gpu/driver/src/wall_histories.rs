@@ -25,7 +25,7 @@ impl Form {
         records.map(|record| record.split_at(HEAD))
     }
 
-    /// The part and the place in the histories of a grain of the first number that no call has written.
+    /// The place in the histories of a grain of the first number that no call has written, and that number.
     fn first_wrong(&self, histories: &[f64], parts: usize) -> Option<(usize, f64)> {
         let is_whole = |x: f64, most: usize| x.fract() == 0.0 && (0.0..=most as f64).contains(&x);
         let count = histories[0];
