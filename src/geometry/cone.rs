@@ -617,6 +617,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
 
     fn contacts(body: &Ellipsoid, centre: Vector3, radius: f64) -> Vec<ConeContact> {
         let cylinder = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), radius);
@@ -753,6 +754,104 @@ mod tests {
             }
         }
         assert!(concave[0] > 0 && concave[1] > 0, "{concave:?}");
+    }
+
+    /// Beside the wall, and so deep that the body reaches across the axis.
+    #[test]
+    fn the_contact_from_without_is_the_greatest_separation() {
+        let mut random = Random::new(11);
+        let axis = Vector3::new(0.0, 0.6, 0.8);
+        let basis = Tangent::new(axis);
+        let (mut across, mut touching, mut apart) = (0, 0, 0);
+        for k in 0..900 {
+            let semi_axes = [0; 3].map(|_| random.of_any_size(0.05, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let cone = Cone {
+                slope: if k % 3 == 0 {
+                    0.0
+                } else {
+                    random.uniform(-0.5, 0.5)
+                },
+                ..Cone::cylinder(Vector3::ZERO, axis, random.of_any_size(0.05, 3.0))
+            };
+            let along = random.uniform(-0.3, 0.3);
+            let radius = cone.radius + cone.slope * along;
+            if radius < 0.02 {
+                continue;
+            }
+            let turn = random.uniform(0.0, core::f64::consts::TAU);
+            let outwards = basis.u * turn.cos() + basis.v * turn.sin();
+            let off_axis = radius + random.uniform(0.0, 1.0) * body.bounding_radius();
+            let centre = axis * along + outwards * off_axis;
+            let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
+            let separation = |angle: f64| {
+                let u = basis.u * angle.cos() + basis.v * angle.sin();
+                let n = (u - axis * cone.slope) * c;
+                n.dot(centre) - c * cone.radius - body.support(n).h
+            };
+            // All around, and closely around the best.
+            let best = |(middle, half): (f64, f64)| {
+                let angles = (0..=400).map(|m| middle + half * (f64::from(m) / 200.0 - 1.0));
+                angles.max_by(|a, b| separation(*a).total_cmp(&separation(*b)))
+            };
+            let first = best((0.0, core::f64::consts::PI)).unwrap();
+            let second = best((first, 0.016)).unwrap();
+            let expected = separation(best((second, 1e-4)).unwrap());
+            let mut found = vec![];
+            touch_cone(&body, centre, &cone, false, |contact| {
+                let n = contact.normal;
+                found.push(n.dot(centre - contact.point) - body.support(-n).h);
+            });
+            let scene = format!("{body:?} {cone:?} {centre:?}");
+            if expected < 0.0 {
+                assert_eq!(found.len(), 1, "{expected}: {scene}");
+                assert!(
+                    (found[0] - expected).abs() < 1e-9,
+                    "{found:?} {expected}: {scene}"
+                );
+                let reaches = off_axis < body.support(outwards).h;
+                across += usize::from(reaches);
+                touching += usize::from(!reaches);
+            } else {
+                assert!(found.is_empty(), "{expected} {found:?}: {scene}");
+                apart += 1;
+            }
+        }
+        println!("{across} across the axis, {touching} beside it, {apart} apart");
+        assert!(across > 100 && touching > 100 && apart > 100);
+    }
+
+    /// A long body on the wall of a cylinder, a little less round than the wall: it touches at two places beside the middle.
+    #[test]
+    fn two_maxima_in_one_stride_are_told_apart() {
+        let mut random = Random::new(7);
+        let mut nearest = f64::INFINITY;
+        for _ in 0..400 {
+            let b = random.of_any_size(0.02, 0.1);
+            let depth = random.uniform(0.001, 0.05) * b;
+            let y = 1.0 - b + depth;
+            let more = random.of_any_size(1e-6, 0.2);
+            let difference = b * y * (1.0 + more);
+            let body = Ellipsoid::new([(difference + b * b).sqrt(), b, b], [1.0, 0.0, 0.0, 0.0]);
+            // Where h' = y sin t, h^2 = b^2 + (a^2 - b^2) sin^2 t.
+            let square = y * y * (difference + b * b) / (difference * (difference + y * y));
+            let angle = (1.0 - square).sqrt().asin();
+            let found = contacts(&body.unwrap(), Vector3::new(0.0, y, 0.0), 1.0);
+            let stride = 0.2 / 64.0;
+            if angle < stride {
+                assert!((1..=2).contains(&found.len()), "{angle}");
+                continue;
+            }
+            assert_eq!(found.len(), 2, "{angle}: {found:?}");
+            nearest = nearest.min(angle);
+            for (contact, sign) in found.iter().zip([-1.0, 1.0]) {
+                // The first direction is that of the centre, the second a quarter turn further.
+                let place = contact.point.x.atan2(contact.point.y);
+                assert!((place.abs() - angle).abs() < 1e-8, "{place} {angle}");
+                assert!(place * sign * found[1].point.x > 0.0);
+            }
+        }
+        assert!(nearest < 0.005);
     }
 
     #[test]
