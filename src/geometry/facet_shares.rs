@@ -542,6 +542,29 @@ mod tests {
         assert!(parts > 100 && nothing > 20 && whole > 2);
     }
 
+    /// The sine of the angle has lost most of its digits in the product of the normals.
+    #[test]
+    fn planes_at_a_very_small_angle_divide_the_contact() {
+        let body = Ellipsoid::new([0.5, 1.0, 0.7], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        for slope in [1e-6, -1e-7] {
+            let plane = |slope: f64| SupportingPlane {
+                point: Vector3::new(0.1, 0.0, -0.6),
+                normal: Vector3::new(slope, 0.0, 1.0).normalised(),
+            };
+            let of = |own: f64, other: f64| Scene {
+                body,
+                own: plane(own),
+                others: vec![plane(other)],
+            };
+            let (one, other) = (of(0.0, slope), of(slope, 0.0));
+            for scene in [&one, &other] {
+                assert!((scene.found().value - scene.expected()).abs() < 5e-5);
+            }
+            let sum = one.found().value + other.found().value;
+            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+        }
+    }
+
     /// Lines of a section that are parallel, or the same.
     #[test]
     fn parallel_lines_leave_a_strip_or_nothing() {

@@ -65,10 +65,10 @@ mod tests {
     #[test]
     fn the_way_and_the_change_of_the_quaternion() {
         let (x, y) = ([1.0, -2.0, 0.5], [1.5, 1.0, -1.5]);
-        let (p, q) = ([0.1, 0.2, -0.3, 0.4], [0.2, -0.2, 0.5, 1.4]);
+        let (p, q) = ([0.1, 0.2, -0.3, 0.4], [0.2, -0.2, 0.5, 1.6]);
         let (way, turn) = way_and_turn(x, y, p, q);
         assert!((way - (0.25 + 9.0 + 4.0)).abs() < 1e-14);
-        assert!((turn - (0.01 + 0.16 + 0.64 + 1.0)).abs() < 1e-14);
+        assert!((turn - (0.01 + 0.16 + 0.64 + 1.44)).abs() < 1e-14);
         assert!((allowed_way(0.4).sqrt() - 0.1).abs() < 1e-15);
     }
 
@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn bounds_of_a_turn() {
-        let q = [1.0, -2.0, 0.5, 3.0];
-        let square = 14.25;
+        let q = [1.5, -2.0, 0.5, 3.0];
+        let square = 15.5;
         // A sphere, and quaternions without a square.
         assert_eq!(allowed_turn_per_margin([2.0; 3], q), f64::INFINITY);
         assert_eq!(allowed_turn(f64::INFINITY, 1e-8, &q), f64::INFINITY);
