@@ -197,6 +197,8 @@ mod tests {
                     [corners[0], corners[2], corners[3]],
                 ]
             })
+            .enumerate()
+            .map(|(k, t)| [t[k % 3], t[(k + 1) % 3], t[(k + 2) % 3]])
             .collect()
     }
 
@@ -274,11 +276,28 @@ mod tests {
         let flat = over(0.2, 0.0, 0.0);
         assert_eq!(flat, 1.0);
         // Edges out of reach.
+        let wall = strips(&step(0.2, 8.0, 10.0));
         let far = Vector3::new(0.1, 0.3, 1.03);
-        assert_eq!(
-            rest(&ball(), far, &strips(&step(0.2, 8.0, 10.0))).0.value,
-            1.0
-        );
+        assert_eq!(rest(&ball(), far, &wall).0.value, 1.0);
+        // Of a body twice as large, faces twice as wide.
+        let large = Ellipsoid::new([2.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        for (width, value) in [(0.95, 0.0), (1.05, 1.0)] {
+            let wall = strips(&step(width, 8.0, 10.0));
+            let centre = Vector3::new(0.5 * width, 0.3, 1.8);
+            assert_eq!(rest(&large, centre, &wall).0.value, value);
+        }
+        // What rises beyond the right end in other pieces has no edge in common with the face.
+        let mut pieces = wall[..4].to_vec();
+        let at = |m: usize, y: f64| {
+            Vector3::new(step(0.2, 8.0, 10.0)[m][0], y, step(0.2, 8.0, 10.0)[m][1])
+        };
+        for [from, to] in [[-6.0, 1.0], [1.0, 6.0]] {
+            pieces.push([at(2, from), at(3, from), at(3, to)]);
+            pieces.push([at(2, from), at(3, to), at(2, to)]);
+        }
+        let centre = Vector3::new(0.1, 0.3, 0.95);
+        assert_eq!(rest(&ball(), centre, &wall).0.value, 0.0);
+        assert_eq!(rest(&ball(), centre, &pieces).0.value, 1.0);
     }
 
     /// A surface of a narrow face, a wide one and an edge at which it falls by so many degrees, which may lie at the end of what has an effect.
@@ -304,7 +323,7 @@ mod tests {
         assert_eq!(of(60.0, 0.6), 1.0);
         // One that rises is no such edge.
         assert_eq!(of(-60.0, 0.6), 0.0);
-        for place in [0.85, 0.88, 0.9, 0.91, 0.92, 0.95] {
+        for place in [0.94, 0.96, 0.965, 0.97, 0.98, 1.0] {
             let height = (place - 0.2) * 10f64.to_radians().tan();
             let square = (place - centre.x).powi(2) + (height - centre.z).powi(2);
             let expected = 1.0 - left(square);

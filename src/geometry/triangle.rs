@@ -357,6 +357,19 @@ mod tests {
             // Twice the area over the longest side.
             assert!((t.height() - 8.0 / 20f64.sqrt()).abs() < 1e-14);
         }
+        // The distance is that of the nearest corner: the others are so far that they have lost nine digits.
+        let n = v(0.6, 0.0, 0.8);
+        let corner = v(-0.3, 0.2, -0.4);
+        let long = [
+            corner,
+            corner + v(0.8, 0.0, -0.6) * 1e9,
+            corner + v(0.0, 1e9, 0.0),
+        ];
+        for k in 0..3 {
+            let turned = [long[k], long[(k + 1) % 3], long[(k + 2) % 3]];
+            let t = Near::new(0, &turned, Vector3::ZERO, 1e-5).unwrap();
+            assert!((t.distance - 0.5).abs() < 1e-14 && (t.normal - n).norm() < 1e-14);
+        }
         // Slivers as narrow as what is taken for nothing, and what is no triangle.
         let sliver = |height: f64| [v(0.0, 0.0, 0.0), v(5.0, 0.0, 0.0), v(2.0, height, 0.0)];
         assert!(Near::new(0, &sliver(0.9e-3), centre, 1e-3).is_none());
@@ -377,9 +390,9 @@ mod tests {
             assert!((across - v(0.0, 0.0, 0.5 * (1e6 - 1.0))).norm() < 1e-9);
             assert_eq!(longest, (1e6 - 1.0) * (1e6 - 1.0));
         }
-        let triangle = [v(0.0, 0.0, 2.0), v(1.0, 0.0, 2.0), v(0.0, 1.0, 2.0)];
-        for (radius, comes) in [(1.01, true), (0.99, false)] {
-            for centre in [v(9.0, 5.0, 3.0), v(9.0, 5.0, 1.0)] {
+        let triangle = [v(0.0, 0.0, 2.0), v(3.0, 0.0, 2.0), v(0.0, 2.0, 2.0)];
+        for (radius, comes) in [(1.51, true), (1.49, false)] {
+            for centre in [v(9.0, 5.0, 3.5), v(9.0, 5.0, 0.5)] {
                 assert_eq!(plane_comes_into(&triangle, centre, radius), comes);
             }
         }
@@ -464,7 +477,8 @@ mod tests {
             let tangent = Tangent::new(normal);
             let foot = support.point + normal * penetration;
             let size = random.of_any_size(0.1, 4.0);
-            let corners = [0.0, 2.1, 4.2].map(|angle: f64| {
+            let order = [[0.0, 2.1, 4.2], [4.2, 2.1, 0.0]][random.uniform(0.0, 2.0) as usize];
+            let corners = order.map(|angle: f64| {
                 let angle = angle + random.uniform(-0.8, 0.8);
                 let r = size * random.uniform(0.5, 1.0);
                 foot + tangent.u * (r * angle.cos() - 0.3 * size) + tangent.v * (r * angle.sin())
@@ -483,7 +497,7 @@ mod tests {
             let found = unit(t.nearest_to(&body, &support, foot));
             assert!((found - closest(&of_ball, unit(foot))).norm() < 1e-9);
             // The triangle has all of the section, and the foot, if no side of it comes into the body, and its inner part is there.
-            let margin = 1e-5;
+            let margin = size * random.uniform(0.0, 0.05);
             let border: Vec<Vector3> = (0..500)
                 .map(|m| border_of_section(&body, &t, 0.004 * core::f64::consts::PI * f64::from(m)))
                 .collect();
@@ -571,6 +585,11 @@ mod tests {
         ]);
         assert!(front.stands_before(&a_little, v(3.0, 0.0, 0.0), 2e-5));
         assert!(!front.stands_before(&a_little, v(3.0, 0.0, 0.0), 0.5e-5));
+        // A place at an angle with its plane that is taken as zero is not behind it.
+        let large = near([v(1.0, -30.0, -30.0), v(1.0, 30.0, -30.0), v(1.0, 0.0, 60.0)]);
+        let beyond = near([v(2.0, 1.0, 0.0), v(2.0, 2.0, 0.0), v(2.0, 1.0, 1.0)]);
+        assert!(!large.stands_before(&beyond, v(1.0 + 5e-9, 10.0, 0.0), 1e-6));
+        assert!(large.stands_before(&beyond, v(1.0 + 2e-8, 10.0, 0.0), 1e-6));
         // A place of its own plane is not behind it.
         assert!(!front.stands_before(&behind, v(1.0, 0.0, -0.5), 1e-6));
     }
