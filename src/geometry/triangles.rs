@@ -651,6 +651,7 @@ impl Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
 
     fn touch(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> Vec<TriangleContact> {
         let mut search = TriangleSearch::default();
@@ -803,5 +804,83 @@ mod tests {
         assert_eq!(contacts.len(), 2, "{contacts:?}");
         assert!((contacts[0].penetration - 0.02).abs() < 1e-12);
         assert!((contacts[1].penetration - 0.01).abs() < 1e-12);
+    }
+
+    /// A cube of half a side 1, each face in so many pieces along each side, turned.
+    fn cube(pieces: usize, axes: &[Vector3; 3]) -> Vec<Triangle> {
+        let world = |p: [f64; 3]| axes[0] * p[0] + axes[1] * p[1] + axes[2] * p[2];
+        let mut all = vec![];
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let at = |i: usize, j: usize| {
+                    let place = |k: usize| 2.0 * k as f64 / pieces as f64 - 1.0;
+                    let mut p = [side; 3];
+                    p[(axis + 1) % 3] = place(i);
+                    p[(axis + 2) % 3] = place(j);
+                    world(p)
+                };
+                for i in 0..pieces {
+                    for j in 0..pieces {
+                        let (a, b) = (at(i, j), at(i + 1, j));
+                        let (c, d) = (at(i + 1, j + 1), at(i, j + 1));
+                        all.extend([[a, b, c], [d, a, c]]);
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// On a face, an edge or a corner of a cube, with its normal in the cone of those of the faces: one contact, there.
+    #[test]
+    fn a_cube_is_touched_once_where_the_body_was_put() {
+        let mut random = Random::new(41);
+        let mut counts = [0; 3];
+        for k in 0..900 {
+            let pieces = 1 + k / 3 % 3;
+            let axes = Ellipsoid::new([1.0; 3], random.quaternion()).unwrap().axes;
+            let wall = cube(pieces, &axes);
+            let semi_axes = [0; 3].map(|_| random.uniform(0.3, 0.8));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            // How many faces meet where it touches, which are those of the first axes.
+            let faces = 1 + k % 3;
+            let mut place = [0; 3].map(|_| random.uniform(-0.95, 0.95));
+            if k % 5 == 0 {
+                // On the borders of the pieces.
+                place = [2.0 * (pieces / 2) as f64 / pieces as f64 - 1.0; 3];
+            }
+            let mut normal = [0.0; 3];
+            for m in 0..faces {
+                place[m] = if random.uniform(0.0, 1.0) < 0.5 {
+                    -1.0
+                } else {
+                    1.0
+                };
+                normal[m] = place[m] * random.uniform(0.1, 1.0);
+            }
+            let world = |p: [f64; 3]| axes[0] * p[0] + axes[1] * p[1] + axes[2] * p[2];
+            if place.iter().filter(|x| x.abs() == 1.0).count() > faces {
+                continue;
+            }
+            let (point, normal) = (world(place), world(normal).normalised());
+            let depth = random.uniform(0.001, 0.01) * body.smallest_semi_axis();
+            let centre = point - normal * depth - body.support(-normal).point;
+            let contacts = touch(&body, centre, &wall);
+            let scene = format!("{faces} {place:?} {body:?} {centre:?}: {contacts:?}");
+            assert_eq!(contacts.len(), 1, "{scene}");
+            let found = &contacts[0];
+            assert!((found.penetration - depth).abs() < 1e-12, "{scene}");
+            assert!((found.normal - normal).norm() < 1e-6, "{scene}");
+            assert!((found.point - point).norm() < 1e-6, "{scene}");
+            assert!(found.share.value > 1.0 - 1e-12, "{scene}");
+            let kind = match found.feature {
+                Feature::Face => 1,
+                Feature::Edge(_) => 2,
+                Feature::Corner => 3,
+            };
+            assert_eq!(kind, faces, "{scene}");
+            counts[faces - 1] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
     }
 }
