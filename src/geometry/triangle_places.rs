@@ -296,7 +296,7 @@ mod tests {
         let meeting = MEETING;
         let planes = |all: &[Triangle]| {
             let mut places = TrianglePlaces::default();
-            places.gather(&body, Vector3::new(0.0, 0.0, 0.9), all, meeting);
+            places.gather(&body, Vector3::new(0.0, 0.25, 0.5), all, meeting);
             places.join_planes(1.0, meeting);
             places.near.iter().map(|t| t.plane).collect::<Vec<_>>()
         };
