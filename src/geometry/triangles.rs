@@ -885,4 +885,102 @@ mod tests {
         }
         assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
     }
+
+    fn ball() -> Ellipsoid {
+        Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap()
+    }
+
+    /// Edges of two fins, or that of one and a floor: they divide the contact where their parts of it overlap.
+    #[test]
+    fn edges_and_faces_near_each_other_divide_the_contact() {
+        let fin = |x: f64| {
+            [
+                Vector3::new(x, -5.0, 0.0),
+                Vector3::new(x, 5.0, 0.0),
+                Vector3::new(x, 0.0, -5.0),
+            ]
+        };
+        let centre = Vector3::new(0.0, 0.3, 0.98);
+        for (apart, sum) in [(0.03, 1.0), (0.19, 2.0)] {
+            let found = touch(&ball(), centre, &[fin(-apart), fin(apart)]);
+            assert_eq!(found.len(), 2, "{found:?}");
+            for c in &found {
+                assert!(matches!(c.feature, Feature::Edge(_)));
+                assert!((c.share.value - 0.5 * sum).abs() < 2e-3, "{found:?}");
+            }
+        }
+        for side in [-1.0, 1.0] {
+            let floor = [
+                Vector3::new(-0.02 * side, -9.0, 0.0),
+                Vector3::new(-0.02 * side, 9.0, 0.0),
+                Vector3::new(9.0 * side, 0.0, 0.0),
+            ];
+            let found = touch(&ball(), centre, &[fin(-0.08 * side), floor]);
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert_eq!(found[0].feature, Feature::Face);
+            assert!(matches!(found[1].feature, Feature::Edge(_)));
+            let shares = [found[0].share.value, found[1].share.value];
+            assert!(shares.iter().all(|share| *share < 0.9), "{shares:?}");
+            assert!((shares[0] + shares[1] - 1.0).abs() < 2e-3, "{shares:?}");
+        }
+    }
+
+    /// Two faces of a valley, whose planes cut each other's contacts, with a gap between them and without.
+    #[test]
+    fn faces_that_do_not_meet_do_not_cut_each_other() {
+        let rise = 0.1;
+        let valley = |gap: f64| {
+            let side = |sign: f64| {
+                let at = |x: f64, y: f64| Vector3::new(sign * x, y, rise * x);
+                [at(gap, -9.0), at(gap, 9.0), at(9.0, 0.0)]
+            };
+            [side(-1.0), side(1.0)]
+        };
+        let centre = Vector3::new(0.0, 0.3, 0.96 * (1.0 + rise * rise).sqrt());
+        for (gap, share) in [(0.0, 0.5), (1e-3, 1.0)] {
+            let found = touch(&ball(), centre, &valley(gap));
+            assert_eq!(found.len(), 2, "{found:?}");
+            for c in &found {
+                assert_eq!(c.feature, Feature::Face);
+                assert!((c.penetration - 0.04).abs() < 1e-12);
+                let is_cut = c.share.value < 0.95;
+                assert_eq!(is_cut, share < 1.0, "{gap}: {found:?}");
+            }
+        }
+    }
+
+    /// Where a narrow face comes within reach the plane of another acts by two parts, in one contact.
+    #[test]
+    fn a_plane_acts_once_where_a_narrow_face_is_near() {
+        let fall = 8f64.to_radians();
+        let (sin, cos) = fall.sin_cos();
+        let profile = [
+            [-9.0 * cos, -9.0 * sin],
+            [0.0, 0.0],
+            [0.02, 0.0],
+            [1.02, 0.15],
+        ];
+        let wall: Vec<Triangle> = profile
+            .windows(2)
+            .flat_map(|pair| {
+                let at = |[x, z]: [f64; 2], y: f64| Vector3::new(x, y, z);
+                let (a, b) = (at(pair[0], -6.0), at(pair[1], -6.0));
+                let (c, d) = (at(pair[1], 6.0), at(pair[0], 6.0));
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let normal = Vector3::new(-sin, 0.0, cos);
+        let foot = Vector3::new(-0.2 * cos, 0.3, -0.2 * sin);
+        let centre = foot + normal * 0.99;
+        let mut search = TriangleSearch::default();
+        search.touch(&ball(), centre, &wall);
+        let meeting = MEETING;
+        let rest = search.fine.rest(&search.places, &ball(), meeting);
+        assert!(rest.value > 0.1 && rest.value < 0.9, "{rest:?}");
+        let [found] = search.contacts() else {
+            panic!("{:?}", search.contacts());
+        };
+        assert!((found.share.value - 1.0).abs() < 1e-12, "{found:?}");
+        assert!((found.penetration - 0.01).abs() < 1e-12 && (found.normal - normal).norm() < 1e-12);
+    }
 }
