@@ -900,14 +900,17 @@ mod tests {
                 Vector3::new(x, 0.0, -5.0),
             ]
         };
-        let centre = Vector3::new(0.0, 0.3, 0.98);
-        for (apart, sum) in [(0.03, 1.0), (0.19, 2.0)] {
+        let centre = Vector3::new(0.0, 0.3, 0.96);
+        // The planes through the edges cut each other's contacts halfway between them.
+        for (apart, least, most) in [(0.03, 0.5, 0.65), (0.1, 0.65, 0.95), (0.25, 1.0, 1.0)] {
             let found = touch(&ball(), centre, &[fin(-apart), fin(apart)]);
             assert_eq!(found.len(), 2, "{found:?}");
             for c in &found {
                 assert!(matches!(c.feature, Feature::Edge(_)));
-                assert!((c.share.value - 0.5 * sum).abs() < 2e-3, "{found:?}");
+                assert!((least..=most).contains(&c.share.value), "{found:?}");
             }
+            let [one, other] = [found[0].share.value, found[1].share.value];
+            assert!((one - other).abs() < 1e-9, "{found:?}");
         }
         for side in [-1.0, 1.0] {
             let floor = [
@@ -920,8 +923,8 @@ mod tests {
             assert_eq!(found[0].feature, Feature::Face);
             assert!(matches!(found[1].feature, Feature::Edge(_)));
             let shares = [found[0].share.value, found[1].share.value];
-            assert!(shares.iter().all(|share| *share < 0.9), "{shares:?}");
-            assert!((shares[0] + shares[1] - 1.0).abs() < 2e-3, "{shares:?}");
+            assert!(shares.iter().all(|share| *share < 0.97), "{shares:?}");
+            assert!((1.0..1.5).contains(&(shares[0] + shares[1])), "{shares:?}");
         }
     }
 
