@@ -934,12 +934,15 @@ mod tests {
         let rise = 0.1;
         let valley = |gap: f64| {
             let side = |sign: f64| {
-                let at = |x: f64, y: f64| Vector3::new(sign * x, y, rise * x);
+                // Across the axes of the world, so that the boxes of both sides overlap.
+                let at = |x: f64, y: f64| {
+                    Vector3::new(0.8 * sign * x - 0.6 * y, 0.6 * sign * x + 0.8 * y, rise * x)
+                };
                 [at(gap, -9.0), at(gap, 9.0), at(9.0, 0.0)]
             };
             [side(-1.0), side(1.0)]
         };
-        let centre = Vector3::new(0.0, 0.3, 0.96 * (1.0 + rise * rise).sqrt());
+        let centre = Vector3::new(0.0, 0.0, 0.96 * (1.0 + rise * rise).sqrt());
         for (gap, share) in [(0.0, 0.5), (1e-3, 1.0)] {
             let found = touch(&ball(), centre, &valley(gap));
             assert_eq!(found.len(), 2, "{found:?}");
