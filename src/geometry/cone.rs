@@ -617,6 +617,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
 
     fn contacts(body: &Ellipsoid, centre: Vector3, radius: f64) -> Vec<ConeContact> {
         let cylinder = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), radius);
@@ -753,6 +754,212 @@ mod tests {
             }
         }
         assert!(concave[0] > 0 && concave[1] > 0, "{concave:?}");
+    }
+
+    /// Beside the wall, and so deep that the body reaches across the axis.
+    #[test]
+    fn the_contact_from_without_is_the_greatest_separation() {
+        let mut random = Random::new(11);
+        let axis = Vector3::new(0.0, 0.6, 0.8);
+        let basis = Tangent::new(axis);
+        let (mut across, mut touching, mut apart) = (0, 0, 0);
+        for k in 0..900 {
+            let semi_axes = [0; 3].map(|_| random.of_any_size(0.05, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let cone = Cone {
+                slope: if k % 3 == 0 {
+                    0.0
+                } else {
+                    random.uniform(-0.5, 0.5)
+                },
+                ..Cone::cylinder(Vector3::ZERO, axis, random.of_any_size(0.05, 3.0))
+            };
+            let along = random.uniform(-0.3, 0.3);
+            let radius = cone.radius + cone.slope * along;
+            if radius < 0.02 {
+                continue;
+            }
+            let turn = random.uniform(0.0, core::f64::consts::TAU);
+            let outwards = basis.u * turn.cos() + basis.v * turn.sin();
+            let off_axis = radius + random.uniform(0.0, 1.0).powi(3) * body.bounding_radius();
+            let centre = axis * along + outwards * off_axis;
+            let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
+            let separation = |angle: f64| {
+                let u = basis.u * angle.cos() + basis.v * angle.sin();
+                let n = (u - axis * cone.slope) * c;
+                n.dot(centre) - c * cone.radius - body.support(n).h
+            };
+            // All around, and closely around the best.
+            let best = |(middle, half): (f64, f64)| {
+                let angles = (0..=400).map(|m| middle + half * (f64::from(m) / 200.0 - 1.0));
+                angles.max_by(|a, b| separation(*a).total_cmp(&separation(*b)))
+            };
+            let first = best((0.0, core::f64::consts::PI)).unwrap();
+            let second = best((first, 0.016)).unwrap();
+            let expected = separation(best((second, 1e-4)).unwrap());
+            let mut found = vec![];
+            touch_cone(&body, centre, &cone, false, |contact| {
+                let n = contact.normal;
+                found.push(n.dot(centre - contact.point) - body.support(-n).h);
+            });
+            let scene = format!("{body:?} {cone:?} {centre:?}");
+            if expected < 0.0 {
+                assert_eq!(found.len(), 1, "{expected}: {scene}");
+                assert!(
+                    (found[0] - expected).abs() < 1e-9,
+                    "{found:?} {expected}: {scene}"
+                );
+                let reaches = off_axis < body.support(outwards).h;
+                across += usize::from(reaches);
+                touching += usize::from(!reaches);
+            } else {
+                assert!(found.is_empty(), "{expected} {found:?}: {scene}");
+                apart += 1;
+            }
+        }
+        println!("{across} across the axis, {touching} beside it, {apart} apart");
+        assert!(across > 100 && touching > 100 && apart > 100);
+    }
+
+    /// With the centre on the axis a maximum may lie a quarter turn from the first direction.
+    #[test]
+    fn a_body_about_the_axis_of_a_rod() {
+        let rod = Cone::cylinder(Vector3::ZERO, Vector3::new(0.0, 0.0, 1.0), 0.05);
+        for semi_axes in [[0.3, 0.1, 0.2], [0.1, 0.3, 0.2]] {
+            let body = Ellipsoid::new(semi_axes, [1.0, 0.0, 0.0, 0.0]).unwrap();
+            let mut found = vec![];
+            touch_cone(&body, Vector3::ZERO, &rod, false, |c| found.push(c));
+            assert_eq!(found.len(), 1);
+            let n = found[0].normal;
+            let penetration = body.support(-n).h - n.dot(-found[0].point);
+            assert!((penetration - 0.15).abs() < 1e-14, "{penetration}");
+        }
+    }
+
+    #[test]
+    fn a_point_is_within_a_cone_or_not() {
+        let cone = Cone {
+            slope: 0.5,
+            ..Cone::cylinder(
+                Vector3::new(1.0, 2.0, 3.0),
+                Vector3::new(0.0, 0.0, 1.0),
+                1.0,
+            )
+        };
+        for (along, radius) in [(0.0, 1.0), (1.0, 1.5), (-1.0, 0.5)] {
+            let at = |off: f64| cone.has_within(Vector3::new(1.0 + off, 2.0, 3.0 + along));
+            assert!(at(0.99 * radius) && !at(1.01 * radius));
+        }
+    }
+
+    /// Slender bodies that lie on the wall, in scenes of any size. A long side may be less round than the wall.
+    #[test]
+    fn slender_bodies_on_the_wall_in_any_units() {
+        let mut random = Random::new(17);
+        let axis = Vector3::new(0.48, -0.6, 0.64);
+        let basis = Tangent::new(axis);
+        let (mut twice, mut touching) = (0, 0);
+        for k in 0..360 {
+            let unit = [1.0, 1e-2, 1e2][k % 3];
+            let short = [0; 2].map(|_| random.of_any_size(0.02, 0.4));
+            let cone = Cone {
+                slope: if k % 2 == 0 {
+                    0.0
+                } else {
+                    random.uniform(-0.5, 0.5)
+                },
+                point: axis * (unit * random.uniform(-3.0, 3.0)),
+                axis,
+                radius: unit * random.of_any_size(1.05, 1.0 / short[0]).max(1.05),
+            };
+            let c = 1.0 / (1.0 + cone.slope * cone.slope).sqrt();
+            // Across the axis, tilted a little in both directions.
+            let outwards = basis.u * 0.6 - basis.v * 0.8;
+            let sideways = axis.cross(outwards);
+            let tilted =
+                sideways + outwards * random.uniform(-0.2, 0.2) + axis * random.uniform(-0.2, 0.2);
+            let long = tilted.normalised();
+            let across = Tangent::towards(outwards, long);
+            let semi_axes = [1.0, short[0], short[1]].map(|a| a * unit);
+            let mut body = Ellipsoid::new(semi_axes, [1.0, 0.0, 0.0, 0.0]).unwrap();
+            body.axes = [long, across.u, across.v];
+            let along = unit * random.uniform(0.0, 2.0) * cone.slope.signum();
+            let wall = cone.radius + cone.slope * along;
+            let h = body.support(outwards).h;
+            let off_axis = (wall - h * random.uniform(0.3, 1.05)).max(0.0);
+            let centre = cone.point + axis * along + outwards * off_axis;
+            let depth = |angle: f64| {
+                let u = outwards * angle.cos() + sideways * angle.sin();
+                let n = (u - axis * cone.slope) * c;
+                body.support(n).h - (c * cone.radius - n.dot(centre - cone.point))
+            };
+            let mut found = vec![];
+            touch_cone(&body, centre, &cone, true, |contact| {
+                let u = -contact.normal;
+                found.push(u.dot(sideways).atan2(u.dot(outwards)));
+            });
+            let scene = format!("{body:?} {cone:?} {centre:?} {found:?}");
+            for &angle in &found {
+                let value = depth(angle);
+                let rounding = 1e-13 * (unit + cone.radius);
+                assert!(value > -rounding, "{scene}");
+                for beside in [-1e-4, 1e-4] {
+                    assert!(depth(angle + beside) <= value + rounding, "{scene}");
+                }
+            }
+            let step = core::f64::consts::TAU / 3000.0;
+            let values: Vec<f64> = (0..3000).map(|k| depth(f64::from(k) * step)).collect();
+            let mut expected = 0;
+            for k in 0..3000 {
+                let [before, here, after] = [2999, 0, 1].map(|d| values[(k + d) % 3000]);
+                if here >= before && here > after && here > 1e-9 * unit {
+                    expected += 1;
+                    let angle = k as f64 * step;
+                    let apart = |other: &f64| (0.5 * (other - angle)).sin().abs();
+                    assert!(
+                        found.iter().any(|a| apart(a) < 2.0 * step),
+                        "{angle}: {scene}"
+                    );
+                }
+            }
+            touching += usize::from(expected > 0);
+            twice += usize::from(expected > 1);
+        }
+        println!("{twice} of {touching} touch at two places");
+        assert!(twice > 60 && touching > twice + 60);
+    }
+
+    /// A long body on the wall of a cylinder, a little less round than the wall: it touches at two places beside the middle.
+    #[test]
+    fn two_maxima_in_one_stride_are_told_apart() {
+        let mut random = Random::new(7);
+        let mut nearest = f64::INFINITY;
+        for _ in 0..400 {
+            let b = random.of_any_size(0.02, 0.1);
+            let depth = random.uniform(0.001, 0.05) * b;
+            let y = 1.0 - b + depth;
+            let more = random.of_any_size(1e-6, 0.2);
+            let difference = b * y * (1.0 + more);
+            let body = Ellipsoid::new([(difference + b * b).sqrt(), b, b], [1.0, 0.0, 0.0, 0.0]);
+            // Where h' = y sin t, h^2 = b^2 + (a^2 - b^2) sin^2 t.
+            let square = y * y * (difference + b * b) / (difference * (difference + y * y));
+            let angle = (1.0 - square).sqrt().asin();
+            let found = contacts(&body.unwrap(), Vector3::new(0.0, y, 0.0), 1.0);
+            let stride = 0.2 / 64.0;
+            if angle < stride {
+                assert!((1..=2).contains(&found.len()), "{angle}");
+                continue;
+            }
+            assert_eq!(found.len(), 2, "{angle}: {found:?}");
+            nearest = nearest.min(angle);
+            for (contact, sign) in found.iter().zip([-1.0, 1.0]) {
+                // The first direction is that of the centre, the second a quarter turn further.
+                let place = contact.point.x.atan2(contact.point.y);
+                assert!((place.abs() - angle).abs() < 1e-8, "{place} {angle}");
+                assert!(place * sign * found[1].point.x > 0.0);
+            }
+        }
+        assert!(nearest < 0.005);
     }
 
     #[test]

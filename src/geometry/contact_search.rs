@@ -627,6 +627,7 @@ pub fn gap(i: &Ellipsoid, j: &Ellipsoid, d: Vector3, n: Vector3) -> ContactSearc
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
 
     /// About y.
     fn turned(semi_axes: [f64; 3], angle: f64) -> Ellipsoid {
@@ -682,5 +683,162 @@ mod tests {
             assert!((n.norm() - 1.0).abs() < 1e-14);
             assert!((back - d * (1.0 / d.norm())).norm() < 1e-12);
         }
+    }
+
+    /// Directions all around.
+    fn directions(count: u32) -> impl Iterator<Item = Vector3> {
+        (0..count).map(move |k| {
+            let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+            let (sin, cos) = (2.399_963 * f64::from(k)).sin_cos();
+            let r = (1.0 - z * z).sqrt();
+            Vector3::new(r * cos, r * sin, z)
+        })
+    }
+
+    fn random_body(random: &mut Random, thinnest: f64) -> Ellipsoid {
+        let mut semi_axes = [0; 3].map(|_| random.of_any_size(thinnest, 1.0));
+        if random.uniform(0.0, 1.0) < 0.5 {
+            // Discs and needles.
+            semi_axes[0] = semi_axes[1];
+        }
+        Ellipsoid::new(semi_axes, random.quaternion()).unwrap()
+    }
+
+    /// Bodies deep in one another, which have several minima: none is less than the one that is found, from whatever start, and none that
+    /// is less than one which is taken as proved.
+    #[test]
+    fn no_minimum_is_less_than_the_one_that_is_found_or_proved() {
+        let mut random = Random::new(31);
+        let (mut several, mut proved, mut not_proved, mut searched) = (0, 0, 0, 0);
+        for _ in 0..250 {
+            let [i, j] = [0; 2].map(|_| random_body(&mut random, 0.02));
+            let d = random.direction() * random.uniform(0.02, 0.7);
+            let p = pair(&i, &j, d);
+            let rounding = 1e-12 * p.size;
+            let minima: Vec<Minimum> = directions(60).map(|n| p.settle(n)).collect();
+            let least = minima.iter().map(|m| m.at.f).fold(f64::INFINITY, f64::min);
+            let most = minima.iter().map(|m| m.at.f).fold(least, f64::max);
+            several += usize::from(most > 1.01 * least.abs());
+            for m in &minima {
+                let is_proved = m.at.f > 0.0 && p.is_proved(m);
+                assert!(
+                    !is_proved || m.at.f <= least + rounding,
+                    "{i:?} {j:?} {d:?}"
+                );
+                proved += usize::from(is_proved);
+                not_proved += usize::from(!is_proved);
+            }
+            if least < rounding {
+                assert!(
+                    least > -rounding || matches!(search(&i, &j, d, None), Outcome::Separated(_))
+                );
+                continue;
+            }
+            let worst = minima
+                .into_iter()
+                .max_by(|a, b| a.at.f.total_cmp(&b.at.f))
+                .unwrap();
+            let starts = [None, Some(worst.at.n), Some(d), Some(random.direction())];
+            for start in starts {
+                let Outcome::Touching(found) = search(&i, &j, d, start) else {
+                    panic!("they overlap by {least}: {i:?} {j:?} {d:?}");
+                };
+                let allowed = least * (1.0 + RESOLUTION) + rounding;
+                assert!(
+                    found.penetration <= allowed,
+                    "{found:?} {least}: {i:?} {j:?} {d:?}"
+                );
+                let f = p.evaluate(found.normal).f;
+                assert!((found.penetration - f).abs() <= rounding);
+            }
+            if let Descent::Minimum(m) = p.global(worst, false) {
+                assert!(m.at.f <= least * (1.0 + RESOLUTION) + rounding);
+                searched += 1;
+            }
+        }
+        println!(
+            "{several} with several minima, {proved} proved, {not_proved} not, {searched} searched"
+        );
+        assert!(several > 50 && proved > 3000 && not_proved > 1000 && searched > 100);
+    }
+
+    /// A contact that is not deep is proved at once, found from any start, and where the bodies were put.
+    #[test]
+    fn shallow_contacts_are_found_where_they_were_made_and_are_not_deep() {
+        let mut random = Random::new(37);
+        let (mut by_the_ray, mut proved) = (0, 0);
+        for _ in 0..400 {
+            let [i, j] = [0; 2].map(|_| random_body(&mut random, 0.03));
+            let n = random.direction();
+            let [s_i, s_j] = [&i, &j].map(|b| b.support(n));
+            let touching = s_i.point + s_j.point;
+            let tangent = Tangent::new(n);
+            let radii =
+                radii_of_curvature(&i, &s_i, &tangent) + radii_of_curvature(&j, &s_j, &tangent);
+            let radius = smaller_eigenvalue(radii);
+            let penetration = 0.02 * radius;
+            let d = touching - n * penetration;
+            for start in [
+                None,
+                Some(n),
+                Some((n + random.direction() * 0.3).normalised()),
+            ] {
+                let Outcome::Touching(found) = search(&i, &j, d, start) else {
+                    panic!("{i:?} {j:?} {d:?}");
+                };
+                assert!((found.penetration - penetration).abs() < 1e-11, "{found:?}");
+                assert!((found.normal - n).norm() < 1e-6 && found.converged);
+                assert!(!found.deep, "{found:?} {i:?} {j:?} {d:?}");
+            }
+            // Most of those that are as deep as Hertz' law allows are proved too.
+            let d = touching - n * (0.4 * radius);
+            if let Outcome::Touching(found) = search(&i, &j, d, Some(n)) {
+                proved += usize::from(!found.deep);
+            }
+            let d = touching + n * penetration;
+            let apart = closest(&i, &j, d, None);
+            assert!((apart.penetration + penetration).abs() < 1e-11 && !apart.deep);
+            assert!((apart.normal - n).norm() < 1e-6);
+            // Where the bodies touch the ray leads to the normal, most often in a few steps.
+            let ray = pair(&i, &j, touching).ray_start().unwrap();
+            by_the_ray += usize::from(ray.dot(n) > 0.99);
+        }
+        println!("{by_the_ray} of 400 by the ray, {proved} proved");
+        assert!(by_the_ray > 350 && proved > 330);
+    }
+
+    /// Minima are the same up to a tenth of the angle between the flat sides of a disc, and to the sign; no more than there is room for.
+    #[test]
+    fn minima_that_are_told_apart() {
+        let sphere = turned([1.0; 3], 0.0);
+        let d = Vector3::new(0.0, 0.0, 1.0);
+        let p = pair(&sphere, &sphere, d);
+        let disc = turned([1.0, 1.0, 0.1], 0.0);
+        assert!((pair(&sphere, &disc, d).thinness() - 0.05).abs() < 1e-15);
+        assert!((pair(&disc, &sphere, d).thinness() - 0.05).abs() < 1e-15);
+        let at = |angle: f64, f: f64| {
+            let mut m = p.settle(d);
+            m.at.n = Vector3::new(angle.sin(), 0.0, angle.cos());
+            m.at.f = f;
+            m
+        };
+        let n = |angle: f64| at(angle, 1.0).at.n;
+        let mut minima = Minima::new(at(0.0, 1.0), 0.5);
+        assert!(!minima.are_without(n(0.049)) && minima.are_without(n(0.051)));
+        assert!(!minima.are_without(-n(0.049)) && minima.are_without(-n(0.051)));
+        minima.add(at(1.0, 2.0), 1e-3);
+        assert_eq!(minima.best.at.f, 1.0);
+        assert!(!minima.are_without(n(1.02)) && minima.are_without(n(0.5)));
+        minima.add(at(0.5, 0.9995), 1e-3);
+        assert_eq!(minima.best.at.f, 1.0);
+        minima.add(at(0.7, 0.9985), 1e-3);
+        assert_eq!(minima.best.at.f, 0.9985);
+        for k in 0..MOST_MINIMA + 3 {
+            assert_eq!(minima.count, (4 + k).min(MOST_MINIMA));
+            assert_eq!(minima.are_without(n(1.5)), 4 + k < MOST_MINIMA);
+            minima.add(at(0.7, 1.5), 1e-3);
+        }
+        minima.add(at(0.7, 0.5), 1e-3);
+        assert_eq!(minima.best.at.f, 0.5);
     }
 }

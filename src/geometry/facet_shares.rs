@@ -371,8 +371,239 @@ fn remaining(anisotropy: &Anisotropy, memory: &mut ShareMemory) -> Share {
 
 #[cfg(test)]
 mod tests {
-    use super::anisotropy;
+    use super::*;
     use crate::force::hertz_factors;
+    use crate::geometry::radii_of_curvature;
+    use crate::geometry::random::Random;
+    use crate::vector::Vector2;
+
+    /// A body, the plane whose share is asked for, and others.
+    #[derive(Clone, Debug)]
+    struct Scene {
+        body: Ellipsoid,
+        own: SupportingPlane,
+        others: Vec<SupportingPlane>,
+    }
+
+    impl Scene {
+        /// The others pass through points of the plane's section, or a little beside it.
+        fn random(random: &mut Random) -> Scene {
+            let semi_axes = [0; 3].map(|_| random.uniform(0.3, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let normal = random.direction();
+            let distance = body.support(-normal).h * random.uniform(0.4, 0.98);
+            let own = SupportingPlane {
+                point: -normal * distance,
+                normal,
+            };
+            let mut scene = Scene {
+                body,
+                own,
+                others: vec![],
+            };
+            let (middle, [u, v]) = scene.ellipse();
+            for _ in 0..1 + (random.uniform(0.0, 4.0) as usize) {
+                let (angle, r) = (random.uniform(0.0, TAU), random.uniform(0.0, 1.2));
+                let point = middle + u * (r * angle.cos()) + v * (r * angle.sin());
+                let side = random.direction();
+                let other = SupportingPlane {
+                    point,
+                    normal: (normal * random.uniform(0.0, 3.0) + side).normalised(),
+                };
+                scene.others.push(other);
+            }
+            scene
+        }
+
+        /// The section: its middle and two conjugate semi-diameters.
+        fn ellipse(&self) -> (Vector3, [Vector3; 2]) {
+            let support = self.body.support(-self.own.normal);
+            let shrink = -self.own.normal.dot(self.own.point) / support.h;
+            let m = self.body.semi_axes.componentwise(support.local_normal);
+            let tangent = Tangent::new(m.normalised());
+            let size = (1.0 - shrink * shrink).sqrt();
+            let diameters = [tangent.u, tangent.v]
+                .map(|b| self.body.to_world(self.body.semi_axes.componentwise(b)) * size);
+            (support.point * shrink, diameters)
+        }
+
+        fn found(&self) -> Share {
+            let own = Section::new(&self.body, &self.own);
+            let others: Vec<_> = (self.others.iter())
+                .map(|plane| Section::new(&self.body, plane))
+                .collect();
+            share(&self.body, &own, others.iter(), &mut ShareMemory::default())
+        }
+
+        /// The weight over what of the section is before all other planes: by the angle in sums, along each radius exactly.
+        fn expected(&self) -> f64 {
+            let (middle, [u, v]) = self.ellipse();
+            let normal = -self.own.normal;
+            let support = self.body.support(normal);
+            let tangent = Tangent::new(normal);
+            let (smaller, larger, _) = radii_of_curvature(&self.body, &support, &tangent).eigen();
+            let sum = smaller + larger;
+            let (factor, _) = anisotropy(2.0 * (smaller * larger).sqrt() / sum);
+            let beta = factor * (larger - smaller) / sum;
+            let longest = 0.5 * (2.0 * u.dot(v)).atan2(u.norm_squared() - v.norm_squared());
+            let count = 20_000;
+            let mut whole = 0.0;
+            for k in 0..count {
+                let angle = TAU * (f64::from(k) + 0.5) / f64::from(count);
+                let ray = u * angle.cos() + v * angle.sin();
+                let (mut from, mut to) = (0.0f64, 1.0f64);
+                for plane in &self.others {
+                    let height = plane.normal.dot(middle - plane.point);
+                    let rise = plane.normal.dot(ray);
+                    if rise > 0.0 {
+                        from = from.max(-height / rise);
+                    } else {
+                        to = to.min(-height / rise);
+                    }
+                }
+                let upto = |r: f64| r.powi(3) / 3.0 - r.powi(5) / 5.0;
+                let part = (upto(to) - upto(from.min(1.0))).max(0.0) * f64::from(to > from);
+                whole += part * (1.0 + beta * (2.0 * (angle - longest)).cos());
+            }
+            15.0 / (4.0 * PI) * whole * TAU / f64::from(count)
+        }
+
+        /// The body elsewhere, the planes where they are.
+        fn moved(&self, by: Vector3) -> Scene {
+            let mut moved = self.clone();
+            for plane in moved.others.iter_mut().chain([&mut moved.own]) {
+                plane.point = plane.point - by;
+            }
+            moved
+        }
+
+        /// The body turned about an axis of the world.
+        fn turned(&self, axis: Vector3, angle: f64) -> Scene {
+            let mut turned = self.clone();
+            turned.body.axes = self.body.axes.map(|e| {
+                let along = axis * axis.dot(e);
+                along + (e - along) * angle.cos() + axis.cross(e) * angle.sin()
+            });
+            turned
+        }
+
+        fn check(&self) -> f64 {
+            let found = self.found();
+            let expected = self.expected();
+            assert!(
+                (found.value - expected).abs() < 5e-5,
+                "{} is not {expected}: {self:?}",
+                found.value
+            );
+            let step = 1e-5;
+            for e in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from_array) {
+                let slope = |of: &dyn Fn(f64) -> Scene| {
+                    (of(step).found().value - of(-step).found().value) / (2.0 * step)
+                };
+                let by_position = slope(&|h| self.moved(e * h));
+                let by_rotation = slope(&|h| self.turned(e, h));
+                let allowed = 2e-5 * (1.0 + by_position.abs() + by_rotation.abs());
+                let apart = [
+                    found.by_position.dot(e) - by_position,
+                    found.by_rotation.dot(e) - by_rotation,
+                ];
+                assert!(
+                    apart.iter().all(|d| d.abs() < allowed),
+                    "{apart:?} of {by_position} and {by_rotation}: {self:?}"
+                );
+            }
+            found.value
+        }
+    }
+
+    /// Shares and their gradients against the integral of the weight, for up to four other planes at any angle.
+    #[test]
+    fn a_share_is_the_weight_of_what_the_other_planes_leave() {
+        let mut random = Random::new(5);
+        let (mut parts, mut nothing, mut whole) = (0, 0, 0);
+        for _ in 0..200 {
+            let scene = Scene::random(&mut random);
+            let value = scene.check();
+            parts += usize::from(value > 0.0 && value < 1.0);
+            nothing += usize::from(value == 0.0);
+            whole += usize::from(value == 1.0);
+            let own = Section::new(&scene.body, &scene.own);
+            let (middle, [u, v]) = scene.ellipse();
+            for plane in &scene.others {
+                let least = plane.normal.dot(middle - plane.point)
+                    - Vector2::new(plane.normal.dot(u), plane.normal.dot(v))
+                        .dot(Vector2::new(plane.normal.dot(u), plane.normal.dot(v)))
+                        .sqrt();
+                let other = Section::new(&scene.body, plane);
+                assert_eq!(own.is_cut_by(&other), least < 0.0, "{scene:?} {plane:?}");
+            }
+        }
+        println!("{parts} parts, {nothing} nothing, {whole} whole");
+        assert!(parts > 100 && nothing > 20 && whole > 2);
+    }
+
+    /// The sine of the angle has lost most of its digits in the product of the normals.
+    #[test]
+    fn planes_at_a_very_small_angle_divide_the_contact() {
+        let body = Ellipsoid::new([0.5, 1.0, 0.7], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        for slope in [1e-6, -1e-7] {
+            let plane = |slope: f64| SupportingPlane {
+                point: Vector3::new(0.1, 0.0, -0.6),
+                normal: Vector3::new(slope, 0.0, 1.0).normalised(),
+            };
+            let of = |own: f64, other: f64| Scene {
+                body,
+                own: plane(own),
+                others: vec![plane(other)],
+            };
+            let (one, other) = (of(0.0, slope), of(slope, 0.0));
+            for scene in [&one, &other] {
+                assert!((scene.found().value - scene.expected()).abs() < 5e-5);
+            }
+            let sum = one.found().value + other.found().value;
+            assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+        }
+    }
+
+    /// Lines of a section that are parallel, or the same.
+    #[test]
+    fn parallel_lines_leave_a_strip_or_nothing() {
+        let at = |x: f64, slope: f64| SupportingPlane {
+            point: Vector3::new(x, 0.0, -0.8),
+            normal: Vector3::new(slope, 0.0, 1.0).normalised(),
+        };
+        let of = |others: &[SupportingPlane]| Scene {
+            body: Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap(),
+            own: SupportingPlane {
+                point: Vector3::new(0.0, 0.0, -0.8),
+                normal: Vector3::new(0.0, 0.0, 1.0),
+            },
+            others: others.to_vec(),
+        };
+        let alone = of(&[at(-0.2, 1.0)]).check();
+        for others in [
+            vec![at(-0.2, 1.0), at(-0.2, 1.0)],
+            vec![at(-0.2, 1.0), at(-0.4, 1.0)],
+            vec![at(-0.4, 1.0), at(-0.2, 1.0)],
+            vec![at(-0.4, 2.0), at(-0.2, 1.0), at(-0.3, 1.0)],
+        ] {
+            assert!((of(&others).found().value - alone).abs() < 1e-14);
+        }
+        for strip in [
+            [at(-0.2, 1.0), at(0.3, -1.0)],
+            [at(0.3, -0.5), at(-0.2, 2.0)],
+            [at(0.1, 1.0), at(0.3, -1.0)],
+        ] {
+            assert!(of(&strip).check() > 0.0);
+        }
+        for nothing in [
+            [at(0.2, 1.0), at(-0.3, -1.0)],
+            [at(-0.3, -1.0), at(0.2, 1.0)],
+            [at(0.1, 1.0), at(0.1, -1.0)],
+        ] {
+            assert!(of(&nothing).found().value < 1e-15);
+        }
+    }
 
     #[test]
     fn the_weight_follows_hertz_factors() {

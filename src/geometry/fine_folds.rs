@@ -177,3 +177,230 @@ fn fade(body: &Ellipsoid, [from, to]: [Vector3; 2], (place, nearest): (f64, Vect
         by_rotation: outwards.cross(from + (to - from) * place),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::triangle::{Triangle, MEETING};
+    use super::*;
+    use crate::geometry::random::Random;
+
+    /// Strips along y, each of two triangles, between lines at these places of x and z.
+    fn strips(profile: &[[f64; 2]]) -> Vec<Triangle> {
+        let at = |[x, z]: [f64; 2], y: f64| Vector3::new(x, y, z);
+        profile
+            .windows(2)
+            .flat_map(|pair| {
+                let [a, b] = [pair[0], pair[1]];
+                let corners = [at(a, -6.0), at(b, -6.0), at(b, 6.0), at(a, 6.0)];
+                [
+                    [corners[0], corners[1], corners[2]],
+                    [corners[0], corners[2], corners[3]],
+                ]
+            })
+            .enumerate()
+            .map(|(k, t)| [t[k % 3], t[(k + 1) % 3], t[(k + 2) % 3]])
+            .collect()
+    }
+
+    /// A narrow strip from the origin on, horizontal: at its left end the surface falls away by an angle, at its right end it rises by
+    /// another. Degrees; one that is negative makes the other kind of edge.
+    fn step(width: f64, fall: f64, rise: f64) -> Vec<[f64; 2]> {
+        vec![
+            [-1.0, -fall.to_radians().tan()],
+            [0.0, 0.0],
+            [width, 0.0],
+            [width + 1.0, rise.to_radians().tan()],
+        ]
+    }
+
+    fn rest(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> (Share, FineFolds) {
+        let meeting = MEETING * body.smallest_semi_axis();
+        let mut places = TrianglePlaces::default();
+        places.gather(body, centre, triangles, meeting);
+        places.join_planes(body.bounding_radius(), meeting);
+        let mut fine = FineFolds::default();
+        let share = fine.rest(&places, body, meeting);
+        (share, fine)
+    }
+
+    fn ball() -> Ellipsoid {
+        Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap()
+    }
+
+    /// What an edge leaves of a ball of radius 1 whose centre is so far from it.
+    fn left(square: f64) -> f64 {
+        let t = ((square - 1.02) / 0.02).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
+
+    #[test]
+    fn a_narrow_face_acts_by_both_of_its_edges() {
+        let mut random = Random::new(2);
+        let mut between = 0;
+        for k in 0..400 {
+            let width = random.uniform(0.1, 0.4);
+            let wall = strips(&step(width, 8.0, 10.0));
+            // In the ball, near its surface, or beyond it.
+            let distance = [random.uniform(0.9, 1.0), random.uniform(1.005, 1.025)][k % 2];
+            let x = width * random.uniform(-0.2, 1.2);
+            let centre = Vector3::new(x, 0.3, (distance * distance - x * x).sqrt());
+            let squares = [x, x - width].map(|x| x * x + centre.z * centre.z);
+            let expected = 1.0 - (1.0 - left(squares[0])) * (1.0 - left(squares[1]));
+            let (found, _) = rest(&ball(), centre, &wall);
+            assert!(
+                (found.value - expected).abs() < 1e-11,
+                "{found:?} {expected}"
+            );
+            between += usize::from(expected > 0.0 && expected < 1.0);
+        }
+        assert!(between > 40, "{between}");
+    }
+
+    /// Wide faces, edges of one kind and large angles; and a sharp edge within reach.
+    #[test]
+    fn where_edges_and_corners_act_as_elsewhere() {
+        let over = |width: f64, fall: f64, rise: f64| {
+            let centre = Vector3::new(0.5 * width, 0.3, 0.95);
+            rest(&ball(), centre, &strips(&step(width, fall, rise)))
+                .0
+                .value
+        };
+        assert_eq!(over(0.2, 8.0, 10.0), 0.0);
+        assert_eq!(over(0.48, 8.0, 10.0), 0.0);
+        assert_eq!(over(0.52, 8.0, 10.0), 1.0);
+        assert_eq!(over(0.2, 14.5, 14.5), 0.0);
+        assert_eq!(over(0.2, 15.5, 8.0), 1.0);
+        assert_eq!(over(0.2, 8.0, 15.5), 1.0);
+        assert_eq!(over(0.2, 8.0, -10.0), 1.0);
+        assert_eq!(over(0.2, -8.0, 10.0), 1.0);
+        let flat = over(0.2, 0.0, 0.0);
+        assert_eq!(flat, 1.0);
+        // Edges out of reach.
+        let wall = strips(&step(0.2, 8.0, 10.0));
+        let far = Vector3::new(0.1, 0.3, 1.03);
+        assert_eq!(rest(&ball(), far, &wall).0.value, 1.0);
+        // Of a body twice as large, faces twice as wide.
+        let large = Ellipsoid::new([2.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        for (width, value) in [(0.95, 0.0), (1.05, 1.0)] {
+            let wall = strips(&step(width, 8.0, 10.0));
+            let centre = Vector3::new(0.5 * width, 0.3, 1.8);
+            assert_eq!(rest(&large, centre, &wall).0.value, value);
+        }
+        // What rises beyond the right end in other pieces has no edge in common with the face.
+        let mut pieces = wall[..4].to_vec();
+        let at = |m: usize, y: f64| {
+            Vector3::new(step(0.2, 8.0, 10.0)[m][0], y, step(0.2, 8.0, 10.0)[m][1])
+        };
+        for [from, to] in [[-6.0, 1.0], [1.0, 6.0]] {
+            pieces.push([at(2, from), at(3, from), at(3, to)]);
+            pieces.push([at(2, from), at(3, to), at(2, to)]);
+        }
+        let centre = Vector3::new(0.1, 0.3, 0.95);
+        assert_eq!(rest(&ball(), centre, &wall).0.value, 0.0);
+        assert_eq!(rest(&ball(), centre, &pieces).0.value, 1.0);
+    }
+
+    /// A surface of a narrow face, a wide one and an edge at which it falls by so many degrees, which may lie at the end of what has an effect.
+    fn before_an_edge(degrees: f64, place: f64) -> Vec<Triangle> {
+        let fall = (10f64 - degrees).to_radians().tan();
+        let rise = 10f64.to_radians().tan();
+        let mut profile = step(0.2, 8.0, 10.0);
+        profile[3] = [place, (place - 0.2) * rise];
+        profile.push([place + 1.0, profile[3][1] + fall]);
+        strips(&profile)
+    }
+
+    #[test]
+    fn a_sharp_edge_within_reach_brings_back_what_acts_elsewhere() {
+        let centre = Vector3::new(0.3, 0.3, 0.9);
+        let of = |degrees: f64, place: f64| {
+            rest(&ball(), centre, &before_an_edge(degrees, place))
+                .0
+                .value
+        };
+        assert_eq!(of(44.5, 0.6), 0.0);
+        assert_eq!(of(45.5, 0.6), 1.0);
+        assert_eq!(of(60.0, 0.6), 1.0);
+        // One that rises is no such edge.
+        assert_eq!(of(-60.0, 0.6), 0.0);
+        for place in [0.94, 0.96, 0.965, 0.97, 0.98, 1.0] {
+            let height = (place - 0.2) * 10f64.to_radians().tan();
+            let square = (place - centre.x).powi(2) + (height - centre.z).powi(2);
+            let expected = 1.0 - left(square);
+            let found = of(60.0, place);
+            assert!(
+                (found - expected).abs() < 1e-11,
+                "{place}: {found} {expected}"
+            );
+        }
+    }
+
+    /// Gradients along the body's motion and rotation, of an ellipsoid, with a sharp edge and without.
+    #[test]
+    fn the_gradients_are_those_of_the_part() {
+        let mut random = Random::new(9);
+        let mut between = 0;
+        for k in 0..600 {
+            let semi_axes = [0; 3].map(|_| random.uniform(0.7, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let wall = if k % 2 == 0 {
+                strips(&step(0.15, 8.0, 10.0))
+            } else {
+                before_an_edge(60.0, random.uniform(0.5, 1.0))
+            };
+            let h = body.support(Vector3::new(0.0, 0.0, -1.0)).h;
+            let far = [1.0, random.uniform(1.0, 1.02)][k % 2];
+            let centre = Vector3::new(random.uniform(0.0, 0.3), 0.3, h * far);
+            let found = rest(&body, centre, &wall).0;
+            between += usize::from(found.value > 0.0 && found.value < 1.0);
+            let h = 1e-6;
+            for e in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from_array) {
+                let moved = |by: f64| rest(&body, centre + e * by, &wall).0.value;
+                let turned = |angle: f64| {
+                    let mut body = body;
+                    body.axes = body.axes.map(|a| {
+                        let along = e * e.dot(a);
+                        along + (a - along) * angle.cos() + e.cross(a) * angle.sin()
+                    });
+                    rest(&body, centre, &wall).0.value
+                };
+                for (slope, difference) in [
+                    (found.by_position.dot(e), moved(h) - moved(-h)),
+                    (found.by_rotation.dot(e), turned(h) - turned(-h)),
+                ] {
+                    let expected = difference / (2.0 * h);
+                    assert!(
+                        (slope - expected).abs() < 0.02 + 1e-4 * expected.abs(),
+                        "{slope} {expected} of {body:?} {centre:?}"
+                    );
+                }
+            }
+        }
+        println!("{between} in between");
+        assert!(between > 50);
+    }
+
+    /// At the tip of a fan whose rays rise and fall in turn, edges of both kinds of each face meet; of a bowl, of one kind.
+    #[test]
+    fn edges_of_both_kinds_meet_at_a_saddle() {
+        let fan = |height: &dyn Fn(u32) -> f64| -> Vec<Triangle> {
+            let ray = |k: u32| {
+                let angle = core::f64::consts::TAU * f64::from(k % 8) / 8.0;
+                Vector3::new(0.4 * angle.cos(), 0.4 * angle.sin(), height(k % 8))
+            };
+            (0..8)
+                .map(|k| [Vector3::ZERO, ray(k), ray(k + 1)])
+                .collect()
+        };
+        let centre = Vector3::new(0.01, 0.02, 0.98);
+        let saddle = fan(&|k| if k % 4 == 0 { 0.01 } else { -0.005 });
+        let (share, fine) = rest(&ball(), centre, &saddle);
+        assert_eq!(share.value, 0.0);
+        assert!(fine.meet_at(-centre));
+        assert!(!fine.meet_at(saddle[1][1] - centre));
+        let bowl = fan(&|_| 0.01);
+        let (share, fine) = rest(&ball(), centre, &bowl);
+        assert_eq!(share.value, 1.0);
+        assert!(!fine.meet_at(-centre));
+    }
+}

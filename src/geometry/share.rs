@@ -58,3 +58,31 @@ impl Share {
         }
     }
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_sums_and_complements_with_their_gradients() {
+        let v = Vector3::new;
+        let a = Share {
+            value: 0.25,
+            by_position: v(1.0, 2.0, -3.0),
+            by_rotation: v(0.5, -1.0, 4.0),
+        };
+        let b = Share {
+            value: 0.5,
+            by_position: v(8.0, -4.0, 2.0),
+            by_rotation: v(-2.0, 6.0, 1.0),
+        };
+        let same = |found: Share, value: f64, by_position: Vector3, by_rotation: Vector3| {
+            assert_eq!(found.value, value);
+            assert_eq!(found.by_position, by_position);
+            assert_eq!(found.by_rotation, by_rotation);
+        };
+        same(a.times(&b), 0.125, v(2.5, 0.0, -1.0), v(-0.25, 1.0, 2.25));
+        same(a.plus(&b), 0.75, v(9.0, -2.0, -1.0), v(-1.5, 5.0, 5.0));
+        same(a.complement(), 0.75, v(-1.0, -2.0, 3.0), v(-0.5, 1.0, -4.0));
+    }
+}

@@ -220,3 +220,98 @@ pub(super) fn is_within_reach(a: Vector3, b: Vector3) -> bool {
     };
     (a + way * place).norm_squared() < 1.0 + 1e-3
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::geometry::triangle::MEETING;
+
+    /// All that come into the body, or as near as a fiftieth of its size; none farther than that along an axis of the world or from the
+    /// ball around it, but for what is clear of the distance at which triangles meet.
+    #[test]
+    fn what_is_gathered_is_what_is_near() {
+        let mut random = Random::new(12);
+        let (mut kept, mut left_out) = (0, 0);
+        for _ in 0..300 {
+            let size = random.of_any_size(0.01, 100.0);
+            let semi_axes = [0; 3].map(|_| size * random.of_any_size(0.1, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let meeting = MEETING * body.smallest_semi_axis();
+            let centre = random.direction() * (3.0 * size);
+            let all: Vec<Triangle> = (0..20)
+                .map(|_| {
+                    let middle = centre + random.direction() * (size * random.uniform(0.0, 2.0));
+                    let reach = size * random.of_any_size(0.1, 3.0);
+                    [0; 3].map(|_| middle + random.direction() * reach)
+                })
+                .collect();
+            let mut places = TrianglePlaces::default();
+            places.gather(&body, centre, &all, meeting);
+            assert_eq!(places.near.len(), places.boxes.len());
+            for (k, t) in all.iter().enumerate() {
+                let Some(near) = Near::new(k, t, centre, meeting) else {
+                    continue;
+                };
+                let is_kept = places.near.iter().any(|q| q.index == k);
+                let unit = near
+                    .corners
+                    .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
+                let of_ball = Near::new(k, &unit, Vector3::ZERO, 0.0).unwrap();
+                assert!(is_kept || !of_ball.has(Vector3::ZERO, 1.0199));
+                let mut is_far = !near.has(
+                    Vector3::ZERO,
+                    1.0201 * body.bounding_radius() + 210.0 * meeting,
+                );
+                for e in
+                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from_array)
+                {
+                    let reach = 1.0201 * body.support(e).h + meeting;
+                    let along = near.corners.map(|p| e.dot(p));
+                    is_far |= along.iter().all(|x| *x > reach) || along.iter().all(|x| *x < -reach);
+                }
+                assert!(!is_kept || !is_far, "{body:?} {centre:?} {t:?}");
+                kept += usize::from(is_kept);
+                left_out += usize::from(!is_kept);
+            }
+            for (k, near) in places.near.iter().enumerate() {
+                assert_eq!(near.plane, k);
+            }
+        }
+        assert!(kept > 1000 && left_out > 1000, "{kept} {left_out}");
+    }
+
+    /// Triangles of a plane that meet stand for one another, in whatever order they come; those of another plane do not.
+    #[test]
+    fn triangles_that_continue_one_another_are_one_plane() {
+        let at = |x: f64, y: f64| Vector3::new(x, y, 0.1 * y);
+        let strip = |k: usize, gap: f64| {
+            let x = -0.8 + 0.4 * k as f64 + gap;
+            [
+                [at(x, 0.0), at(x + 0.4, 0.0), at(x, 0.5)],
+                [at(x + 0.4, 0.0), at(x + 0.4, 0.5), at(x, 0.5)],
+            ]
+        };
+        let body = Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let meeting = MEETING;
+        let planes = |all: &[Triangle]| {
+            let mut places = TrianglePlaces::default();
+            places.gather(&body, Vector3::new(0.0, 0.25, 0.5), all, meeting);
+            places.join_planes(1.0, meeting);
+            places.near.iter().map(|t| t.plane).collect::<Vec<_>>()
+        };
+        let joined: Vec<Triangle> = (0..4).flat_map(|k| strip(k, 0.0)).collect();
+        assert_eq!(planes(&joined), vec![0; 8]);
+        let order = [5, 0, 7, 2, 6, 1, 4, 3];
+        let mixed: Vec<Triangle> = order.iter().map(|k| joined[*k]).collect();
+        assert_eq!(planes(&mixed), vec![0; 8]);
+        // The last strips apart from the others.
+        let parted: Vec<Triangle> = (0..4)
+            .flat_map(|k| strip(k, if k > 1 { 0.01 } else { 0.0 }))
+            .collect();
+        assert_eq!(planes(&parted), vec![0, 0, 0, 0, 4, 4, 4, 4]);
+        let mut bent = joined.clone();
+        bent[0][2].z += 1e-3;
+        assert_eq!(planes(&bent), vec![0, 1, 1, 1, 1, 1, 1, 1]);
+    }
+}

@@ -651,6 +651,7 @@ impl Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::Random;
 
     fn touch(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> Vec<TriangleContact> {
         let mut search = TriangleSearch::default();
@@ -803,5 +804,189 @@ mod tests {
         assert_eq!(contacts.len(), 2, "{contacts:?}");
         assert!((contacts[0].penetration - 0.02).abs() < 1e-12);
         assert!((contacts[1].penetration - 0.01).abs() < 1e-12);
+    }
+
+    /// A cube of half a side 1, each face in so many pieces along each side, turned.
+    fn cube(pieces: usize, axes: &[Vector3; 3]) -> Vec<Triangle> {
+        let world = |p: [f64; 3]| axes[0] * p[0] + axes[1] * p[1] + axes[2] * p[2];
+        let mut all = vec![];
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let at = |i: usize, j: usize| {
+                    let place = |k: usize| 2.0 * k as f64 / pieces as f64 - 1.0;
+                    let mut p = [side; 3];
+                    p[(axis + 1) % 3] = place(i);
+                    p[(axis + 2) % 3] = place(j);
+                    world(p)
+                };
+                for i in 0..pieces {
+                    for j in 0..pieces {
+                        let (a, b) = (at(i, j), at(i + 1, j));
+                        let (c, d) = (at(i + 1, j + 1), at(i, j + 1));
+                        all.extend([[a, b, c], [d, a, c]]);
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// On a face, an edge or a corner of a cube, with its normal in the cone of those of the faces: one contact, there.
+    #[test]
+    fn a_cube_is_touched_once_where_the_body_was_put() {
+        let mut random = Random::new(41);
+        let mut counts = [0; 3];
+        for k in 0..900 {
+            let pieces = 1 + k / 3 % 3;
+            let axes = Ellipsoid::new([1.0; 3], random.quaternion()).unwrap().axes;
+            let wall = cube(pieces, &axes);
+            let semi_axes = [0; 3].map(|_| random.uniform(0.3, 0.8));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            // How many faces meet where it touches, which are those of the first axes.
+            let faces = 1 + k % 3;
+            let mut place = [0; 3].map(|_| random.uniform(-0.95, 0.95));
+            if k % 5 == 0 {
+                // On the borders of the pieces.
+                place = [2.0 * (pieces / 2) as f64 / pieces as f64 - 1.0; 3];
+            }
+            let mut normal = [0.0; 3];
+            for m in 0..faces {
+                place[m] = if random.uniform(0.0, 1.0) < 0.5 {
+                    -1.0
+                } else {
+                    1.0
+                };
+                normal[m] = place[m] * random.uniform(0.1, 1.0);
+            }
+            let world = |p: [f64; 3]| axes[0] * p[0] + axes[1] * p[1] + axes[2] * p[2];
+            if place.iter().filter(|x| x.abs() == 1.0).count() > faces {
+                continue;
+            }
+            let (point, normal) = (world(place), world(normal).normalised());
+            let depth = random.uniform(0.001, 0.01) * body.smallest_semi_axis();
+            let centre = point - normal * depth - body.support(-normal).point;
+            let contacts = touch(&body, centre, &wall);
+            let scene = format!("{faces} {place:?} {body:?} {centre:?}: {contacts:?}");
+            assert_eq!(contacts.len(), 1, "{scene}");
+            let found = &contacts[0];
+            assert!((found.penetration - depth).abs() < 1e-12, "{scene}");
+            assert!((found.normal - normal).norm() < 1e-6, "{scene}");
+            assert!((found.point - point).norm() < 1e-6, "{scene}");
+            assert!(found.share.value > 1.0 - 1e-12, "{scene}");
+            let kind = match found.feature {
+                Feature::Face => 1,
+                Feature::Edge(_) => 2,
+                Feature::Corner => 3,
+            };
+            // An edge of the cube has corners of the pieces on it.
+            let is_either = k % 5 == 0 && faces == 2 && kind == 3;
+            assert!(kind == faces || is_either, "{scene}");
+            counts[faces - 1] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
+    }
+
+    fn ball() -> Ellipsoid {
+        Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap()
+    }
+
+    /// Edges of two fins, or that of one and a floor: they divide the contact where their parts of it overlap.
+    #[test]
+    fn edges_and_faces_near_each_other_divide_the_contact() {
+        let fin = |x: f64| {
+            [
+                Vector3::new(x, -5.0, 0.0),
+                Vector3::new(x, 5.0, 0.0),
+                Vector3::new(x, 0.0, -5.0),
+            ]
+        };
+        let centre = Vector3::new(0.0, 0.3, 0.96);
+        // The planes through the edges cut each other's contacts halfway between them.
+        for (apart, least, most) in [(0.03, 0.5, 0.65), (0.1, 0.65, 0.95), (0.25, 1.0, 1.0)] {
+            let found = touch(&ball(), centre, &[fin(-apart), fin(apart)]);
+            assert_eq!(found.len(), 2, "{found:?}");
+            for c in &found {
+                assert!(matches!(c.feature, Feature::Edge(_)));
+                assert!((least..=most).contains(&c.share.value), "{found:?}");
+            }
+            let [one, other] = [found[0].share.value, found[1].share.value];
+            assert!((one - other).abs() < 1e-9, "{found:?}");
+        }
+        for side in [-1.0, 1.0] {
+            let floor = [
+                Vector3::new(-0.02 * side, -9.0, 0.0),
+                Vector3::new(-0.02 * side, 9.0, 0.0),
+                Vector3::new(9.0 * side, 0.0, 0.0),
+            ];
+            let found = touch(&ball(), centre, &[fin(-0.08 * side), floor]);
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert_eq!(found[0].feature, Feature::Face);
+            assert!(matches!(found[1].feature, Feature::Edge(_)));
+            let shares = [found[0].share.value, found[1].share.value];
+            assert!(shares.iter().all(|share| *share < 0.97), "{shares:?}");
+            assert!((1.0..1.5).contains(&(shares[0] + shares[1])), "{shares:?}");
+        }
+    }
+
+    /// Two faces of a valley, whose planes cut each other's contacts, with a gap between them and without.
+    #[test]
+    fn faces_that_do_not_meet_do_not_cut_each_other() {
+        let rise = 0.1;
+        let valley = |gap: f64| {
+            let side = |sign: f64| {
+                // Across the axes of the world, so that the boxes of both sides overlap.
+                let at = |x: f64, y: f64| {
+                    Vector3::new(0.8 * sign * x - 0.6 * y, 0.6 * sign * x + 0.8 * y, rise * x)
+                };
+                [at(gap, -9.0), at(gap, 9.0), at(9.0, 0.0)]
+            };
+            [side(-1.0), side(1.0)]
+        };
+        let centre = Vector3::new(0.0, 0.0, 0.96 * (1.0 + rise * rise).sqrt());
+        for (gap, share) in [(0.0, 0.5), (1e-3, 1.0)] {
+            let found = touch(&ball(), centre, &valley(gap));
+            assert_eq!(found.len(), 2, "{found:?}");
+            for c in &found {
+                assert_eq!(c.feature, Feature::Face);
+                assert!((c.penetration - 0.04).abs() < 1e-12);
+                let is_cut = c.share.value < 0.95;
+                assert_eq!(is_cut, share < 1.0, "{gap}: {found:?}");
+            }
+        }
+    }
+
+    /// Where a narrow face comes within reach the plane of another acts by two parts, in one contact.
+    #[test]
+    fn a_plane_acts_once_where_a_narrow_face_is_near() {
+        let fall = 8f64.to_radians();
+        let (sin, cos) = fall.sin_cos();
+        let profile = [
+            [-9.0 * cos, -9.0 * sin],
+            [0.0, 0.0],
+            [0.02, 0.0],
+            [1.02, 0.15],
+        ];
+        let wall: Vec<Triangle> = profile
+            .windows(2)
+            .flat_map(|pair| {
+                let at = |[x, z]: [f64; 2], y: f64| Vector3::new(x, y, z);
+                let (a, b) = (at(pair[0], -6.0), at(pair[1], -6.0));
+                let (c, d) = (at(pair[1], 6.0), at(pair[0], 6.0));
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let normal = Vector3::new(-sin, 0.0, cos);
+        let foot = Vector3::new(-0.2 * cos, 0.3, -0.2 * sin);
+        let centre = foot + normal * 0.99;
+        let mut search = TriangleSearch::default();
+        search.touch(&ball(), centre, &wall);
+        let meeting = MEETING;
+        let rest = search.fine.rest(&search.places, &ball(), meeting);
+        assert!(rest.value > 0.1 && rest.value < 0.9, "{rest:?}");
+        let [found] = search.contacts() else {
+            panic!("{:?}", search.contacts());
+        };
+        assert!((found.share.value - 1.0).abs() < 1e-12, "{found:?}");
+        assert!((found.penetration - 0.01).abs() < 1e-12 && (found.normal - normal).norm() < 1e-12);
     }
 }

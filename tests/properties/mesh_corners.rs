@@ -195,14 +195,12 @@ fn a_grain_passes_a_saddle_without_a_jump() {
             .collect();
         if let Some(left) = passed(&laws, &mut stream, &rays, case % 2 == 0) {
             ways += 1;
-            if left > worst {
-                println!("case {case}: {left:.1e}");
-            }
+            assert!(left < 1e-3, "case {case}: {left:.1e}");
             worst = worst.max(left);
         }
     }
     println!("{ways} ways, the largest jump is {worst:.1e} of the force");
-    assert!(ways > 400 && worst < 1e-3);
+    assert!(ways > 400);
 }
 
 /// Fans of 3 to 7 triangles: all convex and all concave ones without a jump, and mixed ones but for a few where a corner of an obtuse face

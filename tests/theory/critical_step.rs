@@ -121,7 +121,7 @@ fn fixed_bodies_and_bodies_apart() {
 }
 
 #[test]
-fn a_collision_lasts_as_long() {
+fn a_collision_lasts_as_long_and_goes_as_deep() {
     for (deck, semi_axes) in [
         ("hertz 1e7 0.3", [1e-3; 3]),
         ("hertz 1e7 0.3", [1e-3, 2e-3, 1.5e-3]),
@@ -139,21 +139,28 @@ fn a_collision_lasts_as_long() {
         let speed = 0.02;
         j.velocity[0] = -speed;
         let prepared = [&i, &j].map(|b| prepare_body(b, Some(1)).unwrap());
-        let expected = collision(&laws, &prepared[0], &prepared[1], speed)
-            .unwrap()
-            .time;
-        let step = expected / 4000.0;
+        let expected = collision(&laws, &prepared[0], &prepared[1], speed).unwrap();
+        let step = expected.time / 4000.0;
         let mut motion = Motion::new(&laws, i, Partner::Body(Rigid::new(j)), step);
-        let mut touching = 0;
+        let (mut touching, mut deepest) = (0, 0.0f64);
         for _ in 0..6000 {
             motion.step();
-            touching += usize::from(motion.felt.is_some());
+            if let Some(felt) = &motion.felt {
+                touching += 1;
+                deepest = deepest.max(felt.geometry.penetration);
+            }
         }
         let lasted = touching as f64 * step;
         assert!(position(&motion.i.body).norm() > 0.0);
         assert!(
-            (lasted / expected - 1.0).abs() < 2e-3,
-            "{deck}: {lasted} is not {expected}"
+            (lasted / expected.time - 1.0).abs() < 2e-3,
+            "{deck}: {lasted} is not {}",
+            expected.time
+        );
+        assert!(
+            (deepest / expected.penetration - 1.0).abs() < 1e-4,
+            "{deck}: {deepest} is not {}",
+            expected.penetration
         );
     }
 }

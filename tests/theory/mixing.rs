@@ -158,6 +158,7 @@ fn a_law_in_words() {
             "hertz 1e7 0.3 factors hale conservative no",
             vec!["factors hale"],
         ),
+        ("lsd 60 0.25 conservative no", vec!["lsd kn 60 cn 0.25"]),
     ] {
         let law = pair_law(deck);
         let said = law.describe();
