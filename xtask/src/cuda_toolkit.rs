@@ -2,6 +2,7 @@
 //! NVIDIA's compiler for GPUs, as `nvcc` and CMake expect it: from the package index, without root and without a GPU.
 
 use std::fs;
+#[cfg(unix)]
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,6 +32,13 @@ pub fn toolkit() -> Result<PathBuf> {
     }
     complete(&home)?;
     Ok(home)
+}
+
+#[cfg(not(unix))]
+fn symlink(_: &str, _: &Path) -> std::io::Result<()> {
+    Err(std::io::Error::other(
+        "NVIDIA's compiler is set up on Linux alone",
+    ))
 }
 
 /// The names by which a linker looks for what the packages have.

@@ -3,7 +3,7 @@
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
@@ -130,17 +130,27 @@ fn first_failed(said: &str) -> Option<String> {
     failed.map(str::to_string)
 }
 
-fn wait(mut child: Child) -> Result<Verdict> {
+/// SIGKILL and SIGXCPU: more time than the limit, which the shell sets.
+#[cfg(unix)]
+fn took_too_long(status: ExitStatus) -> bool {
     use std::os::unix::process::ExitStatusExt;
+    matches!(status.signal(), Some(9 | 24))
+}
+
+#[cfg(not(unix))]
+fn took_too_long(_: ExitStatus) -> bool {
+    false
+}
+
+fn wait(mut child: Child) -> Result<Verdict> {
     let end = Instant::now() + Duration::from_secs_f64(LONGEST_WAIT);
     let mut pause = Duration::from_micros(500);
     loop {
         if let Some(status) = child.try_wait()? {
-            // SIGKILL and SIGXCPU: more time than the limit.
-            return Ok(match (status.success(), status.signal()) {
-                (true, _) => Verdict::Passed,
-                (_, Some(9 | 24)) => Verdict::NeverEnds,
-                _ => Verdict::Failed,
+            return Ok(match status.success() {
+                true => Verdict::Passed,
+                false if took_too_long(status) => Verdict::NeverEnds,
+                false => Verdict::Failed,
             });
         }
         if Instant::now() > end {
