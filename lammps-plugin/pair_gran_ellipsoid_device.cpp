@@ -83,7 +83,7 @@ void PairGranEllipsoidDevice::compute(int eflag, int vflag)
   } else {
     grains.require_listed();
     if (device_history && device_history->is_held()) device_history->let_go();
-    for (auto *wall : walls_of_scene) wall->let_go();
+    for (auto *wall : walls()) wall->let_go();
     share_motion();
     grains.prepare();
   }
@@ -107,7 +107,7 @@ void PairGranEllipsoidDevice::begin_list()
   share_motion();
   grains.take_list(static_cast<NeighListKokkos<LMPDeviceType> *>(list));
   if (device_history && device_history->is_held()) device_history->give_to_device();
-  for (auto *wall : walls_of_scene) wall->give_to_device();
+  for (auto *wall : walls()) wall->give_to_device();
 }
 
 /* Images on other ranks hear of types, masses and shapes with a new neighbour list of LAMMPS alone. */
@@ -336,7 +336,6 @@ void PairGranEllipsoidDevice::take_laws()
 {
   const auto all_walls = walls();
   const SceneLaws wanted = wanted_laws();
-  walls_of_scene = all_walls;
   if (scene_serves(wanted)) return;
   const int types = atom->ntypes + static_cast<int>(all_walls.size());
   EllgranLaws *all = nullptr;

@@ -53,7 +53,6 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   };
   SceneLaws laws_of_scene;
   uint32_t options_of_scene;
-  std::vector<class FixWallGranEllipsoidDevice *> walls_of_scene;
   bool between_runs;                    // no force has been computed since the last run ended
   std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes
 
