@@ -122,12 +122,11 @@ impl WallHistories {
             let Some(record) = host.get_mut(at..at + self.host.wall.record) else {
                 return;
             };
-            let (to_head, to_history) = record.split_at_mut(HEAD);
-            to_head.copy_from_slice(head);
-            copy(
-                (&self.scene.contact, history),
-                (&self.host.contact, to_history),
-                &head[NORMAL..],
+            write_record(
+                (head, history),
+                &self.scene.contact,
+                record,
+                &self.host.contact,
             );
             host[0] += 1.0;
         };
@@ -171,12 +170,11 @@ impl WallHistories {
         for (head, history) in records.take(room) {
             let at = 1 + count * self.scene.wall.record;
             let record = &mut scene[at..at + self.scene.wall.record];
-            let (to_head, to_history) = record.split_at_mut(HEAD);
-            to_head.copy_from_slice(head);
-            copy(
-                (&self.host.contact, history),
-                (&self.scene.contact, to_history),
-                &head[NORMAL..],
+            write_record(
+                (head, history),
+                &self.host.contact,
+                record,
+                &self.scene.contact,
             );
             count += 1;
         }
@@ -185,6 +183,18 @@ impl WallHistories {
         }
         u32::from(count > 0)
     }
+}
+
+/// A record with the history of its contact in another layout.
+fn write_record(
+    (head, history): (&[f64], &[f64]),
+    from: &HistoryLayout,
+    record: &mut [f64],
+    to: &HistoryLayout,
+) {
+    let (to_head, to_history) = record.split_at_mut(HEAD);
+    to_head.copy_from_slice(head);
+    copy((from, history), (to, to_history), &head[NORMAL..]);
 }
 
 /// The history of a contact, in another layout: of laws that have kernels, with this normal.
