@@ -54,11 +54,10 @@ void FixWallGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   const auto refuse = [this](const char *what) {
     error->all(FLERR, "{} {}: {} not on the GPU: start LAMMPS without '-k on'", CALLER, id, what);
   };
-  if (is_mesh) refuse("walls of meshes are");
-  if (ellgran_wall_triangle_count(wall) > 0) refuse("blocks with faces on their outer side, which are made of triangles, are");
   if (has_material) refuse("a material of the wall is");
   if (servo) refuse("'servo' is");
   if (tells_contacts) refuse("'contacts' is");
+  if (triangle_file_every > 0) refuse("'vtk' is");
   if (keeps_energies) refuse("'energies yes' is");
   if (igroup != 0) refuse("a wall for a group other than 'all' is");
 }
@@ -92,13 +91,15 @@ void FixWallGranEllipsoidDevice::add_to_scene(EllgranDeviceGrains &grains, int t
 void FixWallGranEllipsoidDevice::setup(int vflag)
 {
   post_force(vflag);
+  atomKK->sync(Host, TYPE_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  warn_of_missing_images();
 }
 
 void FixWallGranEllipsoidDevice::post_force(int)
 {
   const bool time_passes = update->setupflag == 0;
   follow_time(time_passes);
-  const EllgranWallMotion motion = motion_now(time_passes);
+  const EllgranWallMotion motion = motion_of_forces = motion_now(time_passes);
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
   step.advance_history = time_passes ? 1 : 0;

@@ -4,6 +4,8 @@
 use super::ellipsoid::Ellipsoid;
 use super::interior_point::nearest_normal;
 use super::nearest_line::nearest_across;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// What of a convex corner supports a body.

@@ -4,6 +4,8 @@
 
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::SupportingPlane;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::{Tangent, Vector2, Vector3};
 
 /// Three corners.
@@ -19,6 +21,7 @@ pub(super) const MEETING: f64 = 1e-5;
 
 /// A triangle that may touch, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Near {
     pub index: usize,
     pub corners: Triangle,
@@ -31,6 +34,15 @@ pub(crate) struct Near {
 }
 
 impl Near {
+    /// No triangle.
+    pub(super) const NONE: Near = Near {
+        index: 0,
+        corners: [Vector3::ZERO; 3],
+        normal: Vector3::ZERO,
+        distance: 0.0,
+        plane: 0,
+    };
+
     /// A triangle, seen from `centre`; `None` for one that is narrower than `meeting`, or not finite.
     pub fn new(index: usize, triangle: &Triangle, centre: Vector3, meeting: f64) -> Option<Near> {
         let corners = triangle.map(|p| p - centre);

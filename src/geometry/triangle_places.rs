@@ -2,9 +2,12 @@
 //! The triangles near a body, and what is at a place of theirs: which of them meet there, whether one rises from another or hides it, and
 //! whether a normal points away from all.
 
-use super::box_tree::{BoxTree, Extent};
+use super::box_tree::{BoxTree, Extent, Node};
 use super::ellipsoid::Ellipsoid;
+use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{across, combine, Near, Triangle, TOLERANCE};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
@@ -21,19 +24,54 @@ pub(super) const INSIDE: f64 = 100.0;
 pub(super) const SAME_PLANE: f64 = 1e-8;
 
 /// The triangles near a body, from its centre.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TrianglePlaces {
-    pub near: Vec<Near>,
+pub(super) struct TrianglePlaces<M: Lists = OnHeap> {
+    pub near: M::List<Near>,
     /// Of each of them.
-    pub boxes: Vec<Extent>,
+    pub boxes: M::List<Extent>,
     /// Of the boxes.
-    pub tree: BoxTree,
+    pub tree: BoxTree<M>,
 }
 
-impl TrianglePlaces {
+on_heap!(TrianglePlaces: near boxes tree);
+
+impl<'m> TrianglePlaces<InRoom<'m>> {
+    /// In room of somebody's.
+    pub fn in_room(
+        near: &'m mut [Near],
+        boxes: &'m mut [Extent],
+        nodes: &'m mut [Node],
+        order: &'m mut [usize],
+    ) -> Self {
+        TrianglePlaces {
+            near: Lent::new(near),
+            boxes: Lent::new(boxes),
+            tree: BoxTree {
+                nodes: Lent::new(nodes),
+                order: Lent::new(order),
+            },
+        }
+    }
+}
+
+impl<M: Lists> TrianglePlaces<M> {
+    /// Whether something did not fit.
+    pub fn lacks_room(&self) -> bool {
+        let tree = &self.tree;
+        self.near.lacks_room()
+            || self.boxes.lacks_room()
+            || tree.nodes.lacks_room()
+            || tree.order.lacks_room()
+    }
+
     /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
     /// across the axes holds much that is far from the triangle.
-    pub fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
+    pub fn gather(
+        &mut self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        all: impl Iterator<Item = Triangle>,
+        meeting: f64,
+    ) {
         self.near.clear();
         self.boxes.clear();
         let reach = [
@@ -48,7 +86,7 @@ impl TrianglePlaces {
         };
         // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
         let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
-        for (index, t) in all.iter().enumerate() {
+        for (index, t) in all.enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
             let extent = Extent {

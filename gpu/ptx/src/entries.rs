@@ -12,10 +12,11 @@ use ellgran::contact::{HistoryLayout, Step};
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
+use ellgran::walls::parts::Parts;
 use ellgran::walls::{Motion, WallHistoryLayout};
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
     CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
     SELECTIONS,
@@ -23,6 +24,10 @@ use ellgran_kernels::arguments::{
 use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
 use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
+use ellgran_kernels::meshes::{
+    contacts_with_mesh, is_near_mesh, LargeRoom, MovingMesh, SmallRoom, CROWDED, NEAR,
+    TOO_MANY_TRIANGLES,
+};
 use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::pair_memory::{
     carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
@@ -413,12 +418,10 @@ macro_rules! walls {
                     records,
                 } = arguments;
                 let scene = scene_of(&scene, scene.tangential != 0);
-                // Without a tangential part nothing is remembered.
-                let history = scene.layout.memory.map_or(0, |_| scene.layout.length);
                 let wall = MovingWall {
                     surfaces: surfaces.all(),
                     motion: Motion::from(&motion),
-                    layout: WallHistoryLayout::new(history, records as usize),
+                    layout: wall_layout(&scene, records),
                     wall_type,
                 };
                 let length = wall.layout.length();
@@ -454,6 +457,128 @@ macro_rules! walls {
 walls! {
     ellgran_wall_spheroids: Spheroids;
     ellgran_wall_ellipsoids: Ellipsoids;
+}
+
+/// How what a scene remembers of a grain and a wall is laid out.
+#[inline(always)]
+fn wall_layout(scene: &Scene<'_>, records: u32) -> WallHistoryLayout {
+    // Without a tangential part nothing is remembered.
+    let history = scene.layout.memory.map_or(0, |_| scene.layout.length);
+    WallHistoryLayout::new(history, records as usize)
+}
+
+/// The wall of a call, in a scene of it.
+macro_rules! mesh_of {
+    ($arguments:ident, $scene:ident) => {
+        MovingMesh {
+            parts: Parts {
+                parts: $arguments.parts.all(),
+                triangles: $arguments.triangles.all(),
+                boxes: $arguments.boxes.all(),
+                nodes: $arguments.nodes.all(),
+                order: $arguments.order.all(),
+            },
+            motion: Motion::from(&$arguments.motion),
+            layout: wall_layout(&$scene, $arguments.records),
+            wall_type: $arguments.wall_type,
+        }
+    };
+}
+
+macro_rules! near_meshes {
+    ($($name:ident: $kind:ty;)*) => {
+        entries! {$(
+            /// Lists the grains that are near a wall with triangles.
+            fn $name(thread, arguments: MeshArguments<Here>) {
+                let scene = scene_of(&arguments.scene, arguments.scene.tangential != 0);
+                let wall = mesh_of!(arguments, scene);
+                let (mut states, mut histories) = (arguments.states, arguments.histories);
+                let mut near = arguments.near;
+                let k = thread.index();
+                let history = histories.part(&thread, wall.layout.length());
+                if is_near_mesh::<$kind>(k, &scene, &wall, states.at(&thread), history) {
+                    near.taken(&arguments.counts.all()[NEAR], 1).1[0] = k as u32;
+                }
+            }
+        )*}
+    };
+}
+
+// Spheres are spheroids to these.
+near_meshes! {
+    ellgran_near_mesh_spheroids: Spheroids;
+    ellgran_near_mesh_ellipsoids: Ellipsoids;
+}
+
+macro_rules! meshes {
+    ($list:ident, $count:ident, $rooms:ident, $room_bytes:ident, $room:ty, $lacking:ident: $($name:ident: $kind:ty;)*) => {
+        entries! {$(
+            /// Adds the loads of a wall with triangles.
+            fn $name(thread, arguments: MeshArguments<Here>) {
+                // What the host has set aside is what this compiler makes of the type.
+                assert!(arguments.$room_bytes == size_of::<$room>() as u64);
+                let mut arrays = arguments;
+                let scene = scene_of(&arrays.scene, arrays.scene.tangential != 0);
+                let wall = mesh_of!(arrays, scene);
+                let length = wall.layout.length();
+                let count = arrays.counts.all()[$count].load(Ordering::Relaxed) as usize;
+                for place in thread.numbers(count) {
+                    let number = *arrays.$list.at(&place);
+                    let own = place.within(|_| number);
+                    let state = arrays.states.at(&own);
+                    let outcome = contacts_with_mesh::<$kind, _, _, _>(
+                        number as usize,
+                        &scene,
+                        &wall,
+                        arrays.$rooms.at(&thread),
+                        state,
+                        arrays.histories.part(&own, length),
+                    );
+                    match outcome {
+                        Ok(load) => {
+                            if *state != 0 {
+                                add(&mut arrays.forces, &own, load.force);
+                                add(&mut arrays.torques, &own, load.torque);
+                            }
+                        }
+                        Err(_) => $lacking!(arrays, own),
+                    }
+                }
+            }
+        )*}
+    };
+}
+
+/// For the kernel that has it.
+macro_rules! to_large_room {
+    ($arrays:ident, $own:ident) => {
+        $arrays.crowded.taken(&$arrays.counts.all()[CROWDED], 1).1[0] = $own.number() as u32
+    };
+}
+
+/// For the host.
+macro_rules! too_many_triangles {
+    ($arrays:ident, $own:ident) => {{
+        let first = $arrays.faults.at(&$own);
+        if *first == 0 {
+            *first = TOO_MANY_TRIANGLES;
+        }
+        note($arrays.notes.all(), FAULT);
+    }};
+}
+
+// Spheres are spheroids to these.
+meshes! {
+    near, NEAR, rooms, room_bytes, SmallRoom, to_large_room:
+    ellgran_mesh_spheroids: Spheroids;
+    ellgran_mesh_ellipsoids: Ellipsoids;
+}
+
+// Where there was too little room.
+meshes! {
+    crowded, CROWDED, large_rooms, large_room_bytes, LargeRoom, too_many_triangles:
+    ellgran_crowded_mesh_spheroids: Spheroids;
+    ellgran_crowded_mesh_ellipsoids: Ellipsoids;
 }
 
 /// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.

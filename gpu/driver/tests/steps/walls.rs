@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Contacts with walls of other shapes than planes, one of them in motion, against those of the library's walls; their histories follow
+//! Contacts with walls of other shapes than planes, of triangles too, one at rest and others in motion, against those of the library's walls; their histories follow
 //! the grains into another order.
 
 use crate::engine_arrays::Layout::{self, Columns, Rows};
@@ -11,15 +11,16 @@ use crate::{
     WHOLE,
 };
 use ellgran::c_api::rigid_wall::{
-    ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_new, EllgranWall, EllgranWallMotion,
-    EllgranWallShape, ELLGRAN_END_CLOSED, ELLGRAN_END_NONE, ELLGRAN_END_OPEN,
-    ELLGRAN_SIDE_OF_CENTRE, ELLGRAN_SIDE_OUTSIDE,
+    ellgran_wall_add_shape, ellgran_wall_add_triangles, ellgran_wall_free, ellgran_wall_new,
+    EllgranWall, EllgranWallMotion, EllgranWallShape, ELLGRAN_END_CLOSED, ELLGRAN_END_NONE,
+    ELLGRAN_END_OPEN, ELLGRAN_SIDE_OF_CENTRE, ELLGRAN_SIDE_OUTSIDE,
 };
 use ellgran::contact::Particle;
+use ellgran::geometry::triangles::Triangle;
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
 use ellgran::walls::{
-    compute_wall, End, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput,
+    compute_wall, End, Mesh, Motion, ShapeParameters, Side, Wall, WallInput, WallOutput,
 };
 use ellgran_gpu::arrays::{EllgranGpuHistories, ELLGRAN_GPU_ANY_SHAPES};
 use ellgran_gpu::c_api::gpu::ellgran_gpu_free;
@@ -36,9 +37,9 @@ const STEPS: usize = 20;
 /// When there is a new list.
 const NEW_LIST: usize = 11;
 
-/// Shapes about the middle of the scenes, of two walls, of which one is there before the first list: name, radii, bounds, ends, outside.
+/// Shapes about the middle of the scenes, of three walls, of which one is there before the first list: name, radii, bounds, ends, outside.
 type Given = (&'static CStr, [f64; 2], [f64; 2], i32, bool);
-const WALLS: [&[Given]; 2] = [
+const WALLS: [&[Given]; 3] = [
     &[
         (c"cylinder", [2.9, 0.0], [0.0; 2], ELLGRAN_END_NONE, false),
         (c"sphere", [2.2, 0.0], [0.0; 2], ELLGRAN_END_NONE, false),
@@ -53,13 +54,34 @@ const WALLS: [&[Given]; 2] = [
             false,
         ),
     ],
+    // Triangles follow it.
+    &[(c"sphere", [1.2, 0.0], [0.0; 2], ELLGRAN_END_NONE, false)],
 ];
+/// The one with triangles.
+const WITH_TRIANGLES: usize = 2;
 const MIDDLE: [f64; 3] = [3.5, 3.4, 3.3];
 const AXIS: [f64; 3] = [0.2, -0.1, 1.0];
 const VELOCITY: [f64; 3] = [0.3, 0.1, -0.2];
 const SPIN: [f64; 3] = [0.3, -0.2, 0.9];
 
-fn through_c(shapes: &[Given]) -> *mut EllgranWall {
+/// An uneven sheet, fine enough that some grains have more triangles near than most have room for.
+fn triangles() -> Vec<Triangle> {
+    const CELLS: usize = 24;
+    let at = |i: usize, j: usize| {
+        let along = |k: usize| 4.2 * (2.0 * k as f64 / CELLS as f64 - 1.0);
+        let (x, y) = (along(i), along(j));
+        let height = 0.15 * (1.3 * x).sin() * y.cos();
+        Vector3::from_array(MIDDLE) + Vector3::new(x, y, height)
+    };
+    let cells = (0..CELLS * CELLS).map(|k| (k % CELLS, k / CELLS));
+    let pairs = cells.flat_map(|(i, j)| {
+        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+        [[a, b, c], [a, c, d]]
+    });
+    pairs.collect()
+}
+
+fn through_c(shapes: &[Given], triangles: &[Triangle]) -> *mut EllgranWall {
     let mut wall = core::ptr::null_mut();
     unsafe {
         succeed(ellgran_wall_new(&mut wall));
@@ -79,6 +101,15 @@ fn through_c(shapes: &[Given]) -> *mut EllgranWall {
                 ..new()
             };
             succeed(ellgran_wall_add_shape(wall, &shape));
+        }
+        if !triangles.is_empty() {
+            let corners: Vec<f64> = triangles
+                .iter()
+                .flatten()
+                .flat_map(|p| p.to_array())
+                .collect();
+            let status = ellgran_wall_add_triangles(wall, triangles.len(), corners.as_ptr());
+            succeed(status);
         }
     }
     wall
@@ -113,21 +144,19 @@ fn on_host(shapes: &[Given]) -> Wall {
     wall
 }
 
-/// The first wall is at rest, the second one moves and turns.
-fn motions(time: f64) -> [EllgranWallMotion; 2] {
+/// The first wall is at rest, the others move and turn.
+fn motions(time: f64) -> [EllgranWallMotion; 3] {
     let half = 0.5 * SPIN.iter().map(|x| x * x).sum::<f64>().sqrt() * time;
     let axis = Vector3::from_array(SPIN).normalised() * half.sin();
-    [
-        new(),
-        EllgranWallMotion {
-            origin: MIDDLE,
-            displacement: VELOCITY.map(|v| v * time),
-            quaternion: [half.cos(), axis.x, axis.y, axis.z],
-            velocity: VELOCITY,
-            angular_velocity: SPIN,
-            ..new()
-        },
-    ]
+    let moving = EllgranWallMotion {
+        origin: MIDDLE,
+        displacement: VELOCITY.map(|v| v * time),
+        quaternion: [half.cos(), axis.x, axis.y, axis.z],
+        velocity: VELOCITY,
+        angular_velocity: SPIN,
+        ..new()
+    };
+    [new(), moving, moving]
 }
 
 fn motion_on_host(m: &EllgranWallMotion) -> Motion {
@@ -151,14 +180,21 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
     let mut device = OnDevice::new(Engine::new(), &scene, count, false, arrays);
     let stream = device.engine.stream;
     let step = step_of(TIME_STEP);
-    let mut numbers = [7; 2];
+    let mut numbers = [7; 3];
     let mut walls = WALLS.map(on_host);
+    let triangles = triangles();
+    walls[WITH_TRIANGLES].add_mesh(Mesh::new(triangles.clone()).unwrap());
     let lengths: Vec<usize> = walls.iter().map(|w| w.histories(&laws).length()).collect();
     let mut remembered: Vec<Vec<f64>> = lengths.iter().map(|n| vec![0.0; n * count]).collect();
     let mut touching = 0;
     unsafe {
         let mut add = |at: usize| {
-            let wall = through_c(WALLS[at]);
+            let own: &[Triangle] = if at == WITH_TRIANGLES {
+                &triangles
+            } else {
+                &[]
+            };
+            let wall = through_c(WALLS[at], own);
             succeed(ellgran_gpu_add_wall(made, wall, stream, &mut numbers[at]));
             // The parts are copied.
             ellgran_wall_free(wall);
@@ -167,7 +203,8 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
         let (grains, list) = (device.grains(), device.neighbour_list());
         succeed(ellgran_gpu_new_list(made, &grains, &list, stream));
         add(1);
-        assert_eq!(numbers, [0, 1]);
+        add(2);
+        assert_eq!(numbers, [0, 1, 2]);
         for now in 0..STEPS {
             scene.start_step();
             if now == NEW_LIST {
