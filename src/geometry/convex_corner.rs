@@ -25,6 +25,7 @@ pub(super) enum Support {
 
 /// Where the corner behind all these planes through `apex`, of which `normals` point out of it, supports a body about the origin;
 /// `None` if it does not reach it.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(super) fn support(body: &Ellipsoid, apex: Vector3, normals: &[Vector3]) -> Option<Support> {
     // what lies on a plane counts as behind it: planes, lines and the apex go over into each other
     let margin = 1e-12 * body.bounding_radius();

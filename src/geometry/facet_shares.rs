@@ -90,6 +90,7 @@ impl Section {
     };
 
     /// That of a plane.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn new(body: &Ellipsoid, plane: &SupportingPlane) -> Self {
         let normal = -plane.normal;
         let support = body.support(normal);
@@ -154,6 +155,7 @@ pub(super) struct Line {
 
 /// The share of a plane in the contact of `body`, of which these others cut its section; its own penetration must be greater
 /// than 0. A plane of which another is in front over the whole section has the share 0. No other may be the same plane.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub fn share<'a, M: Lists>(
     body: &Ellipsoid,
     own: &Section,
@@ -215,6 +217,7 @@ pub fn share<'a, M: Lists>(
 }
 
 /// Finds what the lines leave of each other and which arcs of the circle they take; false if they leave nothing of the disc.
+#[cfg_attr(not(feature = "std"), inline(never))]
 fn cut<M: Lists>(memory: &mut ShareMemory<M>) -> bool {
     let ShareMemory { lines, arcs, .. } = memory;
     let mut kept = 0;
@@ -347,6 +350,7 @@ fn anisotropy(x: f64) -> (f64, f64) {
 }
 
 /// The weight over what the lines leave of the unit disc.
+#[cfg_attr(not(feature = "std"), inline(never))]
 fn remaining<M: Lists>(anisotropy: &Anisotropy, memory: &mut ShareMemory<M>) -> Share {
     let ShareMemory { lines, arcs, .. } = memory;
     let mut share = Share::NONE;

@@ -72,6 +72,7 @@ impl<M: Lists> FineFolds<M> {
 
     /// The part in which edges, corners and whole faces act, with its gradients: 1 far from such faces, 0 where a convex and a
     /// concave edge of one are in the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn rest(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
         let near = &places.near;
         self.edges.clear();
@@ -97,6 +98,7 @@ impl<M: Lists> FineFolds<M> {
     }
 
     /// What the edges of narrow triangles leave.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn act(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) {
         let near = &places.near;
         let width = NARROW * body.bounding_radius();
@@ -150,6 +152,7 @@ impl<M: Lists> FineFolds<M> {
 }
 
 /// 1 where no sharp edge is within reach, 0 where one is in the body.
+#[cfg_attr(not(feature = "std"), inline(never))]
 fn far_from_sharp<M: Lists>(places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
     let near = &places.near;
     let mut far = Share::WHOLE;
@@ -193,6 +196,7 @@ fn nearest_within_effect(from: Vector3, to: Vector3) -> Option<(f64, Vector3)> {
 }
 
 /// What an edge leaves, from 0 where it has all its effect to 1 where it has none; with its place nearest to the body.
+#[cfg_attr(not(feature = "std"), inline(never))]
 fn fade(body: &Ellipsoid, [from, to]: [Vector3; 2], (place, nearest): (f64, Vector3)) -> Share {
     let width = EFFECT[1] - EFFECT[0];
     let t = ((nearest.norm_squared() - EFFECT[0]) / width).max(0.0);

@@ -217,7 +217,7 @@ impl<T: Copy> List<T> for Lent<'_, T> {
         self.length = kept;
     }
     /// Shell's method, which calls no function by itself.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn sort_with(&mut self, mut order: impl FnMut(&T, &T) -> Ordering) {
         let all = &mut self.room[..self.length];
         let many = all.len() > FEW;

@@ -98,6 +98,7 @@ impl<M: Lists> MixedCorner<M> {
 
     /// The corners within reach of the body, each by a triangle that has it, and how many; none if there are more than [`MOST`], which then act
     /// by the faces, edges and corners of the triangles alone.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn find(
         &mut self,
         places: &TrianglePlaces<M>,
@@ -125,6 +126,7 @@ impl<M: Lists> MixedCorner<M> {
 
     /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
     /// if an earlier triangle has this corner as well.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn gather(
         &mut self,
         places: &TrianglePlaces<M>,
@@ -237,6 +239,7 @@ impl<M: Lists> MixedCorner<M> {
 
     /// Tells how the body is supported by each convex piece of the corner gathered last, along a line or at the corner, with a triangle of the
     /// piece; the planes that support it are the bits of what is returned, in the order of [`MixedCorner::planes`].
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn supports(
         &mut self,
         places: &TrianglePlaces<M>,

@@ -119,6 +119,7 @@ impl<M: Lists> TrianglePlaces<M> {
     }
 
     /// Whether each edge that comes into the body belongs to two triangles: then they have no border there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_joined_in(&self, body: &Ellipsoid) -> bool {
         let is_shared =
             |t: &Near, a: Vector3, b: Vector3| self.near.iter().any(|q| t.is_continued_by(q, a, b));
@@ -134,6 +135,7 @@ impl<M: Lists> TrianglePlaces<M> {
     }
 
     /// Joins triangles that continue one another in one plane; what follows asks of places.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn join_planes(&mut self, largest: f64, meeting: f64) {
         let TrianglePlaces { near, boxes, tree } = self;
         tree.build(boxes);
@@ -152,6 +154,7 @@ impl<M: Lists> TrianglePlaces<M> {
     }
 
     /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
         let above = |normal: Vector3, corners: &Triangle| {
@@ -182,6 +185,7 @@ impl<M: Lists> TrianglePlaces<M> {
 
     /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
     /// of a block, seen from within, do not act on a body that lies across its edges.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
         let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
@@ -199,6 +203,7 @@ impl<M: Lists> TrianglePlaces<M> {
     }
 
     /// Whether a normal at a point points away from all triangles that meet there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
         let mut outermost = true;
         let place = Extent::about(point.to_array(), meeting);
@@ -224,6 +229,7 @@ impl<M: Lists> TrianglePlaces<M> {
     }
 
     /// Whether another triangle of the same plane continues this one beyond an edge: that is none.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_within_plane(&self, own: usize, a: Vector3, b: Vector3) -> bool {
         let t = &self.near[own];
         let mut is_within = false;
@@ -248,6 +254,7 @@ fn first_of(near: &mut [Near], mut k: usize) -> usize {
 }
 
 /// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(super) fn is_within_reach(a: Vector3, b: Vector3) -> bool {
     let way = b - a;
     let length = way.norm_squared();

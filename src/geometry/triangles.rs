@@ -196,6 +196,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// The contacts with the triangles that are near.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn all_contacts(&mut self, body: &Ellipsoid, centre: Vector3, meeting: f64) {
         self.places.join_planes(body.bounding_radius(), meeting);
         self.covered.clear();
@@ -217,6 +218,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// Faces, edges and corners, by a part of their shares.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn whole_contacts(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         self.faces(body, meeting);
         for k in 0..self.places.near.len() {
@@ -258,6 +260,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// The planes of faces, each by the part of its section that its triangles cover, and that by a part.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn covered_faces(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         let places = &self.places;
         self.covered.set_all(places.near.len(), NOTHING);
@@ -300,6 +303,7 @@ impl<M: Lists> TriangleSearch<M> {
 
     /// The one contact, its point from the body's centre, where all triangles near the body are of one plane and the body is within the
     /// borders of one of them, or of several that continue one another: the quick way to what the others find there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn lone_face(&self, body: &Ellipsoid, meeting: f64) -> Option<TriangleContact> {
         let (first, others) = self.places.near.split_first()?;
         let largest = body.bounding_radius();
@@ -349,6 +353,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// The planes of faces on which the body lies, or on a part of which it lies beyond a fold.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn faces(&mut self, body: &Ellipsoid, meeting: f64) {
         self.of_plane.set_all(self.places.near.len(), NOTHING);
         for k in 0..self.places.near.len() {
@@ -411,6 +416,7 @@ impl<M: Lists> TriangleSearch<M> {
         }
     }
 
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn edges(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
         let t = self.places.near[k];
         let unit = t
@@ -447,6 +453,7 @@ impl<M: Lists> TriangleSearch<M> {
         }
     }
 
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn corners(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
         let t = self.places.near[k];
         for corner in t.corners {
@@ -471,6 +478,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// Puts the supports by the convex pieces of corners at which convex edges meet concave ones in the place of what the triangles' planes say.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
         let (found, count) = (self.corner).find(&self.places, body, meeting, &self.fine);
         for &(k, apex) in &found[..count] {
@@ -480,6 +488,7 @@ impl<M: Lists> TriangleSearch<M> {
         }
     }
 
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3) {
         let TriangleSearch {
             places,
@@ -554,6 +563,7 @@ impl<M: Lists> TriangleSearch<M> {
 
     /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
     /// triangles have in common.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn keep_one_of_each(&mut self, meeting: f64) {
         let is_whole = |c: &Candidate| c.feature == Feature::Face && c.triangle != NOTHING;
         if self.candidates.iter().all(is_whole) {
@@ -590,6 +600,7 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// Which candidates cut each other's contacts: faces that meet, and edges and corners with everything.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn find_cuts(&mut self, body: &Ellipsoid, meeting: f64) {
         let TriangleSearch {
             places: TrianglePlaces { near, boxes, tree },
