@@ -234,12 +234,14 @@ pub struct Chosen {
     pub plane: Entry<PlaneArguments<OnDevice>>,
     /// Walls of surfaces.
     pub wall: Entry<WallArguments<OnDevice>>,
-    /// Walls with triangles: which grains are near, their contacts, those of grains that need large room.
-    pub mesh: [Entry<MeshArguments<OnDevice>>; 3],
+    /// Walls with triangles: which grains are near.
+    pub near_mesh: Entry<MeshArguments<OnDevice>>,
+    /// And their contacts.
+    pub mesh: Entry<MeshArguments<OnDevice>>,
 }
 
-/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls, and the three of walls with triangles.
-fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 9] {
+/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls, and the two of walls with triangles.
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 8] {
     let kind = shapes.word();
     // Marked contacts, planes and walls take spheres as spheroids.
     let spheroids_too = match shapes {
@@ -271,8 +273,7 @@ fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 9] {
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
         format!("ellgran_wall_{spheroids_too}"),
         format!("ellgran_near_mesh_{spheroids_too}"),
-        format!("ellgran_mesh_{spheroids_too}"),
-        format!("ellgran_crowded_mesh_{spheroids_too}"),
+        "ellgran_mesh".to_owned(),
     ]
 }
 
@@ -287,7 +288,7 @@ impl Chosen {
         terms: Terms,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane, wall, near_mesh, mesh, crowded_mesh] =
+        let [prepare, candidates, contacts, marked_contacts, plane, wall, near_mesh, mesh] =
             names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
@@ -297,11 +298,8 @@ impl Chosen {
             marked_contacts: Entry::new(device, marked_contacts)?,
             plane: Entry::new(device, plane)?,
             wall: Entry::new(device, wall)?,
-            mesh: [
-                Entry::new(device, near_mesh)?,
-                Entry::new(device, mesh)?,
-                Entry::new(device, crowded_mesh)?,
-            ],
+            near_mesh: Entry::new(device, near_mesh)?,
+            mesh: Entry::new(device, mesh)?,
         })
     }
 }

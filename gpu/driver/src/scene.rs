@@ -1062,10 +1062,12 @@ impl Scene {
                     large_rooms: self.meshes.large_rooms.all(),
                     room_bytes: size_of::<SmallRoom>() as u64,
                     large_room_bytes: size_of::<LargeRoom>() as u64,
+                    ellipsoids: u32::from(self.chosen()?.shapes == Shapes::Ellipsoids),
+                    is_crowded: 0,
                     wall_type: self.wall_type(wall_type)?,
                     records: layout.records as u32,
                 };
-                return self.launch_mesh(&listed, &arguments, stream);
+                return self.launch_mesh(&listed, arguments, stream);
             }
             (WallKind::Plane, _) => {
                 return argument(format!(
@@ -1096,16 +1098,19 @@ impl Scene {
     fn launch_mesh(
         &self,
         listed: &Listed,
-        arguments: &MeshArguments<OnDevice>,
+        mut arguments: MeshArguments<OnDevice>,
         stream: Stream,
     ) -> Result<(), Failure> {
         let _entered = self.device.enter()?;
         self.meshes.counts.clear(stream)?;
         let (device, meshes) = (&self.device, &self.meshes);
-        let [near, contacts, crowded] = &self.chosen()?.mesh;
-        near.launch(device, stream, listed.owned, arguments)?;
-        contacts.launch_spread(device, stream, meshes.rooms.len(), arguments)?;
-        crowded.launch_spread(device, stream, meshes.large_rooms.len(), arguments)
+        let chosen = self.chosen()?;
+        let near = &chosen.near_mesh;
+        near.launch(device, stream, listed.owned, &arguments)?;
+        let mesh = &chosen.mesh;
+        mesh.launch_spread(device, stream, meshes.rooms.len(), &arguments)?;
+        arguments.is_crowded = 1;
+        mesh.launch_spread(device, stream, meshes.large_rooms.len(), &arguments)
     }
 
     fn motion_arguments(

@@ -660,7 +660,7 @@ fn triangles_that_will_not_do() {
         succeed(ellgran_wall_new(&mut wall));
         // Stripes under all grains of the row, and narrow ones under the third.
         let edges = (0..12).map(|k| f64::from(k) - 2.0);
-        let narrow = (1..600).map(|k| 3.0 + f64::from(k) / 600.0);
+        let narrow = (1..2400).map(|k| 3.0 + f64::from(k) / 2400.0);
         let mut edges: Vec<f64> = edges.chain(narrow).collect();
         edges.sort_by(f64::total_cmp);
         let corner = |x: f64, y: f64| [x, y, -0.999 - 1e-3 * x.sin()];

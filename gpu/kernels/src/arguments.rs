@@ -307,8 +307,7 @@ pub struct WallArguments<M: Memory> {
     pub records: u32,
 }
 
-/// Of `ellgran_near_mesh_*`, `ellgran_mesh_*` and `ellgran_crowded_mesh_*`, in this order. States and histories are the grains' own with
-/// this wall.
+/// Of `ellgran_near_mesh_*`, and then of `ellgran_mesh` twice. States and histories are the grains' own with this wall.
 #[repr(C)]
 pub struct MeshArguments<M: Memory> {
     /// The scene.
@@ -343,7 +342,7 @@ pub struct MeshArguments<M: Memory> {
     pub crowded: M::Parts<u32>,
     /// How many they are ([`crate::meshes::NEAR`] and the other); zeros before.
     pub counts: M::Shared<AtomicU32>,
-    /// One for each thread that looks for contacts.
+    /// One for each thread that looks for contacts, those of listed grains.
     pub rooms: M::Parts<SmallRoom>,
     /// One for each thread that looks for those of grains that need it.
     pub large_rooms: M::Parts<LargeRoom>,
@@ -351,6 +350,10 @@ pub struct MeshArguments<M: Memory> {
     pub room_bytes: u64,
     /// See `room_bytes`.
     pub large_room_bytes: u64,
+    /// 1 where grains are ellipsoids, 0 where they are spheroids.
+    pub ellipsoids: u32,
+    /// 1 for those that need large room, 0 for those that are near.
+    pub is_crowded: u32,
     /// Type of the wall.
     pub wall_type: u32,
     /// Contacts of a grain that are remembered.

@@ -5,10 +5,8 @@
 //! them have so many triangles near that they need larger room.
 
 use crate::contacts::{law_of_types, Load, Scene};
-use crate::shapes::Kind;
-use ellgran::contact::Particle;
-use ellgran::force::PairLaw;
-use ellgran::walls::one_particle::{ParticleLoad, TooLittleRoom, WallInMotion};
+use crate::shapes::{Ellipsoids, Kind, Spheroids};
+use ellgran::walls::one_particle::{TooLittleRoom, WallInMotion};
 use ellgran::walls::parts::{LentRoom, Parts, Room};
 use ellgran::walls::{Ball, Motion, WallHistoryLayout};
 
@@ -82,39 +80,32 @@ pub fn is_near_mesh<K: Kind>(
     is_near
 }
 
-/// One function for all kinds of grains and rooms: it is long.
-#[inline(never)]
-fn load_of_particle(
-    wall: &WallInMotion<'_>,
-    parts: &Parts<'_>,
-    law: &PairLaw,
-    i: &Particle,
-    room: LentRoom<'_>,
-    histories: &mut [f64],
-) -> Result<ParticleLoad, TooLittleRoom> {
-    wall.load_by_parts(parts, law, i, room, histories)
-}
-
 /// Load of grain `k` by a wall. `state` is the number of its contacts at the last step, and written; `histories` are the grain's own with
-/// this wall, as its layout says.
+/// this wall, as its layout says. One function for all kinds of grains and rooms: it is long.
 ///
 /// # Errors
 /// There is too little room. Nothing is written then.
-#[inline(always)]
-pub fn contacts_with_mesh<K: Kind, const N: usize, const C: usize, const L: usize>(
+#[inline(never)]
+pub fn contacts_with_mesh(
     k: usize,
     scene: &Scene<'_>,
+    are_ellipsoids: bool,
     wall: &MovingMesh<'_>,
-    room: &mut Room<N, C, L>,
+    room: LentRoom<'_>,
     state: &mut u32,
     histories: &mut [f64],
 ) -> Result<Load, TooLittleRoom> {
     let mass = scene.inverse_masses.get(k).copied().unwrap_or(0.0);
-    let mut i = K::particle(&scene.grains[k], scene.types[k], mass);
-    let law = &scene.laws[law_of_types(i.particle_type, wall.wall_type, scene.type_count)];
+    let (grain, particle_type) = (&scene.grains[k], scene.types[k]);
+    let mut i = if are_ellipsoids {
+        Ellipsoids::particle(grain, particle_type, mass)
+    } else {
+        Spheroids::particle(grain, particle_type, mass)
+    };
+    let law = &scene.laws[law_of_types(particle_type, wall.wall_type, scene.type_count)];
     i.change = scene.change(law, k);
     let now = wall.now(scene);
-    let load = load_of_particle(&now, &wall.parts, law, &i, room.lend(), histories)?;
+    let load = now.load_by_parts(&wall.parts, law, &i, room, histories)?;
     *state = load.contacts as u32;
     Ok(Load {
         force: load.force,

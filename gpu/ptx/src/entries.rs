@@ -510,75 +510,56 @@ near_meshes! {
     ellgran_near_mesh_ellipsoids: Ellipsoids;
 }
 
-macro_rules! meshes {
-    ($list:ident, $count:ident, $rooms:ident, $room_bytes:ident, $room:ty, $lacking:ident: $($name:ident: $kind:ty;)*) => {
-        entries! {$(
-            /// Adds the loads of a wall with triangles.
-            fn $name(thread, arguments: MeshArguments<Here>) {
-                // What the host has set aside is what this compiler makes of the type.
-                assert!(arguments.$room_bytes == size_of::<$room>() as u64);
-                let mut arrays = arguments;
-                let scene = scene_of(&arrays.scene, arrays.scene.tangential != 0);
-                let wall = mesh_of!(arrays, scene);
-                let length = wall.layout.length();
-                let count = arrays.counts.all()[$count].load(Ordering::Relaxed) as usize;
-                for place in thread.numbers(count) {
-                    let number = *arrays.$list.at(&place);
-                    let own = place.within(|_| number);
-                    let state = arrays.states.at(&own);
-                    let outcome = contacts_with_mesh::<$kind, _, _, _>(
-                        number as usize,
-                        &scene,
-                        &wall,
-                        arrays.$rooms.at(&thread),
-                        state,
-                        arrays.histories.part(&own, length),
-                    );
-                    match outcome {
-                        Ok(load) => {
-                            if *state != 0 {
-                                add(&mut arrays.forces, &own, load.force);
-                                add(&mut arrays.torques, &own, load.torque);
-                            }
-                        }
-                        Err(_) => $lacking!(arrays, own),
+entries! {
+    /// Adds the loads of a wall with triangles. Grains of which there are more triangles than there is room for go to large room, or
+    /// `faults` gets [`TOO_MANY_TRIANGLES`].
+    fn ellgran_mesh(thread, arguments: MeshArguments<Here>) {
+        // What the host has set aside is what this compiler makes of the types.
+        assert!(arguments.room_bytes == size_of::<SmallRoom>() as u64);
+        assert!(arguments.large_room_bytes == size_of::<LargeRoom>() as u64);
+        let mut arrays = arguments;
+        let scene = scene_of(&arrays.scene, arrays.scene.tangential != 0);
+        let wall = mesh_of!(arrays, scene);
+        let length = wall.layout.length();
+        let is_crowded = arrays.is_crowded != 0;
+        let counts = arrays.counts.all();
+        let which = if is_crowded { CROWDED } else { NEAR };
+        let count = counts[which].load(Ordering::Relaxed) as usize;
+        for place in thread.numbers(count) {
+            let (number, room) = if is_crowded {
+                (*arrays.crowded.at(&place), arrays.large_rooms.at(&thread).lend())
+            } else {
+                (*arrays.near.at(&place), arrays.rooms.at(&thread).lend())
+            };
+            let own = place.within(|_| number);
+            let state = arrays.states.at(&own);
+            let outcome = contacts_with_mesh(
+                number as usize,
+                &scene,
+                arrays.ellipsoids != 0,
+                &wall,
+                room,
+                state,
+                arrays.histories.part(&own, length),
+            );
+            match outcome {
+                Ok(load) => {
+                    if *state != 0 {
+                        add(&mut arrays.forces, &own, load.force);
+                        add(&mut arrays.torques, &own, load.torque);
                     }
                 }
+                Err(_) if is_crowded => {
+                    let first = arrays.faults.at(&own);
+                    if *first == 0 {
+                        *first = TOO_MANY_TRIANGLES;
+                    }
+                    note(arrays.notes.all(), FAULT);
+                }
+                Err(_) => arrays.crowded.taken(&counts[CROWDED], 1).1[0] = number,
             }
-        )*}
-    };
-}
-
-/// For the kernel that has it.
-macro_rules! to_large_room {
-    ($arrays:ident, $own:ident) => {
-        $arrays.crowded.taken(&$arrays.counts.all()[CROWDED], 1).1[0] = $own.number() as u32
-    };
-}
-
-/// For the host.
-macro_rules! too_many_triangles {
-    ($arrays:ident, $own:ident) => {{
-        let first = $arrays.faults.at(&$own);
-        if *first == 0 {
-            *first = TOO_MANY_TRIANGLES;
         }
-        note($arrays.notes.all(), FAULT);
-    }};
-}
-
-// Spheres are spheroids to these.
-meshes! {
-    near, NEAR, rooms, room_bytes, SmallRoom, to_large_room:
-    ellgran_mesh_spheroids: Spheroids;
-    ellgran_mesh_ellipsoids: Ellipsoids;
-}
-
-// Where there was too little room.
-meshes! {
-    crowded, CROWDED, large_rooms, large_room_bytes, LargeRoom, too_many_triangles:
-    ellgran_crowded_mesh_spheroids: Spheroids;
-    ellgran_crowded_mesh_ellipsoids: Ellipsoids;
+    }
 }
 
 /// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.

@@ -34,6 +34,8 @@ use ellgran_gpu::c_api::step::{
 use std::ffi::CStr;
 
 const STEPS: usize = 20;
+/// Particles are prepared in another way here than on the device, and faces that share a contact multiply rounding.
+const BOUND: f64 = 10.0 * TOLERANCE;
 /// When there is a new list.
 const NEW_LIST: usize = 11;
 
@@ -264,7 +266,7 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
             for k in 0..count {
                 let expected = [forces[k], torques[k]].concat();
                 for c in 0..6 {
-                    near(loads[k][c], expected[c], largest, TOLERANCE, "load", k);
+                    near(loads[k][c], expected[c], largest, BOUND, "load", k);
                 }
             }
             for (at, number) in numbers.into_iter().enumerate() {
@@ -283,7 +285,7 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                         assert_eq!(f64::from(states[row]), own[0]);
                     }
                     for (own, other) in own.iter().zip(other) {
-                        near(*own, *other, 1.0 + largest, TOLERANCE, "history", k);
+                        near(*own, *other, 1.0 + largest, BOUND, "history", k);
                     }
                 }
             }

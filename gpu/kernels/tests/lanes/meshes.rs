@@ -35,6 +35,7 @@ struct Counts {
 }
 
 fn compare<K: Kind>(words: &str, scene: Scene, wall: Wall, moves: Moves) -> Counts {
+    let general = core::any::type_name::<K>() == core::any::type_name::<Ellipsoids>();
     let own = wall.parts_with_triangles().unwrap();
     let (mut room, mut large) = (Box::new(SmallRoom::EMPTY), Box::new(LargeRoom::EMPTY));
     let mut counts = Counts::default();
@@ -49,12 +50,11 @@ fn compare<K: Kind>(words: &str, scene: Scene, wall: Wall, moves: Moves) -> Coun
             return ellgran_kernels::contacts::Load::NONE;
         }
         let before = (*state, histories.to_vec());
-        let found =
-            contacts_with_mesh::<K, _, _, _>(k, scene, &moving, &mut room, state, histories);
+        let found = contacts_with_mesh(k, scene, general, &moving, room.lend(), state, histories);
         let found = found.or_else(|lacking| {
             assert_eq!((*state, histories.to_vec()), before, "{lacking:?}");
             counts.crowded += 1;
-            contacts_with_mesh::<K, _, _, _>(k, scene, &moving, &mut large, state, histories)
+            contacts_with_mesh(k, scene, general, &moving, large.lend(), state, histories)
         });
         counts.several += usize::from(*state > 1);
         found.unwrap()
@@ -234,11 +234,12 @@ fn too_many_triangles_are_an_error() {
         if !is_near_mesh::<Ellipsoids>(k, &scene, &moving, &mut state, &mut histories) {
             continue;
         }
-        let found = contacts_with_mesh::<Ellipsoids, _, _, _>(
+        let found = contacts_with_mesh(
             k,
             &scene,
+            true,
             &moving,
-            &mut large,
+            large.lend(),
             &mut state,
             &mut histories,
         );
