@@ -66,21 +66,27 @@ const AXIS: [f64; 3] = [0.2, -0.1, 1.0];
 const VELOCITY: [f64; 3] = [0.3, 0.1, -0.2];
 const SPIN: [f64; 3] = [0.3, -0.2, 0.9];
 
-/// An uneven sheet, fine enough that some grains have more triangles near than most have room for.
+/// A block. At folds grains as deep as these have faces of shares of 1e-15, which rounding finds or does not: the kernels' own tests have
+/// these, with the same grains on both sides.
 fn triangles() -> Vec<Triangle> {
-    const CELLS: usize = 24;
-    let at = |i: usize, j: usize| {
-        let along = |k: usize| 4.2 * (2.0 * k as f64 / CELLS as f64 - 1.0);
-        let (x, y) = (along(i), along(j));
-        let height = 0.15 * (1.3 * x).sin() * y.cos();
-        Vector3::from_array(MIDDLE) + Vector3::new(x, y, height)
+    const HALF: [f64; 3] = [2.0, 1.7, 1.4];
+    let corner = |bits: usize| {
+        let along = |k: usize| {
+            if bits >> k & 1 == 1 {
+                HALF[k]
+            } else {
+                -HALF[k]
+            }
+        };
+        Vector3::from_array(MIDDLE) + Vector3::new(along(0), along(1), along(2))
     };
-    let cells = (0..CELLS * CELLS).map(|k| (k % CELLS, k / CELLS));
-    let pairs = cells.flat_map(|(i, j)| {
-        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1 << axis)]);
+    let faces = sides.flat_map(|(axis, side)| {
+        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+        let [a, b, c, d] = [side, side + u, side + u + v, side + v].map(corner);
         [[a, b, c], [a, c, d]]
     });
-    pairs.collect()
+    faces.collect()
 }
 
 fn through_c(shapes: &[Given], triangles: &[Triangle]) -> *mut EllgranWall {
@@ -282,7 +288,8 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                     let own = &values[row * length..(row + 1) * length];
                     let other = &remembered[at][k * lengths[at]..(k + 1) * lengths[at]];
                     if length > 0 {
-                        assert_eq!(f64::from(states[row]), own[0]);
+                        let records = walls[at].histories(&laws).records;
+                        assert_eq!(states[row].min(records as u32), own[0] as u32);
                     }
                     for (own, other) in own.iter().zip(other) {
                         near(*own, *other, 1.0 + largest, BOUND, "history", k);
