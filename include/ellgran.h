@@ -303,6 +303,11 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
+ Contacts of one particle with a wall that has triangles that are remembered, at most.
+ */
+#define MOST_RECORDS 64
+
+/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;
@@ -1706,8 +1711,6 @@ typedef struct EllgranContactStiffness {
    */
   double critical_step;
 } EllgranContactStiffness;
-
-
 
 
 
