@@ -303,11 +303,6 @@ template <typename Type> inline Type init()
 #define ELLGRAN_ABI_VERSION 1
 
 /*
- Contacts of one particle with a wall that has triangles that are remembered, at most.
- */
-#define MOST_RECORDS 64
-
-/*
  The laws between all types of a scene. Opaque, immutable.
  */
 typedef struct EllgranLaws EllgranLaws;
