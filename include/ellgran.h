@@ -1715,8 +1715,6 @@ typedef struct EllgranContactStiffness {
 
 
 
-
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus

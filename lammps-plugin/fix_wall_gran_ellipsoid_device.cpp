@@ -60,11 +60,10 @@ void FixWallGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
   const auto refuse = [this](const char *what) {
     error->all(FLERR, "{} {}: {} not on the GPU: start LAMMPS without '-k on'", CALLER, id, what);
   };
-  if (is_mesh) refuse("walls of meshes are");
-  if (ellgran_wall_triangle_count(wall) > 0) refuse("blocks with faces on their outer side, which are made of triangles, are");
   if (has_material) refuse("a material of the wall is");
   if (servo) refuse("'servo' is");
   if (tells_contacts) refuse("'contacts' is");
+  if (triangle_file_every > 0) refuse("'vtk' is");
   if (keeps_energies) refuse("'energies yes' is");
   if (igroup != 0) refuse("a wall for a group other than 'all' is");
 }
@@ -107,6 +106,8 @@ void FixWallGranEllipsoidDevice::add_to_scene(EllgranDeviceGrains &grains, int t
 void FixWallGranEllipsoidDevice::setup(int vflag)
 {
   post_force(vflag);
+  atomKK->sync(Host, TYPE_MASK | ELLIPSOID_MASK | BONUS_MASK);
+  warn_of_missing_images();
 }
 
 void FixWallGranEllipsoidDevice::post_force(int)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// \file
-/// `fix wall/gran/ellipsoid/kk` in a LAMMPS with KOKKOS for CUDA: walls without triangles, with forces by the kernels of ellgran.
+/// `fix wall/gran/ellipsoid/kk` in a LAMMPS with KOKKOS for CUDA: walls with forces by the kernels of ellgran.
 
 #ifdef FIX_CLASS
 // clang-format off

@@ -81,6 +81,7 @@ use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// The surface of a wall where a body touches it.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct WallSurface {
     /// The point of the surface that lies deepest in the body, world frame.
     pub point: Vector3,

@@ -2,8 +2,11 @@
 //! Which of many boxes overlap a box? A tree of boxes within boxes: built in `n log n`, asked in the logarithm of the
 //! number of boxes and in proportion to the answers, for boxes of any sizes.
 
+use super::lists::{on_heap, List, Lists, OnHeap};
+
 /// A box along the world axes.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Extent {
     /// Its least coordinates.
     pub low: [f64; 3],
@@ -12,6 +15,12 @@ pub struct Extent {
 }
 
 impl Extent {
+    /// Of nothing.
+    pub(crate) const NONE: Extent = Extent {
+        low: [f64::INFINITY; 3],
+        high: [f64::NEG_INFINITY; 3],
+    };
+
     /// That of a point and everything within `margin` of it along each axis.
     pub fn about(point: [f64; 3], margin: f64) -> Self {
         Extent {
@@ -50,15 +59,18 @@ impl Extent {
 }
 
 /// The tree; its memory is kept when it is built again.
-#[derive(Clone, Debug, Default)]
-pub struct BoxTree {
+pub struct BoxTree<M: Lists = OnHeap> {
     /// Each before all that it contains.
-    nodes: Vec<Node>,
-    order: Vec<usize>,
+    pub(crate) nodes: M::List<Node>,
+    pub(crate) order: M::List<usize>,
 }
 
+on_heap!(BoxTree: nodes order);
+
+/// A box about several, of a tree.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+#[repr(C)]
+pub struct Node {
     extent: Extent,
     /// The first node that is not within this one.
     next: usize,
@@ -67,17 +79,24 @@ struct Node {
     to: usize,
 }
 
-/// Boxes in a node that is not divided: to test so few costs about as much as to go down one level more.
-const LEAF: usize = 4;
+impl Node {
+    /// That has no boxes.
+    pub(crate) const NONE: Node = Node {
+        extent: Extent::NONE,
+        next: 0,
+        from: 0,
+        to: 0,
+    };
+}
 
-impl BoxTree {
+impl<M: Lists> BoxTree<M> {
     /// Makes the tree of these boxes, which are from then on known by their index.
     pub fn build(&mut self, boxes: &[Extent]) {
         self.nodes.clear();
         self.order.clear();
-        self.order.extend(0..boxes.len());
+        self.order.add_all(0..boxes.len());
         if !boxes.is_empty() {
-            divide(&mut self.nodes, &mut self.order, 0, boxes);
+            divide::<M>(&mut self.nodes, &mut self.order, 0, boxes);
         }
     }
 
@@ -87,24 +106,40 @@ impl BoxTree {
     }
 
     /// Calls `found` with the index of each box that overlaps `extent`, until it answers false. `boxes` are those of `build`.
-    pub fn visit(&self, boxes: &[Extent], extent: &Extent, mut found: impl FnMut(usize) -> bool) {
-        let mut k = 0;
-        while let Some(node) = self.nodes.get(k) {
-            if !node.extent.overlaps(extent) {
-                k = node.next;
-                continue;
-            }
-            for &index in &self.order[node.from..node.to] {
-                if boxes[index].overlaps(extent) && !found(index) {
-                    return;
-                }
-            }
-            k += 1;
-        }
+    pub fn visit(&self, boxes: &[Extent], extent: &Extent, found: impl FnMut(usize) -> bool) {
+        visit(&self.nodes, &self.order, boxes, extent, found);
     }
 }
 
-fn divide(nodes: &mut Vec<Node>, order: &mut [usize], start: usize, boxes: &[Extent]) {
+/// The same of the parts of a tree.
+pub(crate) fn visit(
+    nodes: &[Node],
+    order: &[usize],
+    boxes: &[Extent],
+    extent: &Extent,
+    mut found: impl FnMut(usize) -> bool,
+) {
+    let mut k = 0;
+    while let Some(node) = nodes.get(k) {
+        if !node.extent.overlaps(extent) {
+            k = node.next;
+            continue;
+        }
+        for &index in &order[node.from..node.to] {
+            if boxes[index].overlaps(extent) && !found(index) {
+                return;
+            }
+        }
+        k += 1;
+    }
+}
+
+fn divide<M: Lists>(
+    nodes: &mut M::List<Node>,
+    order: &mut [usize],
+    start: usize,
+    boxes: &[Extent],
+) {
     let mut extent = boxes[order[0]];
     for &index in order.iter() {
         extent.include(&boxes[index]);
@@ -117,7 +152,7 @@ fn divide(nodes: &mut Vec<Node>, order: &mut [usize], start: usize, boxes: &[Ext
         to: start,
     });
     let count = order.len();
-    if count <= LEAF {
+    if count <= M::LEAF {
         nodes[own].to = start + count;
     } else {
         let middle = |index: usize, k: usize| boxes[index].low[k] + boxes[index].high[k];
@@ -138,8 +173,8 @@ fn divide(nodes: &mut Vec<Node>, order: &mut [usize], start: usize, boxes: &[Ext
             middle(*a, axis).total_cmp(&middle(*b, axis)).then(a.cmp(b))
         });
         let (left, right) = order.split_at_mut(half);
-        divide(nodes, left, start, boxes);
-        divide(nodes, right, start + half, boxes);
+        divide::<M>(nodes, left, start, boxes);
+        divide::<M>(nodes, right, start + half, boxes);
     }
     nodes[own].next = nodes.len();
 }
@@ -163,7 +198,7 @@ mod tests {
                 high: core::array::from_fn(|k| low[k] + size * wide[k]),
             }
         };
-        let mut tree = BoxTree::default();
+        let mut tree: BoxTree = BoxTree::default();
         for count in [0, 1, 4, 5, 300] {
             let mut boxes: Vec<Extent> = (0..count).map(|_| some(0.1)).collect();
             boxes.extend((0..count / 100).map(|_| some(1.0)));

@@ -4,6 +4,8 @@
 use super::ellipsoid::Ellipsoid;
 use super::interior_point::nearest_normal;
 use super::nearest_line::nearest_across;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// What of a convex corner supports a body.
@@ -23,6 +25,7 @@ pub(super) enum Support {
 
 /// Where the corner behind all these planes through `apex`, of which `normals` point out of it, supports a body about the origin;
 /// `None` if it does not reach it.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(super) fn support(body: &Ellipsoid, apex: Vector3, normals: &[Vector3]) -> Option<Support> {
     // what lies on a plane counts as behind it: planes, lines and the apex go over into each other
     let margin = 1e-12 * body.bounding_radius();

@@ -19,12 +19,16 @@
 //!   a flat surface is the plane in whatever pieces it comes.
 
 use super::ellipsoid::Ellipsoid;
+use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 pub use super::share::Share;
+#[cfg(not(feature = "std"))]
+use crate::real::{Functions, Real};
 use crate::vector::{Tangent, Vector3};
 use core::f64::consts::{PI, TAU};
 
 /// A plane that supports a body, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct SupportingPlane {
     /// A point of the plane near the contact, from the body's centre.
     pub point: Vector3,
@@ -33,14 +37,33 @@ pub struct SupportingPlane {
 }
 
 /// Memory for [`share`].
-#[derive(Clone, Debug, Default)]
-pub struct ShareMemory {
-    lines: Vec<Line>,
-    arcs: Vec<[f64; 2]>,
+pub struct ShareMemory<M: Lists = OnHeap> {
+    lines: M::List<Line>,
+    arcs: M::List<[f64; 2]>,
+}
+
+on_heap!(ShareMemory: lines arcs);
+
+impl<'m> ShareMemory<InRoom<'m>> {
+    /// In room of somebody's.
+    pub(super) fn in_room(lines: &'m mut [Line], arcs: &'m mut [[f64; 2]]) -> Self {
+        ShareMemory {
+            lines: Lent::new(lines),
+            arcs: Lent::new(arcs),
+        }
+    }
+}
+
+impl<M: Lists> ShareMemory<M> {
+    /// Whether something did not fit.
+    pub(super) fn lacks_room(&self) -> bool {
+        self.lines.lacks_room() || self.arcs.lacks_room()
+    }
 }
 
 /// A plane in the frame in which the body is the unit sphere.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Section {
     /// Out of the body, world frame.
     normal: Vector3,
@@ -56,7 +79,18 @@ pub struct Section {
 }
 
 impl Section {
+    /// Of no plane.
+    pub(super) const NONE: Section = Section {
+        normal: Vector3::ZERO,
+        h: 0.0,
+        witness: Vector3::ZERO,
+        m: Vector3::ZERO,
+        p: 0.0,
+        square: 0.0,
+    };
+
     /// That of a plane.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn new(body: &Ellipsoid, plane: &SupportingPlane) -> Self {
         let normal = -plane.normal;
         let support = body.support(normal);
@@ -105,7 +139,8 @@ impl Section {
 
 /// The line along which another plane cuts the unit disc: `(cos angle, sin angle).x <= distance` is what it leaves.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+#[repr(C)]
+pub(super) struct Line {
     distance: f64,
     distance_by_position: Vector3,
     distance_by_rotation: Vector3,
@@ -120,11 +155,12 @@ struct Line {
 
 /// The share of a plane in the contact of `body`, of which these others cut its section; its own penetration must be greater
 /// than 0. A plane of which another is in front over the whole section has the share 0. No other may be the same plane.
-pub fn share<'a>(
+#[cfg_attr(not(feature = "std"), inline(never))]
+pub fn share<'a, M: Lists>(
     body: &Ellipsoid,
     own: &Section,
     others: impl Iterator<Item = &'a Section>,
-    memory: &mut ShareMemory,
+    memory: &mut ShareMemory<M>,
 ) -> Share {
     if !(own.square > 0.0) {
         return Share::NONE;
@@ -181,7 +217,8 @@ pub fn share<'a>(
 }
 
 /// Finds what the lines leave of each other and which arcs of the circle they take; false if they leave nothing of the disc.
-fn cut(memory: &mut ShareMemory) -> bool {
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn cut<M: Lists>(memory: &mut ShareMemory<M>) -> bool {
     let ShareMemory { lines, arcs, .. } = memory;
     let mut kept = 0;
     for next in 0..lines.len() {
@@ -222,6 +259,19 @@ fn cut(memory: &mut ShareMemory) -> bool {
 }
 
 impl Line {
+    /// Of no plane.
+    pub(super) const NONE: Line = Line {
+        distance: 0.0,
+        distance_by_position: Vector3::ZERO,
+        distance_by_rotation: Vector3::ZERO,
+        angle_by_rotation: Vector3::ZERO,
+        angle: 0.0,
+        sin: 0.0,
+        cos: 0.0,
+        from: 0.0,
+        to: 0.0,
+    };
+
     /// Takes away what another line cuts off. Of two that are the same the earlier one stays.
     fn shorten(&mut self, other: &Line, other_is_earlier: bool) {
         let sin = other.sin * self.cos - other.cos * self.sin;
@@ -300,7 +350,8 @@ fn anisotropy(x: f64) -> (f64, f64) {
 }
 
 /// The weight over what the lines leave of the unit disc.
-fn remaining(anisotropy: &Anisotropy, memory: &mut ShareMemory) -> Share {
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn remaining<M: Lists>(anisotropy: &Anisotropy, memory: &mut ShareMemory<M>) -> Share {
     let ShareMemory { lines, arcs, .. } = memory;
     let mut share = Share::NONE;
     // The weights' parts with 1, cos 2 theta and sin 2 theta, times 2 pi.
@@ -346,7 +397,7 @@ fn remaining(anisotropy: &Anisotropy, memory: &mut ShareMemory) -> Share {
         share.by_rotation = share.by_rotation + line.distance_by_rotation * (weight * moved)
             - line.angle_by_rotation * (weight * turned);
     }
-    arcs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    arcs.sort_with(|a, b| a[0].total_cmp(&b[0]));
     let mut free = |from: f64, to: f64| {
         if to > from {
             let (a, b) = ((2.0 * from).sin_cos(), (2.0 * to).sin_cos());

@@ -5,8 +5,11 @@
 
 use super::ellipsoid::Ellipsoid;
 use super::facet_shares::Share;
+use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{sides, Near};
 use super::triangle_places::TrianglePlaces;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// The height of a narrow triangle, in radii of the ball around the body, at most. Of wider ones few edges and corners are within reach at
@@ -26,34 +29,60 @@ const SHARP: f64 = core::f64::consts::FRAC_1_SQRT_2;
 const EFFECT: [f64; 2] = [1.02, 1.04];
 
 /// The edges of narrow triangles that are within reach of one body.
-#[derive(Clone, Debug, Default)]
-pub(super) struct FineFolds {
+pub(super) struct FineFolds<M: Lists = OnHeap> {
     /// What the convex edges of a plane leave, and the concave ones; by the planes of the triangles.
-    left: Vec<[Share; 2]>,
-    edges: Vec<Edge>,
+    left: M::List<[Share; 2]>,
+    edges: M::List<Edge>,
 }
 
+on_heap!(FineFolds: left edges);
+
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+#[repr(C)]
+pub(super) struct Edge {
     ends: [Vector3; 2],
     plane: usize,
     convex: bool,
 }
 
-impl FineFolds {
+impl Edge {
+    /// Of no triangle.
+    pub(super) const NONE: Edge = Edge {
+        ends: [Vector3::ZERO; 2],
+        plane: 0,
+        convex: false,
+    };
+}
+
+impl<'m> FineFolds<InRoom<'m>> {
+    /// In room of somebody's.
+    pub(super) fn in_room(left: &'m mut [[Share; 2]], edges: &'m mut [Edge]) -> Self {
+        FineFolds {
+            left: Lent::new(left),
+            edges: Lent::new(edges),
+        }
+    }
+}
+
+impl<M: Lists> FineFolds<M> {
+    /// Whether something did not fit.
+    pub(super) fn lacks_room(&self) -> bool {
+        self.left.lacks_room() || self.edges.lacks_room()
+    }
+
     /// The part in which edges, corners and whole faces act, with its gradients: 1 far from such faces, 0 where a convex and a
     /// concave edge of one are in the body.
-    pub fn rest(&mut self, places: &TrianglePlaces, body: &Ellipsoid, meeting: f64) -> Share {
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn rest(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
         let near = &places.near;
         self.edges.clear();
         if near.iter().all(|t| t.plane == near[0].plane) {
             return Share::WHOLE;
         }
-        self.left.clear();
-        self.left.resize(near.len(), [Share::WHOLE; 2]);
+        self.left.set_all(near.len(), [Share::WHOLE; 2]);
         self.act(places, body, meeting);
         let mut rest = Share::WHOLE;
-        for [convex, concave] in &self.left {
+        for [convex, concave] in self.left.iter() {
             if convex.value < 1.0 && concave.value < 1.0 {
                 let both = convex.complement().times(&concave.complement());
                 rest = rest.times(&both.complement());
@@ -69,10 +98,11 @@ impl FineFolds {
     }
 
     /// What the edges of narrow triangles leave.
-    fn act(&mut self, places: &TrianglePlaces, body: &Ellipsoid, meeting: f64) {
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn act(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) {
         let near = &places.near;
         let width = NARROW * body.bounding_radius();
-        for t in near {
+        for t in near.iter() {
             let unit = t
                 .corners
                 .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
@@ -122,7 +152,8 @@ impl FineFolds {
 }
 
 /// 1 where no sharp edge is within reach, 0 where one is in the body.
-fn far_from_sharp(places: &TrianglePlaces, body: &Ellipsoid, meeting: f64) -> Share {
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn far_from_sharp<M: Lists>(places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
     let near = &places.near;
     let mut far = Share::WHOLE;
     for (k, t) in near.iter().enumerate() {
@@ -165,6 +196,7 @@ fn nearest_within_effect(from: Vector3, to: Vector3) -> Option<(f64, Vector3)> {
 }
 
 /// What an edge leaves, from 0 where it has all its effect to 1 where it has none; with its place nearest to the body.
+#[cfg_attr(not(feature = "std"), inline(never))]
 fn fade(body: &Ellipsoid, [from, to]: [Vector3; 2], (place, nearest): (f64, Vector3)) -> Share {
     let width = EFFECT[1] - EFFECT[0];
     let t = ((nearest.norm_squared() - EFFECT[0]) / width).max(0.0);
@@ -216,7 +248,7 @@ mod tests {
     fn rest(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> (Share, FineFolds) {
         let meeting = MEETING * body.smallest_semi_axis();
         let mut places = TrianglePlaces::default();
-        places.gather(body, centre, triangles, meeting);
+        places.gather(body, centre, triangles.iter().copied(), meeting);
         places.join_planes(body.bounding_radius(), meeting);
         let mut fine = FineFolds::default();
         let share = fine.rest(&places, body, meeting);

@@ -15,6 +15,7 @@ pub fn nearest_normal<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Optio
 ///
 /// The nearest point is `p_k = a_k^2 y_k/(t + a_k^2)` with `t` the largest root of `sum (a_k y_k/(t + a_k^2))^2 = 1`. The
 /// sum falls and is convex right of its last pole, so Newton's method from the left rises to the root.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub fn normal_towards<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> [f64; N] {
     let least = semi_axes.iter().copied().fold(f64::INFINITY, f64::min);
     let is_least = |k: usize| semi_axes[k] == least;

@@ -7,8 +7,11 @@ use super::box_tree::Extent;
 use super::convex_corner::{self, Support};
 use super::ellipsoid::Ellipsoid;
 use super::fine_folds::FineFolds;
+use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{sides, Near, TOLERANCE};
 use super::triangle_places::{TrianglePlaces, REACH};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// Corners at which convex and concave edges meet, within reach of one body, at most: the pieces of more would reach far beyond their
@@ -16,20 +19,22 @@ use crate::vector::Vector3;
 const MOST: usize = 3;
 
 /// Such a corner, the one that was gathered last.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MixedCorner {
+pub(super) struct MixedCorner<M: Lists = OnHeap> {
     /// Which of `near` meet there.
-    meeting: Vec<usize>,
-    bounds: Vec<Bound>,
-    pieces: Vec<Piece>,
+    meeting: M::List<usize>,
+    bounds: M::List<Bound>,
+    pieces: M::List<Piece>,
     /// Those of one piece: which bounds, and their normals out of it.
-    members: Vec<usize>,
-    normals: Vec<Vector3>,
+    members: M::List<usize>,
+    normals: M::List<Vector3>,
 }
+
+on_heap!(MixedCorner: meeting bounds pieces members normals);
 
 /// A plane of triangles that meet at a corner.
 #[derive(Clone, Copy, Debug)]
-struct Bound {
+#[repr(C)]
+pub(super) struct Bound {
     normal: Vector3,
     /// Which of `near`'s planes it is.
     plane: usize,
@@ -37,7 +42,8 @@ struct Bound {
 
 /// A convex part of what lies behind the triangles that meet at a corner.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+#[repr(C)]
+pub(super) struct Piece {
     /// Which bounds, and which of them with the normal turned.
     bounds: u64,
     turned: u64,
@@ -45,15 +51,60 @@ struct Piece {
     near: usize,
 }
 
-impl MixedCorner {
+impl Bound {
+    /// Of no triangle.
+    pub(super) const NONE: Bound = Bound {
+        normal: Vector3::ZERO,
+        plane: 0,
+    };
+}
+
+impl Piece {
+    /// Of no triangle.
+    pub(super) const NONE: Piece = Piece {
+        bounds: 0,
+        turned: 0,
+        near: 0,
+    };
+}
+
+impl<'m> MixedCorner<InRoom<'m>> {
+    /// In room of somebody's.
+    pub(super) fn in_room(
+        [meeting, members]: [&'m mut [usize]; 2],
+        bounds: &'m mut [Bound],
+        pieces: &'m mut [Piece],
+        normals: &'m mut [Vector3],
+    ) -> Self {
+        MixedCorner {
+            meeting: Lent::new(meeting),
+            bounds: Lent::new(bounds),
+            pieces: Lent::new(pieces),
+            members: Lent::new(members),
+            normals: Lent::new(normals),
+        }
+    }
+}
+
+impl<M: Lists> MixedCorner<M> {
+    /// Whether something did not fit.
+    pub(super) fn lacks_room(&self) -> bool {
+        self.meeting.lacks_room()
+            || self.bounds.lacks_room()
+            || self.pieces.lacks_room()
+            || self.members.lacks_room()
+            || self.normals.lacks_room()
+    }
+
     /// The corners within reach of the body, each by a triangle that has it, and how many; none if there are more than [`MOST`], which then act
     /// by the faces, edges and corners of the triangles alone.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn find(
         &mut self,
-        places: &TrianglePlaces,
+        places: &TrianglePlaces<M>,
         body: &Ellipsoid,
         meeting: f64,
-        fine: &FineFolds,
+        fine: &FineFolds<M>,
     ) -> ([(usize, Vector3); MOST], usize) {
         let mut found = [(0, Vector3::ZERO); MOST];
         let mut count = 0;
@@ -75,9 +126,10 @@ impl MixedCorner {
 
     /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
     /// if an earlier triangle has this corner as well.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn gather(
         &mut self,
-        places: &TrianglePlaces,
+        places: &TrianglePlaces<M>,
         own: usize,
         apex: Vector3,
         meeting: f64,
@@ -104,7 +156,7 @@ impl MixedCorner {
         if !is_first {
             return false;
         }
-        all.sort_unstable();
+        all.sort();
         for &k in all.iter() {
             let t = &places.near[k];
             if bounds.iter().all(|b| b.plane != t.plane) {
@@ -187,9 +239,10 @@ impl MixedCorner {
 
     /// Tells how the body is supported by each convex piece of the corner gathered last, along a line or at the corner, with a triangle of the
     /// piece; the planes that support it are the bits of what is returned, in the order of [`MixedCorner::planes`].
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn supports(
         &mut self,
-        places: &TrianglePlaces,
+        places: &TrianglePlaces<M>,
         body: &Ellipsoid,
         apex: Vector3,
         mut found: impl FnMut(Support, usize),
@@ -206,8 +259,8 @@ impl MixedCorner {
         for piece in pieces.iter() {
             normals.clear();
             members.clear();
-            members.extend((0..bounds.len()).filter(|m| piece.bounds >> m & 1 == 1));
-            normals.extend(members.iter().map(|&m| {
+            members.add_all((0..bounds.len()).filter(|m| piece.bounds >> m & 1 == 1));
+            normals.add_all(members.iter().map(|&m| {
                 if piece.turned >> m & 1 == 1 {
                     -bounds[m].normal
                 } else {
@@ -244,7 +297,7 @@ impl MixedCorner {
     /// The planes of its triangles, and one triangle of each.
     pub fn planes<'a>(
         &'a self,
-        places: &'a TrianglePlaces,
+        places: &'a TrianglePlaces<M>,
     ) -> impl Iterator<Item = (usize, usize)> + 'a {
         self.bounds.iter().filter_map(|bound| {
             let of_plane = |k: &&usize| places.near[**k].plane == bound.plane;

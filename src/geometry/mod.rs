@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Bodies by their support function, the contact search, curvature (docs/theory.md, sections 1 and 7). No force, no allocation.
 
-#[cfg(feature = "std")]
-pub(crate) mod box_tree;
+// Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+pub mod box_tree;
 pub mod cone;
 pub mod contact_search;
 pub(crate) mod convex_body;
-#[cfg(feature = "std")]
 pub(crate) mod convex_corner;
 pub mod curvature;
 pub mod ellipsoid;
-#[cfg(feature = "std")]
 pub mod facet_shares;
-#[cfg(feature = "std")]
 pub(crate) mod fine_folds;
 #[cfg(feature = "std")]
 pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
 pub(crate) mod interior_point;
-#[cfg(feature = "std")]
+pub(crate) mod lists;
 pub(crate) mod mixed_corners;
 pub(crate) mod nearest_line;
 pub mod plane;
@@ -30,11 +28,9 @@ pub(crate) mod share;
 pub mod small_motion;
 pub(crate) mod spheroid;
 pub(crate) mod tangent_model;
-#[cfg(feature = "std")]
 pub(crate) mod triangle;
-#[cfg(feature = "std")]
 pub(crate) mod triangle_places;
-#[cfg(feature = "std")]
+pub(crate) mod triangle_room;
 pub mod triangles;
 
 pub use contact_search::{search, ContactSearch, Outcome};

@@ -9,6 +9,7 @@ use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 
 /// The unit vector `n` across `along` that makes `h(n) - n.y` smallest: from within the body to the surface nearest to the
 /// line through `y`. `None` if the line does not pass through the body.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(crate) fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
     let outline = Outline::new(body, along);
     let n = nearest_normal(outline.semi_axes, outline.local(y))?;

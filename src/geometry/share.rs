@@ -5,6 +5,7 @@ use crate::vector::Vector3;
 
 /// The share of a plane in a body's contact, and its gradient.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Share {
     /// Between 0 and 1.
     pub value: f64,
@@ -28,7 +29,6 @@ impl Share {
     };
 }
 
-#[cfg(feature = "std")]
 impl Share {
     /// A share of a share.
     pub(super) fn times(&self, part: &Share) -> Share {

@@ -4,6 +4,8 @@
 
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::SupportingPlane;
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::{Tangent, Vector2, Vector3};
 
 /// Three corners.
@@ -19,6 +21,7 @@ pub(super) const MEETING: f64 = 1e-5;
 
 /// A triangle that may touch, with the body's centre as the origin.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Near {
     pub index: usize,
     pub corners: Triangle,
@@ -31,6 +34,15 @@ pub(crate) struct Near {
 }
 
 impl Near {
+    /// No triangle.
+    pub(super) const NONE: Near = Near {
+        index: 0,
+        corners: [Vector3::ZERO; 3],
+        normal: Vector3::ZERO,
+        distance: 0.0,
+        plane: 0,
+    };
+
     /// A triangle, seen from `centre`; `None` for one that is narrower than `meeting`, or not finite.
     pub fn new(index: usize, triangle: &Triangle, centre: Vector3, meeting: f64) -> Option<Near> {
         let corners = triangle.map(|p| p - centre);
@@ -85,6 +97,7 @@ impl Near {
     }
 
     /// Whether the triangle passes within `margin` of a point.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn has(&self, p: Vector3, margin: f64) -> bool {
         let tangent = Tangent::new(self.normal);
         let place = self.corners.map(|c| tangent.components(c - p));
@@ -94,6 +107,7 @@ impl Near {
 
     /// Whether the way from the body's centre to a point of another triangle passes through this one, and that other lies behind
     /// this one's plane as a whole. A larger one, on which this one stands, goes on in front of it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn stands_before(&self, other: &Near, seen: Vector3, meeting: f64) -> bool {
         let height = |p: Vector3| self.normal.dot(p) + self.distance;
         let depth = -height(seen);
@@ -113,6 +127,7 @@ impl Near {
 
     /// Whether the body's deepest point and all of the plane's section with it are within the borders of the triangle, by more than
     /// `meeting`.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn borders_are_clear(
         &self,
         body: &Ellipsoid,
@@ -151,6 +166,7 @@ impl Near {
     }
 
     /// The planes through its sides across it, which leave of its own plane what it covers.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn borders(&self) -> [SupportingPlane; 3] {
         core::array::from_fn(|k| {
             let [from, to, across] = [0, 1, 2].map(|m| self.corners[(k + m) % 3]);
@@ -168,6 +184,7 @@ impl Near {
     }
 
     /// Whether a part of the triangle is in the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_in_section(&self, body: &Ellipsoid, support: &Support, penetration: f64) -> bool {
         let below = penetration * support.inverse_h;
         let (_, nearest) = self.nearest(body, support, Vector3::ZERO);
@@ -180,6 +197,7 @@ impl Near {
     }
 
     /// The weights of that point, and its place from `middle` where the body is the unit sphere, along the plane.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn nearest(&self, body: &Ellipsoid, support: &Support, middle: Vector3) -> ([f64; 3], Vector2) {
         let m = body.semi_axes.componentwise(support.local_normal) * support.inverse_h;
         let frame = Tangent::new(m);
@@ -194,6 +212,7 @@ impl Near {
 
     /// Whether two triangles come within `margin` of each other: at a corner of one, or where a side of one passes through the
     /// other.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn meets(&self, other: &Near, margin: f64) -> bool {
         let touches = |t: &Near, q: &Near| {
             let heights = q.corners.map(|p| t.normal.dot(p) + t.distance);
@@ -236,6 +255,7 @@ pub(crate) fn plane_comes_into(triangle: &Triangle, centre: Vector3, radius: f64
 }
 
 /// Whether a triangle comes before a plane through a point of it, and behind it.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(super) fn sides(normal: Vector3, point: Vector3, corners: &Triangle) -> [bool; 2] {
     let mut found = [false; 2];
     for z in corners {

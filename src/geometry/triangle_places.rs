@@ -2,9 +2,12 @@
 //! The triangles near a body, and what is at a place of theirs: which of them meet there, whether one rises from another or hides it, and
 //! whether a normal points away from all.
 
-use super::box_tree::{BoxTree, Extent};
+use super::box_tree::{BoxTree, Extent, Node};
 use super::ellipsoid::Ellipsoid;
+use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{across, combine, Near, Triangle, TOLERANCE};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
@@ -21,19 +24,54 @@ pub(super) const INSIDE: f64 = 100.0;
 pub(super) const SAME_PLANE: f64 = 1e-8;
 
 /// The triangles near a body, from its centre.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TrianglePlaces {
-    pub near: Vec<Near>,
+pub(super) struct TrianglePlaces<M: Lists = OnHeap> {
+    pub near: M::List<Near>,
     /// Of each of them.
-    pub boxes: Vec<Extent>,
+    pub boxes: M::List<Extent>,
     /// Of the boxes.
-    pub tree: BoxTree,
+    pub tree: BoxTree<M>,
 }
 
-impl TrianglePlaces {
+on_heap!(TrianglePlaces: near boxes tree);
+
+impl<'m> TrianglePlaces<InRoom<'m>> {
+    /// In room of somebody's.
+    pub fn in_room(
+        near: &'m mut [Near],
+        boxes: &'m mut [Extent],
+        nodes: &'m mut [Node],
+        order: &'m mut [usize],
+    ) -> Self {
+        TrianglePlaces {
+            near: Lent::new(near),
+            boxes: Lent::new(boxes),
+            tree: BoxTree {
+                nodes: Lent::new(nodes),
+                order: Lent::new(order),
+            },
+        }
+    }
+}
+
+impl<M: Lists> TrianglePlaces<M> {
+    /// Whether something did not fit.
+    pub fn lacks_room(&self) -> bool {
+        let tree = &self.tree;
+        self.near.lacks_room()
+            || self.boxes.lacks_room()
+            || tree.nodes.lacks_room()
+            || tree.order.lacks_room()
+    }
+
     /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
     /// across the axes holds much that is far from the triangle.
-    pub fn gather(&mut self, body: &Ellipsoid, centre: Vector3, all: &[Triangle], meeting: f64) {
+    pub fn gather(
+        &mut self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        all: impl Iterator<Item = Triangle>,
+        meeting: f64,
+    ) {
         self.near.clear();
         self.boxes.clear();
         let reach = [
@@ -48,7 +86,7 @@ impl TrianglePlaces {
         };
         // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
         let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
-        for (index, t) in all.iter().enumerate() {
+        for (index, t) in all.enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
             let extent = Extent {
@@ -81,6 +119,7 @@ impl TrianglePlaces {
     }
 
     /// Whether each edge that comes into the body belongs to two triangles: then they have no border there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_joined_in(&self, body: &Ellipsoid) -> bool {
         let is_shared =
             |t: &Near, a: Vector3, b: Vector3| self.near.iter().any(|q| t.is_continued_by(q, a, b));
@@ -96,6 +135,7 @@ impl TrianglePlaces {
     }
 
     /// Joins triangles that continue one another in one plane; what follows asks of places.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn join_planes(&mut self, largest: f64, meeting: f64) {
         let TrianglePlaces { near, boxes, tree } = self;
         tree.build(boxes);
@@ -114,6 +154,7 @@ impl TrianglePlaces {
     }
 
     /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
         let above = |normal: Vector3, corners: &Triangle| {
@@ -144,6 +185,7 @@ impl TrianglePlaces {
 
     /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
     /// of a block, seen from within, do not act on a body that lies across its edges.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
         let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
@@ -161,6 +203,7 @@ impl TrianglePlaces {
     }
 
     /// Whether a normal at a point points away from all triangles that meet there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_outermost(&self, normal: Vector3, point: Vector3, meeting: f64) -> bool {
         let mut outermost = true;
         let place = Extent::about(point.to_array(), meeting);
@@ -186,6 +229,7 @@ impl TrianglePlaces {
     }
 
     /// Whether another triangle of the same plane continues this one beyond an edge: that is none.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_within_plane(&self, own: usize, a: Vector3, b: Vector3) -> bool {
         let t = &self.near[own];
         let mut is_within = false;
@@ -210,6 +254,7 @@ fn first_of(near: &mut [Near], mut k: usize) -> usize {
 }
 
 /// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.
+#[cfg_attr(not(feature = "std"), inline(never))]
 pub(super) fn is_within_reach(a: Vector3, b: Vector3) -> bool {
     let way = b - a;
     let length = way.norm_squared();
@@ -247,7 +292,7 @@ mod tests {
                 })
                 .collect();
             let mut places = TrianglePlaces::default();
-            places.gather(&body, centre, &all, meeting);
+            places.gather(&body, centre, all.iter().copied(), meeting);
             assert_eq!(places.near.len(), places.boxes.len());
             for (k, t) in all.iter().enumerate() {
                 let Some(near) = Near::new(k, t, centre, meeting) else {
@@ -296,7 +341,12 @@ mod tests {
         let meeting = MEETING;
         let planes = |all: &[Triangle]| {
             let mut places = TrianglePlaces::default();
-            places.gather(&body, Vector3::new(0.0, 0.25, 0.5), all, meeting);
+            places.gather(
+                &body,
+                Vector3::new(0.0, 0.25, 0.5),
+                all.iter().copied(),
+                meeting,
+            );
             places.join_planes(1.0, meeting);
             places.near.iter().map(|t| t.plane).collect::<Vec<_>>()
         };

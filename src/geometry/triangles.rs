@@ -72,16 +72,20 @@ use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::fine_folds::FineFolds;
 use super::interior_point::nearest_normal;
+use super::lists::{on_heap, List, Lists, OnHeap};
 use super::mixed_corners::MixedCorner;
 use super::nearest_line::nearest_across;
 use super::triangle::{Near, MEETING, TOLERANCE};
 use super::triangle_places::{is_within_reach, TrianglePlaces, SAME_PLANE};
+#[cfg(not(feature = "std"))]
+use crate::real::Real;
 use crate::vector::Vector3;
 
 pub use super::triangle::{barycentric_weights, Triangle};
 
 /// Which part of a triangle touches.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub enum Feature {
     /// Its plane.
     Face,
@@ -93,6 +97,7 @@ pub enum Feature {
 
 /// A contact with a surface of triangles.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct TriangleContact {
     /// The point of the surface, or of the face's plane, deepest in the body, world frame.
     pub point: Vector3,
@@ -109,22 +114,23 @@ pub struct TriangleContact {
 }
 
 /// Contacts of a body with a surface of triangles, and the memory to find them; kept between calls.
-#[derive(Clone, Debug, Default)]
-pub struct TriangleSearch {
-    contacts: Vec<TriangleContact>,
-    places: TrianglePlaces,
+pub struct TriangleSearch<M: Lists = OnHeap> {
+    pub(super) contacts: M::List<TriangleContact>,
+    pub(super) places: TrianglePlaces<M>,
     /// For each of `near` the candidate of its plane, `NOTHING` without one.
-    of_plane: Vec<usize>,
-    candidates: Vec<Candidate>,
-    sections: Vec<Section>,
+    pub(super) of_plane: M::List<usize>,
+    pub(super) candidates: M::List<Candidate>,
+    pub(super) sections: M::List<Section>,
     /// A candidate and another that cuts its contact.
-    cuts: Vec<[usize; 2]>,
-    corner: MixedCorner,
-    fine: FineFolds,
+    pub(super) cuts: M::List<[usize; 2]>,
+    pub(super) corner: MixedCorner<M>,
+    pub(super) fine: FineFolds<M>,
     /// For each of `near` the contact of its plane by what its triangles cover, `NOTHING` without one.
-    covered: Vec<usize>,
-    memory: ShareMemory,
+    pub(super) covered: M::List<usize>,
+    pub(super) memory: ShareMemory<M>,
 }
+
+on_heap!(TriangleSearch: contacts places of_plane candidates sections cuts corner fine covered memory);
 
 /// Cosine of 3 degrees. An edge or a corner whose normal differs by less from that of another contact at the same place is
 /// taken as that contact, so that neighbouring triangles do not act twice. A compromise between flaws of meshes and real edges: a
@@ -140,7 +146,8 @@ const NOTHING: usize = usize::MAX;
 
 /// A plane that supports the body.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+#[repr(C)]
+pub(super) struct Candidate {
     /// As in [`SupportingPlane`].
     plane: SupportingPlane,
     /// The deepest point of the plane, from the body's centre.
@@ -154,7 +161,7 @@ struct Candidate {
     near: usize,
 }
 
-impl TriangleSearch {
+impl<M: Lists> TriangleSearch<M> {
     /// The contacts of the last call of [`TriangleSearch::touch`], deepest first.
     pub fn contacts(&self) -> &[TriangleContact] {
         &self.contacts
@@ -163,11 +170,21 @@ impl TriangleSearch {
     /// Finds the contacts of a body with centre `centre`. The triangles are all those near the body: an edge at which one is
     /// missing counts as a free edge. A triangle with a corner that is not finite is left out.
     pub fn touch(&mut self, body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) {
+        self.touch_each(body, centre, triangles.iter().copied());
+    }
+
+    /// The same of triangles one after the other.
+    pub(crate) fn touch_each(
+        &mut self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        triangles: impl Iterator<Item = Triangle>,
+    ) {
         self.contacts.clear();
         self.candidates.clear();
         let meeting = MEETING * body.smallest_semi_axis();
         self.places.gather(body, centre, triangles, meeting);
-        if self.places.near.is_empty() {
+        if self.places.near.is_empty() || self.places.lacks_room() {
             return;
         }
         if let Some(mut alone) = self.lone_face(body, meeting) {
@@ -179,6 +196,7 @@ impl TriangleSearch {
     }
 
     /// The contacts with the triangles that are near.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn all_contacts(&mut self, body: &Ellipsoid, centre: Vector3, meeting: f64) {
         self.places.join_planes(body.bounding_radius(), meeting);
         self.covered.clear();
@@ -189,10 +207,10 @@ impl TriangleSearch {
         if rest.value > 0.0 {
             self.whole_contacts(body, meeting, &rest);
         }
-        for contact in &mut self.contacts {
+        for contact in self.contacts.iter_mut() {
             contact.point = contact.point + centre;
         }
-        self.contacts.sort_unstable_by(|a, b| {
+        self.contacts.sort_with(|a, b| {
             b.penetration
                 .total_cmp(&a.penetration)
                 .then(a.triangle.cmp(&b.triangle))
@@ -200,6 +218,7 @@ impl TriangleSearch {
     }
 
     /// Faces, edges and corners, by a part of their shares.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn whole_contacts(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         self.faces(body, meeting);
         for k in 0..self.places.near.len() {
@@ -207,6 +226,9 @@ impl TriangleSearch {
             self.corners(body, k, meeting);
         }
         self.mixed_corners(body, meeting);
+        if self.candidates.lacks_room() {
+            return;
+        }
         self.keep_one_of_each(meeting);
         self.find_cuts(body, meeting);
         let mut cuts = &self.cuts[..];
@@ -225,21 +247,23 @@ impl TriangleSearch {
                     share,
                 };
                 let plane = self.places.near[c.near].plane;
-                match self.covered.get(plane) {
-                    Some(&known) if known != NOTHING && c.feature == Feature::Face => {
-                        let own = &mut self.contacts[known];
-                        own.share = own.share.plus(&share);
-                    }
-                    _ => self.contacts.push(found),
+                let known = match self.covered.get(plane) {
+                    Some(&known) if c.feature == Feature::Face => self.contacts.get_mut(known),
+                    _ => None,
+                };
+                match known {
+                    Some(own) => own.share = own.share.plus(&share),
+                    None => self.contacts.push(found),
                 }
             }
         }
     }
 
     /// The planes of faces, each by the part of its section that its triangles cover, and that by a part.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn covered_faces(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         let places = &self.places;
-        self.covered.resize(places.near.len(), NOTHING);
+        self.covered.set_all(places.near.len(), NOTHING);
         for (k, t) in places.near.iter().enumerate() {
             let support = body.support(-t.normal);
             let penetration = support.h - t.distance;
@@ -260,9 +284,11 @@ impl TriangleSearch {
             if !(share.value > 0.0) {
                 continue;
             }
-            let known = self.covered[t.plane];
-            if known == NOTHING {
-                self.covered[t.plane] = self.contacts.len();
+            let known = &mut self.covered[t.plane];
+            if let Some(contact) = self.contacts.get_mut(*known) {
+                contact.share = contact.share.plus(&share);
+            } else {
+                *known = self.contacts.len();
                 self.contacts.push(TriangleContact {
                     point: foot,
                     normal: t.normal,
@@ -271,15 +297,13 @@ impl TriangleSearch {
                     feature: Feature::Face,
                     share,
                 });
-            } else {
-                let contact = &mut self.contacts[known];
-                contact.share = contact.share.plus(&share);
             }
         }
     }
 
     /// The one contact, its point from the body's centre, where all triangles near the body are of one plane and the body is within the
     /// borders of one of them, or of several that continue one another: the quick way to what the others find there.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn lone_face(&self, body: &Ellipsoid, meeting: f64) -> Option<TriangleContact> {
         let (first, others) = self.places.near.split_first()?;
         let largest = body.bounding_radius();
@@ -329,15 +353,16 @@ impl TriangleSearch {
     }
 
     /// The planes of faces on which the body lies, or on a part of which it lies beyond a fold.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn faces(&mut self, body: &Ellipsoid, meeting: f64) {
-        self.of_plane.clear();
-        self.of_plane.resize(self.places.near.len(), NOTHING);
+        self.of_plane.set_all(self.places.near.len(), NOTHING);
         for k in 0..self.places.near.len() {
             let t = &self.places.near[k];
-            let known = self.of_plane[t.plane];
-            if known != NOTHING && self.candidates[known].over {
+            let known = self.candidates.get(self.of_plane[t.plane]);
+            if known.is_some_and(|c| c.over) {
                 continue;
             }
+            let is_known = known.is_some();
             let normal = t.normal;
             let support = body.support(-normal);
             let penetration = support.h - t.distance;
@@ -360,7 +385,7 @@ impl TriangleSearch {
                 }
                 foot
             } else {
-                if known != NOTHING || !t.is_in_section(body, &support, penetration) {
+                if is_known || !t.is_in_section(body, &support, penetration) {
                     continue;
                 }
                 let point = t.nearest_to(body, &support, foot);
@@ -380,15 +405,18 @@ impl TriangleSearch {
                 over,
                 near: k,
             };
-            if known == NOTHING {
-                self.of_plane[t.plane] = self.candidates.len();
-                self.candidates.push(candidate);
-            } else {
-                self.candidates[known] = candidate;
+            let place = &mut self.of_plane[t.plane];
+            match self.candidates.get_mut(*place) {
+                Some(known) => *known = candidate,
+                None => {
+                    *place = self.candidates.len();
+                    self.candidates.push(candidate);
+                }
             }
         }
     }
 
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn edges(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
         let t = self.places.near[k];
         let unit = t
@@ -425,6 +453,7 @@ impl TriangleSearch {
         }
     }
 
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn corners(&mut self, body: &Ellipsoid, k: usize, meeting: f64) {
         let t = self.places.near[k];
         for corner in t.corners {
@@ -449,19 +478,26 @@ impl TriangleSearch {
     }
 
     /// Puts the supports by the convex pieces of corners at which convex edges meet concave ones in the place of what the triangles' planes say.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
-        let mut corner = core::mem::take(&mut self.corner);
-        let (found, count) = corner.find(&self.places, body, meeting, &self.fine);
+        let (found, count) = (self.corner).find(&self.places, body, meeting, &self.fine);
         for &(k, apex) in &found[..count] {
-            if corner.gather(&self.places, k, apex, meeting) {
-                self.act_at_corner(body, apex, &mut corner);
+            if self.corner.gather(&self.places, k, apex, meeting) {
+                self.act_at_corner(body, apex);
             }
         }
-        self.corner = corner;
     }
 
-    fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3, corner: &mut MixedCorner) {
-        let (places, candidates) = (&self.places, &mut self.candidates);
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3) {
+        let TriangleSearch {
+            places,
+            candidates,
+            corner,
+            of_plane,
+            ..
+        } = self;
+        let places = &*places;
         let acting = corner.supports(places, body, apex, |support, near| {
             let (normal, foot, feature) = match support {
                 // as the plane of a face, below
@@ -484,17 +520,17 @@ impl TriangleSearch {
             ));
         });
         for (m, (plane, k)) in corner.planes(places).enumerate() {
-            let known = self.of_plane[plane];
+            let known = candidates.get_mut(of_plane[plane]);
             if acting >> m & 1 == 0 {
-                if known != NOTHING && !candidates[known].over {
-                    candidates[known].triangle = NOTHING;
+                if let Some(known) = known.filter(|c| !c.over) {
+                    known.triangle = NOTHING;
                 }
-            } else if known == NOTHING {
+            } else if known.is_none() {
                 let t = &places.near[k];
                 let support = body.support(-t.normal);
                 let penetration = support.h - t.distance;
                 let foot = support.point + t.normal * penetration;
-                self.of_plane[plane] = candidates.len();
+                of_plane[plane] = candidates.len();
                 candidates.push(Candidate {
                     plane: SupportingPlane {
                         point: apex,
@@ -527,6 +563,7 @@ impl TriangleSearch {
 
     /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
     /// triangles have in common.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn keep_one_of_each(&mut self, meeting: f64) {
         let is_whole = |c: &Candidate| c.feature == Feature::Face && c.triangle != NOTHING;
         if self.candidates.iter().all(is_whole) {
@@ -534,7 +571,7 @@ impl TriangleSearch {
         }
         let reach = 3.0 * meeting;
         self.candidates
-            .sort_unstable_by(|a, b| a.foot.x.total_cmp(&b.foot.x).then(a.order(b)));
+            .sort_with(|a, b| a.foot.x.total_cmp(&b.foot.x).then(a.order(b)));
         for k in 0..self.candidates.len() {
             let c = self.candidates[k];
             for other in k + 1..self.candidates.len() {
@@ -563,6 +600,7 @@ impl TriangleSearch {
     }
 
     /// Which candidates cut each other's contacts: faces that meet, and edges and corners with everything.
+    #[cfg_attr(not(feature = "std"), inline(never))]
     fn find_cuts(&mut self, body: &Ellipsoid, meeting: f64) {
         let TriangleSearch {
             places: TrianglePlaces { near, boxes, tree },
@@ -573,13 +611,13 @@ impl TriangleSearch {
             ..
         } = self;
         sections.clear();
-        sections.extend(candidates.iter().map(|c| Section::new(body, &c.plane)));
+        sections.add_all(candidates.iter().map(|c| Section::new(body, &c.plane)));
         cuts.clear();
         let mut cut = |c: usize, d: usize, meet: &dyn Fn() -> bool| {
             let [one, other] = [[c, d], [d, c]].map(|[c, d]| sections[c].is_cut_by(&sections[d]));
             if (one || other) && meet() {
-                cuts.extend(one.then_some([c, d]));
-                cuts.extend(other.then_some([d, c]));
+                cuts.add_all(one.then_some([c, d]));
+                cuts.add_all(other.then_some([d, c]));
             }
         };
         for (k, t) in near.iter().enumerate() {
@@ -606,12 +644,26 @@ impl TriangleSearch {
                 }
             }
         }
-        cuts.sort_unstable();
+        cuts.sort();
         cuts.dedup();
     }
 }
 
 impl Candidate {
+    /// Of no triangle.
+    pub(super) const NONE: Candidate = Candidate {
+        plane: SupportingPlane {
+            point: Vector3::ZERO,
+            normal: Vector3::ZERO,
+        },
+        foot: Vector3::ZERO,
+        penetration: 0.0,
+        triangle: NOTHING,
+        feature: Feature::Face,
+        over: false,
+        near: 0,
+    };
+
     /// An edge or a corner: `normal` out of the surface, through `point`.
     fn at_point(
         normal: Vector3,

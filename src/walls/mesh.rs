@@ -2,13 +2,11 @@
 //! A surface of triangles as a wall. A body meets those whose boxes it meets, however many there are.
 
 use super::near_triangles::{NearTriangles, Triangles};
-use super::plane::flat;
 use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
+use super::triangle_contacts::{place_of, surface};
 use crate::contact::ranges::LARGEST_COORDINATE;
-use crate::contact::staged::WallSurface;
 use crate::geometry::box_tree::{BoxTree, Extent};
-use crate::geometry::triangle_places::REACH;
-use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
+use crate::geometry::triangles::Triangle;
 use crate::geometry::Plane;
 use crate::message::Numbers;
 use crate::vector::Vector3;
@@ -16,9 +14,9 @@ use crate::vector::Vector3;
 /// Triangles and the boxes around them.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    triangles: Vec<Triangle>,
-    boxes: Vec<Extent>,
-    tree: BoxTree,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) boxes: Vec<Extent>,
+    pub(super) tree: BoxTree,
     /// Of the particles that were looked at.
     near: NearTriangles,
 }
@@ -96,26 +94,6 @@ pub(super) fn around(triangle: &Triangle) -> Extent {
     }
 }
 
-/// What a contact with triangles is for the law: an edge or a corner is taken as flat.
-fn surface(c: &TriangleContact) -> WallSurface {
-    let face = WallSurface {
-        share: c.share,
-        ..flat(c.point, c.normal)
-    };
-    match c.feature {
-        Feature::Face => face,
-        Feature::Edge(along) => WallSurface {
-            direction: along.cross(c.normal),
-            turning_radii: [0.0, f64::INFINITY],
-            ..face
-        },
-        Feature::Corner => WallSurface {
-            turning_radii: [0.0; 2],
-            ..face
-        },
-    }
-}
-
 /// The contacts of a particle with the triangles that `search.near` names, and which of them stands for each.
 pub(super) fn touch_near(
     grain: &Grain<'_>,
@@ -176,20 +154,7 @@ impl Shape for Mesh {
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
-        let body = grain.body;
-        // More than the body's own box: corners act from a little outside, and triangles that meet within a hundred-thousandth of its size count as joined.
-        let margin = 1e-4 * body.smallest_semi_axis();
-        let reach = [
-            Vector3::new(1.0, 0.0, 0.0),
-            Vector3::new(0.0, 1.0, 0.0),
-            Vector3::new(0.0, 0.0, 1.0),
-        ]
-        .map(|e| REACH * body.support(e).h + margin);
-        let c = grain.centre.to_array();
-        let extent = Extent {
-            low: core::array::from_fn(|k| c[k] - reach[k]),
-            high: core::array::from_fn(|k| c[k] + reach[k]),
-        };
+        let extent = place_of(grain);
         search.near.clear();
         if let Some(near) = self.near.around(grain.particle, &extent) {
             let reach_in = |t: &&u32| self.boxes[**t as usize].overlaps(&extent);

@@ -33,6 +33,9 @@ mod near_triangles;
 pub mod one_particle;
 #[cfg(feature = "std")]
 mod one_plane;
+// Public for the kernels in `gpu/`; no interface for others.
+#[doc(hidden)]
+pub mod parts;
 #[cfg(feature = "std")]
 mod periodic;
 mod plane;
@@ -51,8 +54,10 @@ mod step_sums;
 pub mod stl;
 mod surface;
 mod tip;
+mod touched;
 #[cfg(feature = "std")]
 mod touching_loads;
+mod triangle_contacts;
 #[cfg(feature = "std")]
 mod triangle_file;
 #[cfg(feature = "std")]

@@ -4,9 +4,10 @@
 //!
 //! What is kept is right for whatever is in the place, so it does not matter whether a particle has the index that it had.
 
+use super::triangle_contacts::{reach_of_ball, InBall};
 use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::flat_place::FlatPlace;
-use crate::geometry::triangle::{plane_comes_into, Near, Triangle};
+use crate::geometry::triangle::{Near, Triangle};
 use crate::geometry::Plane;
 use crate::vector::Vector3;
 
@@ -17,9 +18,6 @@ const SPARE: f64 = 0.25;
 /// The same where no triangle is near, and a larger place has none to look at: the search is then repeated after a way of two radii, which in a
 /// dense flow is after thousands of steps.
 const SPARE_WITHOUT: f64 = 2.0;
-/// A search may ask for a place that is larger than the particle by this share of its radius: twice the margin within which triangles count as
-/// joined (`Mesh::touch`), for rounding.
-const MARGIN: f64 = 2e-4;
 /// Indices that are no longer in use are kept up to as many as there are in use, and so many more, a page of 16 KiB of them, so that few
 /// particles do not have all places found anew again and again.
 const LEAST: usize = 4096;
@@ -87,7 +85,7 @@ impl NearTriangles {
         (centre, radius): (Vector3, f64),
         triangles: Triangles<'_>,
     ) -> bool {
-        let reach = radius * (1.0 + MARGIN);
+        let reach = reach_of_ball(radius);
         let comes_into = |plane: &Plane| plane.normal.dot(centre - plane.point).abs() < reach;
         if let Some(plane) = self.plane_at(particle, centre, radius) {
             return comes_into(plane);
@@ -102,11 +100,11 @@ impl NearTriangles {
                 return comes_into(plane);
             }
         }
-        let ball = Extent::about(centre.to_array(), radius);
+        let ball = InBall::new(centre, radius);
         let near = self.around(particle, &needed).unwrap_or(&[]);
         near.iter().any(|t| {
             let t = *t as usize;
-            triangles.boxes[t].overlaps(&ball) && plane_comes_into(&triangles.all[t], centre, reach)
+            triangles.boxes[t].overlaps(&ball.extent) && ball.may_have(&triangles.all[t])
         })
     }
 

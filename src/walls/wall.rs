@@ -7,12 +7,14 @@ use super::lent_triangles::LentTriangles;
 use super::lone_contacts::LoneContacts;
 use super::mesh::Mesh;
 use super::motion::Motion;
+use super::parts::{OwnParts, Part};
 use super::shape::{Ball, Block, Shape, ShapeInLanes, WholePlane};
 use super::surface::Surface;
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
 use crate::geometry::triangles::Triangle;
 use crate::vector::Vector3;
+use core::any::Any;
 
 /// Parts that move as one, and what is kept between calls so that a step allocates nothing.
 ///
@@ -242,6 +244,35 @@ impl Wall {
         let lent = self.lent.iter().map(|_| None);
         let all = parts.chain(lent).enumerate();
         all.map(|(part, surface)| surface.ok_or(part)).collect()
+    }
+
+    /// The parts as a device has them, where triangles are among them. Public for `gpu/`; no interface for others.
+    ///
+    /// # Errors
+    /// The number of the first part that can only be on the host: triangles that an engine lends.
+    #[doc(hidden)]
+    pub fn parts_with_triangles(&self) -> Result<OwnParts, usize> {
+        let mut all = OwnParts::default();
+        for (number, part) in self.parts.iter().enumerate() {
+            if let Some(surface) = Surface::of(&**part) {
+                all.parts.push(Part::Surface(surface));
+                continue;
+            }
+            let any: &dyn Any = &**part;
+            let mesh: &Mesh = any.downcast_ref().ok_or(number)?;
+            let (triangle, node) = (all.triangles.len() as u64, all.nodes.len() as u64);
+            all.triangles.extend_from_slice(&mesh.triangles);
+            all.boxes.extend_from_slice(&mesh.boxes);
+            all.nodes.extend_from_slice(&mesh.tree.nodes);
+            all.order.extend_from_slice(&mesh.tree.order);
+            let triangles = [triangle, all.triangles.len() as u64];
+            let part = Part::Triangles(triangles, [node, all.nodes.len() as u64]);
+            all.parts.push(part);
+        }
+        match self.lent {
+            Some(_) => Err(self.parts.len()),
+            None => Ok(all),
+        }
     }
 
     /// How the histories of a particle are laid out, with the library's own contact laws.

@@ -3,13 +3,15 @@
 //! KOKKOS are on the host, and the stand-in for NVIDIA's driver runs the kernels (`tests/lammps_on_gpu/plugin`).
 
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use crate::engines::process;
 use crate::harness::{
     attempt, attempt_in, between_walls, crowd, last_lines, run, Deck, Engine, Frame, Outcome,
     Scene, State,
 };
+use crate::mesh_walls::in_mesh;
 
 const LAW: &str = "nfd 1e7 0.3 200 300 tangential tfd 0.5";
 
@@ -150,20 +152,22 @@ fn same_trajectories(name: &str, scene: &Scene, deck: &Deck) {
 }
 
 fn same_on_ranks(name: &str, scene: &Scene, deck: &Deck, ranks: usize) {
-    let host = run(
-        &Engine::from_environment(),
-        &format!("host_{name}"),
-        scene,
-        deck,
-        1,
-    );
-    let gpu = run(
-        &with_the_stand_in(),
-        &format!("gpu_{name}"),
-        scene,
-        deck,
-        ranks,
-    );
+    same_with_files(name, &[], scene, deck, ranks);
+}
+
+/// The same with files in the directory of each run.
+fn same_with_files(
+    name: &str,
+    files: &[(&str, Vec<u8>)],
+    scene: &Scene,
+    deck: &Deck,
+    ranks: usize,
+) {
+    let on = |engine: &Engine, name: &str, ranks: usize| {
+        in_mesh(engine, name, files, scene, deck, ranks)
+    };
+    let host = on(&Engine::from_environment(), &format!("host_{name}"), 1);
+    let gpu = on(&with_the_stand_in(), &format!("gpu_{name}"), ranks);
     require_the_gpu(&gpu);
     assert!(
         gpu.output
@@ -609,6 +613,44 @@ fn the_trajectories_in_curved_walls_are_those_of_the_host() {
     }
 }
 
+/// Files of the examples: a drum with lifters that turns about its axis, a paddle that turns in it; and the outer sides of a block that
+/// wiggles.
+#[test]
+fn the_trajectories_in_meshes_are_those_of_the_host() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/lammps");
+    let files =
+        ["lifters.stl", "paddle.stl"].map(|name| (name, fs::read(examples.join(name)).unwrap()));
+    for motion in ["velocities step", "velocities half"] {
+        let mut deck = Deck {
+            runs: three_runs(),
+            ..deck(motion)
+        };
+        let wall =
+            |name: &str, words: &str| format!("fix {name} all wall/gran/ellipsoid {LAW} {words}");
+        deck.fixes.extend([
+            wall(
+                "drum",
+                "mesh lifters.stl scale 0.0024 move 0.048 0.048 0.048 rotate 0.048 0.048 0.048 1 0 0 0.1",
+            ),
+            wall(
+                "paddle",
+                "mesh paddle.stl scale 0.0015 move 0.048 0.048 0.048 rotate 0.048 0.048 0.048 0 0 1 0.02",
+            ),
+            format!(
+                "region block block 0.03 0.066 0.03 0.066 -0.02 0.004 side out\n{}",
+                wall("block", "region block wiggle z 1e-3 0.002")
+            ),
+            // At rest, cut by the drum.
+            wall("still", "mesh paddle.stl scale 0.004 move 0.048 0.03 0.02"),
+        ]);
+        let mut scene = between_walls();
+        scene.boundary = "f f f".into();
+        scene.low[1] -= 0.03;
+        scene.high[1] += 0.03;
+        same_with_files(&format!("mesh_{}", &motion[11..]), &files, &scene, &deck, 1);
+    }
+}
+
 /// What docs/kokkos.md lists as refused, each with a word of the message.
 #[test]
 fn what_is_not_on_the_gpu_is_refused() {
@@ -656,13 +698,6 @@ fn what_is_not_on_the_gpu_is_refused() {
     other_masses.runs[0] = "run 5".into();
     refused_on(2, "set_ranks", other_masses, "leave out 'pre no'");
 
-    refused(
-        "wall_block",
-        with(&format!(
-            "region b block 0.02 0.03 0.02 0.03 -0.03 -0.02 side out\nfix w all wall/gran/ellipsoid {LAW} region b"
-        )),
-        "made of triangles, are not on the GPU",
-    );
     refused(
         "wall_servo",
         wall("zplane -0.01 NULL servo 0 0 1 1.0 0.1"),

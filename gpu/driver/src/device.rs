@@ -269,6 +269,20 @@ impl<T> Buffer<T> {
         Ok(())
     }
 
+    /// The same without more room than was asked for.
+    ///
+    /// # Errors
+    /// Too little memory: the buffer is then empty.
+    pub fn resize_exactly(&mut self, length: usize) -> Result<(), Failure> {
+        if length > self.capacity {
+            self.release();
+            let bytes = length * size_of::<T>();
+            (self.address, self.capacity) = (self.device.driver.allocate(bytes)?, length);
+        }
+        self.length = length;
+        Ok(())
+    }
+
     fn release(&mut self) {
         if self.address != 0 {
             self.device.driver.free(self.address);

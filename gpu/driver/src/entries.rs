@@ -10,12 +10,14 @@ use ellgran::contact::history::Remembers;
 use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
-    MotionArguments, NumberArguments, PlaneArguments, PoseArguments, PrepareArguments,
-    ShapeArguments, SumArguments, TermArguments, WallArguments,
+    MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
+    PrepareArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
 const BLOCK: u32 = 128;
+/// The same of kernels whose threads are few, each with much to do: they are spread over the processors.
+const SMALL_BLOCK: u32 = 32;
 
 /// The kind of shape that a scene is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,11 +140,35 @@ impl<A> Entry<A> {
         count: usize,
         arguments: &A,
     ) -> Result<(), Failure> {
+        self.launch_blocks(device, stream, (count, BLOCK), arguments)
+    }
+
+    /// The same in small blocks.
+    ///
+    /// # Errors
+    /// Of the driver.
+    pub fn launch_spread(
+        &self,
+        device: &Device,
+        stream: Stream,
+        count: usize,
+        arguments: &A,
+    ) -> Result<(), Failure> {
+        self.launch_blocks(device, stream, (count, SMALL_BLOCK), arguments)
+    }
+
+    fn launch_blocks(
+        &self,
+        device: &Device,
+        stream: Stream,
+        (count, block): (usize, u32),
+        arguments: &A,
+    ) -> Result<(), Failure> {
         // Scenes have been checked for it.
         let count = count as u32;
         device
             .driver()
-            .launch(self.function, &self.name, count, BLOCK, arguments, stream)
+            .launch(self.function, &self.name, count, block, arguments, stream)
     }
 }
 
@@ -208,10 +234,14 @@ pub struct Chosen {
     pub plane: Entry<PlaneArguments<OnDevice>>,
     /// Walls of surfaces.
     pub wall: Entry<WallArguments<OnDevice>>,
+    /// Walls with triangles: which grains are near.
+    pub near_mesh: Entry<MeshArguments<OnDevice>>,
+    /// And their contacts.
+    pub mesh: Entry<MeshArguments<OnDevice>>,
 }
 
-/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls.
-fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
+/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls, and the two of walls with triangles.
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 8] {
     let kind = shapes.word();
     // Marked contacts, planes and walls take spheres as spheroids.
     let spheroids_too = match shapes {
@@ -242,6 +272,8 @@ fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
         format!("ellgran_marked_contacts_{spheroids_too}"),
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
         format!("ellgran_wall_{spheroids_too}"),
+        format!("ellgran_near_mesh_{spheroids_too}"),
+        "ellgran_mesh".to_owned(),
     ]
 }
 
@@ -256,7 +288,7 @@ impl Chosen {
         terms: Terms,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane, wall] =
+        let [prepare, candidates, contacts, marked_contacts, plane, wall, near_mesh, mesh] =
             names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
@@ -266,6 +298,8 @@ impl Chosen {
             marked_contacts: Entry::new(device, marked_contacts)?,
             plane: Entry::new(device, plane)?,
             wall: Entry::new(device, wall)?,
+            near_mesh: Entry::new(device, near_mesh)?,
+            mesh: Entry::new(device, mesh)?,
         })
     }
 }
@@ -351,7 +385,7 @@ mod tests {
                     mass: false,
                 };
                 for precision in [Precision::Double, Precision::Mixed] {
-                    let [prepare, candidates, contacts, marked, plane, wall] =
+                    let [prepare, candidates, contacts, marked, plane, wall, meshes @ ..] =
                         names(shapes, terms, precision);
                     is_of::<PrepareArguments<OnDevice>>(&prepare);
                     is_of::<CandidateArguments<OnDevice>>(&candidates);
@@ -359,6 +393,9 @@ mod tests {
                     is_of::<ContactArguments<OnDevice>>(&marked);
                     is_of::<PlaneArguments<OnDevice>>(&plane);
                     is_of::<WallArguments<OnDevice>>(&wall);
+                    for mesh in meshes {
+                        is_of::<MeshArguments<OnDevice>>(&mesh);
+                    }
                 }
             }
         }

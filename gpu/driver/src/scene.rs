@@ -18,16 +18,20 @@ use ellgran::c_api::status::{
 use ellgran::contact::ranges::{LARGEST_COORDINATE, LARGEST_VELOCITY, LONGEST_TIME_STEP};
 use ellgran::contact::{Laws, Step};
 use ellgran::force::PairLaw;
+use ellgran::geometry::box_tree::{Extent, Node};
+use ellgran::geometry::triangles::Triangle;
 use ellgran::walls::one_particle::{LONGEST_HISTORY, MOST_CONTACTS};
+use ellgran::walls::parts::{OwnParts, Part, MOST_RECORDS};
 use ellgran::walls::{Motion, MovingPlane, Surface, Wall, WallHistoryLayout};
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
     CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
     SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
+use ellgran_kernels::meshes::{LargeRoom, SmallRoom, COUNTS, MOST_TRIANGLES, TOO_MANY_TRIANGLES};
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::{Grain, GrainChange};
@@ -42,6 +46,12 @@ const MARKED_THREADS: usize = 1 << 16;
 
 /// Threads that select candidates, at most: in most steps they find that there is nothing to do.
 const SELECTING_THREADS: usize = 1 << 18;
+
+/// Threads that look for the contacts with triangles, at most, each of which has 60 kB of memory of the device for it: as many as there may be at
+/// a time on a GPU of 128 processors with two blocks each.
+const MESH_THREADS: usize = 1 << 13;
+/// The same for grains that need large room, of which there are few.
+const CROWDED_MESH_THREADS: usize = 1 << 7;
 
 fn argument<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what))
@@ -149,6 +159,94 @@ enum WallKind {
     Plane,
     /// Surfaces on the device, and how the histories of a grain with them are laid out.
     Surfaces(Buffer<Surface>, WallHistoryLayout),
+    /// The same of parts of which some are triangles.
+    Parts(Box<PartsOnDevice>, WallHistoryLayout),
+}
+
+/// The parts of a wall with triangles.
+struct PartsOnDevice {
+    parts: Buffer<Part>,
+    triangles: Buffer<Triangle>,
+    boxes: Buffer<Extent>,
+    nodes: Buffer<Node>,
+    order: Buffer<usize>,
+}
+
+impl PartsOnDevice {
+    fn new(device: &Arc<Device>, own: &OwnParts, stream: Stream) -> Result<Self, Failure> {
+        fn copied<T>(
+            device: &Arc<Device>,
+            values: &[T],
+            stream: Stream,
+        ) -> Result<Buffer<T>, Failure> {
+            let mut buffer = Buffer::new(device);
+            buffer.resize(values.len())?;
+            if !values.is_empty() {
+                device.driver().copy_in(buffer.address(), values, stream)?;
+            }
+            Ok(buffer)
+        }
+        let parts = PartsOnDevice {
+            parts: copied(device, &own.parts, stream)?,
+            triangles: copied(device, &own.triangles, stream)?,
+            boxes: copied(device, &own.boxes, stream)?,
+            nodes: copied(device, &own.nodes, stream)?,
+            order: copied(device, &own.order, stream)?,
+        };
+        // Before the copies on the host go.
+        device.driver().synchronise(stream)?;
+        Ok(parts)
+    }
+
+    fn bytes(&self) -> usize {
+        self.parts.bytes()
+            + self.triangles.bytes()
+            + self.boxes.bytes()
+            + self.nodes.bytes()
+            + self.order.bytes()
+    }
+}
+
+/// What the searches among triangles of all walls take turns in.
+struct MeshMemory {
+    near: Buffer<u32>,
+    crowded: Buffer<u32>,
+    counts: Buffer<u32>,
+    rooms: Buffer<SmallRoom>,
+    large_rooms: Buffer<LargeRoom>,
+}
+
+impl MeshMemory {
+    fn new(device: &Arc<Device>) -> Self {
+        MeshMemory {
+            near: Buffer::new(device),
+            crowded: Buffer::new(device),
+            counts: Buffer::new(device),
+            rooms: Buffer::new(device),
+            large_rooms: Buffer::new(device),
+        }
+    }
+
+    /// For so many grains.
+    fn resize(&mut self, owned: usize, stream: Stream) -> Result<(), Failure> {
+        self.near.resize(owned)?;
+        self.crowded.resize(owned)?;
+        self.counts.resize(COUNTS)?;
+        self.rooms.resize_exactly(owned.min(MESH_THREADS))?;
+        self.large_rooms
+            .resize_exactly(owned.min(CROWDED_MESH_THREADS))?;
+        // Zeros are room, and not any bits are.
+        self.rooms.clear(stream)?;
+        self.large_rooms.clear(stream)
+    }
+
+    fn bytes(&self) -> usize {
+        self.near.bytes()
+            + self.crowded.bytes()
+            + self.counts.bytes()
+            + self.rooms.bytes()
+            + self.large_rooms.bytes()
+    }
 }
 
 /// What is remembered of the pairs of one list, and of walls.
@@ -238,6 +336,8 @@ pub struct Scene {
     slots: Buffer<u64>,
     /// By their numbers.
     walls: Vec<WallKind>,
+    /// Empty where no wall has triangles.
+    meshes: MeshMemory,
     now: PairMemory,
     /// The memory of the list before, or of a list that is being made.
     other: PairMemory,
@@ -285,6 +385,7 @@ impl Scene {
             notes: Buffer::new(device),
             slots: Buffer::new(device),
             walls: Vec::new(),
+            meshes: MeshMemory::new(device),
             now: PairMemory::new(device),
             other: PairMemory::new(device),
         };
@@ -519,7 +620,7 @@ impl Scene {
             has_changes: !g.velocity_changes.is_null(),
         };
         self.choose(g, stream)?;
-        self.allocate(&listed, pairs)?;
+        self.allocate(&listed, pairs, stream)?;
         self.faults.clear(stream)?;
         self.motion_faults.clear(stream)?;
         for which in [KEPT, CANDIDATES, FOUND, MARKED] {
@@ -629,7 +730,7 @@ impl Scene {
     }
 
     /// Room for a list of so many pairs. Nothing is under way.
-    fn allocate(&mut self, listed: &Listed, pairs: usize) -> Result<(), Failure> {
+    fn allocate(&mut self, listed: &Listed, pairs: usize, stream: Stream) -> Result<(), Failure> {
         let (owned, count) = (listed.owned, listed.count);
         let length = self.laws.layout().length;
         self.grains.resize(count)?;
@@ -656,6 +757,9 @@ impl Scene {
         memory.histories.resize(pairs * length)?;
         for wall in &mut memory.walls {
             wall.resize(owned)?;
+        }
+        if self.has_triangles() {
+            self.meshes.resize(owned, stream)?;
         }
         Ok(())
     }
@@ -787,17 +891,12 @@ impl Scene {
     /// One more wall, with copies of its parts: its number.
     ///
     /// # Errors
-    /// A wall without parts, or one with triangles; too little memory.
+    /// A wall without parts, or with triangles that are lent; too little memory.
     pub fn add_wall(&mut self, wall: &Wall, stream: Stream) -> Result<usize, Failure> {
         let surfaces = match wall.surfaces() {
             Ok(surfaces) if surfaces.is_empty() => return argument("the wall has no parts"),
             Ok(surfaces) => surfaces,
-            Err(part) => {
-                return argument(format!(
-                    "part {part} of the wall, counted from 0, is made of triangles, for which there is no kernel: use the functions of \
-                     ellgran.h on the host, or planes, cylinders, cones and spheres"
-                ))
-            }
+            Err(_) => return self.add_wall_with_triangles(wall, stream),
         };
         let _entered = self.device.enter()?;
         // More than these there are not.
@@ -812,6 +911,36 @@ impl Scene {
         driver.copy_in(buffer.address(), &surfaces, stream)?;
         driver.synchronise(stream)?;
         self.add_memory(WallKind::Surfaces(buffer, layout), layout.length(), stream)
+    }
+
+    fn add_wall_with_triangles(&mut self, wall: &Wall, stream: Stream) -> Result<usize, Failure> {
+        let own = match wall.parts_with_triangles() {
+            Ok(own) => own,
+            Err(part) => {
+                return argument(format!(
+                    "part {part} of the wall, counted from 0, is of triangles that are lent, for which there is no kernel: add them as a \
+                     mesh, or use the functions of ellgran.h on the host"
+                ))
+            }
+        };
+        let _entered = self.device.enter()?;
+        let WallHistoryLayout {
+            history, records, ..
+        } = wall.histories(&self.laws);
+        let layout = WallHistoryLayout::new(history, records.min(MOST_RECORDS));
+        assert!(history <= LONGEST_HISTORY);
+        let parts = PartsOnDevice::new(&self.device, &own, stream)?;
+        self.meshes.resize(self.now.owned, stream)?;
+        self.add_memory(
+            WallKind::Parts(Box::new(parts), layout),
+            layout.length(),
+            stream,
+        )
+    }
+
+    fn has_triangles(&self) -> bool {
+        let is_of_triangles = |wall: &WallKind| matches!(wall, WallKind::Parts(..));
+        self.walls.iter().any(is_of_triangles)
     }
 
     /// Memory of one more wall, which remembers `length` doubles of each grain: its number.
@@ -910,10 +1039,42 @@ impl Scene {
         stream: Stream,
     ) -> Result<(), Failure> {
         let listed = self.listed_for(g)?;
-        let (WallKind::Surfaces(surfaces, layout), wall) = self.wall(number)? else {
-            return argument(format!(
-                "wall {number} is a plane: call ellgran_gpu_compute_plane"
-            ));
+        let (surfaces, layout, wall) = match self.wall(number)? {
+            (WallKind::Surfaces(surfaces, layout), wall) => (surfaces, layout, wall),
+            (WallKind::Parts(parts, layout), wall) => {
+                let arguments = MeshArguments {
+                    scene: self.scene_arguments(g, step)?,
+                    parts: parts.parts.all(),
+                    triangles: parts.triangles.all(),
+                    boxes: parts.boxes.all(),
+                    nodes: parts.nodes.all(),
+                    order: parts.order.all(),
+                    motion: WallMotion::from(motion),
+                    states: wall.states.all(),
+                    histories: wall.histories.all(),
+                    forces: vectors(&loads.forces, listed.owned, "forces")?,
+                    torques: vectors(&loads.torques, listed.owned, "torques")?,
+                    faults: self.faults.all(),
+                    notes: self.notes(),
+                    near: self.meshes.near.all(),
+                    crowded: self.meshes.crowded.all(),
+                    counts: self.meshes.counts.all_as(),
+                    rooms: self.meshes.rooms.all(),
+                    large_rooms: self.meshes.large_rooms.all(),
+                    room_bytes: size_of::<SmallRoom>() as u64,
+                    large_room_bytes: size_of::<LargeRoom>() as u64,
+                    ellipsoids: u32::from(self.chosen()?.shapes == Shapes::Ellipsoids),
+                    is_crowded: 0,
+                    wall_type: self.wall_type(wall_type)?,
+                    records: layout.records as u32,
+                };
+                return self.launch_mesh(&listed, arguments, stream);
+            }
+            (WallKind::Plane, _) => {
+                return argument(format!(
+                    "wall {number} is a plane: call ellgran_gpu_compute_plane"
+                ))
+            }
         };
         let wall_type = self.wall_type(wall_type)?;
         let _entered = self.device.enter()?;
@@ -932,6 +1093,25 @@ impl Scene {
         };
         let wall = &self.chosen()?.wall;
         wall.launch(&self.device, stream, listed.owned, &arguments)
+    }
+
+    /// Which grains are near a wall with triangles, and then their contacts.
+    fn launch_mesh(
+        &self,
+        listed: &Listed,
+        mut arguments: MeshArguments<OnDevice>,
+        stream: Stream,
+    ) -> Result<(), Failure> {
+        let _entered = self.device.enter()?;
+        self.meshes.counts.clear(stream)?;
+        let (device, meshes) = (&self.device, &self.meshes);
+        let chosen = self.chosen()?;
+        let near = &chosen.near_mesh;
+        near.launch(device, stream, listed.owned, &arguments)?;
+        let mesh = &chosen.mesh;
+        mesh.launch_spread(device, stream, meshes.rooms.len(), &arguments)?;
+        arguments.is_crowded = 1;
+        mesh.launch_spread(device, stream, meshes.large_rooms.len(), &arguments)
     }
 
     fn motion_arguments(
@@ -1175,6 +1355,11 @@ impl Scene {
             "its entry in owners is no owned grain, or its entry in body_places is not below body_count".to_owned()
         } else if fault == TOO_MANY_CONTACTS {
             format!("it touches one wall in more than {MOST_CONTACTS} places, for which a kernel has no room: use the host")
+        } else if fault == TOO_MANY_TRIANGLES {
+            format!(
+                "it is near more than {MOST_TRIANGLES} triangles of one wall, or touches so many of their faces, edges and corners that a kernel has \
+                 no room: use larger triangles, or the host"
+            )
         } else if fault == WRONG_ROW {
             format!("starts[{k}] and starts[{}] are no row of the list", k + 1)
         } else if fault == WRONG_NEIGHBOUR {
@@ -1295,7 +1480,7 @@ impl Scene {
     ) -> Result<WallHistories, Failure> {
         let layout = match self.wall(number)?.0 {
             WallKind::Plane => None,
-            WallKind::Surfaces(_, layout) => Some(*layout),
+            WallKind::Surfaces(_, layout) | WallKind::Parts(_, layout) => Some(*layout),
         };
         let part = usize::try_from(part).unwrap_or(usize::MAX);
         WallHistories::new(host, (&self.laws, layout), part)
@@ -1400,8 +1585,10 @@ impl Scene {
                 .map(|wall| match wall {
                     WallKind::Plane => 0,
                     WallKind::Surfaces(surfaces, _) => surfaces.bytes(),
+                    WallKind::Parts(parts, _) => parts.bytes(),
                 })
                 .sum::<usize>()
+            + self.meshes.bytes()
             + self.now.bytes()
             + self.other.bytes();
         Ok(EllgranGpuCounts {

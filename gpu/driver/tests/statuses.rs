@@ -583,8 +583,8 @@ fn arguments() {
 #[test]
 fn walls_that_will_not_do() {
     use ellgran::c_api::rigid_wall::{
-        ellgran_wall_add_shape, ellgran_wall_add_triangles, ellgran_wall_free, ellgran_wall_new,
-        EllgranWallShape, ELLGRAN_SIDE_INSIDE,
+        ellgran_wall_add_shape, ellgran_wall_free, ellgran_wall_new, EllgranWallShape,
+        ELLGRAN_SIDE_INSIDE,
     };
     with_driver("walls_that_will_not_do", &[], || unsafe {
         let row = Row::new();
@@ -612,10 +612,6 @@ fn walls_that_will_not_do() {
         }
         succeed(add(wall, &mut numbers[1]));
         assert_eq!(numbers, [0, 1]);
-        let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        succeed(ellgran_wall_add_triangles(wall, 1, corners.as_ptr()));
-        let status = add(wall, &mut numbers[1]);
-        fail(status, ELLGRAN_ERROR_ARGUMENT, &["part 9", "triangles"]);
         ellgran_wall_free(wall);
 
         let mut plane = 0;
@@ -644,6 +640,53 @@ fn walls_that_will_not_do() {
         fail(status, ELLGRAN_ERROR_ARGUMENT, &["compute_wall"]);
         succeed(compute(1, 1));
         let words = ["particle 10", "more than 8 places"];
+        fail(row.check(), ELLGRAN_ERROR_PARTICLE, &words);
+        succeed(row.check());
+    });
+}
+
+/// Those of which more are beside a grain than a kernel has room for, and those that an engine lends.
+#[test]
+fn triangles_that_will_not_do() {
+    use ellgran::c_api::engine_walls::{ellgran_wall_lend_triangles, EllgranLentTriangles};
+    use ellgran::c_api::rigid_wall::{
+        ellgran_wall_add_triangles, ellgran_wall_free, ellgran_wall_new,
+    };
+    with_driver("triangles_that_will_not_do", &[], || unsafe {
+        let row = Row::new();
+        let stream = row.engine.stream;
+        let mut number = 7;
+        let mut wall = core::ptr::null_mut();
+        succeed(ellgran_wall_new(&mut wall));
+        // Stripes under all grains of the row, and narrow ones under the third.
+        let edges = (0..12).map(|k| f64::from(k) - 2.0);
+        let narrow = (1..2400).map(|k| 3.0 + f64::from(k) / 2400.0);
+        let mut edges: Vec<f64> = edges.chain(narrow).collect();
+        edges.sort_by(f64::total_cmp);
+        let corner = |x: f64, y: f64| [x, y, -0.999 - 1e-3 * x.sin()];
+        let stripe = |x: &[f64]| {
+            let [a, b, c, d] =
+                [(0, -3.0), (1, -3.0), (1, 3.0), (0, 3.0)].map(|(k, y)| corner(x[k], y));
+            [[a, b, c], [a, c, d]]
+        };
+        let triangles: Vec<[[f64; 3]; 3]> = edges.windows(2).flat_map(stripe).collect();
+        let corners = triangles.as_flattened().as_flattened();
+        let status = ellgran_wall_add_triangles(wall, triangles.len(), corners.as_ptr());
+        succeed(status);
+        succeed(ellgran_gpu_add_wall(row.scene, wall, stream, &mut number));
+        let lent = new::<EllgranLentTriangles>();
+        succeed(ellgran_wall_lend_triangles(wall, &lent));
+        let status = ellgran_gpu_add_wall(row.scene, wall, stream, &mut number);
+        fail(status, ELLGRAN_ERROR_ARGUMENT, &["part 1", "lent"]);
+        ellgran_wall_free(wall);
+        succeed(row.new_list());
+        let step = new::<ellgran::c_api::particles::EllgranStep>();
+        let (grains, loads) = (row.grains(), row.loads.loads());
+        let rest = core::ptr::null();
+        succeed(ellgran_gpu_compute_wall(
+            row.scene, &grains, number, rest, 1, &step, &loads, stream,
+        ));
+        let words = ["particle 12", "more than 512 triangles"];
         fail(row.check(), ELLGRAN_ERROR_PARTICLE, &words);
         succeed(row.check());
     });

@@ -5,12 +5,16 @@
 //! Every kernel takes the number of its threads that have something to do first, a `u32`, and then one of these.
 
 use crate::candidates::Candidate;
+use crate::meshes::{LargeRoom, SmallRoom};
 use crate::shapes::{Grain, GrainChange};
 use crate::terms::NUMBERS;
 use crate::walls::WallMotion;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::force::PairLaw;
+use ellgran::geometry::box_tree::{Extent, Node};
+use ellgran::geometry::triangles::Triangle;
 use ellgran::vector::Vector3;
+use ellgran::walls::parts::Part;
 use ellgran::walls::Surface;
 
 /// How arrays are held: as a pointer and a length on a device, as an address and a length on its host. Of 16 bytes, vectors of 32,
@@ -297,6 +301,59 @@ pub struct WallArguments<M: Memory> {
     pub faults: M::Parts<u32>,
     /// [`FAULT`] is left.
     pub notes: M::Shared<AtomicU32>,
+    /// Type of the wall.
+    pub wall_type: u32,
+    /// Contacts of a grain that are remembered.
+    pub records: u32,
+}
+
+/// Of `ellgran_near_mesh_*`, and then of `ellgran_mesh` twice. States and histories are the grains' own with this wall.
+#[repr(C)]
+pub struct MeshArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// The parts of the wall.
+    pub parts: M::Shared<Part>,
+    /// The triangles of all of them.
+    pub triangles: M::Shared<Triangle>,
+    /// Of each triangle.
+    pub boxes: M::Shared<Extent>,
+    /// Of the trees of all meshes.
+    pub nodes: M::Shared<Node>,
+    /// Those of the triangles that belong to a node.
+    pub order: M::Shared<usize>,
+    /// Where it is and how it moves.
+    pub motion: WallMotion,
+    /// One per grain: how many contacts it has.
+    pub states: M::Parts<u32>,
+    /// Those of each grain.
+    pub histories: M::Parts<f64>,
+    /// Added to.
+    pub forces: M::OwnVectors<3>,
+    /// Added to.
+    pub torques: M::OwnVectors<3>,
+    /// The first fault of each grain stays here until the host has read it.
+    pub faults: M::Parts<u32>,
+    /// [`FAULT`] is left.
+    pub notes: M::Shared<AtomicU32>,
+    /// Grains that are near the wall; each once.
+    pub near: M::Parts<u32>,
+    /// Those of them that need large room; each once.
+    pub crowded: M::Parts<u32>,
+    /// How many they are ([`crate::meshes::NEAR`] and the other); zeros before.
+    pub counts: M::Shared<AtomicU32>,
+    /// One for each thread that looks for contacts, those of listed grains.
+    pub rooms: M::Parts<SmallRoom>,
+    /// One for each thread that looks for those of grains that need it.
+    pub large_rooms: M::Parts<LargeRoom>,
+    /// Bytes of such a room, as the host has set them aside.
+    pub room_bytes: u64,
+    /// See `room_bytes`.
+    pub large_room_bytes: u64,
+    /// 1 where grains are ellipsoids, 0 where they are spheroids.
+    pub ellipsoids: u32,
+    /// 1 for those that need large room, 0 for those that are near.
+    pub is_crowded: u32,
     /// Type of the wall.
     pub wall_type: u32,
     /// Contacts of a grain that are remembered.

@@ -11,6 +11,7 @@
 //! - [`terms`]: which contacts add to the load of a grain, and their sum.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`walls`]: the same of its contacts with a wall of planes, cylinders, cones and spheres.
+//! - [`meshes`]: the same with a wall of which parts are triangles.
 //! - [`integration`]: the two halves of a step of velocity Verlet.
 //! - [`poses`]: has a grain moved too far for the present candidates.
 //! - [`pair_memory`]: histories go from one neighbour list to the next.
@@ -30,6 +31,7 @@ pub mod arguments;
 pub mod candidates;
 pub mod contacts;
 pub mod integration;
+pub mod meshes;
 pub mod mixed;
 pub mod one_lane;
 pub mod one_single;

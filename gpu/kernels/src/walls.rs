@@ -6,7 +6,7 @@ use crate::shapes::Kind;
 use ellgran::contact::Particle;
 use ellgran::force::PairLaw;
 use ellgran::vector::Vector3;
-use ellgran::walls::one_particle::{ParticleLoad, SurfacesInMotion, TooManyContacts};
+use ellgran::walls::one_particle::{ParticleLoad, TooLittleRoom, WallInMotion};
 use ellgran::walls::{Ball, Motion, Surface, WallHistoryLayout};
 
 /// What is wrong with a grain that has more contacts with a wall than a thread has room for: beside
@@ -81,12 +81,13 @@ impl From<&WallMotion> for Motion {
 /// One function for all kinds of grains: it is long, and few grains come here.
 #[inline(never)]
 fn load_of_particle(
-    wall: &SurfacesInMotion<'_>,
+    wall: &WallInMotion<'_>,
+    surfaces: &[Surface],
     law: &PairLaw,
     i: &Particle,
     histories: &mut [f64],
-) -> Result<ParticleLoad, TooManyContacts> {
-    wall.load(law, i, histories)
+) -> Result<ParticleLoad, TooLittleRoom> {
+    wall.load_by_surfaces(surfaces, law, i, histories)
 }
 
 /// Load of grain `k` by a wall. `state` is the number of its contacts at the last step, and written; `histories` are the grain's own with
@@ -101,10 +102,9 @@ pub fn contacts_with_wall<K: Kind>(
     wall: &MovingWall<'_>,
     state: &mut u32,
     histories: &mut [f64],
-) -> Result<Load, TooManyContacts> {
+) -> Result<Load, TooLittleRoom> {
     let grain = &scene.grains[k];
-    let wall_now = SurfacesInMotion {
-        surfaces: wall.surfaces,
+    let wall_now = WallInMotion {
         motion: &wall.motion,
         layout: wall.layout,
         of_laws: scene.layout,
@@ -127,7 +127,7 @@ pub fn contacts_with_wall<K: Kind>(
     let mut i = K::particle(grain, scene.types[k], mass);
     let law = &scene.laws[law_of_types(i.particle_type, wall.wall_type, scene.type_count)];
     i.change = scene.change(law, k);
-    let load = load_of_particle(&wall_now, law, &i, histories)?;
+    let load = load_of_particle(&wall_now, wall.surfaces, law, &i, histories)?;
     *state = load.contacts as u32;
     Ok(Load {
         force: load.force,

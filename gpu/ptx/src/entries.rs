@@ -12,10 +12,11 @@ use ellgran::contact::{HistoryLayout, Step};
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
+use ellgran::walls::parts::Parts;
 use ellgran::walls::{Motion, WallHistoryLayout};
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
+    FileArguments, MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
     PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
     CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
     SELECTIONS,
@@ -23,6 +24,10 @@ use ellgran_kernels::arguments::{
 use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
 use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load, Scene};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
+use ellgran_kernels::meshes::{
+    contacts_with_mesh, is_near_mesh, LargeRoom, MovingMesh, SmallRoom, CROWDED, NEAR,
+    TOO_MANY_TRIANGLES,
+};
 use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::pair_memory::{
     carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
@@ -413,12 +418,10 @@ macro_rules! walls {
                     records,
                 } = arguments;
                 let scene = scene_of(&scene, scene.tangential != 0);
-                // Without a tangential part nothing is remembered.
-                let history = scene.layout.memory.map_or(0, |_| scene.layout.length);
                 let wall = MovingWall {
                     surfaces: surfaces.all(),
                     motion: Motion::from(&motion),
-                    layout: WallHistoryLayout::new(history, records as usize),
+                    layout: wall_layout(&scene, records),
                     wall_type,
                 };
                 let length = wall.layout.length();
@@ -454,6 +457,109 @@ macro_rules! walls {
 walls! {
     ellgran_wall_spheroids: Spheroids;
     ellgran_wall_ellipsoids: Ellipsoids;
+}
+
+/// How what a scene remembers of a grain and a wall is laid out.
+#[inline(always)]
+fn wall_layout(scene: &Scene<'_>, records: u32) -> WallHistoryLayout {
+    // Without a tangential part nothing is remembered.
+    let history = scene.layout.memory.map_or(0, |_| scene.layout.length);
+    WallHistoryLayout::new(history, records as usize)
+}
+
+/// The wall of a call, in a scene of it.
+macro_rules! mesh_of {
+    ($arguments:ident, $scene:ident) => {
+        MovingMesh {
+            parts: Parts {
+                parts: $arguments.parts.all(),
+                triangles: $arguments.triangles.all(),
+                boxes: $arguments.boxes.all(),
+                nodes: $arguments.nodes.all(),
+                order: $arguments.order.all(),
+            },
+            motion: Motion::from(&$arguments.motion),
+            layout: wall_layout(&$scene, $arguments.records),
+            wall_type: $arguments.wall_type,
+        }
+    };
+}
+
+macro_rules! near_meshes {
+    ($($name:ident: $kind:ty;)*) => {
+        entries! {$(
+            /// Lists the grains that are near a wall with triangles.
+            fn $name(thread, arguments: MeshArguments<Here>) {
+                let scene = scene_of(&arguments.scene, arguments.scene.tangential != 0);
+                let wall = mesh_of!(arguments, scene);
+                let (mut states, mut histories) = (arguments.states, arguments.histories);
+                let mut near = arguments.near;
+                let k = thread.index();
+                let history = histories.part(&thread, wall.layout.length());
+                if is_near_mesh::<$kind>(k, &scene, &wall, states.at(&thread), history) {
+                    near.taken(&arguments.counts.all()[NEAR], 1).1[0] = k as u32;
+                }
+            }
+        )*}
+    };
+}
+
+// Spheres are spheroids to these.
+near_meshes! {
+    ellgran_near_mesh_spheroids: Spheroids;
+    ellgran_near_mesh_ellipsoids: Ellipsoids;
+}
+
+entries! {
+    /// Adds the loads of a wall with triangles. Grains of which there are more triangles than there is room for go to large room, or
+    /// `faults` gets [`TOO_MANY_TRIANGLES`].
+    fn ellgran_mesh(thread, arguments: MeshArguments<Here>) {
+        // What the host has set aside is what this compiler makes of the types.
+        assert!(arguments.room_bytes == size_of::<SmallRoom>() as u64);
+        assert!(arguments.large_room_bytes == size_of::<LargeRoom>() as u64);
+        let mut arrays = arguments;
+        let scene = scene_of(&arrays.scene, arrays.scene.tangential != 0);
+        let wall = mesh_of!(arrays, scene);
+        let length = wall.layout.length();
+        let is_crowded = arrays.is_crowded != 0;
+        let counts = arrays.counts.all();
+        let which = if is_crowded { CROWDED } else { NEAR };
+        let count = counts[which].load(Ordering::Relaxed) as usize;
+        for place in thread.numbers(count) {
+            let (number, room) = if is_crowded {
+                (*arrays.crowded.at(&place), arrays.large_rooms.at(&thread).lend())
+            } else {
+                (*arrays.near.at(&place), arrays.rooms.at(&thread).lend())
+            };
+            let own = place.within(|_| number);
+            let state = arrays.states.at(&own);
+            let outcome = contacts_with_mesh(
+                number as usize,
+                &scene,
+                arrays.ellipsoids != 0,
+                &wall,
+                room,
+                state,
+                arrays.histories.part(&own, length),
+            );
+            match outcome {
+                Ok(load) => {
+                    if *state != 0 {
+                        add(&mut arrays.forces, &own, load.force);
+                        add(&mut arrays.torques, &own, load.torque);
+                    }
+                }
+                Err(_) if is_crowded => {
+                    let first = arrays.faults.at(&own);
+                    if *first == 0 {
+                        *first = TOO_MANY_TRIANGLES;
+                    }
+                    note(arrays.notes.all(), FAULT);
+                }
+                Err(_) => arrays.crowded.taken(&counts[CROWDED], 1).1[0] = number,
+            }
+        }
+    }
 }
 
 /// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.

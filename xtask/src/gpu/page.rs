@@ -143,7 +143,7 @@ has them now. For those of a restart file, and of grains that come from another 
 - **What is wrong with a grain** is kept on the device until `ellgran_gpu_check` asks for it, or the next list: an error with the grain's \
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
-- **Walls** are planes, of which each call says where they are, or [any wall of ellgran.h without triangles](#walls).
+- **Walls** are planes, of which each call says where they are, or [any wall of ellgran.h](#walls) but one whose triangles an engine lends.
 - **Precision** is double, or mixed (`ellgran_gpu_scene_set_precision`): [below](#precision).
 
 | status | what is to be done |
@@ -171,7 +171,7 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 `ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1` the scenes of the kernels' tests run on the GPU of the machine, to the same bound \
 (`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
-What is not there: walls of triangles, output of the force on a wall, motion of a part of the grains, contact masses of rigid bodies, tallies of \
+What is not there: walls of triangles that an engine lends, output of the force on a wall or its triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
 energies.
 
 ";
@@ -180,17 +180,27 @@ energies.
 const WALLS: &str = "\
 ## Walls
 
-`ellgran_gpu_add_wall` takes a wall of `ellgran.h` (`ellgran_wall_add_shape`, `ellgran_wall_add_shape_words`): planes, cylinders, cones and \
-spheres, from within, from without or on both sides, with discs, rims and tips where they end. `ellgran_gpu_compute_wall` takes its place and its \
+`ellgran_gpu_add_wall` takes a wall of `ellgran.h` (`ellgran_wall_add_shape`, `ellgran_wall_add_shape_words`, `ellgran_wall_add_triangles`, \
+`ellgran_wall_add_stl`): planes, cylinders, cones and \
+spheres, from within, from without or on both sides, with discs, rims and tips where they end, and triangles. `ellgran_gpu_compute_wall` takes its place and its \
 motion in each step, rotation and `along_itself` included.
 
 - One thread takes one grain, by the functions of the host: it looks for the contacts with each part that is near, finds what each goes on from, and \
 applies the law. What is remembered is laid out as on the host.
-- A grain may touch one wall in 8 places. One that touches it in more is an error of `ellgran_gpu_check` that names it.
-- A wall with triangles is refused. What triangles share of a contact, and which of them meet, takes lists of any length.
+- A grain may touch one wall without triangles in 8 places. One that touches it in more is an error of `ellgran_gpu_check` that names it.
 - A grain takes 24 bytes and, with friction, 224 for each contact that a wall remembers: two for an endless cylinder or a sphere, one for a plane. Planes of \
 `ellgran_gpu_add_plane` take 120, and less time.
 - The kernel needs 22 kB of memory a thread, most of it for a sphere from without, which is found by the search with every safeguard.
+
+A wall of which a part is triangles takes two kernels, in one call:
+
+- The first finds the grains that are near the wall, by the host's tree of boxes. They are listed in the order in which threads come to them, which changes no result: \
+each grain's loads are its own.
+- The second takes one of these grains a thread, 8192 at a time, with the search of the host. Its lists are in memory that is set aside before, up to 60 kB a thread: for 32 \
+triangles near the grain, and 48 faces, edges and corners that support it. It is started once more for grains that need more room, 128 at a time, up to 0.6 MB each.
+- A grain that is near more than 512 triangles of one wall, or that 512 faces, edges and corners support, is an error of `ellgran_gpu_check` that names it. \
+Nothing that did not fit is left out of a result.
+- Such memory is set aside once a scene, 0.6 GB for 8192 owned grains or more, when a wall with triangles is added and with new lists. Of each contact 8 are remembered a mesh, as on the host.
 
 `cargo test -p ellgran-kernels` compares loads and histories with those of the walls of the host, at rest and in motion, to 1e-12 of the largest; \
 `cargo test -p ellgran-gpu` does so through the C interface, over a new list.
@@ -312,7 +322,7 @@ pub fn page(figures: &Figures, results: &str) -> String {
          atomic operation, and two runs give the same bits.\n\
          - A contact that the search in lanes hands back (deep, or a minimum without proof) is marked, and a second kernel takes it with \
          every safeguard. That kernel needs 18 kB of memory a thread.\n\
-         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling`, `twisting` and triangles have no kernel.\n\
+         - `factors hale`, `viscosity memory`, `displacement hysteretic`, `rolling` and `twisting` have no kernel.\n\
          - The contacts of spheroids and ellipsoids have a second form each, in [mixed precision](#precision).\n\n\
          `cargo test -p ellgran-kernels` runs the kernels on the host, index by index, and compares loads and histories with the \
          lists in lanes: 1e-12 of the largest load of the scene. `cargo xtask gpu` makes the PTX and this page, and `cargo xtask gpu --check` \

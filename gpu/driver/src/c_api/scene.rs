@@ -160,12 +160,13 @@ pub unsafe extern "C" fn ellgran_gpu_add_plane(
     })
 }
 
-/// Adds a wall of any shapes but triangles to a scene: planes, cylinders, cones and spheres, with their ends, as
-/// `ellgran_wall_add_shape` and `ellgran_wall_add_shape_words` have added them. Writes its number, counted from 0 over planes and walls, to
+/// Adds a wall of any shapes to a scene: planes, cylinders, cones and spheres, with their ends, as
+/// `ellgran_wall_add_shape` and `ellgran_wall_add_shape_words` have added them, and triangles, as `ellgran_wall_add_triangles` and
+/// `ellgran_wall_add_stl` have. Writes its number, counted from 0 over planes and walls, to
 /// `number`. The parts are copied: what is added to `wall` later, or done with it, is not seen. The scene keeps the histories of
 /// its contacts; where it is and how it moves is told in each step.
 ///
-/// A wall with triangles is refused: ELLGRAN_ERROR_ARGUMENT, with the number of the part.
+/// A wall with triangles that an engine lends is refused: ELLGRAN_ERROR_ARGUMENT, with the number of the part.
 ///
 /// # Safety
 /// `scene` and `wall` are NULL or valid; `number` is NULL or valid for writes.
@@ -214,7 +215,7 @@ pub unsafe extern "C" fn ellgran_gpu_check(
 
 /// Writes where the histories of pairs are in the memory of the GPU, those of row `k` from `starts[k]` on, or with `plane` 0 or greater
 /// those of that plane or wall. `plane` = -1: of pairs. Those of a grain with a wall are laid out as `ellgran_compute_wall` has them on the
-/// host, for 8 contacts at most, and `touching` is how many there are.
+/// host, for 8 contacts at most, for 8 of each mesh, and `touching` is how many there are.
 ///
 /// # Safety
 /// `scene` is NULL or valid; `histories` is NULL or valid for writes of its `size` bytes.

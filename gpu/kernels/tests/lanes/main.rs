@@ -3,6 +3,7 @@
 //! step.
 
 mod device;
+mod meshes;
 mod mixed;
 mod scene;
 mod walls;
