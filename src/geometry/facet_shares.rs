@@ -61,6 +61,10 @@ impl<M: Lists> ShareMemory<M> {
     }
 }
 
+/// Lines that are within this of each other all over the unit disc are the same. Planes of a mesh whose angle is small meet in a line that is
+/// rounded off by up to the accuracy of a double over that angle.
+const SAME_LINE: f64 = 1e-9;
+
 /// A plane in the frame in which the body is the unit sphere.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -236,8 +240,9 @@ fn cut<M: Lists>(memory: &mut ShareMemory<M>) -> bool {
         let mut still = 0;
         for k in 0..kept {
             let mut other = lines[k];
-            line.shorten(&other, true);
-            other.shorten(&line, false);
+            if !line.cut_beside(&mut other) {
+                return false;
+            }
             if other.from < other.to {
                 lines[still] = other;
                 still += 1;
@@ -272,20 +277,40 @@ impl Line {
         to: 0.0,
     };
 
-    /// Takes away what another line cuts off. Of two that are the same the earlier one stays.
-    fn shorten(&mut self, other: &Line, other_is_earlier: bool) {
-        let sin = other.sin * self.cos - other.cos * self.sin;
-        let cos = other.cos * self.cos + other.sin * self.sin;
-        let room = other.distance - self.distance * cos;
+    /// Takes away from this line and an earlier one what each cuts off the other; false if they leave nothing. Of two that are the same the
+    /// earlier one stays.
+    ///
+    /// Planes that share a line, as the faces at a straight edge of a mesh, cut a section along one line. Where two such lines cross is a matter of
+    /// rounding, and three would leave parts that close no border.
+    fn cut_beside(&mut self, earlier: &mut Line) -> bool {
+        let sin = earlier.sin * self.cos - earlier.cos * self.sin;
+        let cos = earlier.cos * self.cos + earlier.sin * self.sin;
+        let room = earlier.distance - self.distance * cos;
+        if sin.abs() < SAME_LINE && room.abs() < SAME_LINE {
+            self.to = self.from;
+            return cos > 0.0;
+        }
         if sin.abs() < 1e-14 {
-            if room < 0.0 || room == 0.0 && cos > 0.0 && other_is_earlier {
+            // They do not cross: of two that leave the same side the one stays that is farther in, of others both.
+            if room < 0.0 {
                 self.to = self.from;
             }
-        } else if sin > 0.0 {
-            self.to = self.to.min(room / sin);
-        } else {
-            self.from = self.from.max(room / sin);
+            if self.distance - earlier.distance * cos < 0.0 {
+                earlier.to = earlier.from;
+            }
+            return true;
         }
+        // One point of both, for each in its own measure: their parts meet there.
+        let own = room / sin;
+        let others = own * cos - self.distance * sin;
+        if sin > 0.0 {
+            self.to = self.to.min(own);
+            earlier.from = earlier.from.max(others);
+        } else {
+            self.from = self.from.max(own);
+            earlier.to = earlier.to.min(others);
+        }
+        true
     }
 }
 
@@ -654,6 +679,58 @@ mod tests {
         ] {
             assert!(of(&nothing).found().value < 1e-15);
         }
+    }
+
+    /// Planes through one line, as the faces at a straight edge of a mesh: rounding of their normals changes no share.
+    #[test]
+    fn planes_through_one_line_have_one_share_each() {
+        let mut random = Random::new(11);
+        let mut parts = 0;
+        for _ in 0..300 {
+            let mut scene = Scene::random(&mut random);
+            let (middle, [u, v]) = scene.ellipse();
+            let angle = random.uniform(0.0, TAU);
+            let along = (u * angle.cos() + v * angle.sin()).normalised();
+            let point = middle + u * random.uniform(-0.5, 0.5) + v * random.uniform(-0.5, 0.5);
+            let across = along.cross(scene.own.normal);
+            let side = if random.uniform(0.0, 1.0) < 0.5 {
+                1.0
+            } else {
+                -1.0
+            };
+            // On one side of the plane, or on both of them.
+            let one_side = random.uniform(0.0, 1.0) < 0.5;
+            scene.others = (0..2 + random.uniform(0.0, 4.0) as usize)
+                .map(|_| {
+                    let least = if one_side { 0.02 } else { -0.5 };
+                    let slope = side * random.uniform(least, 0.5);
+                    SupportingPlane {
+                        point: point + along * random.uniform(-1.0, 1.0),
+                        normal: (scene.own.normal + across * slope).normalised(),
+                    }
+                })
+                .collect();
+            let value = scene.found().value;
+            let expected = scene.expected();
+            assert!(
+                (value - expected).abs() < 5e-5,
+                "{value} is not {expected}: {scene:?}"
+            );
+            parts += usize::from(value > 0.0 && value < 1.0);
+            for _ in 0..20 {
+                let mut rounded = scene.clone();
+                for plane in rounded.others.iter_mut().chain([&mut rounded.own]) {
+                    plane.normal = plane.normal + random.direction() * 1e-15;
+                    plane.point = plane.point + random.direction() * 1e-15;
+                }
+                let other = rounded.found().value;
+                assert!(
+                    (other - value).abs() < 1e-9,
+                    "{other} is not {value}: {rounded:?}"
+                );
+            }
+        }
+        assert!(parts > 100, "{parts}");
     }
 
     #[test]

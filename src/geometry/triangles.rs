@@ -141,6 +141,10 @@ const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 /// Triangles of one plane that are looked at each beside each other, at most.
 const MOST_JOINED: usize = 32;
 
+/// A contact of less is none. Rounding leaves shares of 1e-15 where there are none, and each would take a place among the contacts of which
+/// a history is kept.
+const LEAST_SHARE: f64 = 1e-12;
+
 /// No index.
 const NOTHING: usize = usize::MAX;
 
@@ -237,7 +241,7 @@ impl<M: Lists> TriangleSearch<M> {
             cuts = rest;
             let others = own.iter().map(|cut| &self.sections[cut[1]]);
             let share = share(body, &self.sections[k], others, &mut self.memory).times(part);
-            if share.value > 0.0 {
+            if share.value > LEAST_SHARE {
                 let found = TriangleContact {
                     point: c.foot,
                     normal: c.plane.normal,
@@ -281,7 +285,7 @@ impl<M: Lists> TriangleSearch<M> {
             let own = Section::new(body, &plane);
             let borders = t.borders().map(|border| Section::new(body, &border));
             let share = share(body, &own, borders.iter(), &mut self.memory).times(part);
-            if !(share.value > 0.0) {
+            if !(share.value > LEAST_SHARE) {
                 continue;
             }
             let known = &mut self.covered[t.plane];

@@ -1,18 +1,19 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 # LAMMPS with ellgran on a GPU of NVIDIA, whose driver is all that the machine must have: trajectories beside those of the host, rates, and
-# rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within $LIMIT seconds, 112; with 1 where trajectories differ.
+# rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within $LIMIT seconds, 240; with 1 where trajectories differ.
 #
 # To be carried there, with the decks beside this file:
 #   lmp           what `cargo xtask path lammps-kokkos-cuda` prints, stripped
 #   dense.data    4096 grains of aspect ratio 2, by examples/lammps/bench/make.lmp
 #   spheres.data  spheres of the same volume in the same box, by make_spheres.lmp
+#   lifters.stl, paddle.stl  of examples/lammps
 cd "$(dirname "$0")" || exit 1
 OUT=${OUT:-$PWD/out}
 mkdir -p "$OUT/host" "$OUT/gpu"
 G="-nocite -k on g 1 -sf kk"
 began=$SECONDS
-LIMIT=${LIMIT:-112}   # s
+LIMIT=${LIMIT:-240}   # s
 left() { echo $((LIMIT - (SECONDS - began))); }
 lmp() {   # lmp LOG words...: what it printed to LOG
   local log=$1; shift
@@ -62,6 +63,21 @@ cases() {   # each with its name first
   echo "half compare.lmp -var motion 'nve/ellipsoid velocities half' -var steps 200"
   echo "frictionless compare.lmp -var law 'nfd 1e7 0.3 50 50' -var steps 200"
   echo "walls walls.lmp -var steps 200"
+  echo "curved curved_walls.lmp"
+}
+compare_lists() {   # largest difference of two lists of numbers over the largest of them
+  awk -v ref="$1" -v other="$2" 'BEGIN {
+    if ((getline line < ref) <= 0 || (getline line2 < other) <= 0) { print "FAILED: nothing compared"; exit 1 }
+    n = split(line, a, " "); if (split(line2, b, " ") != n || !n) { print "FAILED: other lists"; exit 1 }
+    for (k = 1; k <= n; k++) {
+      d = a[k] - b[k]; if (d < 0) d = -d
+      s = a[k]; if (s < 0) s = -s
+      if (!(d <= 1e300)) { print "FAILED: no number"; exit 1 }
+      if (d > most) most = d
+      if (s > scale) scale = s
+    }
+    printf "%.1e%s\n", most / scale, (scale > 0 && most <= 1e-9 * scale) ? "" : " FAILED"
+  }'
 }
 on() {   # on host|gpu NAME DECK words...: with a directory for its frames
   local where=$1 name=$2 deck=$3 how="-nocite"
@@ -100,16 +116,60 @@ spheres 1032192 -var copies "6 6 7"
 # The same trajectories
 wait
 while read -r line; do eval "on gpu $line" < /dev/null; done < <(cases)
-for name in friction half frictionless walls; do
+on gpu again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
+mkdir -p "$OUT/host/again"
+cp "$OUT"/host/curved/frame.[1-9]* "$OUT"/host/curved/forces.* "$OUT/host/again"
+rm -f "$OUT"/host/again/frame.300
+for name in curved again; do
+  for step in 2 3; do
+    table+="$name, forces of walls: $(compare_lists "$OUT/host/$name/forces.$step" "$OUT/gpu/$name/forces.$step")"$'\n'
+  done
+done
+for name in friction half frictionless walls curved again; do
   for frame in "$OUT/host/$name"/frame.*; do
     table+="$name ${frame##*/}: $(compare "$frame" "$OUT/gpu/$name/${frame##*/}")"$'\n'
   done
 done
 rm -rf "$OUT/host" "$OUT/gpu"
 
+# Floors: none, a plane, triangles of two sizes beyond the borders of the box
+floor() {   # floor CELLS HEIGHT: an STL file of so many cells of two triangles along each side, to 6 copies of the box and 5 mm more, with waves
+  awk -v n="$1" -v height="$2" -v low=-0.005 -v high=0.1828 '
+    function corner(x, y) { printf "vertex %.7g %.7g %.7g\n", x, y, height * (sin(700 * x) * cos(600 * y) - 1) }
+    BEGIN {
+    print "solid floor"
+    for (i = 0; i < n; i++) for (j = 0; j < n; j++) {
+      x = low + (high - low) * i / n; X = low + (high - low) * (i + 1) / n
+      y = low + (high - low) * j / n; Y = low + (high - low) * (j + 1) / n
+      for (k = 0; k < 2; k++) {
+        print "facet normal 0 0 1\nouter loop"
+        corner(x, y)
+        if (k) { corner(X, Y); corner(x, Y) }
+        else { corner(X, y); corner(X, Y) }
+        print "endloop\nendfacet"
+      }
+    }
+    print "endsolid floor"
+  }' > "$OUT/floor.$1.$2.stl"
+}
+floor 10 0
+floor 100 0
+floor 100 3e-4
+on_floor() { lmp "floor-${1// /-}.log" $G -in time_walls.lmp "${@:2}"; rate "floor $1" "floor-${1// /-}.log"; }
+on_floor none -var floors 0
+on_floor plane -var floor "zplane 0 NULL"
+on_floor "200 triangles" -var floor "mesh $OUT/floor.10.0.stl"
+on_floor "20000 triangles" -var floor "mesh $OUT/floor.100.0.stl"
+on_floor "20000 uneven" -var floor "mesh $OUT/floor.100.3e-4.stl"
+
 export CUDA_LAUNCH_BLOCKING=1
+on_floor "none waiting" -var floors 0
+on_floor "plane waiting" -var floor "zplane 0 NULL"
+on_floor "20000 triangles waiting" -var floor "mesh $OUT/floor.100.0.stl"
+on_floor "20000 uneven waiting" -var floor "mesh $OUT/floor.100.3e-4.stl"
 ellipsoids waiting -var copies "6 6 7" -var steps 50 -var warm 20
 spheres waiting -var copies "6 6 7" -var steps 50 -var warm 20
+rm -f "$OUT"/floor.*.stl
 echo "----- $((SECONDS - began)) s"
 printf '%s' "$table" | tee "$OUT/table.txt"
 case $table in *FAILED*) exit 1 ;; esac

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A device with the module of all kernels on it, and memory there.
+//! A device with the kernels on it, and memory there.
 
 use crate::driver_library::{driver, Context, Driver, Entered, Function, Module, Stream};
 use crate::status::{
@@ -9,10 +9,12 @@ use core::ffi::CStr;
 use core::marker::PhantomData;
 use ellgran::c_api::status::Failure;
 use ellgran_kernels::arguments::Memory;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-/// The kernels, for any device of the generation that they name, or a later one.
+/// The kernels but those of [`MESHES`], for any device of the generation that they name, or a later one.
 pub const PTX: &str = concat!(include_str!("../../ptx/ellgran.ptx"), "\0");
+/// Those of walls with triangles.
+pub const MESHES: &str = concat!(include_str!("../../ptx/ellgran_meshes.ptx"), "\0");
 
 /// The first version of CUDA whose driver reads PTX of version 7.0.
 const LEAST_DRIVER: i32 = 11_000;
@@ -31,6 +33,8 @@ pub struct Device {
     driver: &'static Driver,
     context: Context,
     module: Module,
+    /// That of walls with triangles, from the first such wall on.
+    meshes: OnceLock<Module>,
     /// To be released, where this library has retained its context.
     retained: Option<i32>,
     /// Whether a pointer that the driver does not know is an error.
@@ -71,16 +75,15 @@ impl Device {
         device: i32,
         retained: Option<i32>,
     ) -> Result<Arc<Device>, Failure> {
-        let text = CStr::from_bytes_with_nul(PTX.as_bytes())
-            .map_err(|_| Failure::new(ELLGRAN_GPU_ERROR_ASSEMBLER, "ellgran.ptx holds a NUL"))?;
         let module = {
             let _entered = driver.enter(context)?;
-            driver.load(text)?
+            load(driver, PTX)?
         };
         Ok(Arc::new(Device {
             driver,
             context,
             module,
+            meshes: OnceLock::new(),
             retained,
             checks_pointers: !driver.reads_memory_of_the_host(device),
         }))
@@ -106,6 +109,38 @@ impl Device {
     pub fn function(&self, name: &str) -> Result<Function, Failure> {
         self.driver.function(self.module, name)
     }
+
+    /// A kernel for walls with triangles by its name; the first time has the driver assemble them.
+    ///
+    /// # Errors
+    /// Of the driver.
+    pub fn mesh_function(&self, name: &str) -> Result<Function, Failure> {
+        let _entered = self.enter()?;
+        let module = match self.meshes.get() {
+            Some(module) => *module,
+            None => {
+                let loaded = load(self.driver, MESHES)?;
+                let kept = *self.meshes.get_or_init(|| loaded);
+                if kept != loaded {
+                    // Another thread was first.
+                    self.driver.unload(loaded);
+                }
+                kept
+            }
+        };
+        self.driver.function(module, name)
+    }
+}
+
+/// Has the driver assemble kernels. The context must be entered.
+fn load(driver: &Driver, text: &str) -> Result<Module, Failure> {
+    let text = CStr::from_bytes_with_nul(text.as_bytes()).map_err(|_| {
+        Failure::new(
+            ELLGRAN_GPU_ERROR_ASSEMBLER,
+            "the text of a module of kernels holds a NUL",
+        )
+    })?;
+    driver.load(text)
 }
 
 fn check_generation(driver: &Driver, device: i32) -> Result<(), Failure> {
@@ -142,6 +177,9 @@ impl Drop for Device {
         // Where the context is lost, so is the module.
         if let Ok(_entered) = self.enter() {
             self.driver.unload(self.module);
+            if let Some(module) = self.meshes.get() {
+                self.driver.unload(*module);
+            }
         }
         if let Some(device) = self.retained {
             self.driver.release(device);

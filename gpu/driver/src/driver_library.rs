@@ -116,7 +116,7 @@ pub struct Driver {
 pub struct Context(Handle);
 
 /// A module of kernels.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Module(Handle);
 
 /// A kernel.

@@ -129,6 +129,14 @@ impl<A> Entry<A> {
         })
     }
 
+    fn of_meshes(device: &Device, name: &str) -> Result<Self, Failure> {
+        Ok(Entry {
+            function: device.mesh_function(name)?,
+            name: name.to_owned(),
+            of: PhantomData,
+        })
+    }
+
     /// Starts it with `count` threads.
     ///
     /// # Errors
@@ -234,14 +242,45 @@ pub struct Chosen {
     pub plane: Entry<PlaneArguments<OnDevice>>,
     /// Walls of surfaces.
     pub wall: Entry<WallArguments<OnDevice>>,
-    /// Walls with triangles: which grains are near.
-    pub near_mesh: Entry<MeshArguments<OnDevice>>,
-    /// And their contacts.
-    pub mesh: Entry<MeshArguments<OnDevice>>,
 }
 
-/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls, and the two of walls with triangles.
-fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 8] {
+/// Kernels of walls with triangles.
+pub struct MeshEntries {
+    /// Which grains are near, where they are spheres or spheroids, and where they are ellipsoids.
+    near: [Entry<MeshArguments<OnDevice>>; 2],
+    /// Their contacts.
+    pub contacts: Entry<MeshArguments<OnDevice>>,
+}
+
+impl MeshEntries {
+    /// Has them assembled where they are not.
+    ///
+    /// # Errors
+    /// Of the driver.
+    pub fn new(device: &Device) -> Result<Self, Failure> {
+        let [spheroids, ellipsoids, contacts] =
+            NAMES_OF_MESHES.map(|name| Entry::of_meshes(device, name));
+        Ok(MeshEntries {
+            near: [spheroids?, ellipsoids?],
+            contacts: contacts?,
+        })
+    }
+
+    /// Which grains are near.
+    pub fn near(&self, shapes: Shapes) -> &Entry<MeshArguments<OnDevice>> {
+        &self.near[usize::from(shapes == Shapes::Ellipsoids)]
+    }
+}
+
+/// Names of the kernels of walls with triangles: which spheroids, and which ellipsoids, are near, and contacts.
+const NAMES_OF_MESHES: [&str; 3] = [
+    "ellgran_near_mesh_spheroids",
+    "ellgran_near_mesh_ellipsoids",
+    "ellgran_mesh",
+];
+
+/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls.
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
     let kind = shapes.word();
     // Marked contacts, planes and walls take spheres as spheroids.
     let spheroids_too = match shapes {
@@ -272,8 +311,6 @@ fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 8] {
         format!("ellgran_marked_contacts_{spheroids_too}"),
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
         format!("ellgran_wall_{spheroids_too}"),
-        format!("ellgran_near_mesh_{spheroids_too}"),
-        "ellgran_mesh".to_owned(),
     ]
 }
 
@@ -288,7 +325,7 @@ impl Chosen {
         terms: Terms,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane, wall, near_mesh, mesh] =
+        let [prepare, candidates, contacts, marked_contacts, plane, wall] =
             names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
@@ -298,8 +335,6 @@ impl Chosen {
             marked_contacts: Entry::new(device, marked_contacts)?,
             plane: Entry::new(device, plane)?,
             wall: Entry::new(device, wall)?,
-            near_mesh: Entry::new(device, near_mesh)?,
-            mesh: Entry::new(device, mesh)?,
         })
     }
 }
@@ -307,7 +342,7 @@ impl Chosen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::PTX;
+    use crate::device::{MESHES, PTX};
 
     fn laws(words: &str) -> Laws {
         let words: Vec<&str> = words.split(' ').collect();
@@ -344,9 +379,9 @@ mod tests {
         assert!(terms.tangential && terms.rescaled);
     }
 
-    /// What the text of the module says of the second parameter of a kernel: size and alignment.
-    fn parameter(name: &str) -> (usize, usize) {
-        let (_, rest) = PTX.split_once(&format!(".entry {name}(")).expect(name);
+    /// What the text of a module says of the second parameter of a kernel: size and alignment.
+    fn parameter(module: &str, name: &str) -> (usize, usize) {
+        let (_, rest) = module.split_once(&format!(".entry {name}(")).expect(name);
         let (list, _) = rest.split_once(')').expect(name);
         let second = list.split(',').nth(1).expect(name);
         let words: Vec<&str> = second.split_whitespace().collect();
@@ -359,7 +394,7 @@ mod tests {
 
     fn is_of<A>(name: &str) {
         let here = (size_of::<A>(), align_of::<A>());
-        assert_eq!(parameter(name), here, "{name}");
+        assert_eq!(parameter(PTX, name), here, "{name}");
     }
 
     /// As the compiler for the device has laid them out.
@@ -375,6 +410,11 @@ mod tests {
         is_of::<FileArguments<OnDevice>>("ellgran_file_identifiers");
         is_of::<CarryPairsArguments<OnDevice>>("ellgran_carry_pairs");
         is_of::<CarryWallArguments<OnDevice>>("ellgran_carry_wall");
+        for name in NAMES_OF_MESHES {
+            type Here = MeshArguments<OnDevice>;
+            let here = (size_of::<Here>(), align_of::<Here>());
+            assert_eq!(parameter(MESHES, name), here, "{name}");
+        }
         for shapes in [Shapes::Spheres, Shapes::Spheroids, Shapes::Ellipsoids] {
             for bits in 0..4 {
                 let terms = Terms {
@@ -385,7 +425,7 @@ mod tests {
                     mass: false,
                 };
                 for precision in [Precision::Double, Precision::Mixed] {
-                    let [prepare, candidates, contacts, marked, plane, wall, meshes @ ..] =
+                    let [prepare, candidates, contacts, marked, plane, wall] =
                         names(shapes, terms, precision);
                     is_of::<PrepareArguments<OnDevice>>(&prepare);
                     is_of::<CandidateArguments<OnDevice>>(&candidates);
@@ -393,9 +433,6 @@ mod tests {
                     is_of::<ContactArguments<OnDevice>>(&marked);
                     is_of::<PlaneArguments<OnDevice>>(&plane);
                     is_of::<WallArguments<OnDevice>>(&wall);
-                    for mesh in meshes {
-                        is_of::<MeshArguments<OnDevice>>(&mesh);
-                    }
                 }
             }
         }

@@ -9,7 +9,7 @@ use crate::arrays::{
 };
 use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
-use crate::entries::{Chosen, Common, Precision, Shapes, Terms};
+use crate::entries::{Chosen, Common, MeshEntries, Precision, Shapes, Terms};
 use crate::wall_histories::WallHistories;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::c_api::status::{
@@ -209,6 +209,8 @@ impl PartsOnDevice {
 
 /// What the searches among triangles of all walls take turns in.
 struct MeshMemory {
+    /// `None` where no wall has triangles.
+    entries: Option<MeshEntries>,
     near: Buffer<u32>,
     crowded: Buffer<u32>,
     counts: Buffer<u32>,
@@ -219,6 +221,7 @@ struct MeshMemory {
 impl MeshMemory {
     fn new(device: &Arc<Device>) -> Self {
         MeshMemory {
+            entries: None,
             near: Buffer::new(device),
             crowded: Buffer::new(device),
             counts: Buffer::new(device),
@@ -232,12 +235,17 @@ impl MeshMemory {
         self.near.resize(owned)?;
         self.crowded.resize(owned)?;
         self.counts.resize(COUNTS)?;
-        self.rooms.resize_exactly(owned.min(MESH_THREADS))?;
-        self.large_rooms
-            .resize_exactly(owned.min(CROWDED_MESH_THREADS))?;
-        // Zeros are room, and not any bits are.
-        self.rooms.clear(stream)?;
-        self.large_rooms.clear(stream)
+        // Zeros are room, and not any bits are; what a search leaves is.
+        if owned.min(MESH_THREADS) > self.rooms.len() {
+            self.rooms.resize_exactly(owned.min(MESH_THREADS))?;
+            self.rooms.clear(stream)?;
+        }
+        let crowded = owned.min(CROWDED_MESH_THREADS);
+        if crowded > self.large_rooms.len() {
+            self.large_rooms.resize_exactly(crowded)?;
+            self.large_rooms.clear(stream)?;
+        }
+        Ok(())
     }
 
     fn bytes(&self) -> usize {
@@ -929,6 +937,9 @@ impl Scene {
         } = wall.histories(&self.laws);
         let layout = WallHistoryLayout::new(history, records.min(MOST_RECORDS));
         assert!(history <= LONGEST_HISTORY);
+        if self.meshes.entries.is_none() {
+            self.meshes.entries = Some(MeshEntries::new(&self.device)?);
+        }
         let parts = PartsOnDevice::new(&self.device, &own, stream)?;
         self.meshes.resize(self.now.owned, stream)?;
         self.add_memory(
@@ -1105,10 +1116,12 @@ impl Scene {
         let _entered = self.device.enter()?;
         self.meshes.counts.clear(stream)?;
         let (device, meshes) = (&self.device, &self.meshes);
-        let chosen = self.chosen()?;
-        let near = &chosen.near_mesh;
+        let Some(entries) = &meshes.entries else {
+            return argument("the scene has no wall with triangles");
+        };
+        let near = entries.near(self.chosen()?.shapes);
         near.launch(device, stream, listed.owned, &arguments)?;
-        let mesh = &chosen.mesh;
+        let mesh = &entries.contacts;
         mesh.launch_spread(device, stream, meshes.rooms.len(), &arguments)?;
         arguments.is_crowded = 1;
         mesh.launch_spread(device, stream, meshes.large_rooms.len(), &arguments)

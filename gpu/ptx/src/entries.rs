@@ -5,29 +5,22 @@
 //!
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
-use crate::memory::{entries, Here, Own, OwnVectors, Thread};
-use core::sync::atomic::{AtomicU32, Ordering};
-use ellgran::contact::history::Remembers;
-use ellgran::contact::{HistoryLayout, Step};
+use crate::memory::{entries, Here, Own, Thread};
+use crate::scene::{add, is_noted, note, scene_of, wall_layout};
+use core::sync::atomic::Ordering;
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
-use ellgran::walls::parts::Parts;
-use ellgran::walls::{Motion, WallHistoryLayout};
+use ellgran::walls::Motion;
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
-    FileArguments, MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
-    CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
-    SELECTIONS,
+    FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
+    PrepareArguments, ShapeArguments, SumArguments, TermArguments, WallArguments, CANDIDATES,
+    FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
-use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load, Scene};
+use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load};
 use ellgran_kernels::integration::{finish_step_of_grain, start_step_of_grain, Moving};
-use ellgran_kernels::meshes::{
-    contacts_with_mesh, is_near_mesh, LargeRoom, MovingMesh, SmallRoom, CROWDED, NEAR,
-    TOO_MANY_TRIANGLES,
-};
 use ellgran_kernels::mixed::mixed_contact_of_pair;
 use ellgran_kernels::pair_memory::{
     carry_pairs, carry_wall, fault_of_row, file, find, CarriedRow, PairsBefore,
@@ -40,41 +33,6 @@ use ellgran_kernels::terms::{
     component_of_load, number_rows, terms_of_grain, Candidates, Names, COMPONENTS,
 };
 use ellgran_kernels::walls::{contacts_with_wall, MovingWall, TOO_MANY_CONTACTS};
-
-/// Leaves a note. Many threads may leave the same one.
-#[inline(always)]
-fn note(notes: &[AtomicU32], which: usize) {
-    notes[which].store(1, Ordering::Relaxed);
-}
-
-#[inline(always)]
-fn is_noted(notes: &[AtomicU32], which: usize) -> bool {
-    notes[which].load(Ordering::Relaxed) != 0
-}
-
-/// What all threads of a contact kernel read; `friction` says whether histories have a tangential part.
-#[inline(always)]
-fn scene_of(arrays: &SceneArguments<Here>, friction: bool) -> Scene<'_> {
-    Scene {
-        grains: arrays.grains.all(),
-        changes: arrays.changes.all(),
-        types: arrays.types.all(),
-        inverse_masses: arrays.inverse_masses.all(),
-        identifiers: arrays.identifiers.all(),
-        laws: arrays.laws.all(),
-        type_count: arrays.type_count,
-        layout: HistoryLayout::new(Remembers {
-            normal: arrays.cached_normal != 0,
-            tangential: friction,
-            energy: arrays.rescaled != 0,
-            ..Remembers::default()
-        }),
-        step: Step {
-            time_step: arrays.time_step,
-            advance_history: arrays.advance_history != 0,
-        },
-    }
-}
 
 /// What a table has for a number; without a table, the number itself.
 #[inline(always)]
@@ -345,12 +303,6 @@ marked_contacts! {
 }
 
 /// Adds to a vector of this thread.
-#[inline(always)]
-fn add(vectors: &mut OwnVectors<3>, own: &Own, added: Vector3) {
-    let before = Vector3::from_array(vectors.read(own));
-    vectors.write(own, (before + added).to_array());
-}
-
 macro_rules! planes {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
@@ -457,109 +409,6 @@ macro_rules! walls {
 walls! {
     ellgran_wall_spheroids: Spheroids;
     ellgran_wall_ellipsoids: Ellipsoids;
-}
-
-/// How what a scene remembers of a grain and a wall is laid out.
-#[inline(always)]
-fn wall_layout(scene: &Scene<'_>, records: u32) -> WallHistoryLayout {
-    // Without a tangential part nothing is remembered.
-    let history = scene.layout.memory.map_or(0, |_| scene.layout.length);
-    WallHistoryLayout::new(history, records as usize)
-}
-
-/// The wall of a call, in a scene of it.
-macro_rules! mesh_of {
-    ($arguments:ident, $scene:ident) => {
-        MovingMesh {
-            parts: Parts {
-                parts: $arguments.parts.all(),
-                triangles: $arguments.triangles.all(),
-                boxes: $arguments.boxes.all(),
-                nodes: $arguments.nodes.all(),
-                order: $arguments.order.all(),
-            },
-            motion: Motion::from(&$arguments.motion),
-            layout: wall_layout(&$scene, $arguments.records),
-            wall_type: $arguments.wall_type,
-        }
-    };
-}
-
-macro_rules! near_meshes {
-    ($($name:ident: $kind:ty;)*) => {
-        entries! {$(
-            /// Lists the grains that are near a wall with triangles.
-            fn $name(thread, arguments: MeshArguments<Here>) {
-                let scene = scene_of(&arguments.scene, arguments.scene.tangential != 0);
-                let wall = mesh_of!(arguments, scene);
-                let (mut states, mut histories) = (arguments.states, arguments.histories);
-                let mut near = arguments.near;
-                let k = thread.index();
-                let history = histories.part(&thread, wall.layout.length());
-                if is_near_mesh::<$kind>(k, &scene, &wall, states.at(&thread), history) {
-                    near.taken(&arguments.counts.all()[NEAR], 1).1[0] = k as u32;
-                }
-            }
-        )*}
-    };
-}
-
-// Spheres are spheroids to these.
-near_meshes! {
-    ellgran_near_mesh_spheroids: Spheroids;
-    ellgran_near_mesh_ellipsoids: Ellipsoids;
-}
-
-entries! {
-    /// Adds the loads of a wall with triangles. Grains of which there are more triangles than there is room for go to large room, or
-    /// `faults` gets [`TOO_MANY_TRIANGLES`].
-    fn ellgran_mesh(thread, arguments: MeshArguments<Here>) {
-        // What the host has set aside is what this compiler makes of the types.
-        assert!(arguments.room_bytes == size_of::<SmallRoom>() as u64);
-        assert!(arguments.large_room_bytes == size_of::<LargeRoom>() as u64);
-        let mut arrays = arguments;
-        let scene = scene_of(&arrays.scene, arrays.scene.tangential != 0);
-        let wall = mesh_of!(arrays, scene);
-        let length = wall.layout.length();
-        let is_crowded = arrays.is_crowded != 0;
-        let counts = arrays.counts.all();
-        let which = if is_crowded { CROWDED } else { NEAR };
-        let count = counts[which].load(Ordering::Relaxed) as usize;
-        for place in thread.numbers(count) {
-            let (number, room) = if is_crowded {
-                (*arrays.crowded.at(&place), arrays.large_rooms.at(&thread).lend())
-            } else {
-                (*arrays.near.at(&place), arrays.rooms.at(&thread).lend())
-            };
-            let own = place.within(|_| number);
-            let state = arrays.states.at(&own);
-            let outcome = contacts_with_mesh(
-                number as usize,
-                &scene,
-                arrays.ellipsoids != 0,
-                &wall,
-                room,
-                state,
-                arrays.histories.part(&own, length),
-            );
-            match outcome {
-                Ok(load) => {
-                    if *state != 0 {
-                        add(&mut arrays.forces, &own, load.force);
-                        add(&mut arrays.torques, &own, load.torque);
-                    }
-                }
-                Err(_) if is_crowded => {
-                    let first = arrays.faults.at(&own);
-                    if *first == 0 {
-                        *first = TOO_MANY_TRIANGLES;
-                    }
-                    note(arrays.notes.all(), FAULT);
-                }
-                Err(_) => arrays.crowded.taken(&counts[CROWDED], 1).1[0] = number,
-            }
-        }
-    }
 }
 
 /// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.

@@ -16,6 +16,10 @@
 mod entries;
 mod functions;
 mod memory;
+#[path = "../../ptx/src/mesh_entries.rs"]
+mod mesh_entries;
 mod modules;
+#[path = "../../ptx/src/scene.rs"]
+mod scene;
 mod settings;
 mod tally;

@@ -41,54 +41,34 @@ pub struct Figures {
     pub most_spilled: Vec<(u32, u32)>,
 }
 
-pub fn figures(ptx: &str) -> Result<Figures> {
+/// Of several modules.
+pub fn figures(modules: &[&str]) -> Result<Figures> {
     let environment = Environment::pinned(&root().join("gpu/ptx/requirements.txt"))?;
     let script = "import nvidia.cuda_nvcc as m; print(list(m.__path__)[0])";
     let place = crate::process::output_of(environment.python().args(["-c", script]))?;
     let program = Path::new(place.trim()).join("bin/ptxas");
-    let directory = tempfile::tempdir()?;
-    let (source, binary) = (
-        directory.path().join("ellgran.ptx"),
-        directory.path().join("ellgran.cubin"),
-    );
-    fs::write(&source, ptx)?;
     let mut figures = Figures {
         version: version(&program)?,
         kernels: BTreeMap::new(),
         most_spilled: Vec::new(),
     };
     for generation in GENERATIONS {
-        let output = Command::new(&program)
-            .arg("-v")
-            .arg(format!("-arch=sm_{generation}"))
-            .arg(&source)
-            .arg("-o")
-            .arg(&binary)
-            .output()
-            .with_context(|| format!("cannot run {}", program.display()))?;
-        let log = String::from_utf8_lossy(&output.stderr).into_owned()
-            + &String::from_utf8_lossy(&output.stdout);
-        if !output.status.success() {
-            bail!("the assembler refuses the PTX for sm_{generation}\n{log}");
-        }
-        let mut kernels = read_log(&log);
-        if kernels.is_empty() {
-            bail!("the assembler says nothing of any kernel for sm_{generation}\n{log}");
-        }
+        let assembled = std::thread::scope(|scope| {
+            let all: Vec<_> = modules
+                .iter()
+                .map(|module| scope.spawn(|| assemble(&program, module, generation)))
+                .collect();
+            all.into_iter()
+                .map(|one| one.join().expect("the thread ends with a result"))
+                .collect::<Result<Vec<_>>>()
+        })?;
+        let kernels: BTreeMap<String, Kernel> = assembled.into_iter().flatten().collect();
         let contacts = kernels
             .iter()
             .filter(|(name, _)| name.starts_with("ellgran_contacts"));
         let spilled = contacts.map(|(_, k)| k.spilled).max().unwrap_or(0);
         figures.most_spilled.push((generation, spilled));
         if generation == SHOWN {
-            for (name, bytes) in code_sizes(&fs::read(&binary)?)? {
-                if let Some(kernel) = kernels.get_mut(&name) {
-                    kernel.instructions = bytes / 16;
-                }
-            }
-            for (name, kernel) in &mut kernels {
-                (kernel.arithmetic, kernel.divisions) = arithmetic(ptx, name);
-            }
             figures.kernels = kernels;
         }
         say(format!(
@@ -96,6 +76,42 @@ pub fn figures(ptx: &str) -> Result<Figures> {
         ));
     }
     Ok(figures)
+}
+
+/// The kernels of a module on a generation.
+fn assemble(program: &Path, ptx: &str, generation: u32) -> Result<BTreeMap<String, Kernel>> {
+    let directory = tempfile::tempdir()?;
+    let (source, binary) = (
+        directory.path().join("kernels.ptx"),
+        directory.path().join("kernels.cubin"),
+    );
+    fs::write(&source, ptx)?;
+    let output = Command::new(program)
+        .arg("-v")
+        .arg(format!("-arch=sm_{generation}"))
+        .arg(&source)
+        .arg("-o")
+        .arg(&binary)
+        .output()
+        .with_context(|| format!("cannot run {}", program.display()))?;
+    let log = String::from_utf8_lossy(&output.stderr).into_owned()
+        + &String::from_utf8_lossy(&output.stdout);
+    if !output.status.success() {
+        bail!("the assembler refuses the PTX for sm_{generation}\n{log}");
+    }
+    let mut kernels = read_log(&log);
+    if kernels.is_empty() {
+        bail!("the assembler says nothing of any kernel for sm_{generation}\n{log}");
+    }
+    for (name, bytes) in code_sizes(&fs::read(&binary)?)? {
+        if let Some(kernel) = kernels.get_mut(&name) {
+            kernel.instructions = bytes / 16;
+        }
+    }
+    for (name, kernel) in &mut kernels {
+        (kernel.arithmetic, kernel.divisions) = arithmetic(ptx, name);
+    }
+    Ok(kernels)
 }
 
 fn version(program: &Path) -> Result<String> {

@@ -30,8 +30,11 @@ pub struct Options {
     pack: Option<PathBuf>,
 }
 
-/// What is committed.
-const PTX: &str = "gpu/ptx/ellgran.ptx";
+/// What is committed: the features of `gpu/ptx` of which the compiler makes a module each, and what it makes of them.
+const MODULES: [(&str, &str); 2] = [
+    ("grains", "gpu/ptx/ellgran.ptx"),
+    ("meshes", "gpu/ptx/ellgran_meshes.ptx"),
+];
 const PAGE: &str = "docs/gpu.md";
 /// What was measured on a GPU.
 const RESULTS: &str = "docs/bench/gpu/whole_step.csv";
@@ -53,17 +56,28 @@ pub fn gpu(options: &Options) -> Result<()> {
     if let Some(directory) = &options.pack {
         return bench::pack(directory);
     }
-    let hash = sources::hash()?;
-    let ptx = head(&hash) + &names::without_places(&build()?)?;
-    let figures = assembler::figures(&ptx)?;
+    let head = head(&sources::hash()?);
+    let made = |feature| Ok(head.clone() + &names::without_places(&build(feature)?)?);
+    let modules: Vec<String> = MODULES
+        .iter()
+        .map(|(feature, _)| made(feature))
+        .collect::<Result<_>>()?;
+    let [grains, meshes] = [0, 1].map(|k| &*modules[k]);
+    let figures = assembler::figures(&[grains, meshes])?;
     let results = fs::read_to_string(root().join(RESULTS)).unwrap_or_default();
     let page = page::page(&figures, &results);
-    for (name, text) in [(PTX, ptx), (PAGE, page)] {
+    let texts = [grains, meshes, &page];
+    for (name, text) in MODULES
+        .map(|(_, name)| name)
+        .iter()
+        .chain([&PAGE])
+        .zip(texts)
+    {
         let path = root().join(name);
         if !options.check {
             fs::write(&path, text)?;
             say(format!("wrote {}", path.display()));
-        } else if fs::read_to_string(&path).ok().as_deref() == Some(&*text) {
+        } else if fs::read_to_string(&path).ok().as_deref() == Some(text) {
             say(format!("{name} is what the sources make"));
         } else {
             bail!("{name} differs from what the sources make: run `cargo xtask gpu`");
@@ -74,14 +88,31 @@ pub fn gpu(options: &Options) -> Result<()> {
 
 /// Whether the committed PTX is of the present sources. Needs no nightly.
 pub fn check_sources() -> Result<()> {
-    let committed = fs::read_to_string(root().join(PTX)).with_context(|| format!("no {PTX}"))?;
-    if !committed.starts_with(&head(&sources::hash()?)) {
-        bail!(
-            "{PTX} is not of the present sources: run `cargo xtask gpu`, which takes some minutes and installs the nightly that \
-             gpu/ptx/rust-toolchain.toml names"
-        );
+    let head = head(&sources::hash()?);
+    for (_, name) in MODULES {
+        let committed =
+            fs::read_to_string(root().join(name)).with_context(|| format!("no {name}"))?;
+        if !committed.starts_with(&head) {
+            bail!(
+                "{name} is not of the present sources: run `cargo xtask gpu`, which takes some minutes and installs the nightly that \
+                 gpu/ptx/rust-toolchain.toml names"
+            );
+        }
+        say(format!("{name} is of the present sources"));
     }
-    say(format!("{PTX} is of the present sources"));
+    // A dependency more or less in the core is one more or less there.
+    let manifest = root().join("gpu/ptx/Cargo.toml");
+    let mut cargo = crate::workspace::cargo();
+    cargo
+        .args([
+            "metadata",
+            "--locked",
+            "--format-version",
+            "1",
+            "--manifest-path",
+        ])
+        .arg(&manifest);
+    output_of(&mut cargo).context("gpu/ptx/Cargo.lock is not of the present manifests: run `cargo update --workspace` in gpu/ptx")?;
     Ok(())
 }
 
@@ -95,8 +126,8 @@ fn toolchain() -> Result<String> {
         .context("gpu/ptx/rust-toolchain.toml names no channel")
 }
 
-/// The PTX of the sources.
-fn build() -> Result<String> {
+/// The PTX of the sources with a feature.
+fn build(feature: &str) -> Result<String> {
     let rustup = find_program("rustup").context(
         "rustup, which installs the pinned nightly, is not there: see https://rustup.rs",
     )?;
@@ -121,6 +152,7 @@ fn build() -> Result<String> {
     let mut cargo = Command::new(&rustup);
     cargo
         .args(["run", &toolchain, "cargo", "build", "--release", "--locked"])
+        .args(["--features", feature])
         .arg("--target-dir")
         .arg(&target)
         .current_dir(root().join("gpu/ptx"));

@@ -127,7 +127,7 @@ itself calls. `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 - **The device and context** are those of the thread (`ellgran_gpu_open_current`), as KOKKOS has chosen them, or the primary context of a \
 GPU by its number (`ellgran_gpu_open`).
 - **Opening a GPU** has the driver assemble the kernels, which takes half a minute on a machine where it has not been done before. The \
-driver keeps the result in the user's home directory.
+driver keeps the result in the user's home directory. Those of walls with triangles are assembled when the first such wall is added, which takes as long again.
 - **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 24 bytes and \
 16 for each double of a history (136 with friction), and each pair of the list 92 bytes; there is a quarter more room than that. The kernel \
 for deep contacts needs 18 kB a thread, which the driver sets aside for as many threads as the GPU can hold. The driver takes some megabytes \
@@ -314,7 +314,7 @@ pub fn page(figures: &Figures, results: &str) -> String {
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
          | `gpu/kernels` | what a thread does with one grain or one pair: preparation, candidates, contacts, planes, walls, motion; no formula, no `unsafe` |\n\
          | `gpu/ptx` | the entries, and the memory of the device; the nightly compiler is pinned by date |\n\
-         | `gpu/ptx/ellgran.ptx` | what the compiler makes of it, with the hash of its sources |\n\
+         | `gpu/ptx/ellgran.ptx`, `ellgran_meshes.ptx` | what the compiler makes of it, with the hash of its sources; the second is of walls with triangles alone |\n\
          | `gpu/driver` | the C interface, [ellgran_gpu.h](../include/ellgran_gpu.h): device pointers and a stream in |\n\
          | `gpu/stand_in_driver` | NVIDIA's driver without a GPU, for tests: it runs the entries on the host, thread by thread |\n\n\
          - One thread computes one pair that may touch, for both of its grains. The row of the grain with the lower identifier keeps the pair.\n\

@@ -70,8 +70,8 @@ const AXIS: [f64; 3] = [0.2, -0.1, 1.0];
 const VELOCITY: [f64; 3] = [0.3, 0.1, -0.2];
 const SPIN: [f64; 3] = [0.3, -0.2, 0.9];
 
-/// A block. At folds grains as deep as these have faces of shares of 1e-15, which rounding finds or does not: the kernels' own tests have
-/// these, with the same grains on both sides.
+/// A block. Of grains whose centre is nearly at an uneven surface, as some of these would be, rounding decides which faces are hidden by others:
+/// the kernels' own tests have such surfaces, with the same grains on both sides.
 fn triangles() -> Vec<Triangle> {
     const HALF: [f64; 3] = [2.0, 1.7, 1.4];
     let corner = |bits: usize| {
