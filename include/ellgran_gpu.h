@@ -274,6 +274,28 @@ typedef struct EllgranGpuHistories {
 } EllgranGpuHistories;
 
 /*
+ Sums over the contacts of pairs, as in `EllgranTallies`.
+ */
+typedef struct EllgranGpuTallies {
+  /*
+   `sizeof(EllgranGpuTallies)`; `ELLGRAN_INIT` sets it.
+   */
+  size_t size;
+  /*
+   Elastic energy of the normal deformation.
+   */
+  double normal_elastic_energy;
+  /*
+   Elastic energy of the tangential deformation.
+   */
+  double tangential_elastic_energy;
+  /*
+   Sum of d (x) F over pairs, d from i to j, F the force on j: xx yy zz xy xz yz.
+   */
+  double virial[6];
+} EllgranGpuTallies;
+
+/*
  What a scene has done, and what it holds.
  */
 typedef struct EllgranGpuCounts {
@@ -598,6 +620,23 @@ int32_t ellgran_gpu_write_wall_histories(struct EllgranGpuScene *scene,
                                          int32_t part,
                                          const double *histories,
                                          void *stream);
+
+/*
+ Writes elastic energies and virial of the touching pairs. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`, before
+ `ellgran_gpu_compute_pairs`, of what that is about to compute contacts from; it changes nothing. A pair of which a grain is no owned
+ one counts one half. Waits; the first call of a GPU has the driver assemble kernels of their own.
+
+ The same calls with the same numbers in the same order give the same bits.
+
+ # Safety
+ `scene` is NULL or valid; `grains` and `step` are NULL or valid; the pointers of `grains` are to memory of the GPU as stated; `tallies` is
+ NULL or valid for writes of its `size` bytes.
+ */
+int32_t ellgran_gpu_tally_pairs(struct EllgranGpuScene *scene,
+                                const struct EllgranGpuGrains *grains,
+                                const EllgranStep *step,
+                                struct EllgranGpuTallies *tallies,
+                                void *stream);
 
 /*
  Writes what a scene has done and holds. Waits for what was started on the stream.

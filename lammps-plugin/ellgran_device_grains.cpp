@@ -458,6 +458,14 @@ void EllgranDeviceGrains::add_forces(const EllgranStep &step)
   check(ellgran_gpu_compute_pairs(scene, &now, &step, &to, stream()));
 }
 
+EllgranGpuTallies EllgranDeviceGrains::tallies(const EllgranStep &step)
+{
+  const EllgranGpuGrains now = grains();
+  EllgranGpuTallies sums = ELLGRAN_INIT(EllgranGpuTallies);
+  check(ellgran_gpu_tally_pairs(scene, &now, &step, &sums, stream()));
+  return sums;
+}
+
 int32_t EllgranDeviceGrains::add_plane()
 {
   int32_t number = -1;

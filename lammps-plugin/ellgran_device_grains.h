@@ -109,6 +109,8 @@ class EllgranDeviceGrains : protected Pointers {
   /// Takes positions, attitudes and velocities as they are now; of images, from the grains that they are images of.
   void prepare();
 
+  /// Elastic energies and virial of pairs, before their forces are added.
+  EllgranGpuTallies tallies(const EllgranStep &step);
   /// Adds the forces of pairs to LAMMPS'.
   void add_forces(const EllgranStep &step);
 

@@ -149,10 +149,25 @@ void PairGranEllipsoidDevice::share_motion()
   atomKK->modified(Device, V_MASK | ANGMOM_MASK);
 }
 
-/* Energies and stresses are not on the GPU. In a step in which somebody asks for them the host computes the contacts once more, of what the
-   GPU is about to compute them from; its forces and histories are dropped. */
+/* In a step in which somebody asks for energies or stresses the contacts are computed once more, of what the GPU is about to compute them from:
+   on the GPU, or where they are asked for by atom on the host, whose forces and histories are dropped. */
 
 void PairGranEllipsoidDevice::tally(const EllgranStep &step)
+{
+  if (eflag_atom || vflag_atom || cvflag_atom)
+    tally_on_host(step);
+  else if (atom->nlocal > 0)
+    add_tallies(grains.tallies(step));
+}
+
+template <typename TALLIES> void PairGranEllipsoidDevice::add_tallies(const TALLIES &sums)
+{
+  if (eflag_global) eng_vdwl += sums.normal_elastic_energy + sums.tangential_elastic_energy;
+  if (vflag_global)
+    for (int k = 0; k < 6; k++) virial[k] += sums.virial[k];
+}
+
+void PairGranEllipsoidDevice::tally_on_host(const EllgranStep &step)
 {
   if (atom->nlocal + atom->nghost == 0) return;
   atomKK->sync(Host, X_MASK | V_MASK | ANGMOM_MASK | RMASS_MASK | TYPE_MASK | TAG_MASK | ELLIPSOID_MASK | BONUS_MASK);
@@ -221,9 +236,7 @@ void PairGranEllipsoidDevice::tally(const EllgranStep &step)
   sums.particle_virials = vflag_atom ? vatom[0] : nullptr;
   if (ellgran_compute_pairs(laws, workspace, &particles, &pairs, &step, &sums) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
-  if (eflag_global) eng_vdwl += sums.normal_elastic_energy + sums.tangential_elastic_energy;
-  if (vflag_global)
-    for (int k = 0; k < 6; k++) virial[k] += sums.virial[k];
+  add_tallies(sums);
 }
 
 int PairGranEllipsoidDevice::pack_forward_comm_kokkos(int n, DAT::tdual_int_1d indices, DAT::tdual_double_1d &buffer, int, int *)

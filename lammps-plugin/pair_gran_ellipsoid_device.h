@@ -69,6 +69,8 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   void require_same_grains();
   void share_motion();
   void tally(const EllgranStep &step);
+  void tally_on_host(const EllgranStep &step);
+  template <typename TALLIES> void add_tallies(const TALLIES &sums);
 };
 
 }    // namespace LAMMPS_NS

@@ -27,7 +27,8 @@
 //! approaches.
 //!
 //! What is not continuous: corners of wide triangles at which convex and concave edges meet, where an obtuse face's corner comes into reach
-//! and where more than three lie within reach; and narrow triangles at angles of more than 15 degrees. An edge that shares the
+//! and where more than three lie within reach; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
+//! uneven surface, where a face may be hidden from it by another. An edge that shares the
 //! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!
@@ -1008,6 +1009,54 @@ mod tests {
                 let is_cut = c.share.value < 0.95;
                 assert_eq!(is_cut, share < 1.0, "{gap}: {found:?}");
             }
+        }
+    }
+
+    /// Uneven sheets with straight edges, axes that are rounded in another way: the same force up to an overlap of 0.4 of the smallest semi-axis.
+    /// Of a body whose centre is nearly at the surface rounding decides which faces are hidden by others.
+    #[test]
+    fn rounding_of_the_axes_changes_no_force() {
+        let mut random = Random::new(77);
+        for (cells, height, waves) in [
+            (24, 0.15, [1.3, 1.0]),
+            (12, 0.3, [1.0, 1.0]),
+            (40, 0.1, [2.0, 2.3]),
+        ] {
+            let surface = |x: f64, y: f64| height * (waves[0] * x).sin() * (waves[1] * y).cos();
+            let all: Vec<Triangle> = sheet(cells, 4.2)
+                .iter()
+                .map(|t| t.map(|p| Vector3::new(p.x, p.y, surface(p.x, p.y))))
+                .collect();
+            let mut touching = 0;
+            for k in 0..150 {
+                let depth = [0.02, 0.1, 0.4][k % 3];
+                let semi_axes = [0; 3].map(|_| random.uniform(0.3, 1.0));
+                let quaternion = random.quaternion();
+                let body = Ellipsoid::new(semi_axes, quaternion).unwrap();
+                let (x, y) = (random.uniform(-2.5, 2.5), random.uniform(-2.5, 2.5));
+                let low = body.support(Vector3::new(0.0, 0.0, -1.0));
+                let z = surface(x, y) + low.h - depth * body.smallest_semi_axis();
+                let centre = Vector3::new(x - low.point.x, y - low.point.y, z);
+                let force = |n: usize| {
+                    let mut quaternion = quaternion;
+                    quaternion[n % 4] *= 1.0 + 1e-15 * (n as f64 - 2.0);
+                    let body = Ellipsoid::new(semi_axes, quaternion).unwrap();
+                    let contacts = touch(&body, centre, &all);
+                    contacts.iter().fold(Vector3::ZERO, |sum, c| {
+                        sum + c.normal * (c.share.value * c.penetration.powf(1.5))
+                    })
+                };
+                let first = force(2);
+                touching += usize::from(first.norm() > 0.0);
+                for n in [0, 1, 3, 4, 5] {
+                    let apart = (force(n) - first).norm();
+                    assert!(
+                        apart <= 1e-9 * first.norm(),
+                        "{apart:e} of {first:?}: {body:?} {centre:?}"
+                    );
+                }
+            }
+            assert!(touching > 100, "{touching}");
         }
     }
 

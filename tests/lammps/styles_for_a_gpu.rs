@@ -279,13 +279,20 @@ fn a_rank_may_have_no_grains() {
     require_same("empty_rank", &host, &gpu);
 }
 
-/// The host computes them, of what the GPU has.
+/// The GPU sums them up; by atom the host computes them, of what the GPU has.
 #[test]
 fn energies_and_stresses_are_those_of_the_host() {
-    let mut deck = Deck {
-        thermo_columns: "step ke pe press pxx pyy pzz pxy pxz pyz c_energy c_stress".into(),
+    let sums = "step ke pe press pxx pyy pzz pxy pxz pyz";
+    let of_all = Deck {
+        thermo_columns: sums.into(),
         runs: three_runs(),
         ..deck("velocities step")
+    };
+    same_trajectories("sums", &crowd(216), &of_all);
+    same_on_ranks("sums_on_ranks", &crowd(216), &of_all, 2);
+    let mut deck = Deck {
+        thermo_columns: format!("{sums} c_energy c_stress"),
+        ..of_all
     };
     deck.fixes.extend([
         "compute energies all pe/atom".to_string(),

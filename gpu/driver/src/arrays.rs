@@ -164,6 +164,20 @@ pub struct EllgranGpuCounts {
     pub shapes: i64,
 }
 
+/// Sums over the contacts of pairs, as in `EllgranTallies`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct EllgranGpuTallies {
+    /// `sizeof(EllgranGpuTallies)`; `ELLGRAN_INIT` sets it.
+    pub size: usize,
+    /// Elastic energy of the normal deformation.
+    pub normal_elastic_energy: f64,
+    /// Elastic energy of the tangential deformation.
+    pub tangential_elastic_energy: f64,
+    /// Sum of d (x) F over pairs, d from i to j, F the force on j: xx yy zz xy xz yz.
+    pub virial: [f64; 6],
+}
+
 /// Of `ellgran_gpu_scene_new`: each new list is looked through.
 pub const ELLGRAN_GPU_ANY_SHAPES: i32 = 0;
 /// All grains are spheres.

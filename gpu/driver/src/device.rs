@@ -11,17 +11,34 @@ use ellgran::c_api::status::Failure;
 use ellgran_kernels::arguments::Memory;
 use std::sync::{Arc, OnceLock};
 
-/// The kernels but those of [`MESHES`], for any device of the generation that they name, or a later one.
-pub const PTX: &str = concat!(include_str!("../../ptx/ellgran.ptx"), "\0");
-/// Those of walls with triangles.
-pub const MESHES: &str = concat!(include_str!("../../ptx/ellgran_meshes.ptx"), "\0");
+/// A module of kernels, for any device of the generation that it names, or a later one.
+#[derive(Clone, Copy, Debug)]
+pub enum Kernels {
+    /// Those of every scene.
+    Grains,
+    /// Those of walls with triangles.
+    Meshes,
+    /// Those of energies and virial.
+    Tallies,
+}
+
+impl Kernels {
+    /// Its text, with a NUL at its end.
+    pub fn text(self) -> &'static str {
+        match self {
+            Kernels::Grains => concat!(include_str!("../../ptx/ellgran.ptx"), "\0"),
+            Kernels::Meshes => concat!(include_str!("../../ptx/ellgran_meshes.ptx"), "\0"),
+            Kernels::Tallies => concat!(include_str!("../../ptx/ellgran_tallies.ptx"), "\0"),
+        }
+    }
+}
 
 /// The first version of CUDA whose driver reads PTX of version 7.0.
 const LEAST_DRIVER: i32 = 11_000;
 
 /// The generation that the kernels are for: 70 for sm_70.
 fn target() -> Option<i32> {
-    let (_, rest) = PTX.split_once("\n.target sm_")?;
+    let (_, rest) = Kernels::Grains.text().split_once("\n.target sm_")?;
     rest.split(|c: char| !c.is_ascii_digit())
         .next()?
         .parse()
@@ -32,9 +49,8 @@ fn target() -> Option<i32> {
 pub struct Device {
     driver: &'static Driver,
     context: Context,
-    module: Module,
-    /// That of walls with triangles, from the first such wall on.
-    meshes: OnceLock<Module>,
+    /// Of [`Kernels`], each from the first call on that needs it.
+    modules: [OnceLock<Module>; 3],
     /// To be released, where this library has retained its context.
     retained: Option<i32>,
     /// Whether a pointer that the driver does not know is an error.
@@ -75,18 +91,17 @@ impl Device {
         device: i32,
         retained: Option<i32>,
     ) -> Result<Arc<Device>, Failure> {
-        let module = {
-            let _entered = driver.enter(context)?;
-            load(driver, PTX)?
-        };
-        Ok(Arc::new(Device {
+        let mut made = Device {
             driver,
             context,
-            module,
-            meshes: OnceLock::new(),
-            retained,
+            modules: Default::default(),
+            retained: None,
             checks_pointers: !driver.reads_memory_of_the_host(device),
-        }))
+        };
+        made.module(Kernels::Grains)?;
+        // Where this has failed the caller releases it.
+        made.retained = retained;
+        Ok(Arc::new(made))
     }
 
     /// Makes the device's context that of this thread.
@@ -102,33 +117,27 @@ impl Device {
         self.driver
     }
 
-    /// A kernel by its name.
+    /// A kernel by its name; the first of a module has the driver assemble all of it.
     ///
     /// # Errors
     /// Of the driver.
-    pub fn function(&self, name: &str) -> Result<Function, Failure> {
-        self.driver.function(self.module, name)
+    pub fn function(&self, kernels: Kernels, name: &str) -> Result<Function, Failure> {
+        self.driver.function(self.module(kernels)?, name)
     }
 
-    /// A kernel for walls with triangles by its name; the first time has the driver assemble them.
-    ///
-    /// # Errors
-    /// Of the driver.
-    pub fn mesh_function(&self, name: &str) -> Result<Function, Failure> {
+    fn module(&self, kernels: Kernels) -> Result<Module, Failure> {
+        let place = &self.modules[kernels as usize];
+        if let Some(module) = place.get() {
+            return Ok(*module);
+        }
         let _entered = self.enter()?;
-        let module = match self.meshes.get() {
-            Some(module) => *module,
-            None => {
-                let loaded = load(self.driver, MESHES)?;
-                let kept = *self.meshes.get_or_init(|| loaded);
-                if kept != loaded {
-                    // Another thread was first.
-                    self.driver.unload(loaded);
-                }
-                kept
-            }
-        };
-        self.driver.function(module, name)
+        let loaded = load(self.driver, kernels.text())?;
+        let kept = *place.get_or_init(|| loaded);
+        if kept != loaded {
+            // Another thread was first.
+            self.driver.unload(loaded);
+        }
+        Ok(kept)
     }
 }
 
@@ -176,8 +185,7 @@ impl Drop for Device {
     fn drop(&mut self) {
         // Where the context is lost, so is the module.
         if let Ok(_entered) = self.enter() {
-            self.driver.unload(self.module);
-            if let Some(module) = self.meshes.get() {
+            for module in self.modules.iter().filter_map(OnceLock::get) {
                 self.driver.unload(*module);
             }
         }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which kernel serves which shapes and laws.
 
-use crate::device::{Device, OnDevice};
+use crate::device::{Device, Kernels, OnDevice};
 use crate::driver_library::{Function, Stream};
 use crate::status::ELLGRAN_GPU_ERROR_LAWS;
 use core::marker::PhantomData;
@@ -11,7 +11,7 @@ use ellgran::contact::{HistoryLayout, Laws};
 use ellgran_kernels::arguments::{
     CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments, FileArguments,
     MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
+    PrepareArguments, ShapeArguments, SumArguments, TallyArguments, TermArguments, WallArguments,
 };
 
 /// Threads of a block: the contact kernels take 255 registers of 65536 a thread, so two such blocks fit.
@@ -122,17 +122,13 @@ pub struct Entry<A> {
 
 impl<A> Entry<A> {
     fn new(device: &Device, name: String) -> Result<Self, Failure> {
-        Ok(Entry {
-            function: device.function(&name)?,
-            name,
-            of: PhantomData,
-        })
+        Entry::of(device, Kernels::Grains, name)
     }
 
-    fn of_meshes(device: &Device, name: &str) -> Result<Self, Failure> {
+    fn of(device: &Device, kernels: Kernels, name: String) -> Result<Self, Failure> {
         Ok(Entry {
-            function: device.mesh_function(name)?,
-            name: name.to_owned(),
+            function: device.function(kernels, &name)?,
+            name,
             of: PhantomData,
         })
     }
@@ -259,7 +255,7 @@ impl MeshEntries {
     /// Of the driver.
     pub fn new(device: &Device) -> Result<Self, Failure> {
         let [spheroids, ellipsoids, contacts] =
-            NAMES_OF_MESHES.map(|name| Entry::of_meshes(device, name));
+            NAMES_OF_MESHES.map(|name| Entry::of(device, Kernels::Meshes, name.to_owned()));
         Ok(MeshEntries {
             near: [spheroids?, ellipsoids?],
             contacts: contacts?,
@@ -271,6 +267,29 @@ impl MeshEntries {
         &self.near[usize::from(shapes == Shapes::Ellipsoids)]
     }
 }
+
+/// Those of energies and virial.
+pub struct TallyEntries([Entry<TallyArguments<OnDevice>>; 2]);
+
+impl TallyEntries {
+    /// Has them assembled where they are not.
+    ///
+    /// # Errors
+    /// Of the driver.
+    pub fn new(device: &Device) -> Result<Self, Failure> {
+        let [spheroids, ellipsoids] =
+            NAMES_OF_TALLIES.map(|name| Entry::of(device, Kernels::Tallies, name.to_owned()));
+        Ok(TallyEntries([spheroids?, ellipsoids?]))
+    }
+
+    /// Of such grains.
+    pub fn of(&self, shapes: Shapes) -> &Entry<TallyArguments<OnDevice>> {
+        &self.0[usize::from(shapes == Shapes::Ellipsoids)]
+    }
+}
+
+/// Names of the kernels of energies and virial: of spheres and spheroids, and of ellipsoids.
+const NAMES_OF_TALLIES: [&str; 2] = ["ellgran_tally_spheroids", "ellgran_tally_ellipsoids"];
 
 /// Names of the kernels of walls with triangles: which spheroids, and which ellipsoids, are near, and contacts.
 const NAMES_OF_MESHES: [&str; 3] = [
@@ -342,7 +361,6 @@ impl Chosen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::{MESHES, PTX};
 
     fn laws(words: &str) -> Laws {
         let words: Vec<&str> = words.split(' ').collect();
@@ -380,8 +398,11 @@ mod tests {
     }
 
     /// What the text of a module says of the second parameter of a kernel: size and alignment.
-    fn parameter(module: &str, name: &str) -> (usize, usize) {
-        let (_, rest) = module.split_once(&format!(".entry {name}(")).expect(name);
+    fn parameter(kernels: Kernels, name: &str) -> (usize, usize) {
+        let (_, rest) = kernels
+            .text()
+            .split_once(&format!(".entry {name}("))
+            .expect(name);
         let (list, _) = rest.split_once(')').expect(name);
         let second = list.split(',').nth(1).expect(name);
         let words: Vec<&str> = second.split_whitespace().collect();
@@ -393,8 +414,12 @@ mod tests {
     }
 
     fn is_of<A>(name: &str) {
+        is_there_of::<A>(Kernels::Grains, name);
+    }
+
+    fn is_there_of<A>(kernels: Kernels, name: &str) {
         let here = (size_of::<A>(), align_of::<A>());
-        assert_eq!(parameter(PTX, name), here, "{name}");
+        assert_eq!(parameter(kernels, name), here, "{name}");
     }
 
     /// As the compiler for the device has laid them out.
@@ -411,9 +436,10 @@ mod tests {
         is_of::<CarryPairsArguments<OnDevice>>("ellgran_carry_pairs");
         is_of::<CarryWallArguments<OnDevice>>("ellgran_carry_wall");
         for name in NAMES_OF_MESHES {
-            type Here = MeshArguments<OnDevice>;
-            let here = (size_of::<Here>(), align_of::<Here>());
-            assert_eq!(parameter(MESHES, name), here, "{name}");
+            is_there_of::<MeshArguments<OnDevice>>(Kernels::Meshes, name);
+        }
+        for name in NAMES_OF_TALLIES {
+            is_there_of::<TallyArguments<OnDevice>>(Kernels::Tallies, name);
         }
         for shapes in [Shapes::Spheres, Shapes::Spheroids, Shapes::Ellipsoids] {
             for bits in 0..4 {

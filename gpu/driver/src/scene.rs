@@ -5,11 +5,11 @@
 
 use crate::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
-    EllgranGpuMotion, EllgranGpuVectors,
+    EllgranGpuMotion, EllgranGpuTallies, EllgranGpuVectors,
 };
 use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
-use crate::entries::{Chosen, Common, MeshEntries, Precision, Shapes, Terms};
+use crate::entries::{Chosen, Common, MeshEntries, Precision, Shapes, TallyEntries, Terms};
 use crate::wall_histories::WallHistories;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::c_api::status::{
@@ -26,15 +26,16 @@ use ellgran::walls::{Motion, MovingPlane, Surface, Wall, WallHistoryLayout};
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
     FileArguments, MeshArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TermArguments, WallArguments,
-    CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED,
-    SELECTIONS,
+    PrepareArguments, SceneArguments, ShapeArguments, SumArguments, TallyArguments, TermArguments,
+    WallArguments, CANDIDATES, FAULT, FOUND, KEPT, MARKED, MOVED, NOTES, NO_SPHERE, NO_SPHEROID,
+    ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::Candidate;
 use ellgran_kernels::meshes::{LargeRoom, SmallRoom, COUNTS, MOST_TRIANGLES, TOO_MANY_TRIANGLES};
 use ellgran_kernels::pair_memory::{slots_for, HALF_LIST, NAMED_TWICE, WRONG_NEIGHBOUR, WRONG_ROW};
 use ellgran_kernels::preparation::Fault;
 use ellgran_kernels::shapes::{Grain, GrainChange};
+use ellgran_kernels::tallies::TALLIES;
 use ellgran_kernels::terms::{COMPONENTS, NUMBERS};
 use ellgran_kernels::walls::{WallMotion, TOO_MANY_CONTACTS};
 use std::sync::Arc;
@@ -46,6 +47,9 @@ const MARKED_THREADS: usize = 1 << 16;
 
 /// Threads that select candidates, at most: in most steps they find that there is nothing to do.
 const SELECTING_THREADS: usize = 1 << 18;
+
+/// Threads that sum up energies, at most: each leaves its sums to the host.
+const TALLYING_THREADS: usize = 1 << 14;
 
 /// Threads that look for the contacts with triangles, at most, each of which has 60 kB of memory of the device for it: as many as there may be at
 /// a time on a GPU of 128 processors with two blocks each.
@@ -346,6 +350,8 @@ pub struct Scene {
     walls: Vec<WallKind>,
     /// Empty where no wall has triangles.
     meshes: MeshMemory,
+    /// From the first call on that asks for energies.
+    tallies: Option<(TallyEntries, Buffer<f64>)>,
     now: PairMemory,
     /// The memory of the list before, or of a list that is being made.
     other: PairMemory,
@@ -394,6 +400,7 @@ impl Scene {
             slots: Buffer::new(device),
             walls: Vec::new(),
             meshes: MeshMemory::new(device),
+            tallies: None,
             now: PairMemory::new(device),
             other: PairMemory::new(device),
         };
@@ -884,6 +891,63 @@ impl Scene {
         };
         let sum = &self.common.sum_contacts;
         sum.launch(device, stream, listed.owned * COMPONENTS, &arguments)
+    }
+
+    /// Energies and virial of what the contacts are about to be computed from.
+    ///
+    /// # Errors
+    /// Other grains than those of the list; a status of a GPU.
+    pub fn tally_pairs(
+        &mut self,
+        g: &EllgranGpuGrains,
+        step: &Step,
+        stream: Stream,
+    ) -> Result<EllgranGpuTallies, Failure> {
+        let listed = self.listed_for(g)?;
+        let _entered = self.device.enter()?;
+        let threads = self.contact_threads.min(TALLYING_THREADS);
+        let mut sums = vec![0.0; threads * TALLIES];
+        if threads > 0 {
+            if self.tallies.is_none() {
+                self.tallies = Some((TallyEntries::new(&self.device)?, Buffer::new(&self.device)));
+            }
+            let arguments = TallyArguments {
+                scene: self.scene_arguments(g, step)?,
+                candidates: self.candidates.all(),
+                states: self.now.states.all(),
+                histories: self.now.histories.all(),
+                notes: self.notes(),
+                sums: Array::EMPTY,
+                threads: threads as u32,
+                owned: listed.owned as u32,
+            };
+            let shapes = self.chosen()?.shapes;
+            let Some((entries, buffer)) = &mut self.tallies else {
+                return argument("there are no kernels of energies");
+            };
+            buffer.resize(sums.len())?;
+            let arguments = TallyArguments {
+                sums: buffer.all(),
+                ..arguments
+            };
+            let kernel = entries.of(shapes);
+            kernel.launch_spread(&self.device, stream, threads, &arguments)?;
+            let driver = self.device.driver();
+            driver.copy_out(&mut sums, buffer.address(), stream)?;
+        }
+        let mut total = [0.0; TALLIES];
+        for own in sums.chunks_exact(TALLIES) {
+            for (sum, x) in total.iter_mut().zip(own) {
+                *sum += x;
+            }
+        }
+        let [normal, tangential, virial @ ..] = total;
+        Ok(EllgranGpuTallies {
+            size: size_of::<EllgranGpuTallies>(),
+            normal_elastic_energy: normal,
+            tangential_elastic_energy: tangential,
+            virial,
+        })
     }
 
     /// One more plane: its number.
@@ -1602,6 +1666,7 @@ impl Scene {
                 })
                 .sum::<usize>()
             + self.meshes.bytes()
+            + self.tallies.as_ref().map_or(0, |(_, sums)| sums.bytes())
             + self.now.bytes()
             + self.other.bytes();
         Ok(EllgranGpuCounts {

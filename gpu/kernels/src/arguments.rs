@@ -236,6 +236,27 @@ pub struct ContactArguments<M: Memory> {
     pub notes: M::Shared<AtomicU32>,
 }
 
+/// Of `ellgran_tally_*`, which have some threads, each with some of the candidates.
+#[repr(C)]
+pub struct TallyArguments<M: Memory> {
+    /// The scene.
+    pub scene: SceneArguments<M>,
+    /// Candidates: no two of the same entry.
+    pub candidates: M::Shared<Candidate>,
+    /// One state per neighbour.
+    pub states: M::Shared<u32>,
+    /// One history per neighbour.
+    pub histories: M::Shared<f64>,
+    /// [`CANDIDATES`] is read.
+    pub notes: M::Shared<AtomicU32>,
+    /// Written: [`TALLIES`](crate::tallies::TALLIES) sums of each thread.
+    pub sums: M::Parts<f64>,
+    /// How many threads there are.
+    pub threads: u32,
+    /// How many grains are owned.
+    pub owned: u32,
+}
+
 /// Of `ellgran_sum_contacts`, which has [`COMPONENTS`](crate::terms::COMPONENTS) threads for each grain.
 #[repr(C)]
 pub struct SumArguments<M: Memory> {

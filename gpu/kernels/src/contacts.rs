@@ -170,7 +170,7 @@ pub fn marked_contact_of_pair<K: Kind>(
     history: &mut [f64],
 ) -> ContactLoad {
     let touched = *state & TOUCHES != 0;
-    match with_safeguards::<K>(scene, candidate, history, touched) {
+    match forces_with_safeguards::<K>(scene, candidate, history, touched) {
         None => {
             *state = 0;
             ContactLoad::NONE
@@ -380,7 +380,7 @@ fn contact_of<K: Kind>(
 }
 
 /// The pair as a single contact takes it.
-fn with_safeguards<K: Kind>(
+pub(crate) fn forces_with_safeguards<K: Kind>(
     scene: &Scene<'_>,
     candidate: &Candidate,
     history: &mut [f64],

@@ -9,6 +9,7 @@
 //! - [`contacts`]: force and torques of one of them, and its history.
 //! - [`mixed`]: the same with the search in single precision.
 //! - [`terms`]: which contacts add to the load of a grain, and their sum.
+//! - [`tallies`]: energies and virial of the same contacts.
 //! - [`planes`]: the same of one grain's contact with a plane.
 //! - [`walls`]: the same of its contacts with a wall of planes, cylinders, cones and spheres.
 //! - [`meshes`]: the same with a wall of which parts are triangles.
@@ -40,5 +41,6 @@ pub mod planes;
 pub mod poses;
 pub mod preparation;
 pub mod shapes;
+pub mod tallies;
 pub mod terms;
 pub mod walls;

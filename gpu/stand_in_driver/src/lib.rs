@@ -23,3 +23,5 @@ mod modules;
 mod scene;
 mod settings;
 mod tally;
+#[path = "../../ptx/src/tally_entries.rs"]
+mod tally_entries;

@@ -171,6 +171,7 @@ REAL(prepare);
 REAL(check);
 REAL(write_histories);
 REAL(write_wall_histories);
+REAL(tally_pairs);
 REAL(compute_pairs);
 REAL(compute_plane);
 REAL(compute_wall);
@@ -226,6 +227,13 @@ int32_t __wrap_ellgran_gpu_write_wall_histories(EllgranGpuScene *scene, const El
 {
   const EllgranGpuGrains there = copied(*grains);
   return __real_ellgran_gpu_write_wall_histories(scene, &there, number, wall, laws, part, histories, stream);
+}
+
+int32_t __wrap_ellgran_gpu_tally_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step, EllgranGpuTallies *tallies,
+                                       void *stream)
+{
+  const EllgranGpuGrains there = copied(*grains);
+  return __real_ellgran_gpu_tally_pairs(scene, &there, step, tallies, stream);
 }
 
 int32_t __wrap_ellgran_gpu_compute_pairs(EllgranGpuScene *scene, const EllgranGpuGrains *grains, const EllgranStep *step,

@@ -42,7 +42,7 @@ pub struct Figures {
 }
 
 /// Of several modules.
-pub fn figures(modules: &[&str]) -> Result<Figures> {
+pub fn figures(modules: &[String]) -> Result<Figures> {
     let environment = Environment::pinned(&root().join("gpu/ptx/requirements.txt"))?;
     let script = "import nvidia.cuda_nvcc as m; print(list(m.__path__)[0])";
     let place = crate::process::output_of(environment.python().args(["-c", script]))?;

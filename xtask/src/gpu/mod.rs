@@ -31,9 +31,10 @@ pub struct Options {
 }
 
 /// What is committed: the features of `gpu/ptx` of which the compiler makes a module each, and what it makes of them.
-const MODULES: [(&str, &str); 2] = [
+const MODULES: [(&str, &str); 3] = [
     ("grains", "gpu/ptx/ellgran.ptx"),
     ("meshes", "gpu/ptx/ellgran_meshes.ptx"),
+    ("tallies", "gpu/ptx/ellgran_tallies.ptx"),
 ];
 const PAGE: &str = "docs/gpu.md";
 /// What was measured on a GPU.
@@ -62,22 +63,16 @@ pub fn gpu(options: &Options) -> Result<()> {
         .iter()
         .map(|(feature, _)| made(feature))
         .collect::<Result<_>>()?;
-    let [grains, meshes] = [0, 1].map(|k| &*modules[k]);
-    let figures = assembler::figures(&[grains, meshes])?;
+    let figures = assembler::figures(&modules)?;
     let results = fs::read_to_string(root().join(RESULTS)).unwrap_or_default();
     let page = page::page(&figures, &results);
-    let texts = [grains, meshes, &page];
-    for (name, text) in MODULES
-        .map(|(_, name)| name)
-        .iter()
-        .chain([&PAGE])
-        .zip(texts)
-    {
+    let names = MODULES.iter().map(|(_, name)| *name).chain([PAGE]);
+    for (name, text) in names.zip(modules.iter().chain([&page])) {
         let path = root().join(name);
         if !options.check {
             fs::write(&path, text)?;
             say(format!("wrote {}", path.display()));
-        } else if fs::read_to_string(&path).ok().as_deref() == Some(text) {
+        } else if fs::read_to_string(&path).ok().as_ref() == Some(text) {
             say(format!("{name} is what the sources make"));
         } else {
             bail!("{name} differs from what the sources make: run `cargo xtask gpu`");

@@ -127,7 +127,7 @@ itself calls. `ELLGRAN_GPU_DRIVER` names another file than `libcuda.so.1`.
 - **The device and context** are those of the thread (`ellgran_gpu_open_current`), as KOKKOS has chosen them, or the primary context of a \
 GPU by its number (`ellgran_gpu_open`).
 - **Opening a GPU** has the driver assemble the kernels, which takes half a minute on a machine where it has not been done before. The \
-driver keeps the result in the user's home directory. Those of walls with triangles are assembled when the first such wall is added, which takes as long again.
+driver keeps the result in the user's home directory. Those of walls with triangles, and those of energies, are assembled when the first such wall is added and energies are asked for the first time.
 - **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 24 bytes and \
 16 for each double of a history (136 with friction), and each pair of the list 92 bytes; there is a quarter more room than that. The kernel \
 for deep contacts needs 18 kB a thread, which the driver sets aside for as many threads as the GPU can hold. The driver takes some megabytes \
@@ -144,6 +144,7 @@ has them now. For those of a restart file, and of grains that come from another 
 identifier and the value.
 - **Shapes** choose the kernels: stated, or found with each list.
 - **Walls** are planes, of which each call says where they are, or [any wall of ellgran.h](#walls) but one whose triangles an engine lends.
+- **Energies**: `ellgran_gpu_tally_pairs` sums up elastic energies and virial of pairs, in the steps that ask for them.
 - **Precision** is double, or mixed (`ellgran_gpu_scene_set_precision`): [below](#precision).
 
 | status | what is to be done |
@@ -171,8 +172,8 @@ allocates, copies or waits. That is on the stand-in for a driver, which runs one
 `ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1` the scenes of the kernels' tests run on the GPU of the machine, to the same bound \
 (`cargo test -p ellgran-gpu --test steps -- --test-threads=1`).
 
-What is not there: walls of triangles that an engine lends, output of the force on a wall or its triangles, motion of a part of the grains, contact masses of rigid bodies, tallies of \
-energies.
+What is not there: walls of triangles that an engine lends, output of the force on a wall or its triangles, motion of a part of the grains, contact masses of rigid bodies, energies \
+of each grain and of walls, what contacts dissipate.
 
 ";
 
@@ -308,13 +309,13 @@ pub fn page(figures: &Figures, results: &str) -> String {
          # On a GPU\n\n\
          **State: run on an H100, where forces and histories agree with the host to 1e-12.** The kernels are compiled from the library's own \
          functions. They are started through a C interface, by an engine that has its grains in the memory of a GPU, or by \
-         [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu). The kernels of [walls other than planes](#walls) have been run on the host alone.\n\n\
+         [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu).\n\n\
          ## What there is\n\n\
          | place | what it is |\n|---|---|\n\
          | `gpu/core` | the library without `std`: the same sources, another manifest |\n\
          | `gpu/kernels` | what a thread does with one grain or one pair: preparation, candidates, contacts, planes, walls, motion; no formula, no `unsafe` |\n\
          | `gpu/ptx` | the entries, and the memory of the device; the nightly compiler is pinned by date |\n\
-         | `gpu/ptx/ellgran.ptx`, `ellgran_meshes.ptx` | what the compiler makes of it, with the hash of its sources; the second is of walls with triangles alone |\n\
+         | `gpu/ptx/ellgran.ptx`, `ellgran_meshes.ptx`, `ellgran_tallies.ptx` | what the compiler makes of it, with the hash of its sources; the second is of walls with triangles, the third of energies |\n\
          | `gpu/driver` | the C interface, [ellgran_gpu.h](../include/ellgran_gpu.h): device pointers and a stream in |\n\
          | `gpu/stand_in_driver` | NVIDIA's driver without a GPU, for tests: it runs the entries on the host, thread by thread |\n\n\
          - One thread computes one pair that may touch, for both of its grains. The row of the grain with the lower identifier keeps the pair.\n\

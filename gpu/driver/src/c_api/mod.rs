@@ -9,7 +9,7 @@ pub mod step;
 
 use crate::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
-    EllgranGpuMotion,
+    EllgranGpuMotion, EllgranGpuTallies,
 };
 use ellgran::c_api::growing::Growing;
 use ellgran::c_api::status::{Failure, ELLGRAN_ERROR_NULL_POINTER};
@@ -65,4 +65,4 @@ macro_rules! growing {
     )*};
 }
 
-growing!(EllgranGpuGrains EllgranGpuList EllgranGpuLoads EllgranGpuMotion EllgranGpuHistories EllgranGpuCounts);
+growing!(EllgranGpuGrains EllgranGpuList EllgranGpuLoads EllgranGpuMotion EllgranGpuHistories EllgranGpuCounts EllgranGpuTallies);

@@ -4,7 +4,7 @@
 use super::gpu::EllgranGpu;
 use super::{slice, slice_mut};
 use crate::arrays::{
-    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList,
+    EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuTallies,
     ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_MIXED,
     ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
 };
@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use core::ffi::c_void;
 use ellgran::c_api::growing::{given, Output};
 use ellgran::c_api::law::EllgranLaws;
+use ellgran::c_api::particles::EllgranStep;
 use ellgran::c_api::rigid_wall::EllgranWall;
 use ellgran::c_api::status::{at_border, required, required_mut, Failure, ELLGRAN_ERROR_ARGUMENT};
 
@@ -382,6 +383,39 @@ pub unsafe extern "C" fn ellgran_gpu_write_wall_histories(
         // SAFETY: NULL or so long, by this function's safety section.
         let histories = unsafe { slice(histories, length, "histories")? };
         scene.write_wall_histories(&grains, number, &forms, histories, Stream(stream))
+    })
+}
+
+/// Writes elastic energies and virial of the touching pairs. Follows `ellgran_gpu_prepare` or `ellgran_gpu_new_list`, before
+/// `ellgran_gpu_compute_pairs`, of what that is about to compute contacts from; it changes nothing. A pair of which a grain is no owned
+/// one counts one half. Waits; the first call of a GPU has the driver assemble kernels of their own.
+///
+/// The same calls with the same numbers in the same order give the same bits.
+///
+/// # Safety
+/// `scene` is NULL or valid; `grains` and `step` are NULL or valid; the pointers of `grains` are to memory of the GPU as stated; `tallies` is
+/// NULL or valid for writes of its `size` bytes.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_gpu_tally_pairs(
+    scene: *mut EllgranGpuScene,
+    grains: *const EllgranGpuGrains,
+    step: *const EllgranStep,
+    tallies: *mut EllgranGpuTallies,
+    stream: *mut c_void,
+) -> i32 {
+    at_border("ellgran_gpu_tally_pairs", || {
+        // SAFETY: NULL or valid, by this function's safety section.
+        let (scene, grains, step, mut out) = unsafe {
+            (
+                required_mut(scene, "scene")?,
+                given(grains, "grains")?,
+                given(step, "step")?,
+                Output::new(tallies, "tallies")?,
+            )
+        };
+        let found = (scene.scene).tally_pairs(&grains, &step.to_core()?, Stream(stream))?;
+        out.write(&found);
+        Ok(())
     })
 }
 

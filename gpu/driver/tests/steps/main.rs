@@ -17,16 +17,18 @@ mod walls;
 
 use ellgran::c_api::particles::EllgranStep;
 use ellgran::contact::{HistoryLayout, Laws};
+use ellgran::tallies::Tallies;
 use ellgran_gpu::arrays::{
     EllgranGpuCounts, EllgranGpuGrains, EllgranGpuHistories, EllgranGpuList, EllgranGpuLoads,
-    EllgranGpuMotion, ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE, ELLGRAN_GPU_ELLIPSOIDS,
-    ELLGRAN_GPU_MIXED, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
+    EllgranGpuMotion, EllgranGpuTallies, ELLGRAN_GPU_ANY_SHAPES, ELLGRAN_GPU_DOUBLE,
+    ELLGRAN_GPU_ELLIPSOIDS, ELLGRAN_GPU_MIXED, ELLGRAN_GPU_SPHERES, ELLGRAN_GPU_SPHEROIDS,
 };
 use ellgran_gpu::c_api::gpu::{ellgran_gpu_free, EllgranGpu};
 use ellgran_gpu::c_api::scene::{
     ellgran_gpu_check, ellgran_gpu_counts, ellgran_gpu_histories, ellgran_gpu_new_list,
     ellgran_gpu_read_histories, ellgran_gpu_scene_free, ellgran_gpu_scene_new,
-    ellgran_gpu_scene_set_precision, ellgran_gpu_write_histories, EllgranGpuScene,
+    ellgran_gpu_scene_set_precision, ellgran_gpu_tally_pairs, ellgran_gpu_write_histories,
+    EllgranGpuScene,
 };
 use ellgran_gpu::c_api::step::{
     ellgran_gpu_compute_pairs, ellgran_gpu_finish_step, ellgran_gpu_prepare, ellgran_gpu_start_step,
@@ -517,6 +519,33 @@ fn kept(device: &OnDevice, entry: usize) -> bool {
     other >= device.owned || device.order[row] < device.order[other]
 }
 
+fn compare_tallies(
+    found: &EllgranGpuTallies,
+    energies: &[f64],
+    virials: &[[f64; 6]],
+    tolerance: f64,
+) {
+    let energy = found.normal_elastic_energy + found.tangential_elastic_energy;
+    let expected: f64 = energies.iter().sum();
+    assert!(expected > 0.0);
+    near(energy, expected, expected, tolerance, "energy", 0);
+    let expected = virials.iter().fold([0.0; 6], |mut sum: [f64; 6], own| {
+        sum.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
+        sum
+    });
+    let largest = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    for k in 0..6 {
+        near(
+            found.virial[k],
+            expected[k],
+            largest,
+            tolerance,
+            "virial",
+            k,
+        );
+    }
+}
+
 fn compare(words: &str, stated: i32, shapes: i32, scene: Scene) -> EllgranGpuCounts {
     compare_with(Layout::Rows, words, stated, shapes, scene)
 }
@@ -587,14 +616,26 @@ fn compare_in(
                 });
             }
             let grains = device.grains();
+            let mut tallied = new::<EllgranGpuTallies>();
+            let status = ellgran_gpu_tally_pairs(made, &grains, &step, &mut tallied, stream);
+            succeed(status);
             device.engine.in_a_step(|| {
                 let loads = device.to_load();
                 succeed(ellgran_gpu_compute_pairs(
                     made, &grains, &step, &loads, stream,
                 ));
             });
-            scene.forces_in_lanes(&laws, &mut lists, unchanged);
+            let (mut energies, mut virials) =
+                (vec![0.0; scene.count()], vec![[0.0; 6]; scene.count()]);
+            let mut on_host = Tallies {
+                particle_energies: Some(&mut energies),
+                particle_virials: Some(&mut virials),
+                ..Tallies::default()
+            };
+            scene.forces_and_tallies(&laws, &mut lists, unchanged, Some(&mut on_host));
             unchanged = true;
+            // What owned grains have of it: half of a pair with a ghost.
+            compare_tallies(&tallied, &energies[..owned], &virials[..owned], tolerance);
             let mut histories = new::<EllgranGpuHistories>();
             succeed(ellgran_gpu_histories(made, -1, &mut histories));
             touching += device.compare(&mut scene, &lists, &layout, &histories, tolerance);

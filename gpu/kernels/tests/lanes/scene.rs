@@ -8,6 +8,7 @@ use ellgran::list::{
 };
 use ellgran::motion::{finish_step, start_step, Bodies, BodyArrays, Extrapolation, Selection};
 use ellgran::simd::InstructionSet;
+use ellgran::tallies::Tallies;
 
 pub const TIME_STEP: f64 = 2e-5;
 
@@ -277,6 +278,17 @@ impl Scene {
 
     /// The present forces; `unchanged` says that the lists are those of the last call.
     pub fn forces_in_lanes(&mut self, laws: &Laws, lists: &mut Lists, unchanged: bool) {
+        self.forces_and_tallies(laws, lists, unchanged, None);
+    }
+
+    /// The same, with what is asked for.
+    pub fn forces_and_tallies(
+        &mut self,
+        laws: &Laws,
+        lists: &mut Lists,
+        unchanged: bool,
+        tallies: Option<&mut Tallies<'_>>,
+    ) {
         let m = &self.motion;
         let arrays = ParticleArrays {
             owned: self.count(),
@@ -310,6 +322,14 @@ impl Scene {
             histories: &mut lists.histories,
             length: lists.length,
         };
-        compute_pairs(laws, workspace, &mut rows, &STEP, &mut accumulators, None).unwrap();
+        compute_pairs(
+            laws,
+            workspace,
+            &mut rows,
+            &STEP,
+            &mut accumulators,
+            tallies,
+        )
+        .unwrap();
     }
 }
