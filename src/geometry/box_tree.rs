@@ -22,7 +22,7 @@ impl Extent {
     };
 
     /// That of a point and everything within `margin` of it along each axis.
-    pub fn about(point: [f64; 3], margin: f64) -> Self {
+    pub(crate) fn about(point: [f64; 3], margin: f64) -> Self {
         Extent {
             low: point.map(|x| x - margin),
             high: point.map(|x| x + margin),
@@ -30,7 +30,7 @@ impl Extent {
     }
 
     /// Larger by `margin` on every side.
-    pub fn wider(self, margin: f64) -> Self {
+    pub(crate) fn wider(self, margin: f64) -> Self {
         Extent {
             low: self.low.map(|x| x - margin),
             high: self.high.map(|x| x + margin),
@@ -38,7 +38,7 @@ impl Extent {
     }
 
     /// Whether two have a point in common.
-    pub fn overlaps(&self, other: &Extent) -> bool {
+    pub(crate) fn overlaps(&self, other: &Extent) -> bool {
         // Without a branch, which would often be mispredicted.
         let along = |k: usize| (self.low[k] <= other.high[k]) & (self.high[k] >= other.low[k]);
         along(0) & along(1) & along(2)
@@ -59,7 +59,7 @@ impl Extent {
 }
 
 /// The tree; its memory is kept when it is built again.
-pub struct BoxTree<M: Lists = OnHeap> {
+pub(crate) struct BoxTree<M: Lists = OnHeap> {
     /// Each before all that it contains.
     pub(crate) nodes: M::List<Node>,
     pub(crate) order: M::List<usize>,
@@ -68,6 +68,7 @@ pub struct BoxTree<M: Lists = OnHeap> {
 on_heap!(BoxTree: nodes order);
 
 /// A box about several, of a tree.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Node {
@@ -91,7 +92,7 @@ impl Node {
 
 impl<M: Lists> BoxTree<M> {
     /// Makes the tree of these boxes, which are from then on known by their index.
-    pub fn build(&mut self, boxes: &[Extent]) {
+    pub(crate) fn build(&mut self, boxes: &[Extent]) {
         self.nodes.clear();
         self.order.clear();
         self.order.add_all(0..boxes.len());
@@ -101,12 +102,17 @@ impl<M: Lists> BoxTree<M> {
     }
 
     /// The box around all; `None` without any.
-    pub fn extent(&self) -> Option<&Extent> {
+    pub(crate) fn extent(&self) -> Option<&Extent> {
         self.nodes.first().map(|node| &node.extent)
     }
 
     /// Calls `found` with the index of each box that overlaps `extent`, until it answers false. `boxes` are those of `build`.
-    pub fn visit(&self, boxes: &[Extent], extent: &Extent, found: impl FnMut(usize) -> bool) {
+    pub(crate) fn visit(
+        &self,
+        boxes: &[Extent],
+        extent: &Extent,
+        found: impl FnMut(usize) -> bool,
+    ) {
         visit(&self.nodes, &self.order, boxes, extent, found);
     }
 }

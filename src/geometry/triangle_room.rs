@@ -100,7 +100,7 @@ impl<const N: usize, const C: usize, const K: usize> TriangleRoom<N, C, K> {
 
 impl TriangleSearch<InRoom<'_>> {
     /// Whether the last search, or one before, had too little room: its contacts count for nothing.
-    pub fn lacks_room(&self) -> bool {
+    pub(crate) fn lacks_room(&self) -> bool {
         use super::lists::List;
         self.contacts.lacks_room()
             || self.places.lacks_room()

@@ -16,6 +16,8 @@ use std::sync::{Arc, OnceLock};
 pub enum Kernels {
     /// Those of every scene.
     Grains,
+    /// That of walls of cylinders and the like.
+    Walls,
     /// Those of walls with triangles.
     Meshes,
     /// Those of energies and virial.
@@ -27,6 +29,7 @@ impl Kernels {
     pub fn text(self) -> &'static str {
         match self {
             Kernels::Grains => concat!(include_str!("../../ptx/ellgran.ptx"), "\0"),
+            Kernels::Walls => concat!(include_str!("../../ptx/ellgran_walls.ptx"), "\0"),
             Kernels::Meshes => concat!(include_str!("../../ptx/ellgran_meshes.ptx"), "\0"),
             Kernels::Tallies => concat!(include_str!("../../ptx/ellgran_tallies.ptx"), "\0"),
         }
@@ -50,7 +53,7 @@ pub struct Device {
     driver: &'static Driver,
     context: Context,
     /// Of [`Kernels`], each from the first call on that needs it.
-    modules: [OnceLock<Module>; 3],
+    modules: [OnceLock<Module>; 4],
     /// To be released, where this library has retained its context.
     retained: Option<i32>,
     /// Whether a pointer that the driver does not know is an error.

@@ -236,9 +236,22 @@ pub struct Chosen {
     pub marked_contacts: Entry<ContactArguments<OnDevice>>,
     /// Planes.
     pub plane: Entry<PlaneArguments<OnDevice>>,
-    /// Walls of surfaces.
-    pub wall: Entry<WallArguments<OnDevice>>,
 }
+
+/// The kernel of walls of cylinders and the like.
+pub struct WallEntry(pub Entry<WallArguments<OnDevice>>);
+
+impl WallEntry {
+    /// Has it assembled where it is not.
+    ///
+    /// # Errors
+    /// Of the driver.
+    pub fn new(device: &Device) -> Result<Self, Failure> {
+        Entry::of(device, Kernels::Walls, NAME_OF_WALLS.to_owned()).map(WallEntry)
+    }
+}
+
+const NAME_OF_WALLS: &str = "ellgran_wall";
 
 /// Kernels of walls with triangles.
 pub struct MeshEntries {
@@ -298,10 +311,10 @@ const NAMES_OF_MESHES: [&str; 3] = [
     "ellgran_mesh",
 ];
 
-/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes, walls.
-fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
+/// Names of the kernels: preparation, candidates, contacts, marked contacts, planes.
+fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 5] {
     let kind = shapes.word();
-    // Marked contacts, planes and walls take spheres as spheroids.
+    // Marked contacts and planes take spheres as spheroids.
     let spheroids_too = match shapes {
         Shapes::Spheres => Shapes::Spheroids.word(),
         _ => kind,
@@ -329,7 +342,6 @@ fn names(shapes: Shapes, terms: Terms, precision: Precision) -> [String; 6] {
         format!("ellgran_contacts_{mixed}{kind}{terms_of_contacts}"),
         format!("ellgran_marked_contacts_{spheroids_too}"),
         format!("ellgran_plane_{spheroids_too}{terms_of_planes}"),
-        format!("ellgran_wall_{spheroids_too}"),
     ]
 }
 
@@ -344,7 +356,7 @@ impl Chosen {
         terms: Terms,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let [prepare, candidates, contacts, marked_contacts, plane, wall] =
+        let [prepare, candidates, contacts, marked_contacts, plane] =
             names(shapes, terms, precision);
         Ok(Chosen {
             shapes,
@@ -353,7 +365,6 @@ impl Chosen {
             contacts: Entry::new(device, contacts)?,
             marked_contacts: Entry::new(device, marked_contacts)?,
             plane: Entry::new(device, plane)?,
-            wall: Entry::new(device, wall)?,
         })
     }
 }
@@ -435,6 +446,7 @@ mod tests {
         is_of::<FileArguments<OnDevice>>("ellgran_file_identifiers");
         is_of::<CarryPairsArguments<OnDevice>>("ellgran_carry_pairs");
         is_of::<CarryWallArguments<OnDevice>>("ellgran_carry_wall");
+        is_there_of::<WallArguments<OnDevice>>(Kernels::Walls, NAME_OF_WALLS);
         for name in NAMES_OF_MESHES {
             is_there_of::<MeshArguments<OnDevice>>(Kernels::Meshes, name);
         }
@@ -451,14 +463,13 @@ mod tests {
                     mass: false,
                 };
                 for precision in [Precision::Double, Precision::Mixed] {
-                    let [prepare, candidates, contacts, marked, plane, wall] =
+                    let [prepare, candidates, contacts, marked, plane] =
                         names(shapes, terms, precision);
                     is_of::<PrepareArguments<OnDevice>>(&prepare);
                     is_of::<CandidateArguments<OnDevice>>(&candidates);
                     is_of::<ContactArguments<OnDevice>>(&contacts);
                     is_of::<ContactArguments<OnDevice>>(&marked);
                     is_of::<PlaneArguments<OnDevice>>(&plane);
-                    is_of::<WallArguments<OnDevice>>(&wall);
                 }
             }
         }

@@ -9,7 +9,9 @@ use crate::arrays::{
 };
 use crate::device::{Array, Buffer, Device, OnDevice, VectorArray};
 use crate::driver_library::Stream;
-use crate::entries::{Chosen, Common, MeshEntries, Precision, Shapes, TallyEntries, Terms};
+use crate::entries::{
+    Chosen, Common, MeshEntries, Precision, Shapes, TallyEntries, Terms, WallEntry,
+};
 use crate::wall_histories::WallHistories;
 use core::sync::atomic::{AtomicU32, AtomicU64};
 use ellgran::c_api::status::{
@@ -348,6 +350,8 @@ pub struct Scene {
     slots: Buffer<u64>,
     /// By their numbers.
     walls: Vec<WallKind>,
+    /// From the first wall of surfaces on.
+    wall_entry: Option<WallEntry>,
     /// Empty where no wall has triangles.
     meshes: MeshMemory,
     /// From the first call on that asks for energies.
@@ -399,6 +403,7 @@ impl Scene {
             notes: Buffer::new(device),
             slots: Buffer::new(device),
             walls: Vec::new(),
+            wall_entry: None,
             meshes: MeshMemory::new(device),
             tallies: None,
             now: PairMemory::new(device),
@@ -977,6 +982,9 @@ impl Scene {
         } = wall.histories(&self.laws);
         let layout = WallHistoryLayout::new(history, records.min(MOST_CONTACTS));
         assert!(history <= LONGEST_HISTORY);
+        if self.wall_entry.is_none() {
+            self.wall_entry = Some(WallEntry::new(&self.device)?);
+        }
         let mut buffer = Buffer::new(&self.device);
         buffer.resize(surfaces.len())?;
         let driver = self.device.driver();
@@ -1163,11 +1171,14 @@ impl Scene {
             torques: vectors(&loads.torques, listed.owned, "torques")?,
             faults: self.faults.all(),
             notes: self.notes(),
+            ellipsoids: u32::from(self.chosen()?.shapes == Shapes::Ellipsoids),
             wall_type,
             records: layout.records as u32,
         };
-        let wall = &self.chosen()?.wall;
-        wall.launch(&self.device, stream, listed.owned, &arguments)
+        let Some(WallEntry(entry)) = &self.wall_entry else {
+            return argument("the scene has no such wall");
+        };
+        entry.launch(&self.device, stream, listed.owned, &arguments)
     }
 
     /// Which grains are near a wall with triangles, and then their contacts.

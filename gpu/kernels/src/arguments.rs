@@ -301,7 +301,7 @@ pub struct PlaneArguments<M: Memory> {
     pub wall_type: u32,
 }
 
-/// Of `ellgran_wall_*`. States and histories are the grains' own with this wall.
+/// Of `ellgran_wall`. States and histories are the grains' own with this wall.
 #[repr(C)]
 pub struct WallArguments<M: Memory> {
     /// The scene.
@@ -322,6 +322,8 @@ pub struct WallArguments<M: Memory> {
     pub faults: M::Parts<u32>,
     /// [`FAULT`] is left.
     pub notes: M::Shared<AtomicU32>,
+    /// 1 where grains are ellipsoids, 0 where they are spheroids.
+    pub ellipsoids: u32,
     /// Type of the wall.
     pub wall_type: u32,
     /// Contacts of a grain that are remembered.

@@ -6,17 +6,16 @@
 //! This file is compiled twice: for a device, and for a host that stands in for one in tests, each with a `memory` of its own.
 
 use crate::memory::{entries, Here, Own, Thread};
-use crate::scene::{add, is_noted, note, scene_of, wall_layout};
+use crate::scene::{add, is_noted, note, scene_of};
 use core::sync::atomic::Ordering;
 use ellgran::geometry::Plane;
 use ellgran::motion::Refusal;
 use ellgran::vector::Vector3;
-use ellgran::walls::Motion;
 use ellgran_kernels::arguments::{
     BodyArguments, CandidateArguments, CarryPairsArguments, CarryWallArguments, ContactArguments,
     FileArguments, MotionArguments, NumberArguments, PlaneArguments, PoseArguments,
-    PrepareArguments, ShapeArguments, SumArguments, TermArguments, WallArguments, CANDIDATES,
-    FAULT, FOUND, KEPT, MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
+    PrepareArguments, ShapeArguments, SumArguments, TermArguments, CANDIDATES, FAULT, FOUND, KEPT,
+    MARKED, MOVED, NO_SPHERE, NO_SPHEROID, ROWS_NUMBERED, SELECTIONS,
 };
 use ellgran_kernels::candidates::{candidates_of_grain, Candidate, NewRow};
 use ellgran_kernels::contacts::{contact_of_pair, marked_contact_of_pair, Load};
@@ -32,7 +31,6 @@ use ellgran_kernels::shapes::{Ellipsoids, Kind, Spheres, Spheroids};
 use ellgran_kernels::terms::{
     component_of_load, number_rows, terms_of_grain, Candidates, Names, COMPONENTS,
 };
-use ellgran_kernels::walls::{contacts_with_wall, MovingWall, TOO_MANY_CONTACTS};
 
 /// What a table has for a number; without a table, the number itself.
 #[inline(always)]
@@ -302,7 +300,6 @@ marked_contacts! {
     ellgran_marked_contacts_ellipsoids: Ellipsoids;
 }
 
-/// Adds to a vector of this thread.
 macro_rules! planes {
     ($($name:ident: $kind:ty, $friction:literal, $conservative:literal;)*) => {
         entries! {$(
@@ -349,66 +346,6 @@ planes! {
     ellgran_plane_spheroids_friction_conservative: Spheroids, true, true;
     ellgran_plane_ellipsoids_conservative: Ellipsoids, false, true;
     ellgran_plane_ellipsoids_friction_conservative: Ellipsoids, true, true;
-}
-
-macro_rules! walls {
-    ($($name:ident: $kind:ty;)*) => {
-        entries! {$(
-            /// Adds the loads of a wall of surfaces. `faults` gets [`TOO_MANY_CONTACTS`].
-            fn $name(thread, arguments: WallArguments<Here>) {
-                let WallArguments {
-                    scene,
-                    surfaces,
-                    motion,
-                    mut states,
-                    mut histories,
-                    mut forces,
-                    mut torques,
-                    mut faults,
-                    notes,
-                    wall_type,
-                    records,
-                } = arguments;
-                let scene = scene_of(&scene, scene.tangential != 0);
-                let wall = MovingWall {
-                    surfaces: surfaces.all(),
-                    motion: Motion::from(&motion),
-                    layout: wall_layout(&scene, records),
-                    wall_type,
-                };
-                let length = wall.layout.length();
-                let state = states.at(&thread);
-                let outcome = contacts_with_wall::<$kind>(
-                    thread.index(),
-                    &scene,
-                    &wall,
-                    state,
-                    histories.part(&thread, length),
-                );
-                match outcome {
-                    Ok(load) => {
-                        if *state != 0 {
-                            add(&mut forces, &thread, load.force);
-                            add(&mut torques, &thread, load.torque);
-                        }
-                    }
-                    Err(_) => {
-                        let first = faults.at(&thread);
-                        if *first == 0 {
-                            *first = TOO_MANY_CONTACTS;
-                        }
-                        note(notes.all(), FAULT);
-                    }
-                }
-            }
-        )*}
-    };
-}
-
-// Spheres are spheroids to these.
-walls! {
-    ellgran_wall_spheroids: Spheroids;
-    ellgran_wall_ellipsoids: Ellipsoids;
 }
 
 /// Moves the thread's grain; of what it reads, it writes the motion, and with `TURNS` the place and the attitude.

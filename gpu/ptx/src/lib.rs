@@ -2,7 +2,7 @@
 //! The kernels as a device calls them: each entry takes arrays, and hands the part of this thread to a function of
 //! `ellgran-kernels`. No formula is here, and `unsafe` is in `memory` alone.
 //!
-//! They are three modules, each made of one feature: `grains`, `meshes` for walls with triangles, and `tallies` for energies and virial.
+//! They are four modules, each made of one feature: `grains`, `walls`, `meshes` for walls with triangles, and `tallies` for energies and virial.
 
 #![no_std]
 #![feature(abi_ptx, stdarch_nvptx)]
@@ -21,3 +21,5 @@ mod mesh_entries;
 mod scene;
 #[cfg(feature = "tallies")]
 mod tally_entries;
+#[cfg(feature = "walls")]
+mod wall_entries;

@@ -25,3 +25,5 @@ mod settings;
 mod tally;
 #[path = "../../ptx/src/tally_entries.rs"]
 mod tally_entries;
+#[path = "../../ptx/src/wall_entries.rs"]
+mod wall_entries;

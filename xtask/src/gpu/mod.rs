@@ -31,8 +31,9 @@ pub struct Options {
 }
 
 /// What is committed: the features of `gpu/ptx` of which the compiler makes a module each, and what it makes of them.
-const MODULES: [(&str, &str); 3] = [
+const MODULES: [(&str, &str); 4] = [
     ("grains", "gpu/ptx/ellgran.ptx"),
+    ("walls", "gpu/ptx/ellgran_walls.ptx"),
     ("meshes", "gpu/ptx/ellgran_meshes.ptx"),
     ("tallies", "gpu/ptx/ellgran_tallies.ptx"),
 ];

@@ -534,15 +534,8 @@ fn compare_tallies(
         sum
     });
     let largest = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    for k in 0..6 {
-        near(
-            found.virial[k],
-            expected[k],
-            largest,
-            tolerance,
-            "virial",
-            k,
-        );
+    for (k, (found, expected)) in found.virial.iter().zip(expected).enumerate() {
+        near(*found, expected, largest, tolerance, "virial", k);
     }
 }
 

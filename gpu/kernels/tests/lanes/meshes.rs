@@ -101,7 +101,7 @@ fn block(half: [f64; 3]) -> Vec<Triangle> {
     };
     let mut all = vec![];
     for axis in 0..3 {
-        let (u, v) = (1 << (axis + 1) % 3, 1 << (axis + 2) % 3);
+        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         for side in [0, 1 << axis] {
             let [a, b, c, d] = [side, side + u, side + u + v, side + v].map(corner);
             all.extend([[a, b, c], [a, c, d]]);
