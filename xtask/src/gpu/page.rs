@@ -129,7 +129,7 @@ GPU by its number (`ellgran_gpu_open`).
 - **Opening a GPU** has the driver assemble the kernels, where that has not been done before on the machine. The driver keeps the result in the user's home directory. Kernels of walls of cylinders and the like, \
 of walls with triangles, and of energies are modules of their own, which are assembled when they are needed for the first time. `ptxas` takes \
 17 s for the kernels of all scenes, 23 s for those walls, 49 s for triangles and 10 s for energies, on one core of an Intel Xeon.
-- **Memory** is allocated by `ellgran_gpu_new_list` alone. A grain takes about 250 bytes, an entry of the full neighbour list 24 bytes and \
+- **Memory** is allocated by `ellgran_gpu_new_list`, when a wall is added, and when energies are asked for the first time. A grain takes about 250 bytes, an entry of the full neighbour list 24 bytes and \
 16 for each double of a history (136 with friction), and each pair of the list 92 bytes; there is a quarter more room than that. The kernel \
 for deep contacts needs 18 kB a thread, which the driver sets aside for as many threads as the GPU can hold. The driver takes some megabytes \
 more when it starts a kernel for the first time.
@@ -308,7 +308,7 @@ pub fn page(figures: &Figures, results: &str) -> String {
         "<!-- SPDX-License-Identifier: MIT OR Apache-2.0 -->\n\
          <!-- Made by `cargo xtask gpu` from xtask/src/gpu/page.rs; not to be edited. -->\n\
          # On a GPU\n\n\
-         **State: run on an H100, where forces and histories agree with the host to 1e-12.** The kernels are compiled from the library's own \
+         **State: run on an H100, where forces and histories agree with the host to 1e-12.** That they are four modules is newer than that run. The kernels are compiled from the library's own \
          functions. They are started through a C interface, by an engine that has its grains in the memory of a GPU, or by \
          [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu).\n\n\
          ## What there is\n\n\
