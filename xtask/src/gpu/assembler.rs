@@ -86,6 +86,7 @@ fn assemble(program: &Path, ptx: &str, generation: u32) -> Result<BTreeMap<Strin
         directory.path().join("kernels.cubin"),
     );
     fs::write(&source, ptx)?;
+    let began = std::time::Instant::now();
     let output = Command::new(program)
         .arg("-v")
         .arg(format!("-arch=sm_{generation}"))
@@ -102,6 +103,14 @@ fn assemble(program: &Path, ptx: &str, generation: u32) -> Result<BTreeMap<Strin
     let mut kernels = read_log(&log);
     if kernels.is_empty() {
         bail!("the assembler says nothing of any kernel for sm_{generation}\n{log}");
+    }
+    if generation == SHOWN {
+        // Beside the other modules, on as many cores as there are.
+        let names: Vec<&str> = kernels.keys().map(String::as_str).take(2).collect();
+        let (names, seconds) = (names.join(", "), began.elapsed().as_secs_f64());
+        say(format!(
+            "sm_{generation}: the module of {names} in {seconds:.0} s"
+        ));
     }
     for (name, bytes) in code_sizes(&fs::read(&binary)?)? {
         if let Some(kernel) = kernels.get_mut(&name) {
