@@ -1,25 +1,23 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
-# LAMMPS with ellgran on a GPU of NVIDIA, whose driver is all that the machine must have: trajectories beside those of the host, rates, and
-# rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within $LIMIT seconds, 300; with 1 where trajectories differ.
+# LAMMPS with ellgran on a GPU of NVIDIA, whose driver and an MPI are all that the machine must have: trajectories beside those of the host, on
+# one rank and, where there is an mpirun, on two; rates, and rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within
+# $LIMIT seconds, 480; with 1 where trajectories differ.
 #
-# To be carried there, with the decks beside this file:
-#   lmp           what `cargo xtask path lammps-kokkos-cuda` prints, stripped
-#   dense.data    4096 grains of aspect ratio 2, by examples/lammps/bench/make.lmp
-#   spheres.data  spheres of the same volume in the same box, by make_spheres.lmp
-#   lifters.stl, paddle.stl  of examples/lammps
+# `cargo xtask gpu --pack DIR --lammps` puts all that it needs into DIR/lammps.
 cd "$(dirname "$0")" || exit 1
 OUT=${OUT:-$PWD/out}
-mkdir -p "$OUT/host" "$OUT/gpu"
+mkdir -p "$OUT/host" "$OUT/gpu" "$OUT/ranks"
+RANKS=""
 G="-nocite -k on g 1 -sf kk"
 began=$SECONDS
-LIMIT=${LIMIT:-300}   # s
+LIMIT=${LIMIT:-480}   # s
 left() { echo $((LIMIT - (SECONDS - began))); }
 lmp() {   # lmp LOG words...: what it printed to LOG
   local log=$1; shift
   local most=$(left); [ "$most" -gt ${MOST:-40} ] && most=${MOST:-40}
   [ "$most" -lt 3 ] && { echo "no time left" > "$OUT/$log"; return 1; }
-  timeout "$most" ./lmp "$@" -log none > "$OUT/$log" 2>&1
+  timeout "$most" $RANKS ./lmp "$@" -log none > "$OUT/$log" 2>&1 < /dev/null
   local status=$?
   [ $status -ne 0 ] && { echo "$log: status $status"; tail -n 4 "$OUT/$log"; }
   return $status
@@ -79,10 +77,12 @@ compare_lists() {   # largest difference of two lists of numbers over the larges
     printf "%.1e%s\n", most / scale, (scale > 0 && most <= 1e-9 * scale) ? "" : " FAILED"
   }'
 }
-on() {   # on host|gpu NAME DECK words...: with a directory for its frames
-  local where=$1 name=$2 deck=$3 how="-nocite"
+on() {   # on host|gpu|ranks NAME DECK words...: with a directory for its frames
+  local where=$1 name=$2 deck=$3 how="-nocite" RANKS=""
   shift 3
   [ "$where" = gpu ] && how=$G
+  # Two on one GPU; messages by way of the host, which every MPI can do.
+  [ "$where" = ranks ] && { how="$G -pk kokkos gpu/aware off"; RANKS="mpirun -n 2"; }
   mkdir -p "$OUT/$where/$name"
   lmp "compare-$where-$name.log" $how -in "$deck" -var out "$OUT/$where/$name" "$@"
 }
@@ -112,10 +112,10 @@ floor 100 0
 floor 100 3e-4
 
 # The driver assembles the kernels at the first start, and keeps them.
-MOST=100 lmp first.log $G -in time.lmp -var copies "1 1 1" -var steps 10 -var warm 1
+MOST=150 lmp first.log $G -in time.lmp -var copies "1 1 1" -var steps 10 -var warm 1
 echo "first start: $((SECONDS - began)) s"
 before=$SECONDS
-MOST=100 lmp first-mesh.log $G -in time_walls.lmp -var floor "mesh $OUT/floor.10.0.stl" -var copies "1 1 1" -var steps 10 -var warm 1
+MOST=150 lmp first-mesh.log $G -in time_walls.lmp -var floor "mesh $OUT/floor.10.0.stl" -var copies "1 1 1" -var steps 10 -var warm 1
 echo "first wall of triangles: $((SECONDS - before)) s"
 
 # Rates, and where the time goes when the host waits for each kernel
@@ -123,11 +123,11 @@ rate() {   # rate NAME LOG
   table+=$(awk -v name="$1" '/^Loop time/ { s = $4; n = $9; a = $12 }
     /^(Pair|Neigh|Comm|Modify|Output|Other) / { split($0, c, "|"); split(c[3], t, " "); part[$1] = t[1] }
     END { if (!n) { print name ": no result"; exit }
-      printf "%-22s %8d grains %9.3g grain-steps/s  %8.3f ms/step", name, a, a * n / s, 1e3 * s / n
+      printf "%-26s %8d grains %9.3g grain-steps/s  %8.3f ms/step", name, a, a * n / s, 1e3 * s / n
       for (p in part) if (part[p] > 0) printf "  %s %.3f", p, 1e3 * part[p] / n
       printf "\n" }' "$OUT/$2")$'\n'
 }
-ellipsoids() { lmp "ellipsoids-$1.log" $G -in time.lmp "${@:2}"; rate "ellipsoids $1" "ellipsoids-$1.log"; }
+ellipsoids() { lmp "ellipsoids-${1// /-}.log" $G -in time.lmp "${@:2}"; rate "ellipsoids $1" "ellipsoids-${1// /-}.log"; }
 spheres() {
   local log=spheres-$1.log
   # fix neigh/history/kk asks for newton off.
@@ -138,27 +138,48 @@ ellipsoids 110592 -var copies "3 3 3" -var steps 500
 spheres 110592 -var copies "3 3 3" -var steps 500
 ellipsoids 1032192 -var copies "6 6 7"
 spheres 1032192 -var copies "6 6 7"
-MOST=80 ellipsoids 4096000 -var copies "10 10 10" -var steps 100
-MOST=80 spheres 4096000 -var copies "10 10 10" -var steps 100
 
 # The same trajectories
 wait
-while read -r line; do eval "on gpu $line" < /dev/null; done < <(cases)
+before=$SECONDS
+while read -r line; do eval "on gpu $line"; done < <(cases)
 on gpu again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
+wheres=gpu
+if command -v mpirun > /dev/null; then
+  wheres="gpu ranks"
+  while read -r line; do eval "on ranks $line"; done < <(cases)
+  on ranks again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
+else
+  table+="two ranks: no mpirun"$'\n'
+fi
+echo "trajectories: $((SECONDS - before)) s"
 mkdir -p "$OUT/host/again"
 cp "$OUT"/host/curved/frame.[1-9]* "$OUT"/host/curved/forces.* "$OUT/host/again"
 rm -f "$OUT"/host/again/frame.300
-for name in curved again; do
-  for step in 2 3; do
-    table+="$name, forces of walls: $(compare_lists "$OUT/host/$name/forces.$step" "$OUT/gpu/$name/forces.$step")"$'\n'
+for where in $wheres; do
+  for name in curved again; do
+    for step in 2 3; do
+      table+="$where, $name, forces of walls: $(compare_lists "$OUT/host/$name/forces.$step" "$OUT/$where/$name/forces.$step")"$'\n'
+    done
+  done
+  for name in friction half frictionless walls curved again; do
+    for frame in "$OUT/host/$name"/frame.*; do
+      table+="$where, $name ${frame##*/}: $(compare "$frame" "$OUT/$where/$name/${frame##*/}")"$'\n'
+    done
   done
 done
-for name in friction half frictionless walls curved again; do
-  for frame in "$OUT/host/$name"/frame.*; do
-    table+="$name ${frame##*/}: $(compare "$frame" "$OUT/gpu/$name/${frame##*/}")"$'\n'
-  done
-done
-rm -rf "$OUT/host" "$OUT/gpu"
+rm -rf "$OUT/host" "$OUT/gpu" "$OUT/ranks"
+
+# Other numbers of grains, other packings
+ellipsoids 4096 -var copies "1 1 1" -var steps 2000
+ellipsoids 32768 -var copies "2 2 2" -var steps 1000
+packing() { ellipsoids "$1 $2" -var data "$1.data" "${@:3}"; }
+packing needles 128000 -var copies "5 5 5"
+packing mixture 435375 -var copies "5 5 5"
+packing gas 4096000 -var copies "10 10 10"
+MOST=100 ellipsoids 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
+MOST=100 spheres 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
+MOST=150 ellipsoids 9691136 -var copies "13 13 14" -var steps 50 -var warm 10
 
 # Floors: none, a plane, triangles of two sizes, and uneven ones
 on_floor() { lmp "floor-${1// /-}.log" $G -in time_walls.lmp "${@:2}"; rate "floor $1" "floor-${1// /-}.log"; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! LAMMPS with its KOKKOS package for a GPU of NVIDIA and with the styles of ellgran built in: a binary that needs a driver where it
-//! runs, and nothing else.
+//! LAMMPS with its KOKKOS package for a GPU of NVIDIA and with the styles of ellgran built in: a binary that needs a driver and MPI where
+//! it runs, and nothing else.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ const CONFIGURATION: &[&str] = &[
     "-DCMAKE_BUILD_TYPE=Release",
     "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG",
     "-DCMAKE_CXX_STANDARD=20",
-    "-DBUILD_MPI=off",
+    "-DBUILD_MPI=on",
     "-DBUILD_OMP=off",
     "-DBUILD_SHARED_LIBS=off",
     "-DBUILD_TOOLS=off",

@@ -2,7 +2,7 @@
 //! Whole steps on a GPU: the packings of the benchmark of engines, and the program that times them.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -15,15 +15,15 @@ use crate::workspace::root;
 
 /// A packing, as the scenes of `cargo xtask bench` are, with the numbers of its copies in each direction, and the margin of candidates in
 /// parts of the smallest semi-axis: wide where grains are fast, or their ends.
-struct Timed {
-    name: &'static str,
+pub(super) struct Timed {
+    pub(super) name: &'static str,
     kind: Kind,
     lattice: [usize; 3],
     copies: &'static str,
     margin: &'static str,
 }
 
-const TIMED: [Timed; 4] = [
+pub(super) const TIMED: [Timed; 4] = [
     Timed {
         name: "dense",
         kind: Kind::Dense,
@@ -55,7 +55,7 @@ const TIMED: [Timed; 4] = [
 ];
 
 /// The program that times a packing, and its words.
-fn words(timed: &Timed, file: &Path) -> [String; 5] {
+pub(super) fn words(timed: &Timed, file: &Path) -> [String; 5] {
     let file = file.display().to_string();
     [
         file,
@@ -103,50 +103,8 @@ fn driver() -> std::ffi::OsString {
     std::env::var_os("ELLGRAN_GPU_DRIVER").unwrap_or_else(|| "libcuda.so.1".into())
 }
 
-/// Puts into a directory what a machine with a GPU and without a compiler needs: the packings, the program that times them, and the
-/// tests that compare each step with the host.
-pub fn pack(directory: &Path) -> Result<()> {
-    packings(directory)?;
-    for (kind, name) in [("--bench", "whole_step"), ("--test", "steps")] {
-        let mut cargo = Command::new("cargo");
-        cargo
-            .args(["build", "--release", "-p", "ellgran-gpu", kind, name])
-            .args(["--message-format", "json-render-diagnostics"])
-            .current_dir(root());
-        let messages = output_of(&mut cargo)?;
-        let program = executable(&messages, name)
-            .with_context(|| format!("cargo has built no program of {name}"))?;
-        let to = directory.join(name);
-        fs::copy(&program, &to).with_context(|| format!("cannot write {}", to.display()))?;
-    }
-    let mut script = String::from(
-        "#!/bin/sh\n# What `cargo xtask gpu --bench` times, and the tests, on a machine with a GPU and without a compiler.\n\
-         export ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1 ELLGRAN_GPU_DRIVER=libcuda.so.1\n\
-         cd \"$(dirname \"$0\")\" || exit\n./steps --test-threads=1 || exit\n",
-    );
-    for timed in &TIMED {
-        let file = PathBuf::from(timed.name).with_extension("data");
-        script += &format!("./whole_step {}\n", words(timed, &file).join(" "));
-    }
-    let to = directory.join("run.sh");
-    fs::write(&to, script).with_context(|| format!("cannot write {}", to.display()))?;
-    say(format!(
-        "on a machine with a GPU: `sh {}/run.sh`",
-        directory.display()
-    ));
-    Ok(())
-}
-
-/// The program of a target in the messages of cargo.
-fn executable(messages: &str, target: &str) -> Option<PathBuf> {
-    messages.lines().find_map(|line| {
-        let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        let is_it = message["target"]["name"] == target;
-        is_it.then(|| message["executable"].as_str().map(PathBuf::from))?
-    })
-}
-
-fn packings(directory: &Path) -> Result<()> {
+/// The packings, as files of a directory.
+pub(super) fn packings(directory: &Path) -> Result<Lammps> {
     fs::create_dir_all(directory)
         .with_context(|| format!("cannot make {}", directory.display()))?;
     let lammps = Lammps::prepare()?;
@@ -160,22 +118,5 @@ fn packings(directory: &Path) -> Result<()> {
         let made = packing.file(&lammps)?;
         fs::copy(&made, &to).with_context(|| format!("cannot write {}", to.display()))?;
     }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_program_is_found_by_its_target() {
-        let messages = "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"other\"},\"executable\":\"/a\"}\n\
-                        {\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"steps\"},\"executable\":\"/b/steps-1\"}\n\
-                        {\"reason\":\"build-finished\",\"success\":true}\n";
-        assert_eq!(
-            executable(messages, "steps"),
-            Some(PathBuf::from("/b/steps-1"))
-        );
-        assert_eq!(executable(messages, "none"), None);
-    }
+    Ok(lammps)
 }

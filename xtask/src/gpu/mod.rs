@@ -4,6 +4,7 @@
 mod assembler;
 mod bench;
 mod names;
+mod pack;
 mod page;
 mod sources;
 
@@ -28,6 +29,9 @@ pub struct Options {
     /// Put what times and tests the kernels into a directory, for a machine with a GPU and without a compiler
     #[arg(long, value_name = "DIRECTORY", conflicts_with_all = ["check", "bench"])]
     pack: Option<PathBuf>,
+    /// Put LAMMPS for a GPU and its scenes there as well (half an hour on two cores)
+    #[arg(long, requires = "pack")]
+    lammps: bool,
 }
 
 /// What is committed: the features of `gpu/ptx` of which the compiler makes a module each, and what it makes of them.
@@ -56,7 +60,7 @@ pub fn gpu(options: &Options) -> Result<()> {
         return bench::bench();
     }
     if let Some(directory) = &options.pack {
-        return bench::pack(directory);
+        return pack::pack(directory, options.lammps);
     }
     let head = head(&sources::hash()?);
     let made = |feature| Ok(head.clone() + &names::without_places(&build(feature)?)?);
