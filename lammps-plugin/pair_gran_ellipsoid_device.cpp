@@ -250,6 +250,41 @@ void PairGranEllipsoidDevice::unpack_forward_comm_kokkos(int n, int first, DAT::
   grains.unpack_motion(n, first, buffer);
 }
 
+/* The same where MPI reads the memory of the host alone, and LAMMPS has turned 'package kokkos comm/pair/forward' to 'no': by way of a copy
+   there. */
+
+int PairGranEllipsoidDevice::pack_forward_comm(int n, int *indices, double *buffer, int, int *)
+{
+  const int length = grow_messages(n);
+  std::copy_n(indices, n, sent_grains.view_host().data());
+  sent_grains.modify_host();
+  sent_grains.sync_device();
+  grains.pack_motion(n, sent_grains, message);
+  message.modify_device();
+  message.sync_host();
+  std::copy_n(message.view_host().data(), length, buffer);
+  return length;
+}
+
+void PairGranEllipsoidDevice::unpack_forward_comm(int n, int first, double *buffer)
+{
+  const int length = grow_messages(n);
+  std::copy_n(buffer, length, message.view_host().data());
+  message.modify_host();
+  message.sync_device();
+  grains.unpack_motion(n, first, message);
+}
+
+/* Makes room for the message of so many grains; its length. */
+
+int PairGranEllipsoidDevice::grow_messages(int n)
+{
+  const auto count = static_cast<std::size_t>(n), length = count * grains.motion_length();
+  if (sent_grains.extent(0) < count) sent_grains = DAT::tdual_int_1d("ellgran:sent_grains", count);
+  if (message.extent(0) < length) message = DAT::tdual_double_1d("ellgran:message", length);
+  return static_cast<int>(length);
+}
+
 void PairGranEllipsoidDevice::init_style()
 {
   // What follows reads the arrays of the host.
@@ -367,11 +402,7 @@ void PairGranEllipsoidDevice::refuse_what_the_gpu_has_not() const
     error->all(FLERR, "{}: {} not on the GPU: {}", CALLER, what, cure);
   };
   of(lmp, CALLER);
-  if (comm->nprocs > 1) {
-    if (comm->style != Comm::BRICK) refuse("comm_style tiled with several ranks is", "use 'comm_style brick'");
-    if (lmp->kokkos->forward_pair_comm_legacy)
-      refuse("'package kokkos comm/pair/forward no' with several ranks is", "use 'comm/pair/forward device'");
-  }
+  if (comm->nprocs > 1 && comm->style != Comm::BRICK) refuse("comm_style tiled with several ranks is", "use 'comm_style brick'");
   if (update->whichflag == 2) refuse("minimisation is", "use a run with damping");
   if (input->command && std::strcmp(input->command, "rerun") == 0) refuse("'rerun' is", "start LAMMPS without '-k on'");
   if (atom->molecular)

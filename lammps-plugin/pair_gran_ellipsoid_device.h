@@ -34,6 +34,8 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   void finish() override;
   int pack_forward_comm_kokkos(int, DAT::tdual_int_1d, DAT::tdual_double_1d &, int, int *) override;
   void unpack_forward_comm_kokkos(int, int, DAT::tdual_double_1d &) override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
 
   EllgranDeviceGrains grains;
 
@@ -55,6 +57,9 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   uint32_t options_of_scene;
   bool between_runs;                    // no force has been computed since the last run ended
   std::vector<double> grains_at_end;    // with several ranks: types, masses and semi-axes
+  // Where MPI reads the memory of the host alone.
+  DAT::tdual_int_1d sent_grains;
+  DAT::tdual_double_1d message;
 
   void refuse_what_the_gpu_has_not() const;
   void require_wide_box() const;
@@ -68,6 +73,7 @@ class PairGranEllipsoidDevice : public PairGranEllipsoid, public KokkosBase {
   [[nodiscard]] std::vector<double> present_grains();
   void require_same_grains();
   void share_motion();
+  int grow_messages(int n);
   void tally(const EllgranStep &step);
   void tally_on_host(const EllgranStep &step);
   template <typename TALLIES> void add_tallies(const TALLIES &sums);

@@ -257,6 +257,31 @@ fn the_trajectories_on_two_ranks_are_those_of_one_on_the_host() {
     }
 }
 
+/// As LAMMPS sends them where MPI reads the memory of the host alone.
+#[test]
+fn the_trajectories_with_messages_by_way_of_the_host_are_the_same() {
+    for motion in ["velocities step", "velocities half"] {
+        let scene = crowd(216);
+        let deck = Deck {
+            runs: three_runs(),
+            ..deck(motion)
+        };
+        let on = |engine: &Engine, name: &str, ranks: usize| {
+            let name = format!("{name}_{}", motion.replace(' ', "_"));
+            run(engine, &name, &scene, &deck, ranks)
+        };
+        let host = on(&Engine::from_environment(), "host_messages", 1);
+        let mut engine = with_the_stand_in();
+        engine
+            .words
+            .extend(["-pk", "kokkos", "comm/pair/forward", "no"]);
+        let gpu = on(&engine, "gpu_messages", 2);
+        require_the_gpu(&gpu);
+        require_action(&host);
+        require_same(motion, &host, &gpu);
+    }
+}
+
 /// All grains are on one of two ranks.
 #[test]
 fn a_rank_may_have_no_grains() {

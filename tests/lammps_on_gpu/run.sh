@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 # LAMMPS with ellgran on a GPU of NVIDIA, whose driver and an MPI are all that the machine must have: trajectories beside those of the host, on
 # one rank and, where there is an mpirun, on two; rates, and rates of LAMMPS' own spheres. A table comes last, logs go to $OUT. Ends within
-# $LIMIT seconds, 480; with 1 where trajectories differ.
+# $LIMIT seconds, 480; with 1 where trajectories differ. PARTS names what is done, of: rates trajectories packings floors.
 #
 # `cargo xtask gpu --pack DIR --lammps` puts all that it needs into DIR/lammps.
 cd "$(dirname "$0")" || exit 1
@@ -12,6 +12,8 @@ RANKS=""
 G="-nocite -k on g 1 -sf kk"
 began=$SECONDS
 LIMIT=${LIMIT:-480}   # s
+PARTS=${PARTS:-rates trajectories packings floors}
+does() { [[ " $PARTS " = *" $1 "* ]]; }
 left() { echo $((LIMIT - (SECONDS - began))); }
 lmp() {   # lmp LOG words...: what it printed to LOG
   local log=$1; shift
@@ -86,7 +88,7 @@ on() {   # on host|gpu|ranks NAME DECK words...: with a directory for its frames
   mkdir -p "$OUT/$where/$name"
   lmp "compare-$where-$name.log" $how -in "$deck" -var out "$OUT/$where/$name" "$@"
 }
-while read -r line; do eval "on host $line" < /dev/null & done < <(cases)
+does trajectories && while read -r line; do eval "MOST=200 on host $line" < /dev/null & done < <(cases)
 
 floor() {   # floor CELLS HEIGHT: an STL file of so many cells of two triangles along each side, to 6 copies of the box and 5 mm more, with waves
   awk -v n="$1" -v height="$2" -v low=-0.005 -v high=0.1828 '
@@ -111,12 +113,14 @@ floor 10 0
 floor 100 0
 floor 100 3e-4
 
-# The driver assembles the kernels at the first start, and keeps them.
-MOST=150 lmp first.log $G -in time.lmp -var copies "1 1 1" -var steps 10 -var warm 1
-echo "first start: $((SECONDS - began)) s"
-before=$SECONDS
-MOST=150 lmp first-mesh.log $G -in time_walls.lmp -var floor "mesh $OUT/floor.10.0.stl" -var copies "1 1 1" -var steps 10 -var warm 1
-echo "first wall of triangles: $((SECONDS - before)) s"
+# The driver assembles a module of kernels when it is used for the first time, and keeps it.
+first() { MOST=200 lmp "first-${1// /-}.log" $G -in "${@:2}" -var copies "1 1 1" -var steps 10 -var warm 1; echo "first start, $1: $((SECONDS - began)) s"; }
+first grains time.lmp &
+first triangles time_walls.lmp -var floor "mesh $OUT/floor.10.0.stl" &
+mkdir -p "$OUT/scratch"
+first "all walls" curved_walls.lmp -var out "$OUT/scratch" &
+wait
+rm -rf "$OUT/scratch"
 
 # Rates, and where the time goes when the host waits for each kernel
 rate() {   # rate NAME LOG
@@ -134,13 +138,16 @@ spheres() {
   lmp "$log" $G -pk kokkos neigh half newton off -in spheres.lmp "${@:2}"
   rate "spheres $1" "$log"
 }
+if does rates; then
 ellipsoids 110592 -var copies "3 3 3" -var steps 500
 spheres 110592 -var copies "3 3 3" -var steps 500
 ellipsoids 1032192 -var copies "6 6 7"
 spheres 1032192 -var copies "6 6 7"
 
+fi
+
 # The same trajectories
-wait
+if does trajectories; then
 before=$SECONDS
 while read -r line; do eval "on gpu $line"; done < <(cases)
 on gpu again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
@@ -168,21 +175,26 @@ for where in $wheres; do
     done
   done
 done
+fi
 rm -rf "$OUT/host" "$OUT/gpu" "$OUT/ranks"
 
 # Other numbers of grains, other packings
+if does packings; then
 ellipsoids 4096 -var copies "1 1 1" -var steps 2000
 ellipsoids 32768 -var copies "2 2 2" -var steps 1000
 packing() { ellipsoids "$1 $2" -var data "$1.data" "${@:3}"; }
 packing needles 128000 -var copies "5 5 5"
 packing mixture 435375 -var copies "5 5 5"
-packing gas 4096000 -var copies "10 10 10"
+packing gas 512000 -var copies "5 5 5" -var steps 500
 MOST=100 ellipsoids 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
 MOST=100 spheres 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
 MOST=150 ellipsoids 9691136 -var copies "13 13 14" -var steps 50 -var warm 10
 
+fi
+
 # Floors: none, a plane, triangles of two sizes, and uneven ones
 on_floor() { lmp "floor-${1// /-}.log" $G -in time_walls.lmp "${@:2}"; rate "floor $1" "floor-${1// /-}.log"; }
+if does floors; then
 on_floor none -var floors 0
 on_floor plane -var floor "zplane 0 NULL"
 on_floor "200 triangles" -var floor "mesh $OUT/floor.10.0.stl"
@@ -196,6 +208,7 @@ on_floor "20000 triangles waiting" -var floor "mesh $OUT/floor.100.0.stl"
 on_floor "20000 uneven waiting" -var floor "mesh $OUT/floor.100.3e-4.stl"
 ellipsoids waiting -var copies "6 6 7" -var steps 50 -var warm 20
 spheres waiting -var copies "6 6 7" -var steps 50 -var warm 20
+fi
 rm -f "$OUT"/floor.*.stl
 echo "----- $((SECONDS - began)) s"
 printf '%s' "$table" | tee "$OUT/table.txt"
