@@ -308,7 +308,7 @@ pub fn page(figures: &Figures, results: &str) -> String {
         "<!-- SPDX-License-Identifier: MIT OR Apache-2.0 -->\n\
          <!-- Made by `cargo xtask gpu` from xtask/src/gpu/page.rs; not to be edited. -->\n\
          # On a GPU\n\n\
-         **State: run on an H100, where forces and histories agree with the host to 1e-12.** Their division into four modules is newer than that run. The kernels are compiled from the library's own \
+         **State: run on an H100, where forces and histories agree with the host to 1e-12.** The kernels are compiled from the library's own \
          functions. They are started through a C interface, by an engine that has its grains in the memory of a GPU, or by \
          [LAMMPS with KOKKOS for CUDA](kokkos.md#on-a-gpu).\n\n\
          ## What there is\n\n\
