@@ -159,7 +159,15 @@ pub unsafe extern "C" fn ellgran_mean_angular_velocity(
                 "time = {time} must be a finite number greater than 0"
             ));
         }
-        let omega = mean_angular_velocity(*from, *to, time).to_array();
+        // Products of other lengths leave double precision; those of these stay bit for bit.
+        let scaled = |q: &[f64; 4]| {
+            if (1e-100..=1e100).contains(&q.iter().map(|c| c * c).sum::<f64>()) {
+                return *q;
+            }
+            let largest = q.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+            q.map(|c| c / largest)
+        };
+        let omega = mean_angular_velocity(scaled(from), scaled(to), time).to_array();
         if !omega.iter().all(|c| c.is_finite()) {
             return Err(Failure::new(
                 ELLGRAN_ERROR_RESULT,
