@@ -206,7 +206,8 @@ template <typename Type> inline Type init()
 
 /*
  Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
- ellipsoids then search anew every step.
+ ellipsoids then search anew every step, and where their normal turns friction and what resists rolling and twisting have
+ an error of the order of the time step.
  */
 #define ELLGRAN_OPTION_NO_WARM_START 1
 
@@ -1232,7 +1233,7 @@ typedef struct EllgranNeighbourList {
    */
   size_t count;
   /*
-   Their indices, [count].
+   Their indices, [count]. With `newton` = 0 those that have neighbours are owned.
    */
   const int32_t *central;
   /*
@@ -2618,7 +2619,7 @@ int32_t ellgran_moments_of_inertia(size_t count,
 
 /*
  Angular momentum of a solid ellipsoid with `angular_velocity`, 3 doubles each, both in the world frame. Semi-axes, quaternion and
- mass are those of `body`; its own angular velocity is not used.
+ mass, which must be finite, are those of `body`; its own angular velocity is not used.
 
  # Safety
  The pointers are NULL or valid.

@@ -17,7 +17,8 @@ def in_place(value: Any, shape: Tuple[Optional[int], ...], name: str, kind: Any 
     if array.shape == (0,) and not shape[0]:
         array = array.reshape((0,) + tuple(length or 0 for length in shape[1:]))
     if array.ndim == len(shape) - 1 and shape[0] is not None:
-        array = np.broadcast_to(array, (shape[0],) + array.shape)
+        # A copy: numpy's is read-only, and where the length is 1 it is the caller's own array.
+        array = np.broadcast_to(array, (shape[0],) + array.shape).copy()
     fits = array.ndim == len(shape) and all(
         wanted is None or wanted == length for wanted, length in zip(shape, array.shape)
     )

@@ -49,7 +49,7 @@ def with_restitution(
     Raises
     ------
     ValueError
-        The law is not `nfd`, the impact is not central, or no viscosity has this restitution.
+        The law is not `nfd` or has ``viscosity memory``, the impact is not central, or no viscosity has this restitution.
 
     See Also
     --------

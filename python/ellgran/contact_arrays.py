@@ -265,10 +265,12 @@ def contacts(
     elif not (
         memory.touching.dtype == np.int32
         and memory.history.dtype == np.float64
-        and memory.touching.flags.c_contiguous
-        and memory.history.flags.c_contiguous
+        and memory.touching.flags.carray
+        and memory.history.flags.carray
     ):
-        raise ValueError("memory must hold C-contiguous arrays, touching of int32 and history of float64")
+        raise ValueError(
+            "memory must hold C-contiguous arrays that can be written, touching of int32 and history of float64"
+        )
     step = sized(_interface.EllgranStep, time_step=time_step, advance_history=int(advance_history))
     particles = bodies._particles()
     arrays = result._struct(_interface.EllgranContactArrays)

@@ -142,6 +142,11 @@ class Laws:
         )
         weakref.finalize(self, library.ellgran_laws_free, pointer)
         self._pointer = pointer
+        given = [entry for entry, known in zip(parameters, is_set) if known]
+        #: Whether the normal force of some of them depends on what was before.
+        self._remembers_normal_force = any(
+            entry.viscosity == _interface.ELLGRAN_VISCOSITY_MEMORY for entry in given
+        )
         #: The materials by type; the first is type 1.
         self.materials: Tuple[Law, ...] = tuple(laws)
 

@@ -55,6 +55,21 @@ def test_a_central_one_has_the_restitution_of_its_law():
     assert rebound / 0.1 == pytest.approx(ellgran.restitution("nfd 1e7 0.3 100 100", spheres, 0.1), abs=1e-3)
 
 
+@pytest.mark.parametrize("viscosities", ["1000 1000", "1000 0", "10000 5000"])
+def test_the_memory_of_the_solid_dissipates_what_the_motion_loses(viscosities):
+    spheres = two_spheres(gap=1e-3, velocities=[[0, 0, 0.02], [0, 0, -0.08]])
+    law = f"nfd 1e7 0.3 {viscosities} viscosity memory"
+    collision = ellgran.collide(law, spheres, steps=1000)
+    lost = kinetic(collision.before) - kinetic(collision.after)
+    assert lost > 0.01 * kinetic(collision.before)
+    assert collision.dissipated_energy[-1] == pytest.approx(lost, rel=1e-6)
+    # A single evaluation has no past: the restitution is that of the collision, or none.
+    with pytest.raises(ValueError, match="use collide"):
+        ellgran.restitution(law, spheres, 0.1)
+    with pytest.raises(ValueError, match="use collide"):
+        ellgran.with_restitution(law, 0.8, 0.1, spheres)
+
+
 def test_a_fixed_body_stays():
     spheres = two_spheres(gap=1e-3, velocities=[[0, 0, 0], [0, 0, -0.1]])
     spheres.masses = [np.inf, spheres.masses[1]]

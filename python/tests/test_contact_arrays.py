@@ -238,3 +238,21 @@ def test_threads_compute_side_by_side():
     for thread in threads:
         thread.join()
     assert all(same_bits(result, expected) for result in results)
+
+
+def test_a_single_body_has_arrays_of_its_own():
+    axes, velocity = np.array([2.0, 1.0, 1.0]), np.zeros(3)
+    one = ellgran.Bodies([[0.0, 0.0, 0.0]], axes, velocities=velocity)
+    axes[:] = 5.0
+    one.velocities[0] = [1.0, 2.0, 3.0]
+    one.quaternions[0] = [0.0, 1.0, 0.0, 0.0]
+    one.angular_velocities += 1.0
+    assert one.semi_axes.tolist() == [[2.0, 1.0, 1.0]] and not velocity.any()
+
+
+def test_a_memory_that_cannot_be_written_is_refused():
+    law = "hertz 1e4 0.3 tangential tfd 0.5"
+    memory = ellgran.ContactMemory(law, 1)
+    memory.history.flags.writeable = False
+    with pytest.raises(ValueError, match="can be written"):
+        ellgran.contacts(law, two_spheres(gap=-1e-5), [[0, 1]], memory=memory)

@@ -146,7 +146,11 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
         let EllgranWall { wall, names } = unsafe { required_mut(wall, "wall") }?;
         names.clear();
         // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
-        let p = &*unsafe { given(particles, "particles") }?;
+        let p = &EllgranParticles {
+            // It speaks of the last call of `ellgran_compute_wall`.
+            unchanged: 0,
+            ..*unsafe { given(particles, "particles") }?
+        };
         // SAFETY: `motion` is NULL or valid for reads, by this function's safety section.
         let motion = unsafe { motion_of(motion) }?;
         // SAFETY: `masks` is NULL or has an element for each owned particle, by this function's safety section.
@@ -156,7 +160,10 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
         // function's safety section.
         let histories = unsafe { slice(histories, p.owned_count * layout.length(), "histories") }?;
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on, false) }?;
+        let prepared = unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on, false) };
+        // The particles of this call need not be those of `ellgran_compute_wall`.
+        wall.forget_particles();
+        prepared?;
         let places = Places {
             near: workspace.particles(),
             motion: &motion,

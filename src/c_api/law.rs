@@ -21,7 +21,8 @@ pub use crate::force::tangential::numbers::*;
 pub use crate::force::twisting::numbers::*;
 
 /// Option of `ellgran_laws_new`: no cached normal in the history. For scenes of spheres alone, which lose nothing;
-/// ellipsoids then search anew every step.
+/// ellipsoids then search anew every step, and where their normal turns friction and what resists rolling and twisting have
+/// an error of the order of the time step.
 pub const ELLGRAN_OPTION_NO_WARM_START: u32 = 1;
 
 /// The struct of the table of parameters: its size, the choices by their numbers, the switches, the constants.

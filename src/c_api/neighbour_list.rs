@@ -37,7 +37,7 @@ pub struct EllgranNeighbourList {
     pub size: usize,
     /// Number of central particles.
     pub count: usize,
-    /// Their indices, [count].
+    /// Their indices, [count]. With `newton` = 0 those that have neighbours are owned.
     pub central: *const i32,
     /// Number of neighbours, by particle index; a negative number counts as 0.
     pub neighbour_counts: *const i32,
@@ -434,6 +434,16 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
                     ("history", length > 0 && (*list.history.add(k)).is_null()),
                 ]
             };
+            if list.newton == 0 && k >= p.owned_count {
+                return Err(Failure::new(
+                    ELLGRAN_ERROR_ARGUMENT,
+                    format!(
+                        "central names particle {c}, which is a ghost: with newton = 0 the rows are those of the {} owned \
+                         particles, and its pairs with these stand there",
+                        p.owned_count
+                    ),
+                ));
+            }
             for (name, is_null) in rows {
                 if is_null {
                     return Err(Failure::new(

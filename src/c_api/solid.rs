@@ -5,13 +5,13 @@ use super::contact::EllgranBody;
 use super::growing::given;
 use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
-    ELLGRAN_ERROR_PARTICLE,
+    ELLGRAN_ERROR_PARTICLE, ELLGRAN_ERROR_RESULT,
 };
 use crate::contact::particle::{angular_momentum, describe};
+use crate::contact::ranges;
 use crate::geometry::Ellipsoid;
 use crate::message::Numbers;
 use crate::motion::mean_angular_velocity;
-use crate::vector::Vector3;
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
@@ -73,6 +73,11 @@ pub unsafe extern "C" fn ellgran_moments_of_inertia(
         // SAFETY: `moments` is NULL or has `count` times three entries, by this function's safety section.
         let moments = unsafe { slice_mut(moments.cast::<[f64; 3]>(), count, "moments") }?;
         check(semi_axes)?;
+        for (k, mass) in masses.iter().enumerate() {
+            ranges::inverse_mass(*mass, "mass").map_err(|what| {
+                Failure::new(ELLGRAN_ERROR_PARTICLE, format!("ellipsoid {k}: {what}"))
+            })?;
+        }
         for (k, own) in moments.iter_mut().enumerate() {
             let solid = solid(k, semi_axes[k])?;
             *own = solid.moments_of_inertia(masses[k]).to_array();
@@ -82,7 +87,7 @@ pub unsafe extern "C" fn ellgran_moments_of_inertia(
 }
 
 /// Angular momentum of a solid ellipsoid with `angular_velocity`, 3 doubles each, both in the world frame. Semi-axes, quaternion and
-/// mass are those of `body`; its own angular velocity is not used.
+/// mass, which must be finite, are those of `body`; its own angular velocity is not used.
 ///
 /// # Safety
 /// The pointers are NULL or valid.
@@ -103,7 +108,17 @@ pub unsafe extern "C" fn ellgran_angular_momentum(
         // SAFETY: `angular_momentum` is NULL or has three doubles, by this function's safety section.
         let found =
             unsafe { required_mut(angular_momentum.cast::<[f64; 3]>(), "angular_momentum") }?;
-        let omega = Vector3::from_array(*omega);
+        let omega = ranges::angular_velocity(*omega)
+            .map_err(|what| Failure::new(ELLGRAN_ERROR_ARGUMENT, what))?;
+        if body.mass == f64::INFINITY {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_PARTICLE,
+                format!(
+                    "particle {}: mass = inf: a fixed body has no angular momentum",
+                    body.identifier
+                ),
+            ));
+        }
         *found = self::angular_momentum(&solid.body, body.mass, omega).to_array();
         Ok(())
     })
@@ -131,8 +146,8 @@ pub unsafe extern "C" fn ellgran_mean_angular_velocity(
             unsafe { required_mut(angular_velocity.cast::<[f64; 3]>(), "angular_velocity") }?;
         let invalid = |what: String| Err(Failure::new(ELLGRAN_ERROR_ARGUMENT, what));
         for (name, quaternion) in [("from", from), ("to", to)] {
-            let square: f64 = quaternion.iter().map(|c| c * c).sum();
-            if !(square > 0.0 && square.is_finite()) {
+            let largest = quaternion.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+            if !(largest > 0.0 && quaternion.iter().all(|c| c.is_finite())) {
                 let numbers = Numbers(quaternion);
                 return invalid(format!(
                     "{name} = {numbers} must be a quaternion of finite length, not zero"
@@ -144,7 +159,22 @@ pub unsafe extern "C" fn ellgran_mean_angular_velocity(
                 "time = {time} must be a finite number greater than 0"
             ));
         }
-        *found = mean_angular_velocity(*from, *to, time).to_array();
+        // Products of other lengths leave double precision; those of these stay bit for bit.
+        let scaled = |q: &[f64; 4]| {
+            if (1e-100..=1e100).contains(&q.iter().map(|c| c * c).sum::<f64>()) {
+                return *q;
+            }
+            let largest = q.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+            q.map(|c| c / largest)
+        };
+        let omega = mean_angular_velocity(scaled(from), scaled(to), time).to_array();
+        if !omega.iter().all(|c| c.is_finite()) {
+            return Err(Failure::new(
+                ELLGRAN_ERROR_RESULT,
+                format!("time = {time} is too short: the angular velocity is out of the range of double precision"),
+            ));
+        }
+        *found = omega;
         Ok(())
     })
 }

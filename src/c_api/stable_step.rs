@@ -125,20 +125,22 @@ impl<'a> Masses<'a> {
     unsafe fn new(p: &EllgranParticles, count: usize) -> Result<Self, Failure> {
         // SAFETY: promised by the caller.
         let own = unsafe { slice(p.masses, count, "masses") }?;
-        for (k, mass) in own.iter().enumerate() {
-            ranges::inverse_mass(*mass, "mass").map_err(|what| {
-                Failure::new(
-                    ELLGRAN_ERROR_PARTICLE,
-                    format!("particle {}: {what}", identifier(p, k)),
-                )
-            })?;
-        }
         let of_contacts = if p.contact_masses.is_null() {
             own
         } else {
             // SAFETY: promised by the caller.
             unsafe { slice(p.contact_masses, count, "contact_masses") }?
         };
+        for (masses, name) in [(own, "mass"), (of_contacts, "contact mass")] {
+            for (k, mass) in masses.iter().enumerate() {
+                ranges::inverse_mass(*mass, name).map_err(|what| {
+                    Failure::new(
+                        ELLGRAN_ERROR_PARTICLE,
+                        format!("particle {}: {what}", identifier(p, k)),
+                    )
+                })?;
+            }
+        }
         Ok(Masses { own, of_contacts })
     }
 

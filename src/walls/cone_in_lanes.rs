@@ -69,7 +69,11 @@ impl ConeSide {
         let extremes = body.extreme_semi_axes();
         let [largest, _] = extremes;
         let nearest = depth.height(one);
-        let near = nearest.less(largest);
+        // A body that belongs outside is pushed out from however deep within, as one contact at a time does it.
+        let near = match self.side {
+            Side::Outside => registers.not(registers.no_lane()),
+            Side::Inside | Side::OfCentre => nearest.less(largest),
+        };
         let mut within = match self.side {
             Side::Inside => registers.not(registers.no_lane()),
             Side::Outside => registers.no_lane(),

@@ -321,6 +321,11 @@ impl Wall {
         Some(self.find_in_blocks(motion, particles, Some(positions), ball))
     }
 
+    /// What was searched last are not the particles that [`Wall::find_near_again`] is told of: it finds none.
+    pub fn forget_particles(&mut self) {
+        self.reaches.clear();
+    }
+
     /// Whether particles with these centres, none with a radius greater than this one, are far from all parts; false for NaN.
     fn is_far(&self, motion: &Motion, centres: &[[f64; 3]], radius: f64) -> bool {
         if radius.is_nan() {

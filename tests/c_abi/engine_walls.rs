@@ -7,6 +7,7 @@ use std::ptr::{null, null_mut};
 use ellgran::c_api::contact::*;
 use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::law::ellgran_laws_memory_offset;
+use ellgran::c_api::particles::EllgranParticles;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::staged::*;
 use ellgran::c_api::status::*;
@@ -319,4 +320,70 @@ fn pointers_and_values() {
     }
     found.check();
     geometry.check();
+}
+
+/// `unchanged` of the particles speaks of the calls that compute forces: a search for an engine neither goes by it nor disturbs it.
+#[test]
+fn a_search_with_other_masks_stays_apart_from_forces() {
+    let laws = Laws::new(&[LAW]);
+    let workspace = WorkspaceHandle::new();
+    let wall = WallHandle::plane([0.0, 0.0, -0.9], [0.0, 0.0, 1.0]);
+    let mut bodies = grains();
+    bodies[2].position[2] = 0.0;
+    let mut histories = wall.histories(&laws, 3);
+    let (of_forces, of_search) = ([1, 1, 0], [0, 0, 1]);
+    let mut forces = |unchanged: i64| {
+        let mut arrays = Arrays::new(&bodies, 3);
+        let particles = EllgranParticles {
+            unchanged,
+            ..arrays.particles()
+        };
+        // SAFETY: all pointers are valid.
+        ok(unsafe {
+            ellgran_compute_wall(
+                laws.0,
+                workspace.0,
+                wall.0,
+                &particles,
+                of_forces.as_ptr(),
+                1,
+                1,
+                &REST,
+                histories.as_mut_ptr(),
+                &STEP,
+                null_mut(),
+                null_mut(),
+            )
+        });
+        [0, 1, 2].map(|k| arrays.forces[k][2] > 0.0)
+    };
+    let found = |unchanged: i64| {
+        let mut arrays = Arrays::new(&bodies, 3);
+        let particles = EllgranParticles {
+            unchanged,
+            ..arrays.particles()
+        };
+        let mut contact = Untouched::<EllgranFoundWallContact>::sized();
+        // SAFETY: all pointers are valid.
+        unsafe {
+            ok(ellgran_find_wall_contacts(
+                workspace.0,
+                wall.0,
+                &particles,
+                of_search.as_ptr(),
+                1,
+                null(),
+                0,
+                null(),
+            ));
+            assert_eq!(ellgran_wall_found_count(wall.0), 1);
+            ok(ellgran_wall_found(wall.0, 0, contact.pointer()));
+            (*contact.pointer()).particle
+        }
+    };
+    assert_eq!(forces(0), [true, true, false]);
+    for unchanged in [0, 1] {
+        assert_eq!(found(unchanged), 2);
+        assert_eq!(forces(1), [true, true, false]);
+    }
 }

@@ -7,6 +7,7 @@ use ellgran::c_api::contact::EllgranBody;
 use ellgran::c_api::law::*;
 use ellgran::c_api::neighbour_list::*;
 use ellgran::c_api::particles::*;
+use ellgran::c_api::status::ELLGRAN_ERROR_ARGUMENT;
 
 use crate::formulas::{angular_momentum, normalise};
 use crate::scene::*;
@@ -192,6 +193,30 @@ fn without_newton_ghosts_get_nothing() {
     assert_eq!(on[..OWNED], off[..OWNED]);
     assert!(on[OWNED..].iter().any(|f| *f != [0.0; 3]));
     assert!(off[OWNED..].iter().all(|f| *f == [0.0; 3]));
+}
+
+/// Its pairs would count whole, where each of two ranks counts a half.
+#[test]
+fn without_newton_the_rows_are_those_of_owned_particles() {
+    let laws = Laws::new(&["hertz 1e4 0.3 tangential tfd 0.4"]);
+    let bodies = [sphere_at(0.0), sphere_at(1.99)];
+    let workspace = WorkspaceHandle::new();
+    let mut arrays = Arrays::new(&bodies, 1);
+    let mut list = List::new(vec![vec![], vec![0]], laws.length());
+    let particles = arrays.particles();
+    for (newton, refused) in [(true, false), (false, true)] {
+        let mut view = list.view(newton);
+        view.unchanged = 0;
+        // SAFETY: the arrays are as long as the structs say.
+        let status = unsafe {
+            ellgran_compute_pairs(laws.0, workspace.0, &particles, &view, &STEP, null_mut())
+        };
+        if refused {
+            fails(status, ELLGRAN_ERROR_ARGUMENT, &["particle 1", "ghost"]);
+        } else {
+            ok(status);
+        }
+    }
 }
 
 #[test]

@@ -102,7 +102,13 @@ fn volumes_and_moments_of_inertia() {
         is_null(ellgran_moments_of_inertia(2, null(), n, m), "semi_axes");
         is_null(ellgran_moments_of_inertia(2, a, null(), m), "masses");
         is_null(ellgran_moments_of_inertia(2, a, n, null_mut()), "moments");
+        for mass in [f64::NAN, -1.0, 0.0, 1e51] {
+            let status = ellgran_moments_of_inertia(2, a, [1.0, mass].as_ptr(), m);
+            let words = ["ellipsoid 1", "mass"];
+            fails(status, ELLGRAN_ERROR_PARTICLE, &words);
+        }
     }
+    assert_eq!(moments[1], [f64::INFINITY; 3]);
     assert_eq!(volumes, before);
 }
 
@@ -135,6 +141,24 @@ fn angular_momenta_and_mean_angular_velocities() {
             ellgran_angular_momentum(&body, omega.as_ptr(), null_mut()),
             "angular_momentum",
         );
+        let before = *l.cast::<[f64; 3]>();
+        for wrong in [f64::NAN, f64::INFINITY, 1e26] {
+            fails(
+                ellgran_angular_momentum(&body, [0.0, wrong, 0.0].as_ptr(), l),
+                ELLGRAN_ERROR_ARGUMENT,
+                &["angular velocity"],
+            );
+        }
+        let fixed = EllgranBody {
+            mass: f64::INFINITY,
+            ..body
+        };
+        fails(
+            ellgran_angular_momentum(&fixed, [0.0; 3].as_ptr(), l),
+            ELLGRAN_ERROR_PARTICLE,
+            &["fixed body"],
+        );
+        assert_eq!(*l.cast::<[f64; 3]>(), before);
 
         let (from, to) = ([1.0, 0.0, 0.0, 0.0], [-half, 0.0, 0.0, -half]);
         let mut found = [0.0; 3];
@@ -147,6 +171,17 @@ fn angular_momenta_and_mean_angular_velocities() {
         is_null(
             ellgran_mean_angular_velocity(a, b, 2.0, null_mut()),
             "angular_velocity",
+        );
+        // Of any length but zero.
+        let [small, large] = [1e-160, 1e160].map(|by| to.map(|c: f64| by * c));
+        for scaled in [small, large] {
+            ok(ellgran_mean_angular_velocity(a, scaled.as_ptr(), 2.0, f));
+            close(*f.add(2), 0.25 * PI);
+        }
+        fails(
+            ellgran_mean_angular_velocity(a, b, 1e-320, f),
+            ELLGRAN_ERROR_RESULT,
+            &["time = "],
         );
         let zero = [0.0; 4];
         for (to, time, word) in [(zero.as_ptr(), 1.0, "to = (0 0 0 0)"), (b, 0.0, "time = 0")] {

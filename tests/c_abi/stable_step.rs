@@ -360,6 +360,23 @@ fn wrong_arguments_are_named_and_nothing_is_written() {
         &["central", "9"],
     );
 
+    // Of a particle that is not fixed by its contact mass.
+    for wrong in [f64::NAN, -1.0, 0.0, f64::NEG_INFINITY] {
+        let masses = [1.0, wrong];
+        let mut arrays = Arrays::new(&bodies, 2);
+        let mut list = List::new(vec![vec![1], vec![]], laws.length());
+        let particles = EllgranParticles {
+            contact_masses: masses.as_ptr(),
+            ..arrays.particles()
+        };
+        // SAFETY: as above.
+        fails(
+            unsafe { ellgran_add_pairs_to_step_sums(l, w, &particles, &list.view(true), s, e) },
+            ELLGRAN_ERROR_PARTICLE,
+            &["particle 7", "contact mass"],
+        );
+    }
+
     let mut arrays = Arrays::new(&bodies, 2);
     let mut list = List::new(vec![vec![1], vec![]], laws.length());
     let (p, v) = (arrays.particles(), list.view(true));

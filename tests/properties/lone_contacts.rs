@@ -329,3 +329,31 @@ fn slender_grains_in_a_corner_are_pushed_by_both_planes() {
         assert!(counts[0] > PARTICLES / 3 && counts[1] > PARTICLES / 20);
     }
 }
+
+/// A grain that belongs outside a cylinder or a cone is pushed out from however deep within: the lanes find those that one contact at a
+/// time finds.
+#[test]
+fn grains_deep_within_what_they_belong_outside_of() {
+    let laws = laws(&["hertz 1e3 0.3"]);
+    for name in ["cylinder", "cone"] {
+        let mut wall = Wall::new();
+        let parameters = ShapeParameters {
+            point: Vector3::ZERO,
+            axis: Vector3::new(0.0, 0.0, 1.0),
+            radii: [6.0, 4.0],
+            bounds: [-20.0, 20.0],
+            ends: [End::None; 2],
+            side: Side::Outside,
+        };
+        wall.add_shape(name, &parameters).unwrap();
+        let mut stream = Stream::new(5);
+        let mut scene = Scene::default();
+        for k in 0..40 {
+            let mut body = random_body(&mut stream, 1);
+            body.position = [0.15 * f64::from(k), 0.1, 0.2];
+            scene.push(&body, None);
+        }
+        let [contacts, _] = scene.compare(name, &mut wall, &laws, &Motion::REST);
+        assert!(contacts >= 30, "{name}: {contacts}");
+    }
+}
