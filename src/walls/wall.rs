@@ -322,7 +322,7 @@ impl Wall {
     }
 
     /// What was searched last are not the particles that [`Wall::find_near_again`] is told of: it finds none.
-    pub fn forget_particles(&mut self) {
+    pub(crate) fn forget_particles(&mut self) {
         self.reaches.clear();
     }
 

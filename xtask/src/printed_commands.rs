@@ -81,7 +81,7 @@ const RUN_ELSEWHERE: &[(&str, &str, &str)] = &[
     ("lmp -k on g 1 -sf kk -in deck.lmp", "tests/lammps_on_gpu/run.sh", "-k on g 1 -sf kk"),
     (
         "ELLGRAN_TEST_GPU_DRIVER=libcuda.so.1 cargo test -p ellgran-gpu --test steps -- --test-threads=1",
-        "xtask/src/gpu/bench.rs",
+        "xtask/src/gpu/pack.rs",
         "./steps --test-threads=1",
     ),
     // The package index does not have it yet: it runs where the wheel is installed.
