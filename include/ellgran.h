@@ -2032,6 +2032,16 @@ int32_t ellgran_laws_history_length(const struct EllgranLaws *laws);
 int32_t ellgran_laws_memory_offset(const struct EllgranLaws *laws);
 
 /*
+ 1 if what contacts remember under the laws `before` means the same under `laws`, 0 if it stands in other places of the history, which may
+ be as long all the same, or is a displacement under one of them and a force under the other: set it to 0 then. -1 for NULL.
+
+ # Safety
+ `laws` and `before` are NULL or valid.
+ */
+int32_t ellgran_laws_read_histories_of(const struct EllgranLaws *laws,
+                                       const struct EllgranLaws *before);
+
+/*
  1 if any law reads contact masses (damping by restitution), else 0; -1 for NULL.
 
  # Safety

@@ -28,6 +28,13 @@ FixEllgranDeviceHistory::FixEllgranDeviceHistory(LAMMPS *lmp, int narg, char **a
   datamask_read = datamask_modify = EMPTY_MASK;
 }
 
+void FixEllgranDeviceHistory::forget()
+{
+  // The GPU takes from the atoms what they remember, which is nothing.
+  FixEllgranHistory::forget();
+  held = true;
+}
+
 void FixEllgranDeviceHistory::post_neighbor()
 {
   nlocal_neigh = atom->nlocal;

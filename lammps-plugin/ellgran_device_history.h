@@ -23,6 +23,7 @@ class FixEllgranDeviceHistory : public FixEllgranHistory, public KokkosBase {
   // Of the pair style.
   EllgranDeviceGrains *grains;
 
+  void forget() override;
   void pre_exchange() override;
   void post_neighbor() override;
   void post_run() override;

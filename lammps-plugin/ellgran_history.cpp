@@ -79,6 +79,11 @@ void FixEllgranHistory::follow_new_ids()
   }
 }
 
+void FixEllgranHistory::forget()
+{
+  std::fill_n(npartner, atom->nlocal, 0);
+}
+
 void FixEllgranHistory::grow_arrays(int nmax)
 {
   FixNeighHistory::grow_arrays(nmax);

@@ -36,6 +36,9 @@ class FixEllgranHistory : public FixNeighHistory {
   // Whether contacts remember what must not be mixed up with that of others.
   bool tells_contacts_apart;
 
+  // Between two runs: no contact remembers anything any more.
+  virtual void forget();
+
   void init() override;
   void pre_exchange() override;
   void setup(int) override;

@@ -286,7 +286,9 @@ void FixPourEllipsoid::pre_exchange()
 
   placement.collect(mixture.largest(), 0.5 * std::cbrt(mixture.mean_volume()), rise, ignore_others);
   placement.begin_creation();
-  if (!next_tags) last_tag = placement.greatest_tag();
+  // Other commands may have given atoms the next IDs: contacts are remembered by ID, and no two atoms may have the same.
+  const tagint greatest = placement.greatest_tag();
+  last_tag = next_tags ? std::max<bigint>(last_tag, greatest) : greatest;
 
   EllgranRandom places(seed, EllgranRandom::PLACE, events);
   const double expected = std::min(per_event, static_cast<double>(wanted - inserted));

@@ -728,8 +728,6 @@ void FixWallGranEllipsoid::post_integrate()
 void FixWallGranEllipsoid::post_force(int vflag)
 {
   v_init(vflag);
-  std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
-  summed = false;
   find_contact_masses();
 
   // Time does not pass when LAMMPS computes forces anew at the start of a run or minimises.
@@ -791,6 +789,9 @@ void FixWallGranEllipsoid::post_force(int vflag)
   std::copy_n(load.force, 3, load_force);
   std::copy_n(load.torque, 3, load_torque);
 
+  // Until here a variable of this wall that reads what it puts out has had that of the step before.
+  std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
+  summed = false;
   for (int k = 0; k < 2; k++)
     if (plane_slots[k] >= 0 && atom->nlocal > 0)
       check(ellgran_wall_part_force(wall, plane_slots[k], output_here + (k == 0 ? FORCE_LO : FORCE_HI)));

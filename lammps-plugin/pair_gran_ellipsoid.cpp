@@ -109,6 +109,32 @@ double length(const double *v)
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+// The laws of `types` types from those that are chosen for the first `ntypes`.
+void complete_laws(int ntypes, const std::vector<EllgranLawParameters> &parameters, const std::vector<uint8_t> &chosen, int types,
+                   std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set)
+{
+  const auto from = [ntypes](int i, int j) { return static_cast<std::size_t>(i - 1) * ntypes + (j - 1); };
+  const auto to = [types](int i, int j) { return static_cast<std::size_t>(i - 1) * types + (j - 1); };
+  given.assign(static_cast<std::size_t>(types) * types, parameters.front());
+  is_set.assign(given.size(), 0);
+  EllgranLawParameters example = parameters.front();
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++) {
+      given[to(i, j)] = parameters[from(i, j)];
+      if (!chosen[from(i, j)]) continue;
+      is_set[to(i, j)] = 1;
+      example = parameters[from(i, j)];
+    }
+
+  // Each pair of types must have a law, one that belongs to another style alone too: any that is in use.
+  for (int i = 1; i <= ntypes; i++)
+    for (int j = i; j <= ntypes; j++)
+      if (!chosen[from(i, j)] && !(chosen[from(i, i)] && chosen[from(j, j)])) {
+        is_set[to(i, j)] = 1;
+        given[to(i, j)] = example;
+      }
+}
+
 }    // namespace
 
 PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
@@ -209,10 +235,10 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   follow_dissipation();
   // What acts on a ghost acts on its owner.
   if (work_wanted && force->newton_pair) {
-    const bool images_move = domain->deform_vremap || (fix_step_velocity && fix_step_velocity->box_moves());
-    if (images_move) image_powers = inelastic_powers(atom->nlocal + atom->nghost);
+    const bool others = images_move();
+    if (others) image_powers = inelastic_powers(atom->nlocal + atom->nghost);
     comm->reverse_comm(this);
-    if (images_move) {
+    if (others) {
       const auto of_owners = inelastic_powers(atom->nlocal);
       for (int k = 0; k < 2; k++) image_powers[k] -= of_owners[k];
     } else
@@ -411,9 +437,11 @@ void PairGranEllipsoid::record_evaluation(const EllgranParticles &particles,
   Evaluation &e = evaluation;
   e.step = step;
   e.count = atom->nlocal + atom->nghost;
+  e.positions.clear();
   e.velocities.clear();
   e.angular_momenta.clear();
   if (e.count > 0) {
+    e.positions.assign(particles.positions, particles.positions + 3 * e.count);
     e.velocities.assign(particles.velocities, particles.velocities + 3 * e.count);
     e.angular_momenta.assign(particles.angular_momenta, particles.angular_momenta + 3 * e.count);
   }
@@ -717,10 +745,31 @@ void PairGranEllipsoid::tell_step_limits()
   excess_told = excess;
 }
 
+/* What images do beyond their owners, because the box moves, is known where one processor has a contact and the other is told of it. Said once. */
+
+void PairGranEllipsoid::warn_of_unknown_energies()
+{
+  if (unknown_energies_told || !work_wanted || force->newton_pair || !images_move()) return;
+  unknown_energies_told = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "{}: the box changes, and with 'newton off' the energies that contacts across its periodic boundaries dissipate are wrong: "
+                   "use 'newton on' for values 3, 5 and 6 of compute pair",
+                   CALLER);
+}
+
+/* Whether images across the boundaries have other velocities than the atoms that they are images of. */
+
+bool PairGranEllipsoid::images_move() const
+{
+  return domain->deform_vremap || (fix_step_velocity && fix_step_velocity->box_moves());
+}
+
 /* Neighbour lists are built now: a warning where the contacts that exist do not allow the time step. Said once for a step. */
 
 void PairGranEllipsoid::setup()
 {
+  warn_of_unknown_energies();
   if (update->whichflag == 2 || update->dt == step_told) return;
   EllgranSceneStep scene(lmp, CALLER);
   scene.find_sources();
@@ -799,26 +848,10 @@ bool PairGranEllipsoid::has_law(int i, int j) const
 void PairGranEllipsoid::fill_laws(int types, std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set) const
 {
   const int ntypes = atom->ntypes;
-  const auto from = [this, ntypes](int i, int j) { return parameters[(i - 1) * ntypes + (j - 1)]; };
-  const auto index = [types](int i, int j) { return static_cast<std::size_t>(i - 1) * types + (j - 1); };
-  given.assign(static_cast<std::size_t>(types) * types, parameters.front());
-  is_set.assign(given.size(), 0);
-  EllgranLawParameters example = parameters.front();
+  std::vector<uint8_t> chosen(parameters.size(), 0);
   for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++) {
-      given[index(i, j)] = from(i, j);
-      if (!setflag[i][j]) continue;
-      is_set[index(i, j)] = 1;
-      example = from(i, j);
-    }
-
-  // Each pair of types must have a law, one that belongs to another style alone too: any that is in use.
-  for (int i = 1; i <= ntypes; i++)
-    for (int j = i; j <= ntypes; j++)
-      if (!has_law(i, j)) {
-        is_set[index(i, j)] = 1;
-        given[index(i, j)] = example;
-      }
+    for (int j = i; j <= ntypes; j++) chosen[(i - 1) * ntypes + (j - 1)] = setflag[i][j] ? 1 : 0;
+  complete_laws(ntypes, parameters, chosen, types, given, is_set);
 }
 
 void PairGranEllipsoid::build_laws()
@@ -834,10 +867,14 @@ void PairGranEllipsoid::build_laws()
   const bool scene_is_fixed = atom->natoms > 0 && !shapes_may_change;
   laws_options = (all_spheres && scene_is_fixed) ? ELLGRAN_OPTION_NO_WARM_START : 0;
 
-  ellgran_laws_free(laws);
+  EllgranLaws *const before = laws ? laws : laws_of_file();
   laws = nullptr;
   if (ellgran_laws_new(ntypes, given.data(), is_set.data(), laws_options, &laws) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  // Those of another length are not kept anyway.
+  histories_are_of_other_laws = before && ellgran_laws_history_length(laws) == ellgran_laws_history_length(before) &&
+      ellgran_laws_read_histories_of(laws, before) == 0;
+  ellgran_laws_free(before);
 
   std::string text = describe_laws();
   text += fmt::format("  history: {} doubles per contact, instruction set: {}\n",
@@ -857,6 +894,22 @@ void PairGranEllipsoid::build_laws()
   described = text;
 }
 
+/* Those with which the contacts of a restart file remembered what they do; nullptr without one. */
+
+EllgranLaws *PairGranEllipsoid::laws_of_file() const
+{
+  if (modify->nfix_restart_peratom == 0 || restored_flags.empty()) return nullptr;
+  const int ntypes = atom->ntypes;
+  const std::vector<uint8_t> in_file(restored_flags.begin(), restored_flags.end());
+  std::vector<EllgranLawParameters> given;
+  std::vector<uint8_t> is_set;
+  complete_laws(ntypes, restored, in_file, ntypes, given, is_set);
+  EllgranLaws *found = nullptr;
+  // Where the file has none that can be used, nothing is known.
+  ellgran_laws_new(ntypes, given.data(), is_set.data(), laws_options, &found);
+  return found;
+}
+
 FixEllgranHistory *PairGranEllipsoid::make_history_fix(const std::string &id)
 {
   return replace_by_history(modify, id_history, id, history_length);
@@ -871,12 +924,12 @@ void PairGranEllipsoid::place_history_fix()
   const std::string id = (history_length == 0)
       ? id_placeholder
       : fmt::format("{}_{}", id_placeholder, history_length);
+  if (((fix_history && id != id_history) || histories_are_of_other_laws) && history_length > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: the laws now keep {} values per contact, which are not those that they kept: contacts that exist start "
+                   "with no tangential displacement",
+                   CALLER, history_length);
   if (id != id_history) {
-    if (fix_history && history_length > 0 && comm->me == 0)
-      error->warning(FLERR,
-                     "{}: the laws now keep {} values per contact: contacts that exist start with no "
-                     "tangential displacement",
-                     CALLER, history_length);
     if (history_length == 0) {
       modify->replace_fix(id_history, id + " all DUMMY", 0);
       fix_history = nullptr;
@@ -890,6 +943,9 @@ void PairGranEllipsoid::place_history_fix()
     error->all(FLERR, "{}: the fix {} that keeps the history of contacts was deleted", CALLER,
                id_history);
   fix_history->pair = this;
+  // As long as before, and of another meaning.
+  if (histories_are_of_other_laws) fix_history->forget();
+  histories_are_of_other_laws = false;
   fix_history->before_reading = [this] { write_history(); };
   // Where only normals are remembered, from which a search starts, any will do.
   fix_history->tells_contacts_apart = ellgran_laws_memory_offset(laws) >= 0;
@@ -1184,6 +1240,7 @@ double PairGranEllipsoid::single(int i, int j, int, int, double rsq, double, dou
   const auto body = [&](int k) {
     if (!recorded) return atoms.body(k, contact_mass(k));
     EllgranBody found = atoms.body(k, contact_mass(k), &evaluation.velocities[3 * k], &evaluation.angular_momenta[3 * k]);
+    std::copy_n(&evaluation.positions[3 * static_cast<std::size_t>(k)], 3, found.position);
     if (!evaluation.of_step) return found;
     found.velocities_of_step = 1;
     const double *const change = &evaluation.changes[6 * static_cast<std::size_t>(k)];
@@ -1256,7 +1313,7 @@ double PairGranEllipsoid::memory_usage()
   bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
   bytes += static_cast<double>(inelastic_loads.capacity()) * sizeof(double);
   const Evaluation &e = evaluation;
-  bytes += static_cast<double>(e.velocities.capacity() + e.angular_momenta.capacity() + e.changes.capacity() +
+  bytes += static_cast<double>(e.positions.capacity() + e.velocities.capacity() + e.angular_momenta.capacity() + e.changes.capacity() +
                                e.history.capacity()) * sizeof(double);
   bytes += static_cast<double>(e.rows.capacity() + e.touching.capacity()) * sizeof(int);
   bytes += static_cast<double>(ellgran_workspace_bytes(workspace));

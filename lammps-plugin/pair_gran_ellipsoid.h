@@ -72,6 +72,7 @@ class PairGranEllipsoid : public Pair {
   std::vector<EllgranLawParameters> restored;    // those of the restart file, and which of them it had
   std::vector<int> restored_flags;
   EllgranLaws *laws;
+  bool histories_are_of_other_laws = false;    // what contacts remember means nothing under the laws that there are now
   uint32_t laws_options;
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
@@ -102,12 +103,13 @@ class PairGranEllipsoid : public Pair {
   // With KOKKOS: the next one carries angular momenta instead, and whether those that images have are others
   bool momenta_in_message, images_differ;
 
-  // What the forces of the last evaluation were computed from and is gone when single() shows them: velocities
-  // (LAMMPS has them of the half step then, and moves them on), and the histories before
+  // What the forces of the last evaluation were computed from and is gone when single() shows them: positions (a box may
+  // carry atoms on at the end of a step, and images not), velocities (LAMMPS has them of the half step then, and moves them
+  // on), and the histories before
   struct Evaluation {
     EllgranStep step = ELLGRAN_INIT(EllgranStep);
     int count = -1;    // atoms, ghosts included; -1: nothing recorded
-    std::vector<double> velocities, angular_momenta;
+    std::vector<double> positions, velocities, angular_momenta;
     bool of_step = false;           // these are velocities of the step
     std::vector<double> changes;    // 6 of each atom: what they then have more than those of the half step
     std::vector<int> rows;    // of each atom: place of its first neighbour, -1 for none
@@ -150,6 +152,7 @@ class PairGranEllipsoid : public Pair {
   std::array<double, 2> image_powers;    // of these loads on images, beyond those on their owners: a deforming box alone
   class FixEllgranHalfStep *fix_half_step;
   bool work_wanted;
+  bool unknown_energies_told = false;
   bigint deep_told;    // searches for deep overlaps that a warning has counted already
 
   void allocate();
@@ -160,7 +163,10 @@ class PairGranEllipsoid : public Pair {
   void find_largest_semi_axes();
   void warn_of_masses();
   void tell_step_limits();
+  void warn_of_unknown_energies();
+  [[nodiscard]] bool images_move() const;
   void build_laws();
+  [[nodiscard]] EllgranLaws *laws_of_file() const;
   void fill_laws(int types, std::vector<EllgranLawParameters> &given, std::vector<uint8_t> &is_set) const;
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;

@@ -494,6 +494,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_laws_free": (None, [ctypes.c_void_p]),
     "ellgran_laws_history_length": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_laws_memory_offset": (ctypes.c_int32, [ctypes.c_void_p]),
+    "ellgran_laws_read_histories_of": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_uses_mass": (ctypes.c_int32, [ctypes.c_void_p]),
     "ellgran_history_swap": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_laws_describe": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_int32, ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t]),

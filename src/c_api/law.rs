@@ -468,6 +468,23 @@ pub unsafe extern "C" fn ellgran_laws_memory_offset(laws: *const EllgranLaws) ->
         .map_or(-1, |at| at as i32)
 }
 
+/// 1 if what contacts remember under the laws `before` means the same under `laws`, 0 if it stands in other places of the history, which may
+/// be as long all the same, or is a displacement under one of them and a force under the other: set it to 0 then. -1 for NULL.
+///
+/// # Safety
+/// `laws` and `before` are NULL or valid.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_laws_read_histories_of(
+    laws: *const EllgranLaws,
+    before: *const EllgranLaws,
+) -> i32 {
+    // SAFETY: promised by the caller.
+    match unsafe { (laws.as_ref(), before.as_ref()) } {
+        (Some(laws), Some(before)) => laws.laws.read_histories_of(&before.laws) as i32,
+        _ => -1,
+    }
+}
+
 /// 1 if any law reads contact masses (damping by restitution), else 0; -1 for NULL.
 ///
 /// # Safety

@@ -201,6 +201,29 @@ impl Laws {
         })
     }
 
+    /// Whether what contacts remember under other laws means the same under these: it stands in the same places, and no pair of types
+    /// takes a displacement for a force.
+    pub fn read_histories_of(&self, other: &Laws) -> bool {
+        let of_displacement = |law: &PairLaw| {
+            let tangential = law.kinds.tangential;
+            tangential
+                .any()
+                .then_some(tangential.displacement == Displacement::Total)
+        };
+        let alike = |(a, b): (&PairLaw, &PairLaw)| match (of_displacement(a), of_displacement(b)) {
+            (Some(a), Some(b)) => a == b,
+            // Without friction the memory is zero.
+            _ => true,
+        };
+        let apart_from_kinds = |layout: HistoryLayout| HistoryLayout {
+            of_displacements: false,
+            ..layout
+        };
+        self.types == other.types
+            && apart_from_kinds(self.layout) == apart_from_kinds(other.layout)
+            && self.table.iter().zip(&other.table).all(alike)
+    }
+
     /// The same laws with other coefficients of friction, `types * types` of them, row by row: for engines that give
     /// friction per pair of types and all else per type. A pair with 0 has no tangential law; one that had none keeps none.
     /// The layout of the history stays.

@@ -202,6 +202,7 @@ fn queries_and_frees_of_null() {
     unsafe {
         assert_eq!(ellgran_laws_history_length(null()), -1);
         assert_eq!(ellgran_laws_memory_offset(null()), -1);
+        assert_eq!(ellgran_laws_read_histories_of(null(), null()), -1);
         assert_eq!(ellgran_laws_uses_mass(null()), -1);
         assert_eq!(ellgran_workspace_bytes(null()), 0);
         assert_eq!(ellgran_workspace_deep_contacts_count(null()), 0);

@@ -163,6 +163,83 @@ fn both_versions_what_the_box_carries_is_as_good_as_a_velocity() {
     }
 }
 
+/// A box that carries the grains on at the end of a step leaves their images where they are until the next one: `compute pair/local` shows the
+/// forces that acted all the same.
+#[test]
+fn both_versions_pair_local_has_the_forces_of_the_step() {
+    let engine = Engine::from_environment();
+    let scene = at_rest();
+    for words in [
+        "deform 1 x erate -10 remap x",
+        "press/berendsen x 1e9 1e9 0.8 modulus 1e9",
+    ] {
+        for (ranks, newton) in [(1, true), (2, true), (2, false)] {
+            let mut changing = deck(20);
+            changing.newton = newton;
+            changing.fixes.extend([
+                format!("fix box all {words}"),
+                "compute ends all property/local patom1 patom2".to_string(),
+                "compute forces all pair/local p21 p22 p23".to_string(),
+                "dump pairs all local 20 pairs index c_ends[*] c_forces[*]".to_string(),
+                "dump_modify pairs format float %.17g".to_string(),
+            ]);
+            let outcome = run(&engine, "box_pair_local", &scene, &changing, ranks);
+            let text = std::fs::read_to_string(outcome.directory.join("pairs")).unwrap();
+            let last = text.rsplit("ITEM: TIMESTEP").next().unwrap();
+            let mut sums = vec![[0.0f64; 3]; scene.grains.len()];
+            for line in last
+                .lines()
+                .skip_while(|l| !l.starts_with("ITEM: ENTRIES"))
+                .skip(1)
+            {
+                let v: Vec<f64> = line
+                    .split_whitespace()
+                    .map(|w| w.parse().unwrap())
+                    .collect();
+                for k in 0..3 {
+                    sums[v[1] as usize - 1][k] += v[3 + k];
+                    sums[v[2] as usize - 1][k] -= v[3 + k];
+                }
+            }
+            let frame = outcome.last();
+            let largest = largest(frame, |s| s.force);
+            let apart = frame
+                .states
+                .iter()
+                .zip(&sums)
+                .map(|(s, sum)| length(sub(s.force, *sum)))
+                .fold(0.0, f64::max);
+            println!("{words}, {ranks} ranks: apart by {:.1e}", apart / largest);
+            assert!(apart < 1e-9 * largest, "{words}, {ranks} ranks");
+        }
+    }
+}
+
+/// With `newton off` the energies of contacts across the boundaries of a box that moves are wrong, and a warning says so.
+#[test]
+fn both_versions_energies_that_need_newton_are_warned_of() {
+    let engine = Engine::from_environment();
+    let scene = at_rest();
+    let box_changes = "fix box all press/berendsen x 1e9 1e9 0.8 modulus 1e9";
+    let energies = "compute energies all pair gran/ellipsoid";
+    for (newton, fixes, warned) in [
+        (false, &[box_changes, energies][..], true),
+        (true, &[box_changes, energies][..], false),
+        (false, &[box_changes][..], false),
+        (false, &[energies][..], false),
+    ] {
+        let mut changing = deck(10);
+        changing.newton = newton;
+        changing.fixes.extend(fixes.iter().map(|f| f.to_string()));
+        let outcome = run(&engine, "box_newton", &scene, &changing, 1);
+        let words: Vec<&str> = outcome.output.split_whitespace().collect();
+        let says = words
+            .join(" ")
+            .contains("across its periodic boundaries dissipate are wrong");
+        assert_eq!(says, warned, "newton {newton}, {fixes:?}");
+    }
+}
+
 /// Two spheres in touch within the box, or across its boundary, whose line of centres is oblique to the axis of the change.
 fn touching(across: bool) -> Scene {
     let radius = 1e-2;

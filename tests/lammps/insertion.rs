@@ -657,6 +657,39 @@ print \"COUNTS $(v_before) $(f_pour) $(atoms) $(c_most:%.0f)\"
     }
 }
 
+/// No two grains have the same number, whoever else numbers some: contacts are remembered by it.
+#[test]
+fn both_versions_no_two_grains_have_the_same_id() {
+    let engine = Engine::from_environment();
+    let words = "shape one 0.006 0.004 0.004 dens 2500 2500 vol 0.01 50 vel 0 0 0 0 -2";
+    for (word, other) in [("next", "next"), ("next", "max"), ("max", "next")] {
+        let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3])
+            + &stream(&format!("100 1 4711 region top {words} id {word}"))
+            + &format!(
+                "region low block 0 0.05 0 0.05 0.1 0.15
+fix other all pour/ellipsoid 50 1 4712 region low {words} id {other}
+run 300
+create_ellipsoids 2 1 region low number 5 shape one 0.003 0.003 0.003 dens 2500 2500
+run 700
+write_dump all custom grains id modify sort id
+"
+            );
+        let directory = fresh_directory("insertion_distinct_ids");
+        let (success, output) = execute(&engine, &directory, &deck, 2);
+        assert!(success, "{}", last_lines(&output));
+        let text = std::fs::read_to_string(directory.join("grains")).unwrap();
+        let ids: Vec<u64> = text
+            .lines()
+            .skip_while(|line| !line.starts_with("ITEM: ATOMS"))
+            .skip(1)
+            .map(|line| line.trim().parse().unwrap())
+            .collect();
+        println!("{word}, {other}: {} grains", ids.len());
+        assert!(ids.len() > 60);
+        assert!(ids.windows(2).all(|two| two[0] < two[1]), "{word}, {other}");
+    }
+}
+
 /// A data file states how many ellipsoids it has: those that were inserted and not those that fell out of the box.
 #[test]
 fn both_versions_a_data_file_has_the_inserted_grains() {

@@ -37,6 +37,7 @@ mod moving_walls;
 mod normal_motion;
 mod nve_ellipsoid;
 mod other_builds;
+mod other_laws;
 mod outputs;
 mod packings;
 mod pages;

@@ -102,6 +102,49 @@ fn both_versions_a_lid_presses_one_ball() {
     }
 }
 
+/// A deck's own servo: the velocity of a wall, or the target of another, by a variable that reads the force on that wall.
+#[test]
+fn both_versions_a_variable_knows_the_force_on_its_own_wall() {
+    let engine = Engine::from_environment();
+    let law = "lsd 1e4 1";
+    for (name, motion, expected) in [
+        ("velocity", "velocity 0 0 v_speed", 0.5),
+        // The target is a third of the force and two thirds of 0.6.
+        ("target", "servo 0 0 -1 v_target 0.01", 0.6),
+    ] {
+        let ball = Grain {
+            density: 2500.0,
+            ..Grain::sphere(5e-3, [0.0, 0.0, 5e-3])
+        };
+        let deck = Deck {
+            fixes: vec![
+                "variable speed equal -0.01+0.02*f_lid[16]".into(),
+                "variable target equal 0.4+f_lid[16]/3".into(),
+                format!("fix floor all wall/gran/ellipsoid {law} zplane 0 NULL"),
+                format!("fix lid all wall/gran/ellipsoid {law} zplane NULL 0.01001 {motion}"),
+            ],
+            time_step: 1e-5,
+            steps: 20_000,
+            skin: 1e-3,
+            thermo_every: 100,
+            thermo_columns: "step f_floor[16] f_lid[16] f_lid[10] f_lid[23]".into(),
+            ..Deck::new(law)
+        };
+        let scene = Scene::open(0.02, vec![ball]);
+        let one = run(&engine, "own_force", &scene, &deck, 1);
+        let last = one.thermo().last().unwrap().clone();
+        println!("{name}: {last:?}");
+        assert!(
+            (last["f_lid[16]"] / expected - 1.0).abs() < 1e-3,
+            "{name}: {last:?}"
+        );
+        assert!((last["f_floor[16]"] / -expected - 1.0).abs() < 1e-3);
+        assert_eq!(last["f_lid[10]"], 1.0);
+        let two = run(&engine, "own_force", &scene, &deck, 2);
+        assert!(largest_difference(one.last(), two.last()).0 < 1e-9);
+    }
+}
+
 /// A plane, a stress by an area, variables and a mesh press a packing: each holds its force to 1 %.
 #[test]
 fn both_versions_lids_of_all_kinds_hold_their_force() {

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What becomes of what contacts remember, where they go on under another law? The numbers of another law may be as many, and mean
+//! something else: a displacement is no force.
+
+use crate::harness::{attempt_in, fresh_directory, Deck, Engine, Grain, Outcome, Scene};
+
+const HALF: u64 = 200;
+
+/// Two grains that are pressed together, and slide along each other less than friction allows.
+fn pressed() -> Scene {
+    let mut first = Grain::new([0.5, 0.4, 0.3], [0.0, 0.0, 0.0]);
+    first.velocity = [0.02, 0.05, 0.01];
+    let second = Grain::new([0.5, 0.4, 0.3], [0.99, 0.05, 0.0]);
+    Scene::open(10.0, vec![first, second])
+}
+
+/// The state after a run with a law, and the force on the first grain before and after it has got another one.
+fn change(engine: &Engine, name: &str, laws: &[&str], through_a_file: bool) -> (Outcome, Outcome) {
+    let directory = fresh_directory(name);
+    let start = Deck {
+        fixes: vec![
+            "group first id 1".into(),
+            "compute force first reduce sum fx fy fz".into(),
+        ],
+        time_step: 1e-5,
+        steps: HALF,
+        thermo_columns: "step c_force[1] c_force[2] c_force[3]".into(),
+        runs: vec![format!("run {HALF}"), "write_restart middle.restart".into()],
+        ..Deck::new(laws[0])
+    };
+    let before = attempt_in(engine, directory.clone(), &pressed(), &start, 1);
+    assert!(before.success, "{name}:\n{}", before.output);
+    let others = laws[1..]
+        .iter()
+        .flat_map(|law| [format!("pair_coeff * * {law}"), "run 0".into()]);
+    let after = if through_a_file {
+        let mut runs: Vec<String> = others.collect();
+        runs.insert(0, "comm_modify vel yes".into());
+        Deck {
+            source: vec!["read_restart middle.restart".into()],
+            pair: vec![],
+            runs,
+            ..start
+        }
+    } else {
+        let mut runs = vec![format!("run {HALF}")];
+        runs.extend(others);
+        Deck { runs, ..start }
+    };
+    let after = attempt_in(engine, directory, &pressed(), &after, 1);
+    assert!(after.success, "{name}:\n{}", after.output);
+    (before, after)
+}
+
+fn force(outcome: &Outcome) -> [f64; 3] {
+    let rows = outcome.thermo();
+    let last = rows.last().unwrap();
+    ["c_force[1]", "c_force[2]", "c_force[3]"].map(|column| last[column])
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn is_warned_of(outcome: &Outcome) -> bool {
+    let words: Vec<&str> = outcome.output.split_whitespace().collect();
+    words
+        .join(" ")
+        .contains("contacts that exist start with no tangential displacement")
+}
+
+const NORMAL: &str = "hertz 1e7 0.3";
+
+/// Numbers that mean something else are not read, and a warning says so; those that mean the same are.
+#[test]
+fn both_versions_no_law_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    let law = |words: &str| format!("{NORMAL} {words}");
+    let total = law("tangential mindlin 5.0 displacement total");
+    let incremental = law("tangential mindlin 5.0 displacement incremental");
+    let rescaled = law("tangential mindlin 5.0");
+    // As many numbers as the next one.
+    let rolling = law("tangential mindlin 5.0 displacement total rolling sds 1e5 0 0.5");
+    let twisting = law("tangential mindlin 5.0 twisting marshall");
+    let partial_slip = law("tangential tfd 5.0 displacement total");
+    let frictionless = NORMAL.to_string();
+
+    for through_a_file in [false, true] {
+        let changed = |name: &str, laws: &[&str]| {
+            let name = format!("other_laws_{name}_{through_a_file}");
+            change(&engine, &name, laws, through_a_file)
+        };
+        for (name, laws, kept) in [
+            ("force", [&total, &incremental], false),
+            ("displacement", [&incremental, &total], false),
+            ("way", [&rolling, &twisting], false),
+            ("torque", [&twisting, &rolling], false),
+            ("same", [&total, &total], true),
+            ("energy", [&rescaled, &rescaled], true),
+            ("slip", [&total, &partial_slip], true),
+        ] {
+            let (before, after) = changed(name, &[laws[0], laws[1]]);
+            let (_, without) = changed("frictionless", &[laws[0], &frictionless]);
+            let tangential = distance(force(&before), force(&without));
+            let normal = distance(force(&without), [0.0; 3]);
+            assert!(tangential > 1e-3 * normal, "{name}: {tangential} {normal}");
+            let left = distance(force(&after), force(&without)) / tangential;
+            println!("{name}: {left}");
+            assert_eq!(is_warned_of(&after), !kept, "{name}: {}", after.output);
+            if kept {
+                assert!((left - 1.0).abs() < 0.2, "{name}: {left}");
+            } else {
+                assert!(left < 1e-12, "{name}: {left}");
+            }
+        }
+    }
+}
