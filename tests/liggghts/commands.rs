@@ -449,6 +449,20 @@ const ALONE: &[Alone] = &[
         holds: not_turned,
     },
     Alone {
+        name: "fix nve/limit",
+        verdict: "differs",
+        before: &[],
+        fixes: &["unfix move", "fix move all nve/limit absolute 1.0", "set group all omegaz 300", ORIENTATIONS],
+        holds: not_turned,
+    },
+    Alone {
+        name: "fix nve/noforce",
+        verdict: "differs",
+        before: &[],
+        fixes: &["unfix move", "fix move all nve/noforce", "set group all omegaz 300", ORIENTATIONS],
+        holds: not_turned,
+    },
+    Alone {
         name: "fix move",
         verdict: "differs",
         before: &[],
