@@ -11,7 +11,10 @@
 #include "error.h"
 #include "fix.h"
 #include "fix_heat_gran_conduction.h"
+#include "fix_insert_stream.h"
 #include "modify.h"
+#include "neighbor.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
@@ -26,6 +29,8 @@ const char *const NO_SEMI_AXES =
     "gives grains a radius and no semi-axes; use particletemplate/superquadric with blockiness 2 2";
 const char *const NO_CLUMPS = "does not carry the shape and orientation of ellipsoids; clumps of ellipsoids are not available";
 const char *const NO_ROTATION = "does not turn ellipsoids by their inertia; use nve/ellipsoid or nve/superquadric";
+// as class Neighbor numbers its styles
+const int MULTI = 2;
 const char *const BOUNDING_SPHERE = "takes each grain for its bounding sphere";
 
 const Refusal FIXES[] = {
@@ -65,6 +70,14 @@ struct Conduction : public FixHeatGranCond {
   static bool is_constant(FixHeatGranCond *fix) { return fix->*(&Conduction::area_calculation_mode_) == 1; }
 };
 
+struct Stream : public FixInsertStream {
+  static bool has_omega(FixInsertStream *fix)
+  {
+    const double *const omega = fix->*(&Stream::omega_insert);
+    return omega[0] != 0.0 || omega[1] != 0.0 || omega[2] != 0.0;
+  }
+};
+
 void check_local(LAMMPS *lmp, ComputePairGranLocal *compute)
 {
   if (compute->offset_ms_id1() >= 0 && lmp->modify->n_fixes_style("multisphere") == 0)
@@ -78,6 +91,11 @@ void check_local(LAMMPS *lmp, ComputePairGranLocal *compute)
 
 void ellgran_check_commands(LAMMPS *lmp)
 {
+  if (strcmp(lmp->update->integrate_style, "verlet") != 0)
+    lmp->error->all(FLERR, "surface ellipsoid needs run_style verlet: with respa grains bounce wrongly, with LIGGGHTS' own models too");
+  if (lmp->neighbor->style == MULTI)
+    lmp->error->all(FLERR, "surface ellipsoid: 'neighbor ... multi' finds no pairs of grains in this LIGGGHTS, of its own models too; "
+                           "use 'neighbor ... bin'");
   Modify *const modify = lmp->modify;
   for (int k = 0; k < modify->nfix; k++) {
     Fix *const fix = modify->fix[k];
@@ -88,6 +106,10 @@ void ellgran_check_commands(LAMMPS *lmp)
       snprintf(message, sizeof(message), "surface ellipsoid: fix %s (move) carries ellipsoids and does not turn them", fix->id);
       lmp->error->warning(FLERR, message);
     }
+    FixInsertStream *const stream = dynamic_cast<FixInsertStream *>(fix);
+    if (stream && Stream::has_omega(stream))
+      refuse(lmp, "fix", fix->id, fix->style,
+             "releases superquadrics with no angular momentum: 'omega' would be lost; leave it out, or use insert/rate/region");
     FixHeatGranCond *const conduction = dynamic_cast<FixHeatGranCond *>(fix);
     if (conduction && !Conduction::is_constant(conduction))
       refuse(lmp, "fix", fix->id, fix->style,

@@ -11,8 +11,10 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "error.h"
 #include "memory.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "pair_gran.h"
 
 using namespace LAMMPS_NS;
@@ -86,6 +88,35 @@ void EllgranPairHistory::take(FixContactHistory *other)
   restart_reset = other->restart_reset;
   just_created = 0;  // or LIGGGHTS sets up all particles as new ones
   std::copy(atom->tag, atom->tag + atom->nlocal, ids_);
+}
+
+// When a run begins, before the neighbour lists, which have pages of the same size, are made anew.
+void EllgranPairHistory::allocate_pages()
+{
+  if (!ipage_ || (pgsize_ == neighbor->pgsize && oneatom_ == neighbor->oneatom)) {
+    FixContactHistory::allocate_pages();
+    return;
+  }
+  if (computeflag_ && *computeflag_) FixContactHistory::pre_exchange();
+  std::vector<int> partners;
+  std::vector<double> histories;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (npartner_[i] == 0) continue;
+    partners.insert(partners.end(), partner_[i], partner_[i] + npartner_[i]);
+    histories.insert(histories.end(), contacthistory_[i], contacthistory_[i] + npartner_[i] * dnum_);
+  }
+  FixContactHistory::allocate_pages();
+  size_t from = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int count = npartner_[i];
+    if (count == 0) continue;
+    partner_[i] = ipage_->get(count);
+    contacthistory_[i] = dpage_->get(count * dnum_);
+    if (!partner_[i] || !contacthistory_[i]) error->one(FLERR, "Contact history overflow, boost neigh_modify one");
+    std::copy(&partners[from], &partners[from] + count, partner_[i]);
+    std::copy(&histories[from * dnum_], &histories[from * dnum_] + count * dnum_, contacthistory_[i]);
+    from += count;
+  }
 }
 
 int EllgranPairHistory::setmask()

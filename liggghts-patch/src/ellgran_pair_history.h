@@ -41,6 +41,9 @@ class EllgranPairHistory : public FixContactHistory {
   virtual int unpack_exchange(int particle, double *buffer);
   virtual void unpack_restart(int particle, int place);
 
+ protected:
+  virtual void allocate_pages();
+
  private:
   int *ids_;  // under which each particle is remembered; 0: it is new, and no other particle remembers it
 

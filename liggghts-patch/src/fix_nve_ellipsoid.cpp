@@ -130,6 +130,12 @@ void FixNVEEllipsoid::init()
 {
   if (force->ftm2v != 1.0)
     refuse("in these units force is not mass times acceleration: use units si, cgs, micro or lj");
+  // with no levels of its own it would move nothing, and nobody would say so
+  if (strcmp(update->integrate_style, "verlet") != 0) {
+    char message[200];
+    snprintf(message, sizeof(message), "needs run_style verlet, and not %s", update->integrate_style);
+    refuse(message);
+  }
   // its implicit drag is a part of LIGGGHTS' own integrators
   if (modify->n_fixes_style("couple/cfd/force/implicit") > 0)
     refuse("does not go with fix couple/cfd/force/implicit: use nve/superquadric");

@@ -262,6 +262,20 @@ const REFUSED: &[Refused] = &[
         &["particletemplate/multiplespheres", "semi-axes"],
     ),
     refused("fix multisphere", &["fix t all multisphere"], &["multisphere", "ellipsoids"]),
+    Refused {
+        before: &["fix face all mesh/surface/planar file gate.stl type 1"],
+        ..refused(
+            "fix insert/stream with omega",
+            &[
+                TEMPLATE,
+                DISTRIBUTION,
+                "fix ins all insert/stream seed 32452843 distributiontemplate pd nparticles 40 particlerate 1000000 overlapcheck yes orientation random vel constant 0 0 0.5 omega constant 0 0 100 insertion_face face extrude_length 0.02",
+            ],
+            &["insert/stream", "omega", "insert/rate/region"],
+        )
+    },
+    refused("run_style respa", &["run_style respa 2 2"], &["run_style verlet", "respa"]),
+    refused("neighbor multi", &["neighbor 0.001 multi"], &["neighbor ... multi", "bin"]),
     refused("fix rigid", &["fix t all rigid single"], &["rigid", "ellipsoids"]),
     refused("fix nve/sphere", &["unfix move", "fix t all nve/sphere"], &["nve/sphere"]),
     refused("fix nve/asphere", &["unfix move", "fix t all nve/asphere"], &["nve/asphere"]),
@@ -432,6 +446,20 @@ const ALONE: &[Alone] = &[
         verdict: "differs",
         before: &[],
         fixes: &["unfix move", "fix move all nve", "set group all omegaz 300", ORIENTATIONS],
+        holds: not_turned,
+    },
+    Alone {
+        name: "fix nve/limit",
+        verdict: "differs",
+        before: &[],
+        fixes: &["unfix move", "fix move all nve/limit absolute 1.0", "set group all omegaz 300", ORIENTATIONS],
+        holds: not_turned,
+    },
+    Alone {
+        name: "fix nve/noforce",
+        verdict: "differs",
+        before: &[],
+        fixes: &["unfix move", "fix move all nve/noforce", "set group all omegaz 300", ORIENTATIONS],
         holds: not_turned,
     },
     Alone {

@@ -86,6 +86,26 @@ fn another_pair_style_begins_and_ends() {
     held_to_their_loop("style", &crowd(64), &[], runs, 1);
 }
 
+/// They hold the histories between runs.
+#[test]
+fn pages_of_another_size_keep_the_histories() {
+    let engine = Engine::from_environment();
+    let scene = crowd(64);
+    for ranks in [1, 2] {
+        let [changed, plain] = ["one 3000 page 60000", "one 2000 page 100000"].map(|pages| {
+            let change = format!("neigh_modify {pages}");
+            let runs = ["run 120", &change, "run 30", &change, "run 150"];
+            let name = format!("kept_pages_{ranks}_{}", pages.len());
+            run(&engine, &name, &scene, &with(true, &[], &runs), ranks)
+                .last()
+                .clone()
+        });
+        let apart = difference(&changed, &plain);
+        println!("pages, {ranks} ranks: velocities apart by {apart:.1e}");
+        assert!(apart < 1e-12, "{ranks} ranks: {apart:e}");
+    }
+}
+
 /// A file that is written in the middle of a run, while the library has the histories.
 #[test]
 fn a_restart_file_of_the_middle_of_a_run_has_them() {

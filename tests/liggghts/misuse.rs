@@ -141,6 +141,15 @@ fn what_nve_ellipsoid_cannot_move() {
         with("set atom 2 omegax 1e10", &[]),
         &["nve/ellipsoid", "particle 2", "half a circle"],
     );
+    // It would move nothing. Of another surface, since surface ellipsoid refuses respa by itself.
+    refuse(
+        "nve_ellipsoid_respa",
+        Deck {
+            model: "hertz tangential off surface superquadric".into(),
+            ..with("run_style respa 2 2", &[])
+        },
+        &["nve/ellipsoid", "run_style verlet"],
+    );
     // LIGGGHTS' own model takes any blockiness: it is the integrator that refuses.
     refuse(
         "nve_ellipsoid_blockiness",
