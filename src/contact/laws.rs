@@ -13,6 +13,8 @@
 //! assert!(laws.features().friction && laws.features().mass);
 //! let harder = laws.with_restitution(&[0.95])?;
 //! assert!(harder.get(1, 1).constants.normal.restitution < laws.get(1, 1).constants.normal.restitution);
+//! // What a contact has remembered means the same under both.
+//! assert!(harder.read_histories_of(&laws));
 //! // Without viscosity, a tangential displacement that is kept in all cases can create energy.
 //! let (elastic, _) = parse(&"hertz 1e7 0.3 tangential tfd 0.5 displacement incremental".split(' ').collect::<Vec<_>>())?;
 //! assert_eq!(Laws::new(1, &[Some(elastic)], true)?.creates_energy(), Some((1, 1)));
@@ -203,6 +205,7 @@ impl Laws {
 
     /// Whether what contacts remember under other laws means the same under these: it stands in the same places, and no pair of types
     /// takes a displacement for a force.
+    #[cfg(feature = "std")]
     pub fn read_histories_of(&self, other: &Laws) -> bool {
         let of_displacement = |law: &PairLaw| {
             let tangential = law.kinds.tangential;
