@@ -139,75 +139,73 @@ spheres() {
   rate "spheres $1" "$log"
 }
 if does rates; then
-ellipsoids 110592 -var copies "3 3 3" -var steps 500
-spheres 110592 -var copies "3 3 3" -var steps 500
-ellipsoids 1032192 -var copies "6 6 7"
-spheres 1032192 -var copies "6 6 7"
-
+  ellipsoids 110592 -var copies "3 3 3" -var steps 500
+  spheres 110592 -var copies "3 3 3" -var steps 500
+  ellipsoids 1032192 -var copies "6 6 7"
+  spheres 1032192 -var copies "6 6 7"
 fi
 
 # The same trajectories
 if does trajectories; then
-before=$SECONDS
-while read -r line; do eval "on gpu $line"; done < <(cases)
-on gpu again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
-wheres=gpu
-if command -v mpirun > /dev/null; then
-  wheres="gpu ranks"
-  while read -r line; do eval "on ranks $line"; done < <(cases)
-  on ranks again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
-else
-  table+="two ranks: no mpirun"$'\n'
-fi
-echo "trajectories: $((SECONDS - before)) s"
-mkdir -p "$OUT/host/again"
-cp "$OUT"/host/curved/frame.[1-9]* "$OUT"/host/curved/forces.* "$OUT/host/again"
-rm -f "$OUT"/host/again/frame.300
-for where in $wheres; do
-  for name in curved again; do
-    for step in 2 3; do
-      table+="$where, $name, forces of walls: $(compare_lists "$OUT/host/$name/forces.$step" "$OUT/$where/$name/forces.$step")"$'\n'
+  before=$SECONDS
+  while read -r line; do eval "on gpu $line"; done < <(cases)
+  on gpu again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
+  wheres=gpu
+  if command -v mpirun > /dev/null; then
+    wheres="gpu ranks"
+    while read -r line; do eval "on ranks $line"; done < <(cases)
+    on ranks again curved_walls.lmp -var again 1 -var from "$OUT/host/curved/first.restart"
+  else
+    table+="two ranks: no mpirun"$'\n'
+  fi
+  echo "trajectories: $((SECONDS - before)) s"
+  mkdir -p "$OUT/host/again"
+  cp "$OUT"/host/curved/frame.[1-9]* "$OUT"/host/curved/forces.* "$OUT/host/again"
+  rm -f "$OUT"/host/again/frame.300
+  for where in $wheres; do
+    for name in curved again; do
+      for step in 2 3; do
+        table+="$where, $name, forces of walls: $(compare_lists "$OUT/host/$name/forces.$step" "$OUT/$where/$name/forces.$step")"$'\n'
+      done
+    done
+    for name in friction half frictionless walls curved again; do
+      for frame in "$OUT/host/$name"/frame.*; do
+        table+="$where, $name ${frame##*/}: $(compare "$frame" "$OUT/$where/$name/${frame##*/}")"$'\n'
+      done
     done
   done
-  for name in friction half frictionless walls curved again; do
-    for frame in "$OUT/host/$name"/frame.*; do
-      table+="$where, $name ${frame##*/}: $(compare "$frame" "$OUT/$where/$name/${frame##*/}")"$'\n'
-    done
-  done
-done
 fi
 rm -rf "$OUT/host" "$OUT/gpu" "$OUT/ranks"
 
 # Other numbers of grains, other packings
 if does packings; then
-ellipsoids 4096 -var copies "1 1 1" -var steps 2000
-ellipsoids 32768 -var copies "2 2 2" -var steps 1000
-packing() { ellipsoids "$1 $2" -var data "$1.data" "${@:3}"; }
-packing needles 128000 -var copies "5 5 5"
-packing mixture 435375 -var copies "5 5 5"
-packing gas 512000 -var copies "5 5 5" -var steps 500
-MOST=100 ellipsoids 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
-MOST=100 spheres 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
-MOST=150 ellipsoids 9691136 -var copies "13 13 14" -var steps 50 -var warm 10
-
+  ellipsoids 4096 -var copies "1 1 1" -var steps 2000
+  ellipsoids 32768 -var copies "2 2 2" -var steps 1000
+  packing() { ellipsoids "$1 $2" -var data "$1.data" "${@:3}"; }
+  packing needles 128000 -var copies "5 5 5"
+  packing mixture 435375 -var copies "5 5 5"
+  packing gas 512000 -var copies "5 5 5" -var steps 500
+  MOST=100 ellipsoids 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
+  MOST=100 spheres 4096000 -var copies "10 10 10" -var steps 100 -var warm 20
+  MOST=150 ellipsoids 9691136 -var copies "13 13 14" -var steps 50 -var warm 10
 fi
 
 # Floors: none, a plane, triangles of two sizes, and uneven ones
 on_floor() { lmp "floor-${1// /-}.log" $G -in time_walls.lmp "${@:2}"; rate "floor $1" "floor-${1// /-}.log"; }
 if does floors; then
-on_floor none -var floors 0
-on_floor plane -var floor "zplane 0 NULL"
-on_floor "200 triangles" -var floor "mesh $OUT/floor.10.0.stl"
-on_floor "20000 triangles" -var floor "mesh $OUT/floor.100.0.stl"
-on_floor "20000 uneven" -var floor "mesh $OUT/floor.100.3e-4.stl"
+  on_floor none -var floors 0
+  on_floor plane -var floor "zplane 0 NULL"
+  on_floor "200 triangles" -var floor "mesh $OUT/floor.10.0.stl"
+  on_floor "20000 triangles" -var floor "mesh $OUT/floor.100.0.stl"
+  on_floor "20000 uneven" -var floor "mesh $OUT/floor.100.3e-4.stl"
 
-export CUDA_LAUNCH_BLOCKING=1
-on_floor "none waiting" -var floors 0
-on_floor "plane waiting" -var floor "zplane 0 NULL"
-on_floor "20000 triangles waiting" -var floor "mesh $OUT/floor.100.0.stl"
-on_floor "20000 uneven waiting" -var floor "mesh $OUT/floor.100.3e-4.stl"
-ellipsoids waiting -var copies "6 6 7" -var steps 50 -var warm 20
-spheres waiting -var copies "6 6 7" -var steps 50 -var warm 20
+  export CUDA_LAUNCH_BLOCKING=1
+  on_floor "none waiting" -var floors 0
+  on_floor "plane waiting" -var floor "zplane 0 NULL"
+  on_floor "20000 triangles waiting" -var floor "mesh $OUT/floor.100.0.stl"
+  on_floor "20000 uneven waiting" -var floor "mesh $OUT/floor.100.3e-4.stl"
+  ellipsoids waiting -var copies "6 6 7" -var steps 50 -var warm 20
+  spheres waiting -var copies "6 6 7" -var steps 50 -var warm 20
 fi
 rm -f "$OUT"/floor.*.stl
 echo "----- $((SECONDS - began)) s"
