@@ -17,8 +17,8 @@ using namespace LAMMPS_NS;
 namespace {
 
 // Pairs of the list with a wider gap than the mean margin of the grains are looked at again only when a grain has moved by half of it: so
-// much of the largest semi-axis, between these shares of the smallest. On an H100 needles of aspect ratio 10 take 4.5 ms a step with a twentieth
-// of the smallest, 2.7 ms with a fifth; a dense packing of aspect ratio 2 is fastest with little.
+// much of the largest semi-axis, between these shares of the smallest. On an H100 128 000 needles of aspect ratio 10 take 4.5 ms a step with
+// a twentieth of the smallest, 2.4 ms with a fifth (tests/lammps_on_gpu/time.lmp).
 constexpr double MARGIN_PER_LENGTH = 0.025, MARGIN = 0.05, MOST_MARGIN = 0.2;
 
 // Forces and torques that are not known, as in fix nve/ellipsoid.
