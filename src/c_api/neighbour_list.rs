@@ -11,7 +11,7 @@ use super::status::{
     at_border, required, required_mut, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT,
     ELLGRAN_ERROR_NULL_POINTER,
 };
-use super::tallies::{add_preceding_half_step, borrow, Asked, EllgranTallies};
+use super::tallies::{add_preceding_half_step, borrow, check_half_step, Asked, EllgranTallies};
 use crate::list::{compute_pairs, ListError, NeighbourRow, NeighbourRows};
 use crate::list::{Accumulators, Entries};
 
@@ -481,6 +481,16 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         let prepared = unsafe { prepare(p, p.count, Some(laws), workspace, purpose) };
         *is_computing = false;
         prepared?;
+        let reaction_below = if list.newton != 0 {
+            p.count
+        } else {
+            p.owned_count
+        };
+        let work_is_added = sums.as_ref().is_some_and(|s| s.inelastic_loads.is_some());
+        if work_is_added && step.advance_history && !laws.features().friction {
+            // SAFETY: promised by the caller; the arrays were checked as the particles were prepared.
+            unsafe { check_half_step(p, p.count, 0..reaction_below) }?;
+        }
         workspace.keeps_history = list.keep_history != 0;
         workspace.records_contacts = list.record_contacts != 0;
         // SAFETY: the arrays are as `EllgranNeighbourList` demands, by this function's safety section; `central` is the list's own.
@@ -488,11 +498,7 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         let mut accumulators = Accumulators {
             forces,
             torques,
-            reaction_below: if list.newton != 0 {
-                p.count
-            } else {
-                p.owned_count
-            },
+            reaction_below,
             owned: p.owned_count,
         };
         *is_computing = true;
@@ -508,9 +514,8 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         workspace.deep_contacts += computed.map_err(|e| list_failure(p, list, e))?;
         *last_list = Some(look);
         if let (Some(asked), Some(mut sums)) = (&mut asked, sums) {
-            let count = accumulators.reaction_below;
             // SAFETY: promised by the caller.
-            unsafe { add_preceding_half_step(&mut sums, p, count, &step) }?;
+            unsafe { add_preceding_half_step(&mut sums, p, reaction_below, &step) }?;
             asked.write(&sums);
         }
         Ok(())

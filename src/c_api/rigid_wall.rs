@@ -12,12 +12,14 @@ use super::status::{
     ELLGRAN_ERROR_NULL_POINTER, ELLGRAN_ERROR_TEXT,
 };
 use super::tallies::{
-    add_half_step_at_wall, add_preceding_half_step, borrow, respond_at_wall, Asked, EllgranTallies,
+    add_half_step_at_wall, add_preceding_half_step, borrow, check_half_step,
+    check_half_step_at_wall, respond_at_wall, Asked, EllgranTallies,
 };
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
 use crate::list::Workspace;
 use crate::message::{Number, Numbers};
+use crate::tallies::Tallies;
 use crate::vector::Vector3;
 use crate::walls::{
     compute_wall, compute_wall_in_lanes, shape_has_axis, stl, write_triangle_loads, End, Mesh,
@@ -658,6 +660,15 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         let in_lanes = wall.is_taken_in_lanes(laws, wall_type, instruction_set, sums.as_ref());
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
         unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on, in_lanes) }?;
+        let work_is_added =
+            |s: &Tallies<'_>| s.inelastic_loads.is_some() || wall.keeps_inelastic_loads;
+        if sums.as_ref().is_some_and(work_is_added)
+            && step.advance_history
+            && !laws.features().friction
+        {
+            // SAFETY: promised by the caller; the arrays were checked as the particles were prepared.
+            unsafe { check_half_step(p, owned, wall.near().iter().copied()) }?;
+        }
         let mut output = WallOutput {
             acts_on: &acts_on,
             // SAFETY: `histories` is NULL or valid for reads and writes of `owned * length` elements, and not aliased,
@@ -862,6 +873,8 @@ pub unsafe extern "C" fn ellgran_wall_tally_following_half_step(
         }
         let mut sums = asked.carried();
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
+        unsafe { check_half_step_at_wall(p, wall, &step) }?;
+        // SAFETY: as above.
         unsafe { add_half_step_at_wall(&mut sums, p, wall, &step) }?;
         asked.write_carried(&sums);
         Ok(())

@@ -2,15 +2,17 @@
 //! Energies, virial and counts that a caller may ask for.
 
 use super::growing::{given, growing, Output};
-use super::particles::{changes, shape_of, EllgranParticles, EllgranStep};
+use super::particles::{changes, identifier, shape_of, EllgranParticles, EllgranStep};
 use super::status::{
     at_border, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_NULL_POINTER,
+    ELLGRAN_ERROR_PARTICLE,
 };
-use crate::contact::particle::response_to_torque;
-use crate::contact::{Particle, Step};
+use crate::contact::particle::{angular_velocity, response_to_torque};
+use crate::contact::{ranges, Particle, Step};
 use crate::geometry::Ellipsoid;
 use crate::tallies::InelasticLoad;
 use crate::tallies::Tallies;
+use crate::vector::Vector3;
 use crate::walls::Wall;
 
 /// Requested quantities, and their sums over the contacts of a call. NULL: nothing is requested, and nothing is computed
@@ -157,11 +159,78 @@ unsafe fn motion<'a>(
     })
 }
 
+/// Refuses a velocity or a rotation that a particle cannot have, as a call that prepares particles does. `turns` makes an angular velocity of a
+/// rotation, of which otherwise only its range is known.
+fn check_motion(
+    p: &EllgranParticles,
+    k: usize,
+    (velocity, rotation): ([f64; 3], [f64; 3]),
+    turns: impl Fn(Vector3) -> Vector3,
+) -> Result<(), Failure> {
+    let check = || {
+        ranges::velocity(velocity)?;
+        if !p.angular_velocities.is_null() {
+            return ranges::angular_velocity(rotation);
+        }
+        let momentum = ranges::vector(rotation, f64::MAX, "angular momentum")?;
+        ranges::vector(
+            turns(momentum).to_array(),
+            ranges::LARGEST_VELOCITY,
+            "angular velocity (from the angular momentum)",
+        )
+    };
+    check().map(|_| ()).map_err(|what| {
+        Failure::new(
+            ELLGRAN_ERROR_PARTICLE,
+            format!("particle {}: {what}", identifier(p, k)),
+        )
+    })
+}
+
+/// Checks the half-step velocities of particles that were prepared with those of the step alone, as without friction, and whose work will be
+/// added with them. What [`prepare`](super::particles::prepare) has read of them with friction it has checked.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states, and `count` of each were checked in this call.
+pub(super) unsafe fn check_half_step(
+    p: &EllgranParticles,
+    count: usize,
+    particles: impl IntoIterator<Item = usize>,
+) -> Result<(), Failure> {
+    if p.velocity_changes.is_null() {
+        return Ok(());
+    }
+    // SAFETY: promised by the caller.
+    let motion = unsafe { motion(p, count) }?;
+    for k in particles {
+        check_motion(p, k, motion(k), |momentum| {
+            // SAFETY: promised by the caller; a particle that was prepared has a shape and a mass.
+            let (shape, mass) = unsafe { (shape_of(p, k), *p.masses.add(k)) };
+            let body = shape.and_then(|(a, q)| Ellipsoid::new(a, q).ok());
+            body.map_or(momentum, |body| angular_velocity(&body, mass, momentum))
+        })?;
+    }
+    Ok(())
+}
+
+/// Checks the velocities and rotations that the work of these loads is added with.
+fn check_loaded<'l>(
+    p: &EllgranParticles,
+    loads: impl IntoIterator<Item = (usize, &'l InelasticLoad)>,
+    motion: impl Fn(usize) -> ([f64; 3], [f64; 3]),
+) -> Result<(), Failure> {
+    let loaded = loads.into_iter().filter(|(_, load)| !load.is_zero());
+    // Shapes are not read where half a step follows.
+    loaded
+        .map(|(k, _)| check_motion(p, k, motion(k), |_| Vector3::ZERO))
+        .collect()
+}
+
 /// Ends a call that tallied the loads of the first `count` particles: makes of their torques what answers to
 /// the engine's rotations, and adds the work of the half step before. Does nothing without loads.
 ///
 /// # Safety
-/// The arrays of `p` have the lengths that [`EllgranParticles`] states, and were checked in this call.
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states, and were checked in this call, as was the half step.
 pub(super) unsafe fn add_preceding_half_step(
     sums: &mut Tallies<'_>,
     p: &EllgranParticles,
@@ -208,6 +277,24 @@ pub(super) unsafe fn respond_at_wall(p: &EllgranParticles, wall: &mut Wall, near
         let response = response_to_torque(&near[touching.near].body, mass);
         touching.load.respond(response);
     }
+}
+
+/// Checks the velocities and rotations with which [`add_half_step_at_wall`] will add work after a half step.
+///
+/// # Safety
+/// The arrays of `p` have the lengths that [`EllgranParticles`] states.
+pub(super) unsafe fn check_half_step_at_wall(
+    p: &EllgranParticles,
+    wall: &Wall,
+    step: &Step,
+) -> Result<(), Failure> {
+    if !step.advance_history || wall.touching_loads().is_empty() {
+        return Ok(());
+    }
+    // SAFETY: promised by the caller.
+    let motion = unsafe { motion(p, p.owned_count) }?;
+    let loads = wall.touching_loads().iter().map(|t| (t.particle, &t.load));
+    check_loaded(p, loads, motion)
 }
 
 /// Adds the work of the loads that a wall keeps over half a step.
@@ -279,6 +366,7 @@ pub unsafe extern "C" fn ellgran_tally_following_half_step(
             let mut sums = asked.carried();
             // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
             let motion = unsafe { motion(p, count) }?;
+            check_loaded(p, loads.iter().enumerate(), &motion)?;
             sums.add_half_step(0.5 * step.time_step, loads.iter().enumerate(), motion);
             asked.write_carried(&sums);
         }

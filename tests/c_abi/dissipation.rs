@@ -378,3 +378,109 @@ fn half_steps_that_add_nothing() {
         (0.0, 0.0)
     );
 }
+
+/// A half-step velocity that is no number, or out of range, is an error that names the particle, also where no friction reads it: the
+/// dissipated energies would be no numbers. Nothing is written then.
+#[test]
+fn changes_of_velocities_that_cannot_be() {
+    for friction in ["", " tangential tfd 0.3"] {
+        for (value, word) in [
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+            (f64::NEG_INFINITY, "-inf"),
+            (1e26, "1e26"),
+        ] {
+            for component in 0..6 {
+                let what = format!("'{friction}' {value:e} {component}");
+                refused_change(
+                    &format!("nfd 200 0.3 3 3{friction}"),
+                    value,
+                    word,
+                    component,
+                    &what,
+                );
+            }
+        }
+    }
+}
+
+fn refused_change(law: &str, value: f64, word: &str, component: usize, what: &str) {
+    let laws = Laws::new(&[law]);
+    let workspace = WorkspaceHandle::new();
+    let plane = WallHandle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+    let mut bodies = [sphere_at(0.0), sphere_at(1.9)];
+    for (body, identifier) in bodies.iter_mut().zip([1234, 5678]) {
+        body.position[2] = 0.99;
+        body.velocity = [0.1 * (1.0 - body.position[0]), 0.2, -0.3];
+        body.velocities_of_step = 1;
+        body.identifier = identifier;
+    }
+    let mut arrays = Arrays::new(&bodies, 2);
+    let mut list = List::new(vec![vec![1], vec![]], laws.length());
+    let mut memory = plane.histories(&laws, 2);
+    let mut loads = [[0.0; 12]; 2];
+    let mut tallies = no_tallies();
+    tallies.inelastic_loads = loads.as_mut_ptr().cast();
+    let mut of_wall = no_tallies();
+    let mut call = |arrays: &mut Arrays, after: bool| {
+        let (particles, view) = (arrays.particles(), list.view(true));
+        let of_list = if after {
+            // SAFETY: the arrays live to the end of the call.
+            unsafe { ellgran_tally_following_half_step(&particles, &STEP, &mut tallies) }
+        } else {
+            laws.pairs(&workspace, &particles, &view, &STEP, &mut tallies)
+        };
+        let text = message();
+        // SAFETY: the arrays live to the end of the call.
+        let of_wall = unsafe {
+            ok(ellgran_wall_keep_inelastic_loads(plane.0, 1));
+            if after {
+                ellgran_wall_tally_following_half_step(plane.0, &particles, &STEP, &mut of_wall)
+            } else {
+                ellgran_compute_wall(
+                    laws.0,
+                    workspace.0,
+                    plane.0,
+                    &particles,
+                    null(),
+                    0,
+                    1,
+                    null(),
+                    memory.as_mut_ptr(),
+                    &STEP,
+                    null_mut(),
+                    &mut of_wall,
+                )
+            }
+        };
+        [(of_list, text), (of_wall, message())]
+    };
+    let refuses = |results: [(i32, String); 2]| {
+        let quantity = ["velocity", "angular velocity"][component / 3];
+        for (status, text) in results {
+            assert_eq!(status, ELLGRAN_ERROR_PARTICLE, "{what}: {text}");
+            for part in ["particle 5678", quantity, word.trim_start_matches('-')] {
+                assert!(text.contains(part), "{what}: {text}");
+            }
+        }
+    };
+    arrays.velocity_changes[1][component] = value;
+    let before = (arrays.forces.clone(), arrays.torques.clone());
+    refuses(call(&mut arrays, false));
+    assert_eq!(
+        (&arrays.forces, &arrays.torques),
+        (&before.0, &before.1),
+        "{what}"
+    );
+    arrays.velocity_changes[1][component] = 0.0;
+    for after in [false, true] {
+        for (status, text) in call(&mut arrays, after) {
+            assert_eq!(status, ELLGRAN_SUCCESS, "{what}: {text}");
+        }
+    }
+    arrays.velocity_changes[1][component] = value;
+    refuses(call(&mut arrays, true));
+    for sums in [&tallies, &of_wall] {
+        assert!(sums.viscous_dissipation > 0.0 && sums.tangential_work.is_finite());
+    }
+}
