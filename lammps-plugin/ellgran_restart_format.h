@@ -33,8 +33,10 @@ constexpr int WRITER_LENGTH = 32;
 /// | 2 | -2; the four of version 1; velocity of the region (3), rate of its rotation |
 /// | 3 | -3; as version 2; displacement (3) and angle of a motion by variables, state of the servo |
 ///
+/// | 4 | -4; as version 3; size of EllgranLawParameters, and one, the law of the grains, in as many values as have room for it |
+///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 3;
+constexpr int WALL_FORMAT = 4;
 
 /// The fix behind compute energy/ellipsoid: its global values, all of type double.
 ///

@@ -54,6 +54,7 @@ constexpr int CONTACT_COLUMNS = 21;
 // Global values in the restart file: see ellgran_restart_format.h.
 constexpr int NUMBER_WITH_REGION = 9;
 constexpr int NUMBER_OF_STATES = NUMBER_WITH_REGION + 4 + WallServo::NUMBER_OF_STATES;
+constexpr int VALUES_OF_LAW = (sizeof(EllgranLawParameters) + sizeof(double) - 1) / sizeof(double);
 
 double dot(const double *a, const double *b)
 {
@@ -161,16 +162,8 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
   law_words = given;
   has_material = of_material > 0;
 
-  // The library mixes what is not set from the two on the diagonal.
   wall_type = atom->ntypes + 1;
-  const auto types = static_cast<std::size_t>(wall_type);
-  std::vector<EllgranLawParameters> parameters(types * types, given);
-  parameters.back() = of_wall;
-  std::vector<uint8_t> is_set(types * types, 0);
-  for (std::size_t k = 0; k < types; k++) is_set[k * types + k] = 1;
-  if (ellgran_laws_new(wall_type, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START,
-                       &laws) != ELLGRAN_SUCCESS)
-    error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  if (make_laws(given, of_wall, &laws) != ELLGRAN_SUCCESS) error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   int32_t i = 0, j = 0;
   if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
@@ -180,6 +173,18 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
                    "dissipates any: use displacement rescaled, or a law with damping",
                    CALLER, id);
   return 3 + static_cast<int>(consumed);
+}
+
+/* The library mixes what is not set from the two on the diagonal. */
+
+int32_t FixWallGranEllipsoid::make_laws(const EllgranLawParameters &of_grains, const EllgranLawParameters &of_wall, EllgranLaws **made) const
+{
+  const auto types = static_cast<std::size_t>(wall_type);
+  std::vector<EllgranLawParameters> parameters(types * types, of_grains);
+  parameters.back() = of_wall;
+  std::vector<uint8_t> is_set(types * types, 0);
+  for (std::size_t k = 0; k < types; k++) is_set[k * types + k] = 1;
+  return ellgran_laws_new(wall_type, parameters.data(), is_set.data(), ELLGRAN_OPTION_NO_WARM_START, made);
 }
 
 void FixWallGranEllipsoid::check(int32_t status) const
@@ -1006,6 +1011,10 @@ int FixWallGranEllipsoid::pack_restart(int i, double *buffer)
 void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 {
   if (histories_length == 0) return;
+  if (histories_are_of_other_law) {
+    FixWallGranEllipsoid::set_arrays(nlocal);
+    return;
+  }
   double *extra = atom->extra[nlocal];
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   const int used = static_cast<int>(extra[0]) - 2;
@@ -1029,9 +1038,12 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     double *const of_motion = std::copy_n(varied_displacement, 3, values + NUMBER_WITH_REGION);
     of_motion[0] = varied_angle;
     if (servo) servo->pack(of_motion + 1);
-    const int size = sizeof(values);
+    double law[1 + VALUES_OF_LAW] = {sizeof(law_words)};
+    std::memcpy(law + 1, &law_words, sizeof(law_words));
+    const int size = sizeof(values) + sizeof(law);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
+    fwrite(law, sizeof(double), 1 + VALUES_OF_LAW, fp);
   }
 }
 
@@ -1063,10 +1075,37 @@ void FixWallGranEllipsoid::restart(char *buffer)
     varied_angle = of_motion[3];
     if (servo) servo->unpack(of_motion + 4);
   }
+  if (format >= 4) compare_with_law_of_file(buffer + NUMBER_OF_STATES * sizeof(double));
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];
   friction = values[2];
   work_of_walls = values[3];
+}
+
+/* What contacts remember in the file is read under the law with which it was written, or one under which it means the same. Called before the
+   histories are read. */
+
+void FixWallGranEllipsoid::compare_with_law_of_file(const char *buffer)
+{
+  double size = 0.0;
+  std::memcpy(&size, buffer, sizeof(size));
+  EllgranLawParameters of_file = ELLGRAN_INIT(EllgranLawParameters);
+  const std::size_t own_size = of_file.size;
+  if (!(size > sizeof(std::size_t) && size <= own_size))
+    error->all(FLERR, "{} {}: the restart file is damaged: a law of {} bytes", CALLER, id, size);
+  // An older and shorter struct: the fields that it lacks are zero, as everywhere in the interface.
+  std::memcpy(&of_file, buffer + sizeof(size), static_cast<std::size_t>(size));
+  of_file.size = own_size;
+  EllgranLaws *before = nullptr;
+  if (make_laws(of_file, of_file, &before) != ELLGRAN_SUCCESS)
+    error->all(FLERR, "{} {}: the restart file is damaged: {}", CALLER, id, ellgran_last_error());
+  histories_are_of_other_law = histories_length > 0 && ellgran_laws_history_length(before) > 0 && ellgran_laws_read_histories_of(laws, before) == 0;
+  ellgran_laws_free(before);
+  if (histories_are_of_other_law && comm->me == 0)
+    error->warning(FLERR,
+                   "{} {}: the restart file is of a law under which contacts remember something else: contacts that exist start with no "
+                   "tangential displacement",
+                   CALLER, id);
 }
 
 void FixWallGranEllipsoid::set_molecule(int, tagint, int, double *, double *, double *)

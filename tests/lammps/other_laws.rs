@@ -115,3 +115,81 @@ fn both_versions_no_law_takes_for_its_own_what_another_remembered() {
         }
     }
 }
+
+/// A grain that is pressed against a wall, and slides along it less than friction allows.
+fn pressed_on_a_wall() -> Scene {
+    let mut grain = Grain::new([0.5, 0.4, 0.3], [0.0, 0.0, 0.295]);
+    grain.velocity = [0.05, 0.02, -0.02];
+    Scene::open(10.0, vec![grain])
+}
+
+/// After a restart a wall with another law: the force on it when the file was written, and when a run goes on from it.
+fn change_wall(engine: &Engine, name: &str, laws: [&str; 2]) -> (Outcome, Outcome) {
+    let directory = fresh_directory(name);
+    let wall = |law: &str| format!("fix floor all wall/gran/ellipsoid {law} zplane 0 NULL");
+    let start = Deck {
+        fixes: vec![wall(laws[0])],
+        time_step: 1e-5,
+        steps: HALF,
+        thermo_columns: "step f_floor[14] f_floor[15] f_floor[16]".into(),
+        runs: vec![format!("run {HALF}"), "write_restart middle.restart".into()],
+        ..Deck::new(NORMAL)
+    };
+    let before = attempt_in(engine, directory.clone(), &pressed_on_a_wall(), &start, 1);
+    assert!(before.success, "{name}:\n{}", before.output);
+    let after = Deck {
+        source: vec!["read_restart middle.restart".into()],
+        pair: vec![],
+        fixes: vec![wall(laws[1])],
+        runs: vec!["comm_modify vel yes".into(), "run 0".into()],
+        ..start
+    };
+    let after = attempt_in(engine, directory, &pressed_on_a_wall(), &after, 1);
+    assert!(after.success, "{name}:\n{}", after.output);
+    (before, after)
+}
+
+fn force_on_wall(outcome: &Outcome) -> [f64; 3] {
+    let rows = outcome.thermo();
+    let last = rows.last().unwrap();
+    ["f_floor[14]", "f_floor[15]", "f_floor[16]"].map(|column| last[column])
+}
+
+/// A restart file has the law of a wall: what was remembered under it is read where it means the same, and a warning says so where not.
+#[test]
+fn both_versions_after_a_restart_no_wall_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    let law = |words: &str| format!("{NORMAL} {words}");
+    let total = law("tangential mindlin 5.0 displacement total");
+    let incremental = law("tangential mindlin 5.0 displacement incremental");
+    let rescaled = law("tangential mindlin 5.0");
+    let rolling = law("tangential mindlin 5.0 displacement total rolling sds 1e5 0 0.5");
+    let twisting = law("tangential mindlin 5.0 twisting marshall");
+    let partial_slip = law("tangential tfd 5.0 displacement total");
+    for (name, laws, kept) in [
+        ("force", [&total, &incremental], false),
+        ("displacement", [&incremental, &total], false),
+        ("way", [&rolling, &twisting], false),
+        ("torque", [&twisting, &rolling], false),
+        ("longer", [&total, &rescaled], false),
+        ("same", [&total, &total], true),
+        ("energy", [&rescaled, &rescaled], true),
+        ("slip", [&total, &partial_slip], true),
+    ] {
+        let (before, after) =
+            change_wall(&engine, &format!("wall_{name}"), laws.map(|l| l.as_str()));
+        let then = force_on_wall(&before);
+        let tangential = then[0].hypot(then[1]);
+        assert!(tangential > 1e-3 * then[2].abs(), "{name}: {then:?}");
+        let now = force_on_wall(&after);
+        let left = now[0].hypot(now[1]) / tangential;
+        println!("{name}: {left}");
+        assert!((now[2] / then[2] - 1.0).abs() < 1e-9, "{name}: {now:?}");
+        assert_eq!(is_warned_of(&after), !kept, "{name}: {}", after.output);
+        if kept {
+            assert!((left - 1.0).abs() < 0.2, "{name}: {left}");
+        } else {
+            assert!(left < 1e-12, "{name}: {left}");
+        }
+    }
+}
