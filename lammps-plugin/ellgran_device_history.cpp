@@ -50,7 +50,8 @@ void FixEllgranDeviceHistory::post_run()
 {
   // With one rank no command between two runs takes an atom away from what the GPU knows of it: it can be asked later.
   if (comm->nprocs > 1) take_from_device();
-  std::copy_n(atom->tag, atom->nlocal, ids_at_end);
+  static_cast<AtomKokkos *>(atom)->sync(Host, TAG_MASK | TYPE_MASK);
+  remember_atoms();
   list_is_current = false;
 }
 
@@ -79,7 +80,9 @@ int FixEllgranDeviceHistory::unpack_exchange(int i, double *buffer)
 
 bool FixEllgranDeviceHistory::atoms_have_changed() const
 {
-  return atom->nlocal != grains->owned_in_list() || !std::equal(ids_at_end, ids_at_end + atom->nlocal, atom->tag);
+  static_cast<AtomKokkos *>(atom)->sync(Host, TAG_MASK | TYPE_MASK);
+  return atom->nlocal != grains->owned_in_list() || !std::equal(ids_at_end, ids_at_end + atom->nlocal, atom->tag) ||
+      !std::equal(types_at_end, types_at_end + atom->nlocal, atom->type);
 }
 
 /* The row that keeps a pair of two atoms of this rank is that of the one with the lower ID. Both of them then remember it, each as of
@@ -134,8 +137,8 @@ void FixEllgranDeviceHistory::take_from_device()
       pair->transfer_history(source.data(), own, 0, 0);
     }
   }
-  // And the ID of the last run.
-  maxexchange = (dnum + 1) * maxpartner + 2;
+  // And ID and type of the last run.
+  maxexchange = (dnum + 1) * maxpartner + 3;
   held = true;
 }
 

@@ -31,7 +31,7 @@ class FixEllgranDeviceHistory : public FixEllgranHistory, public KokkosBase {
   void unpack_restart(int, int) override;
   int unpack_exchange(int, double *) override;
 
-  /// Whether atoms are others, have other IDs, or have been put into another order than when the last run ended.
+  /// Whether atoms are others, have other IDs or types, or have been put into another order than when the last run ended.
   [[nodiscard]] bool atoms_have_changed() const;
 
   /// Whether the atoms have what contacts remember, and no longer the GPU.

@@ -20,7 +20,7 @@
 using namespace LAMMPS_NS;
 
 FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
-    FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), ids_at_end(nullptr), room_for_ids(0), round(-1)
+    FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), ids_at_end(nullptr), types_at_end(nullptr), room_for_ids(0), round(-1)
 {
   // Contacts are remembered by atom ID: LAMMPS then refuses `reset_atoms id`.
   stores_ids = 1;
@@ -31,12 +31,14 @@ FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
 FixEllgranHistory::~FixEllgranHistory()
 {
   memory->destroy(ids_at_end);
+  memory->destroy(types_at_end);
 }
 
 void FixEllgranHistory::init()
 {
   FixNeighHistory::init();
   follow_new_ids();
+  follow_new_types();
   if (newton_pair && comm->style == Comm::TILED) comm_reverse = 2 + dnum;
 }
 
@@ -79,6 +81,63 @@ void FixEllgranHistory::follow_new_ids()
   }
 }
 
+/* Whether any type has changed so that what contacts of its atoms remember means something else. All ranks find the same. */
+
+bool FixEllgranHistory::types_have_changed() const
+{
+  int here = 0, anywhere = 0;
+  if (means_something_else)
+    for (int i = 0; i < atom->nlocal && here == 0; i++) here = is_of_other_type(i) ? 1 : 0;
+  MPI_Allreduce(&here, &anywhere, 1, MPI_INT, MPI_MAX, world);
+  return anywhere != 0;
+}
+
+bool FixEllgranHistory::is_of_other_type(int i) const
+{
+  // Most have the type that they had.
+  const int before = types_at_end[i], now = atom->type[i];
+  return before != 0 && before != now && means_something_else(before, now);
+}
+
+/* Both atoms of a contact remember it: it is over for both, whatever the type of the other. */
+
+void FixEllgranHistory::follow_new_types()
+{
+  if (types_have_changed()) {
+    std::vector<tagint> changed;
+    for (int i = 0; i < atom->nlocal; i++)
+      if (is_of_other_type(i)) changed.push_back(atom->tag[i]);
+    int here = static_cast<int>(changed.size());
+    std::vector<int> counts(comm->nprocs), places(comm->nprocs, 0);
+    MPI_Allgather(&here, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+    for (int k = 1; k < comm->nprocs; k++) places[k] = places[k - 1] + counts[k - 1];
+    std::vector<tagint> all(places.back() + counts.back());
+    MPI_Allgatherv(changed.data(), here, MPI_LMP_TAGINT, all.data(), counts.data(), places.data(), MPI_LMP_TAGINT, world);
+
+    const std::unordered_set<tagint> others(all.begin(), all.end());
+    int over = 0, over_anywhere = 0;
+    for (int i = 0; i < atom->nlocal; i++) {
+      const bool all_over = others.count(atom->tag[i]) > 0;
+      int kept = 0;
+      for (int k = 0; k < npartner[i]; k++) {
+        if (all_over || others.count(partner[i][k])) continue;
+        partner[i][kept] = partner[i][k];
+        if (kept != k) std::copy_n(&valuepartner[i][dnum * k], dnum, &valuepartner[i][dnum * kept]);
+        kept++;
+      }
+      if (kept < npartner[i]) over = 1;
+      npartner[i] = kept;
+    }
+    MPI_Allreduce(&over, &over_anywhere, 1, MPI_INT, MPI_MAX, world);
+    if (over_anywhere && comm->me == 0)
+      error->warning(FLERR,
+                     "Pair gran/ellipsoid: {} atoms have got another type since the last run, under whose law contacts remember something else: "
+                     "their contacts start with no tangential displacement",
+                     all.size());
+  }
+  std::copy_n(atom->type, atom->nlocal, types_at_end);
+}
+
 void FixEllgranHistory::forget()
 {
   std::fill_n(npartner, atom->nlocal, 0);
@@ -88,7 +147,11 @@ void FixEllgranHistory::grow_arrays(int nmax)
 {
   FixNeighHistory::grow_arrays(nmax);
   memory->grow(ids_at_end, nmax, "ellgran:ids_at_end");
-  if (nmax > room_for_ids) std::fill_n(ids_at_end + room_for_ids, nmax - room_for_ids, 0);
+  memory->grow(types_at_end, nmax, "ellgran:types_at_end");
+  if (nmax > room_for_ids) {
+    std::fill_n(ids_at_end + room_for_ids, nmax - room_for_ids, 0);
+    std::fill_n(types_at_end + room_for_ids, nmax - room_for_ids, 0);
+  }
   room_for_ids = nmax;
 }
 
@@ -96,40 +159,45 @@ void FixEllgranHistory::copy_arrays(int i, int j, int delflag)
 {
   FixNeighHistory::copy_arrays(i, j, delflag);
   ids_at_end[j] = ids_at_end[i];
+  types_at_end[j] = types_at_end[i];
 }
 
 void FixEllgranHistory::set_arrays(int i)
 {
   FixNeighHistory::set_arrays(i);
   ids_at_end[i] = NEW_ATOM;
+  types_at_end[i] = 0;
 }
 
 int FixEllgranHistory::pack_exchange(int i, double *buffer)
 {
   const int n = FixNeighHistory::pack_exchange(i, buffer);
   buffer[n] = ubuf(ids_at_end[i]).d;
-  return n + 1;
+  buffer[n + 1] = types_at_end[i];
+  return n + 2;
 }
 
 int FixEllgranHistory::unpack_exchange(int i, double *buffer)
 {
   const int n = FixNeighHistory::unpack_exchange(i, buffer);
   ids_at_end[i] = static_cast<tagint>(ubuf(buffer[n]).i);
-  return n + 1;
+  types_at_end[i] = static_cast<int>(buffer[n + 1]);
+  return n + 2;
 }
 
 void FixEllgranHistory::unpack_restart(int i, int nth)
 {
   FixNeighHistory::unpack_restart(i, nth);
   ids_at_end[i] = 0;
+  types_at_end[i] = 0;
 }
 
 void FixEllgranHistory::pre_exchange()
 {
   if (before_reading) before_reading();
   FixNeighHistory::pre_exchange();
-  // The ID of the last run goes with an atom.
-  maxexchange++;
+  // ID and type of the last run go with an atom.
+  maxexchange += 2;
   if (tells_contacts_apart) refuse_second_contacts();
 }
 
@@ -255,8 +323,14 @@ void FixEllgranHistory::min_setup(int)
 void FixEllgranHistory::post_run()
 {
   FixNeighHistory::post_run();
-  std::copy_n(atom->tag, atom->nlocal, ids_at_end);
+  remember_atoms();
   list_is_current = false;
+}
+
+void FixEllgranHistory::remember_atoms()
+{
+  std::copy_n(atom->tag, atom->nlocal, ids_at_end);
+  std::copy_n(atom->type, atom->nlocal, types_at_end);
 }
 
 void FixEllgranHistory::write_restart(FILE *fp)

@@ -25,7 +25,8 @@ namespace LAMMPS_NS {
 /// contact a ghost.
 ///
 /// `delete_atoms` gives all atoms other IDs, if it is not told `compress no`, and contacts are remembered by ID. Each atom keeps the
-/// ID that it had when the last run ended; where another run finds other ones, what is remembered is renumbered.
+/// ID that it had when the last run ended; where another run finds other ones, what is remembered is renumbered. So it does with its type:
+/// under the law of another one, what its contacts remember may mean something else.
 class FixEllgranHistory : public FixNeighHistory {
  public:
   FixEllgranHistory(class LAMMPS *, int, char **);
@@ -35,6 +36,10 @@ class FixEllgranHistory : public FixNeighHistory {
   std::function<void()> before_reading;
   // Whether contacts remember what must not be mixed up with that of others.
   bool tells_contacts_apart;
+
+  // Whether contacts of an atom that had the first type and now has the second remember something else; empty: none do, whatever the types.
+  std::function<bool(int, int)> means_something_else;
+  [[nodiscard]] bool types_have_changed() const;
 
   // Between two runs: no contact remembers anything any more.
   virtual void forget();
@@ -61,6 +66,9 @@ class FixEllgranHistory : public FixNeighHistory {
  protected:
   bool list_is_current;
   tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as after a restart
+  int *types_at_end;     // the same
+
+  void remember_atoms();
 
  private:
   static constexpr tagint NEW_ATOM = -1;
@@ -70,6 +78,8 @@ class FixEllgranHistory : public FixNeighHistory {
   void pre_exchange_newton() override;
   void refuse_second_contacts() const;
   void follow_new_ids();
+  void follow_new_types();
+  [[nodiscard]] bool is_of_other_type(int i) const;
 
   // Room for the history of one more contact of atom i.
   double *add_partner(int i, tagint partner_id);

@@ -680,6 +680,8 @@ void PairGranEllipsoid::require_end_of_run()
   };
   // A new list in the first step finds what contacts remember by images that are no longer there. All ranks know it.
   if (end_of_run.set_up_since) error->all(FLERR, message("LAMMPS has been set up anew"));
+  if (fix_history && fix_history->types_have_changed())
+    error->all(FLERR, message("atoms have got another type, under whose law contacts remember something else,"));
   const auto stop = [this, &message](const std::string &what) { error->one(FLERR, message(what)); };
   if (neighbor->ago == 0) return;
   if (!std::equal(end_of_run.ids.begin(), end_of_run.ids.end(), atom->tag)) stop("atoms or images have been put into another order");
@@ -947,8 +949,41 @@ void PairGranEllipsoid::place_history_fix()
   if (histories_are_of_other_laws) fix_history->forget();
   histories_are_of_other_laws = false;
   fix_history->before_reading = [this] { write_history(); };
+  meanings.clear();
+  fix_history->means_something_else = {};
+  if (ellgran_laws_memory_offset(laws) >= 0)
+    fix_history->means_something_else = [this](int before, int now) { return means_something_else(before, now); };
   // Where only normals are remembered, from which a search starts, any will do.
   fix_history->tells_contacts_apart = ellgran_laws_memory_offset(laws) >= 0;
+}
+
+/* Whether contacts of an atom with some type or other remember another thing where it has the second type and no longer the first. Of laws of
+   one type more the last one is the first type, or the second: what else there is, and so what stands in a history, is the same. */
+
+bool PairGranEllipsoid::means_something_else(int before, int now)
+{
+  const auto known = meanings.find({before, now});
+  if (known != meanings.end()) return known->second;
+  const int ntypes = atom->ntypes, types = ntypes + 1;
+  const auto at = [types](int i, int j) { return static_cast<std::size_t>(std::min(i, j) - 1) * types + (std::max(i, j) - 1); };
+  EllgranLaws *made[2] = {nullptr, nullptr};
+  for (const int k : {0, 1}) {
+    const int type = (k == 0) ? before : now;
+    std::vector<EllgranLawParameters> given;
+    std::vector<uint8_t> is_set;
+    fill_laws(types, given, is_set);
+    for (int i = 1; i <= types; i++) {
+      const std::size_t target = at(i, types), from = (i == types) ? at(type, type) : at(i, type);
+      given[target] = given[from];
+      is_set[target] = is_set[from];
+    }
+    if (ellgran_laws_new(types, given.data(), is_set.data(), laws_options, &made[k]) != ELLGRAN_SUCCESS)
+      error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  }
+  const bool apart = ellgran_laws_read_histories_of(made[1], made[0]) == 0;
+  for (EllgranLaws *const one : made) ellgran_laws_free(one);
+  meanings[{before, now}] = apart;
+  return apart;
 }
 
 /* Stops where LAMMPS would go on and compute something else than it says. */

@@ -17,7 +17,9 @@ PairStyle(gran/ellipsoid,PairGranEllipsoid);
 #include "ellgran_step_limits.h"
 
 #include <array>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -88,6 +90,7 @@ class PairGranEllipsoid : public Pair {
   int history_length;    // doubles per contact, 0: no fix
   std::string id_placeholder, id_history;
   class FixEllgranHistory *fix_history;
+  std::map<std::pair<int, int>, bool> meanings;    // what was found of types that atoms had and have
   int neighbour_previous;        // single() finds its pair in constant time when called in order
   std::vector<double> scratch;    // history that single() may overwrite
 
@@ -171,6 +174,7 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] std::string describe_laws() const;
   [[nodiscard]] bool has_law(int i, int j) const;
   void place_history_fix();
+  [[nodiscard]] bool means_something_else(int before, int now);
   virtual class FixEllgranHistory *make_history_fix(const std::string &id);
   void refuse_deletion_after_reading() const;
   void refuse_what_cannot_work();

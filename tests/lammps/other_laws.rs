@@ -193,3 +193,91 @@ fn both_versions_after_a_restart_no_wall_takes_for_its_own_what_another_remember
         }
     }
 }
+
+/// Two grains whose law `set type` changes, since it is that of another type: what follows is what the new law makes of them, and not of
+/// what the old one remembered. A run without set-up is refused.
+#[test]
+fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    let law = |words: &str| format!("{NORMAL} {words}");
+    let total = law("tangential mindlin 5.0 displacement total");
+    let incremental = law("tangential mindlin 5.0 displacement incremental");
+    let partial_slip = law("tangential tfd 5.0 displacement total");
+    let frictionless = NORMAL.to_string();
+    for (ranks, newton) in [(1, true), (2, true), (2, false)] {
+        let go_on = |name: &str, laws: [&String; 2], commands: &[&str]| {
+            let mut scene = pressed();
+            scene.kinds = 2;
+            for (grain, x) in scene.grains.iter_mut().zip([-0.495, 0.495]) {
+                grain.position[0] = x;
+            }
+            let mut runs = vec![format!("run {HALF}")];
+            runs.extend(commands.iter().map(|command| command.to_string()));
+            // The pair of both types has the law of the second.
+            let pair = vec![
+                "pair_style gran/ellipsoid".into(),
+                format!("pair_coeff 1 1 {}", laws[0]),
+                format!("pair_coeff * 2 {}", laws[1]),
+            ];
+            let deck = Deck {
+                newton,
+                before_data: vec!["processors 2 1 1".into(); ranks - 1],
+                fixes: vec![
+                    "group first id 1".into(),
+                    "compute force first reduce sum fx fy fz".into(),
+                ],
+                time_step: 1e-5,
+                steps: HALF,
+                thermo_columns: "step c_force[1] c_force[2] c_force[3]".into(),
+                runs,
+                ..Deck::with_pair(pair)
+            };
+            let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
+            attempt_in(&engine, directory, &scene, &deck, ranks)
+        };
+        for (name, laws, kept) in [
+            ("force", [&total, &incremental], false),
+            ("displacement", [&incremental, &total], false),
+            ("slip", [&total, &partial_slip], true),
+            ("same", [&incremental, &incremental], true),
+        ] {
+            let before = go_on("before", laws, &["run 0"]);
+            let without = go_on(
+                "without",
+                [laws[0], &frictionless],
+                &["set type 1 type 2", "run 0"],
+            );
+            let tangential = distance(force(&before), force(&without));
+            let normal = distance(force(&without), [0.0; 3]);
+            assert!(tangential > 1e-3 * normal, "{name}: {tangential} {normal}");
+            for changed in ["type 1", "atom 2"] {
+                let what = format!("{name}, {changed}, {ranks} ranks, newton {newton}");
+                let set = format!("set {changed} type 2");
+                let after = go_on("after", laws, &[&set, "run 0"]);
+                assert!(after.success, "{what}:\n{}", after.output);
+                let left = distance(force(&after), force(&without)) / tangential;
+                println!("{what}: {left}");
+                let warned = is_warned_of_types(&after);
+                assert_eq!(warned, !kept, "{what}: {}", after.output);
+                if kept {
+                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
+                } else {
+                    // Rounding of the normal force, which is the larger one.
+                    assert!(left < 1e-10, "{what}: {left}");
+                }
+                let at_once = go_on("at_once", laws, &[&set, "run 1 pre no"]);
+                let words = "atoms have got another type";
+                let refused = !at_once.success && at_once.output.contains(words);
+                assert_eq!(refused, !kept, "{what}: {}", at_once.output);
+                assert_eq!(at_once.success, kept, "{what}: {}", at_once.output);
+            }
+        }
+    }
+}
+
+fn is_warned_of_types(outcome: &Outcome) -> bool {
+    let words: Vec<&str> = outcome.output.split_whitespace().collect();
+    words
+        .join(" ")
+        .contains("their contacts start with no tangential displacement")
+}
