@@ -12,6 +12,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "fix_ellgran_restart_format.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
@@ -61,16 +62,24 @@ void EllgranPairHistory::replace(LAMMPS *lmp, PairGran *pair)
   history->take(original);
   pair->*Owner::history() = history;
   delete original;
+  // Normals, from which the search for contacts starts, are no loss.
+  const bool remembers = !pair->contact_match("tangential", "off") || !pair->contact_match("rolling_friction", "off");
+  if (FixEllgranRestartFormat::take_lost_histories(lmp) && remembers && lmp->comm->me == 0)
+    lmp->error->warning(FLERR,
+                        "pair_style was given again, and with the one before LIGGGHTS has deleted what contacts of grains remembered: contacts that "
+                        "exist start with no tangential displacement");
 }
 
-EllgranPairHistory::EllgranPairHistory(LAMMPS *lmp, int narg, char **arg) : FixContactHistory(lmp, narg, arg), ids_(NULL)
+EllgranPairHistory::EllgranPairHistory(LAMMPS *lmp, int narg, char **arg) : FixContactHistory(lmp, narg, arg), has_run_(false), ids_(NULL)
 {
   // The base class has done its part of it.
   grow_arrays(atom->nmax);
 }
 
+// With the pair style, where another one takes its place.
 EllgranPairHistory::~EllgranPairHistory()
 {
+  if (has_run_) FixEllgranRestartFormat::note_lost_histories(modify);
   memory->destroy(ids_);
 }
 
@@ -127,6 +136,7 @@ int EllgranPairHistory::setmask()
 void EllgranPairHistory::setup_pre_exchange()
 {
   FixContactHistory::setup_pre_exchange();
+  has_run_ = true;
   // 'write_restart' has no list built.
   follow_new_ids();
 }

@@ -45,6 +45,7 @@ class EllgranPairHistory : public FixContactHistory {
   virtual void allocate_pages();
 
  private:
+  bool has_run_;
   int *ids_;  // under which each particle is remembered; 0: it is new, and no other particle remembers it
 
   EllgranPairHistory(class LAMMPS *, int, char **);

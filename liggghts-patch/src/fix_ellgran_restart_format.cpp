@@ -23,7 +23,7 @@ struct State {
 
 }
 
-FixEllgranRestartFormat::FixEllgranRestartFormat(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixEllgranRestartFormat::FixEllgranRestartFormat(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), histories_lost_(0)
 {
   restart_global = 1;
 }
@@ -34,6 +34,23 @@ void FixEllgranRestartFormat::add(LAMMPS *lmp)
   char id[] = "ellgran_restart_format", group[] = "all", style[] = "ellgran/restart_format";
   char *words[] = {id, group, style};
   lmp->modify->add_fix(3, words);
+}
+
+void FixEllgranRestartFormat::note_lost_histories(Modify *modify)
+{
+  const int place = modify->find_fix(ID);
+  if (place >= 0) static_cast<FixEllgranRestartFormat *>(modify->fix[place])->histories_lost_ = 1;
+}
+
+bool FixEllgranRestartFormat::take_lost_histories(LAMMPS *lmp)
+{
+  const int place = lmp->modify->find_fix(ID);
+  if (place < 0) return false;
+  FixEllgranRestartFormat *const fix = static_cast<FixEllgranRestartFormat *>(lmp->modify->fix[place]);
+  int lost = 0;
+  MPI_Allreduce(&fix->histories_lost_, &lost, 1, MPI_INT, MPI_MAX, lmp->world);
+  fix->histories_lost_ = 0;
+  return lost != 0;
 }
 
 void FixEllgranRestartFormat::write_restart(FILE *fp)

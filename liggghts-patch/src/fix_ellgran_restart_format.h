@@ -42,6 +42,15 @@ class FixEllgranRestartFormat : public Fix {
 
   // Makes the fix unless it is there. Call it when a run begins.
   static void add(class LAMMPS *lmp);
+
+  // It is there from the first run to 'clear', and so knows what a pair style that is given again does not: what contacts of pairs remembered
+  // was lost with the one before. Of this rank.
+  static void note_lost_histories(class Modify *modify);
+  // Whether that has happened on any rank since the last call.
+  static bool take_lost_histories(class LAMMPS *lmp);
+
+ private:
+  int histories_lost_;
 };
 
 }

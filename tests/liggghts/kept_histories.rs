@@ -86,6 +86,49 @@ fn another_pair_style_begins_and_ends() {
     held_to_their_loop("style", &crowd(64), &[], runs, 1);
 }
 
+/// LIGGGHTS deletes with a pair style what contacts remember: the run after another one says so, once, and no other run does.
+#[test]
+fn a_pair_style_that_is_given_again_is_warned_of() {
+    let engine = Engine::from_environment();
+    let again = [
+        "pair_style gran model nfd tangential tfd surface ellipsoid",
+        "pair_coeff * *",
+    ];
+    let [first, once] = ["run 120", "run 30"];
+    for ranks in [1, 2] {
+        for (name, runs, warnings) in [
+            ("never", vec![first, once], 0),
+            ("before", [&again[..], &[first, once]].concat(), 0),
+            ("once", [&[first], &again[..], &[once, once]].concat(), 1),
+            (
+                "twice",
+                [&[first], &again[..], &[once], &again[..], &[once]].concat(),
+                2,
+            ),
+            (
+                "frictionless",
+                vec![
+                    first,
+                    "pair_style gran model nfd tangential off surface ellipsoid",
+                    "pair_coeff * *",
+                    once,
+                ],
+                0,
+            ),
+            (
+                "restart",
+                [&[first], &again[..], &["write_restart now", once]].concat(),
+                1,
+            ),
+        ] {
+            let name = format!("again_{name}_{ranks}");
+            let outcome = run(&engine, &name, &crowd(64), &with(true, &[], &runs), ranks);
+            let found = outcome.output.matches("pair_style was given again");
+            assert_eq!(found.count(), warnings, "{name}: {}", outcome.output);
+        }
+    }
+}
+
 /// They hold the histories between runs.
 #[test]
 fn pages_of_another_size_keep_the_histories() {
