@@ -219,11 +219,9 @@ fn check_loaded<'l>(
     loads: impl IntoIterator<Item = (usize, &'l InelasticLoad)>,
     motion: impl Fn(usize) -> ([f64; 3], [f64; 3]),
 ) -> Result<(), Failure> {
-    let loaded = loads.into_iter().filter(|(_, load)| !load.is_zero());
+    let mut loaded = loads.into_iter().filter(|(_, load)| !load.is_zero());
     // Shapes are not read where half a step follows.
-    loaded
-        .map(|(k, _)| check_motion(p, k, motion(k), |_| Vector3::ZERO))
-        .collect()
+    loaded.try_for_each(|(k, _)| check_motion(p, k, motion(k), |_| Vector3::ZERO))
 }
 
 /// Ends a call that tallied the loads of the first `count` particles: makes of their torques what answers to
