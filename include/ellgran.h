@@ -698,6 +698,14 @@ typedef struct EllgranParticles {
    more than a look at their positions. 0 serves always. Other functions do not read it.
    */
   int64_t unchanged;
+  /*
+   The workspace of a call of `ellgran_compute_pairs` that succeeded, since which nothing but forces, torques and histories has changed:
+   not the particles, their order, poses and motion, and not the time step. `ellgran_compute_wall` then takes from there what was
+   prepared of particles near each other, which costs less than to prepare them again. It may be the call's own workspace; another one
+   must not be in use elsewhere during the call. A particle whose position or velocity is another all the same is prepared again. NULL
+   serves always. Other functions do not read it.
+   */
+  const struct EllgranWorkspace *prepared_by;
 } EllgranParticles;
 
 /*

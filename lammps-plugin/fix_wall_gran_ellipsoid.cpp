@@ -10,6 +10,7 @@
 #include "ellgran_wall_shape.h"
 #include "ellgran_step_velocity.h"
 #include "fix_nve_ellipsoid.h"
+#include "pair_gran_ellipsoid.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -541,6 +542,9 @@ void FixWallGranEllipsoid::init()
   check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
   contacts_wanted = !modify->get_compute_by_style("^contact/ellipsoid/atom$").empty();
   scene_may_change = atoms.shapes_may_change() || group->dynamic[igroup];
+  EllgranContactSources sources;
+  sources.find(lmp);
+  pair = sources.pairs.size() == 1 ? sources.pairs.front() : nullptr;
 
   fix_rigid = nullptr;
   for (auto *fix : modify->get_fix_list())
@@ -767,6 +771,7 @@ void FixWallGranEllipsoid::post_force(int vflag)
     // an evaluation in which no time passes.
     const bool follows_last_step = step_of_forces + 1 == update->ntimestep && neighbor->ago > 0;
     particles.unchanged = (time_passes && follows_last_step && !scene_may_change) ? 1 : 0;
+    if (time_passes && pair) particles.prepared_by = pair->prepared_in(update->ntimestep);
     // Energies that nobody asked for stand still.
     EllgranTallies virial_alone = ELLGRAN_INIT(EllgranTallies);
     EllgranTallies *const asked = sums_energies ? &tallies : evflag ? &virial_alone : nullptr;

@@ -137,6 +137,7 @@ class FixWallGranEllipsoid : public Fix {
   bool sums_energies;
   // Whether atoms may change in a run without a new neighbour list; the last step whose forces were computed
   bool scene_may_change;
+  class PairGranEllipsoid *pair = nullptr;    // the only one of ours, which has prepared most grains when the wall's turn comes
   bigint step_of_forces;
   // Whether a compute may ask for the contacts of a step, and the last step in which they were recorded
   bool contacts_wanted;

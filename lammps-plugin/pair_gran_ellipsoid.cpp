@@ -303,9 +303,11 @@ void PairGranEllipsoid::add_forces()
   tallies.inelastic_loads = work_wanted ? inelastic_loads.data() : nullptr;
   const double viscous = tallies.viscous_dissipation;
 
+  step_prepared = -1;
   if (ellgran_compute_pairs(laws, workspace, &particles, &neighbours, &step,
                             tally ? &tallies : nullptr) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
+  if (time_passes()) step_prepared = update->ntimestep;
   if (!tally) return;
 
   // Nobody asked for what is dissipated: the sums stand still.

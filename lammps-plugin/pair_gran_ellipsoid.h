@@ -65,6 +65,10 @@ class PairGranEllipsoid : public Pair {
   [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
   void add_to_grain_sums(const EllgranParticles &particles, double *sums) const;
 
+  /// The workspace with what was prepared for the forces of this step, if they have been computed here (`prepared_by` of
+  /// EllgranParticles); else nullptr.
+  [[nodiscard]] const EllgranWorkspace *prepared_in(bigint step) const { return step == step_prepared ? workspace : nullptr; }
+
  protected:
   EllgranAtoms atoms;
   double cutoff_global;    // < 0: from the semi-axes
@@ -85,6 +89,7 @@ class PairGranEllipsoid : public Pair {
   int step_sums_from;
 
   EllgranWorkspace *workspace;
+  bigint step_prepared = -1;    // the last step of a run in which the forces were computed with it
 
   // Contact history
   int history_length;    // doubles per contact, 0: no fix

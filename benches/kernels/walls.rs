@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use ellgran::contact::{Laws, Step};
-use ellgran::list::{ParticleArrays, Rotation, Workspace};
+use ellgran::list::{ParticleArrays, PreparedBy, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::vector::Vector3;
 use ellgran::walls::{
@@ -124,7 +124,7 @@ impl<'a> Run<'a> {
         // As the C interface does
         let load = if self.wall.is_taken_in_lanes(self.laws, 1, set, None) {
             self.workspace
-                .prepare_chosen_records(&arrays, types, self.wall.near())
+                .prepare_chosen_records(&arrays, types, self.wall.near(), PreparedBy::Nobody)
                 .expect("the layer is made of ellipsoids");
             let input = RecordsInput {
                 laws: self.laws,

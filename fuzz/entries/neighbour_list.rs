@@ -89,6 +89,7 @@ impl Arrays {
                 self.changes.as_ptr().cast()
             },
             unchanged: 0,
+            prepared_by: ptr::null(),
         }
     }
 }

@@ -109,6 +109,18 @@ void EllgranContact::write_kept_histories(LAMMPS *lmp)
   }
 }
 
+const EllgranWorkspace *EllgranContact::prepared_for_pairs(LAMMPS *lmp)
+{
+  const EllgranWorkspace *found = NULL;
+  for (Table::iterator entry = table().begin(); entry != table().end(); ++entry) {
+    const EllgranContact *const contact = entry->second;
+    if (contact->lmp != lmp || contact->is_wall || contact->step_prepared != lmp->update->ntimestep) continue;
+    if (found) return NULL;
+    found = contact->workspace;
+  }
+  return found;
+}
+
 void EllgranContact::refuse_second_contacts(LAMMPS *lmp)
 {
   for (Table::iterator entry = table().begin(); entry != table().end(); ++entry) {
@@ -168,6 +180,7 @@ EllgranContact::EllgranContact(LAMMPS *lmp_, ContactModelBase *model_) :
     workspace(NULL),
     keeps_histories_of(NULL),
     warned_of_created_energy(false),
+    step_prepared(-1),
     lists_before(-1)
 {
   check(ellgran_staged_new(&staged));
@@ -536,6 +549,7 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   // a step of LIGGGHTS' own loop changes the histories
   const int64_t lists_last = lists_before;
   lists_before = -1;
+  step_prepared = -1;
   if (!takes_list(pair, vflag, addflag)) {
     write_kept_histories(lmp);
     return false;
@@ -569,6 +583,7 @@ bool EllgranContact::compute_list(PairGran *pair, int eflag, int vflag, int addf
   const EllgranStep now = step(pair->shearupdate());
   check(ellgran_compute_pairs(list_laws, workspace, &all, &neighbours, &now, NULL));
   lists_before = lmp->neighbor->ncalls;
+  if (lmp->update->whichflag == 1 && !lmp->update->setupflag) step_prepared = lmp->update->ntimestep;
   return true;
 }
 

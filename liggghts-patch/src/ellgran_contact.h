@@ -36,6 +36,8 @@ struct EllgranContact {
   static bool any_has_friction();
   // brings LIGGGHTS' own histories of pairs up to date
   static void write_kept_histories(LAMMPS_NS::LAMMPS *lmp);
+  // the workspace with what was prepared of particles for the pairs of this step, all at once; NULL if they were not
+  static const EllgranWorkspace *prepared_for_pairs(LAMMPS_NS::LAMMPS *lmp);
   // LIGGGHTS finds what a contact remembers by the ID of the other particle: stops where two particles touch in two places across a
   // short periodic box, or one touches itself. The histories of pairs are up to date.
   static void refuse_second_contacts(LAMMPS_NS::LAMMPS *lmp);
@@ -126,6 +128,7 @@ private:
   std::vector<double> told_history;  // of a contact, as compute pair/gran/local reads it
   bool warned_of_created_energy;
   std::vector<double> contact_masses;  // of all particles, infinite for those of fix freeze
+  LAMMPS_NS::bigint step_prepared;  // in which all pairs were last taken at once in a run; -1 if they were not
   int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
 };
 

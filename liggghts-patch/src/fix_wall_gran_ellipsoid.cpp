@@ -474,6 +474,7 @@ void FixWallGranEllipsoid::act_in_one_call(EllgranContact &model, const EllgranL
   const bool seen = !update->setupflag && neighbor->ago > 0 && neighbor->ncalls == lists_of_one_call_ &&
       step_of_one_call_ + 1 == update->ntimestep;
   particles.unchanged = seen;
+  if (!update->setupflag) particles.prepared_by = EllgranContact::prepared_for_pairs(lmp);
   const EllgranStep step = model.step(shearupdate_);
   EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
   if (atom->nlocal > 0)

@@ -163,6 +163,7 @@ class EllgranParticles(ctypes.Structure):
         ("torques", ctypes.c_void_p),
         ("velocity_changes", ctypes.c_void_p),
         ("unchanged", ctypes.c_int64),
+        ("prepared_by", ctypes.c_void_p),
     ]
 
 

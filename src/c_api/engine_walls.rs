@@ -160,7 +160,7 @@ pub unsafe extern "C" fn ellgran_find_wall_contacts(
         // function's safety section.
         let histories = unsafe { slice(histories, p.owned_count * layout.length(), "histories") }?;
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        let prepared = unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on, false) };
+        let prepared = unsafe { prepare_near(p, wall, workspace, None, &motion, &acts_on, None) };
         // The particles of this call need not be those of `ellgran_compute_wall`.
         wall.forget_particles();
         prepared?;

@@ -10,7 +10,7 @@ use super::status::{
 use crate::contact::ranges::LONGEST_TIME_STEP;
 use crate::contact::{Laws, Step};
 use crate::list::Rotation;
-use crate::list::{ParticleArrays, Workspace};
+use crate::list::{ParticleArrays, PreparedBy, Workspace};
 use crate::message::Number;
 use crate::simd::InstructionSet;
 use core::ffi::{c_char, c_void};
@@ -79,6 +79,12 @@ pub struct EllgranParticles {
     /// their shapes and `masks`, and nobody else has written the histories of the wall: particles far from the wall then cost little
     /// more than a look at their positions. 0 serves always. Other functions do not read it.
     pub unchanged: i64,
+    /// The workspace of a call of `ellgran_compute_pairs` that succeeded, since which nothing but forces, torques and histories has changed:
+    /// not the particles, their order, poses and motion, and not the time step. `ellgran_compute_wall` then takes from there what was
+    /// prepared of particles near each other, which costs less than to prepare them again. It may be the call's own workspace; another one
+    /// must not be in use elsewhere during the call. A particle whose position or velocity is another all the same is prepared again. NULL
+    /// serves always. Other functions do not read it.
+    pub prepared_by: *const EllgranWorkspace,
 }
 
 growing!(EllgranParticles, torques: *mut f64);
@@ -251,8 +257,8 @@ pub(super) enum Purpose<'a> {
     SingleContacts,
     /// One contact at a time, of these particles alone.
     Chosen(&'a [usize]),
-    /// Records of these particles alone, for lanes.
-    ChosenRecords(&'a [usize]),
+    /// Records of these particles alone, for lanes, some of which may be there.
+    ChosenRecords(&'a [usize], PreparedBy<'a>),
     /// The pairs of a list, and whether list and particles are those of the last call.
     Pairs { unchanged: bool },
 }
@@ -372,8 +378,9 @@ pub(super) unsafe fn prepare(
         (Purpose::Chosen(chosen), laws) => {
             workspace.prepare_chosen(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
         }
-        (Purpose::ChosenRecords(chosen), laws) => {
-            workspace.prepare_chosen_records(&arrays, laws.map_or(usize::MAX, Laws::types), chosen)
+        (Purpose::ChosenRecords(chosen, prepared_by), laws) => {
+            let types = laws.map_or(usize::MAX, Laws::types);
+            workspace.prepare_chosen_records(&arrays, types, chosen, prepared_by)
         }
         _ => workspace.prepare(&arrays, laws.map_or(usize::MAX, Laws::types)),
     }

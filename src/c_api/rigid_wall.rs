@@ -17,7 +17,7 @@ use super::tallies::{
 };
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
-use crate::list::Workspace;
+use crate::list::{PreparedBy, Workspace};
 use crate::message::{Number, Numbers};
 use crate::tallies::Tallies;
 use crate::vector::Vector3;
@@ -548,7 +548,7 @@ pub(super) unsafe fn prepare_near(
     laws: Option<&Laws>,
     motion: &Motion,
     acts_on: &impl Fn(usize) -> bool,
-    as_records: bool,
+    as_records: Option<PreparedBy<'_>>,
 ) -> Result<(), Failure> {
     let owned = p.owned_count;
     // SAFETY: promised by the caller, for all of this function.
@@ -581,10 +581,9 @@ pub(super) unsafe fn prepare_near(
     if !found_again {
         wall.find_near(motion, owned, centre_and_reach);
     }
-    let purpose = if as_records {
-        Purpose::ChosenRecords(wall.near())
-    } else {
-        Purpose::Chosen(wall.near())
+    let purpose = match as_records {
+        Some(prepared_by) => Purpose::ChosenRecords(wall.near(), prepared_by),
+        None => Purpose::Chosen(wall.near()),
     };
     // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
     unsafe { prepare(p, owned, laws, workspace, purpose) }
@@ -630,6 +629,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
     tallies: *mut EllgranTallies,
 ) -> i32 {
     at_border("ellgran_compute_wall", || {
+        let own = workspace.cast_const();
         // SAFETY: promised by the caller, for all of this function.
         let (laws, workspace) = unsafe { handles(laws, workspace) }?;
         // SAFETY: `wall` is NULL or valid for reads and writes, and not aliased, by this function's safety section.
@@ -658,8 +658,27 @@ pub unsafe extern "C" fn ellgran_compute_wall(
         };
         let instruction_set = workspace.instruction_set;
         let in_lanes = wall.is_taken_in_lanes(laws, wall_type, instruction_set, sums.as_ref());
+        let prepared_by = if p.prepared_by == own {
+            PreparedBy::Itself
+        } else {
+            // SAFETY: `prepared_by` is NULL or valid, and nobody writes to it during the call, as `EllgranParticles` demands; it is not the
+            // workspace that is borrowed here.
+            let other = unsafe { p.prepared_by.as_ref() };
+            other.map_or(PreparedBy::Nobody, |w| PreparedBy::Other(&w.workspace))
+        };
+        let as_records = in_lanes.then_some(prepared_by);
         // SAFETY: the arrays of `particles` are NULL or as long as its counts say, as `EllgranParticles` demands.
-        unsafe { prepare_near(p, wall, workspace, Some(laws), &motion, &acts_on, in_lanes) }?;
+        unsafe {
+            prepare_near(
+                p,
+                wall,
+                workspace,
+                Some(laws),
+                &motion,
+                &acts_on,
+                as_records,
+            )
+        }?;
         let work_is_added =
             |s: &Tallies<'_>| s.inelastic_loads.is_some() || wall.keeps_inelastic_loads;
         if sums.as_ref().is_some_and(work_is_added)

@@ -73,6 +73,11 @@ impl Candidates {
         (&mut self.batches, &self.participants)
     }
 
+    /// Of each particle whether it has a candidate; `None` where there are no candidates.
+    pub fn takes_part(&self) -> Option<&[bool]> {
+        self.valid.then_some(&self.takes_part[..])
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.batches.bytes()

@@ -24,4 +24,4 @@ pub use records::ParticleRecords;
 pub(crate) use records::{Record, Shapes};
 pub use rows::{Accumulators, Entries, HaleBroke, ListError, NeighbourRow, NeighbourRows};
 pub use step_sums::add_pairs_to_step_sums;
-pub use workspace::Workspace;
+pub use workspace::{PreparedBy, Workspace};

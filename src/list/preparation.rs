@@ -255,6 +255,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
 /// Particles on their way into the lanes.
 struct Chunk {
     particles: [usize; MOST_LANES],
+    /// Where their records go.
+    places: [usize; MOST_LANES],
     length: usize,
     /// What will be the records, and what the motions have more at the step.
     lines: [[Line; MOST_LANES]; 3],
@@ -267,6 +269,7 @@ impl Chunk {
     fn new() -> Self {
         Chunk {
             particles: [0; MOST_LANES],
+            places: [0; MOST_LANES],
             length: 0,
             lines: [[Line::ZERO; MOST_LANES]; 3],
             masses: [1.0; MOST_LANES],
@@ -431,6 +434,60 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
     }
 }
 
+/// Records that were prepared for the pairs of a list in this step.
+#[derive(Clone, Copy)]
+pub(super) struct PreparedForPairs<'a> {
+    records: &'a Records,
+    /// Particles whose records are those of this step.
+    takes_part: &'a [bool],
+}
+
+impl<'a> PreparedForPairs<'a> {
+    pub fn new(records: &'a Records, takes_part: &'a [bool]) -> Self {
+        PreparedForPairs {
+            records,
+            takes_part,
+        }
+    }
+
+    /// The shapes for which they were made.
+    pub fn shapes(&self) -> Shapes {
+        self.records.shapes
+    }
+
+    /// Whether they say of a motion what these arrays would.
+    pub fn are_of<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &self,
+        arrays: &ParticleArrays<'_, A, I>,
+    ) -> bool {
+        self.records.of_step == arrays.of_step
+            && self.records.changes.is_empty() == arrays.changes.is_empty()
+    }
+
+    /// The record of a particle, if there is one that has its position and its velocity.
+    #[inline(always)]
+    fn record<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+        &self,
+        arrays: &ParticleArrays<'_, A, I>,
+        k: usize,
+    ) -> Option<&'a Record> {
+        if !self.takes_part.get(k).is_some_and(|t| *t) {
+            return None;
+        }
+        let record = self.records.records.get(k)?;
+        let [v, _] = record.velocities(self.records.shapes);
+        let mut velocity = arrays.velocities[k];
+        if let Some(change) = arrays.changes.get(k) {
+            for axis in 0..3 {
+                velocity[axis] -= change[axis];
+            }
+        }
+        let is_same =
+            record.position().to_array() == arrays.positions[k] && v.to_array() == velocity;
+        is_same.then_some(record)
+    }
+}
+
 /// Prepares the records of chosen particles, in that order. Where one of them has another shape than the records are made for, nothing is
 /// prepared.
 pub(super) struct PrepareChosenRecords<
@@ -441,6 +498,8 @@ pub(super) struct PrepareChosenRecords<
 > {
     pub arrays: &'p ParticleArrays<'a, A, I>,
     pub chosen: &'p [usize],
+    /// Records of particles that need not be prepared again, of the same form.
+    pub prepared: Option<PreparedForPairs<'p>>,
     /// Types that there are.
     pub types: usize,
     /// With room for one for each that is chosen.
@@ -455,7 +514,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
     for PrepareChosenRecords<'_, '_, A, I>
 {
     #[inline(always)]
-    fn run<S: Registers>(self, registers: S) {
+    fn run<S: Registers>(mut self, registers: S) {
         if self.arrays.changes.is_empty() {
             self.prepare::<S, false>(registers);
         } else {
@@ -468,67 +527,103 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
     PrepareChosenRecords<'_, '_, A, I>
 {
     #[inline(always)]
-    fn prepare<S: Registers, const CHANGES: bool>(self, registers: S) {
+    fn prepare<S: Registers, const CHANGES: bool>(&mut self, registers: S) {
         let arrays = self.arrays;
-        let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
-        let r = self.records;
         let mut chunk = Chunk::new();
-        let mut first = 0;
-        for chosen in self.chosen.chunks(S::LANES) {
-            let mut of_chunk = Shapes::Spheres;
-            chunk.length = 0;
-            chunk.sound = true;
-            for (lane, &k) in chosen.iter().enumerate() {
-                let shape = (arrays.shape)(k);
-                if let Some((a, _)) = &shape {
-                    of_chunk = of_chunk.max(Shapes::of(a));
-                }
-                chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
-                r.types[first + lane] = arrays.types[k] as u32;
-                if let Some(inverse) = r.inverse_masses.get_mut(first + lane) {
-                    let mass = arrays.contact_masses[k];
-                    chunk.sound &= is_mass(mass);
-                    *inverse = 1.0 / mass;
-                }
+        let mut of_chunk = Shapes::Spheres;
+        for (n, &k) in self.chosen.iter().enumerate() {
+            let r = &mut *self.records;
+            let particle_type = arrays.types[k];
+            let mut is_sound = particle_type >= 1 && particle_type as usize <= self.types;
+            r.types[n] = particle_type as u32;
+            if let Some(inverse) = r.inverse_masses.get_mut(n) {
+                let mass = arrays.contact_masses[k];
+                is_sound &= is_mass(mass);
+                *inverse = 1.0 / mass;
             }
-            if of_chunk > r.shapes {
-                *self.shapes = of_chunk;
+            let prepared = self.prepared.filter(|_| is_sound);
+            if let Some((record, all)) =
+                prepared.and_then(|all| all.record(arrays, k).map(|record| (record, all)))
+            {
+                r.records[n] = *record;
+                if CHANGES {
+                    r.changes[n] = all.records.changes[k];
+                }
+                continue;
+            }
+            let shape = (arrays.shape)(k);
+            if let Some((a, _)) = &shape {
+                of_chunk = of_chunk.max(Shapes::of(a));
+            }
+            chunk.places[chunk.length] = n;
+            chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
+            chunk.sound &= is_sound;
+            if chunk.length == S::LANES
+                && !self.finish::<S, CHANGES>(registers, &mut chunk, of_chunk)
+            {
                 return;
             }
-            chunk.repeat_first(S::LANES);
-            let (masses, shapes) = (&chunk.masses, r.shapes);
-            let is_sound = chunk.sound
-                && finish::<S, CHANGES>(registers, &mut chunk.lines, masses, from_momenta, shapes);
-            for (lane, &k) in chosen.iter().enumerate() {
-                let n = first + lane;
-                if is_sound {
-                    r.records[n] = Record {
-                        pose: chunk.lines[0][lane],
-                        motion: chunk.lines[1][lane],
-                    };
-                    if CHANGES {
-                        r.changes[n] = chunk.lines[2][lane];
-                    }
-                    continue;
+        }
+        if chunk.length > 0 {
+            self.finish::<S, CHANGES>(registers, &mut chunk, of_chunk);
+        }
+    }
+
+    /// The records of a chunk, which is empty then; whether the preparation goes on.
+    #[inline(always)]
+    fn finish<S: Registers, const CHANGES: bool>(
+        &mut self,
+        registers: S,
+        chunk: &mut Chunk,
+        of_chunk: Shapes,
+    ) -> bool {
+        let arrays = self.arrays;
+        let r = &mut *self.records;
+        if of_chunk > r.shapes {
+            *self.shapes = of_chunk;
+            return false;
+        }
+        chunk.repeat_first(S::LANES);
+        let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
+        let is_sound = chunk.sound
+            && finish::<S, CHANGES>(
+                registers,
+                &mut chunk.lines,
+                &chunk.masses,
+                from_momenta,
+                r.shapes,
+            );
+        for lane in 0..chunk.length {
+            let (k, n) = (chunk.particles[lane], chunk.places[lane]);
+            if is_sound {
+                r.records[n] = Record {
+                    pose: chunk.lines[0][lane],
+                    motion: chunk.lines[1][lane],
+                };
+                if CHANGES {
+                    r.changes[n] = chunk.lines[2][lane];
                 }
-                match prepare_record(arrays, k, self.types, shapes) {
-                    Ok((record, change, _, inverse_mass)) => {
-                        r.records[n] = record;
-                        if let Some(place) = r.changes.get_mut(n) {
-                            *place = change;
-                        }
-                        if let Some(inverse) = r.inverse_masses.get_mut(n) {
-                            *inverse = inverse_mass;
-                        }
+                continue;
+            }
+            match prepare_record(arrays, k, self.types, r.shapes) {
+                Ok((record, change, _, inverse_mass)) => {
+                    r.records[n] = record;
+                    if let Some(place) = r.changes.get_mut(n) {
+                        *place = change;
                     }
-                    Err(what) => {
-                        *self.failure = Some((k, what));
-                        return;
+                    if let Some(inverse) = r.inverse_masses.get_mut(n) {
+                        *inverse = inverse_mass;
                     }
+                }
+                Err(what) => {
+                    *self.failure = Some((k, what));
+                    return false;
                 }
             }
-            first += chosen.len();
         }
+        chunk.length = 0;
+        chunk.sound = true;
+        true
     }
 }
 

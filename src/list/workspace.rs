@@ -5,12 +5,25 @@ use super::arrays::{prepare_one, ParticleArrays};
 use super::candidates::Candidates;
 use super::contact_records::ContactRecords;
 use super::memory::{reserve, Allocated};
-use super::preparation::{Prepare, PrepareChosen, PrepareChosenRecords, Prepared};
+use super::preparation::{
+    Prepare, PrepareChosen, PrepareChosenRecords, Prepared, PreparedForPairs,
+};
 use super::records::{ParticleRecords, Records, Shapes};
 use super::rows::NeighbourRows;
 use crate::contact::particle::{Particle, ParticleError};
 use crate::contact::Laws;
 use crate::simd::{InstructionSet, Line};
+
+/// Who has prepared particles for the pairs of a list since they last changed.
+#[derive(Clone, Copy, Debug)]
+pub enum PreparedBy<'w> {
+    /// Nobody, or nobody knows.
+    Nobody,
+    /// The workspace that is asked.
+    Itself,
+    /// Another one.
+    Other(&'w Workspace),
+}
 
 /// Memory that one thread of calls keeps from step to step; grows only when the number of particles or of pairs does.
 ///
@@ -20,7 +33,7 @@ use crate::simd::{InstructionSet, Line};
 /// use ellgran::contact::{Laws, Step};
 /// use ellgran::list::{
 ///     add_pairs_to_step_sums, compute_pairs, Accumulators, Entries, NeighbourRow, NeighbourRows, ParticleArrays,
-///     Rotation, Workspace,
+///     PreparedBy, Rotation, Workspace,
 /// };
 /// use ellgran::simd::InstructionSet;
 /// use ellgran::tallies::GrainSums;
@@ -107,6 +120,8 @@ use crate::simd::{InstructionSet, Line};
 /// assert_eq!((least_stable_step(&step_sums).1, extremes.touching), (Some(0), 2));
 /// workspace.prepare_chosen(&particles, laws.types(), &[2])?;
 /// assert_eq!(workspace.particles().len(), 1);
+/// // For a wall: what the call for the pairs has prepared serves it.
+/// workspace.prepare_chosen_records(&particles, laws.types(), &[1, 2], PreparedBy::Itself)?;
 /// workspace.contacts.clear();
 /// workspace.clear();
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -118,6 +133,8 @@ pub struct Workspace {
     pub(super) records: Records,
     /// Of particles that were chosen.
     chosen: Records,
+    /// Whether the records are those of the last call for pairs, which did not fail.
+    prepared: bool,
     /// Pairs that may touch.
     pub(super) candidates: Candidates,
     /// What the pairs are computed on.
@@ -146,6 +163,7 @@ impl Workspace {
                 shapes: Shapes::Spheroids,
                 ..Records::default()
             },
+            prepared: false,
             candidates: Candidates::default(),
             instruction_set,
             keeps_history: false,
@@ -198,7 +216,8 @@ impl Workspace {
         named(arrays, failure)
     }
 
-    /// Checks the particles `chosen` and prepares records of them, in that order, for the lanes.
+    /// Checks the particles `chosen` and prepares records of them, in that order, for the lanes. What the workspace `prepared_by` has prepared
+    /// of them for the pairs of a list, in its last call, is taken from there: the arrays must not have changed since.
     ///
     /// # Errors
     /// As [`Workspace::prepare`].
@@ -210,9 +229,24 @@ impl Workspace {
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
         chosen: &[usize],
+        prepared_by: PreparedBy<'_>,
     ) -> Result<(), ParticleError> {
+        let from = match prepared_by {
+            PreparedBy::Nobody => None,
+            PreparedBy::Itself => self.prepared.then_some((&self.records, &self.candidates)),
+            PreparedBy::Other(other) => other
+                .prepared
+                .then_some((&other.records, &other.candidates)),
+        };
+        let prepared = from
+            .and_then(|(records, candidates)| Some((records, candidates.takes_part()?)))
+            .map(|(records, takes_part)| PreparedForPairs::new(records, takes_part))
+            .filter(|prepared| prepared.are_of(arrays));
         // Those of the last call, as long as they serve: to look at all of them first would take longer.
-        let mut shapes = self.chosen.shapes;
+        let mut shapes = match &prepared {
+            None => self.chosen.shapes,
+            Some(prepared) => prepared.shapes().max(Shapes::Spheroids),
+        };
         loop {
             let r = &mut self.chosen;
             r.make_room(arrays, shapes, chosen.len(), self.allocated);
@@ -221,6 +255,10 @@ impl Workspace {
             self.instruction_set.run(PrepareChosenRecords {
                 arrays,
                 chosen,
+                // Those of ellipsoids have another form.
+                prepared: prepared.filter(|p| {
+                    (p.shapes() == Shapes::Ellipsoids) == (shapes == Shapes::Ellipsoids)
+                }),
                 types,
                 records: r,
                 shapes: &mut shapes,
@@ -274,6 +312,7 @@ impl Workspace {
     ) -> Result<(), ParticleError> {
         let types = laws.types();
         self.list_is_known &= unchanged;
+        self.prepared = false;
         if !self.works_in_lanes(laws) {
             return self.prepare(arrays, types);
         }
@@ -309,6 +348,7 @@ impl Workspace {
             }
             // Batches are made of pairs of one kind of law.
             if hold && !outcome.types_changed {
+                self.prepared = outcome.failure.is_none();
                 return named(arrays, outcome.failure);
             }
             outcome = Prepared::default();
@@ -328,6 +368,7 @@ impl Workspace {
         reserve(&mut r.sums, count, self.allocated);
         r.sums.resize(count, Line::ZERO);
         self.candidates.begin(arrays, self.allocated);
+        self.prepared = true;
         Ok(())
     }
 
@@ -369,6 +410,7 @@ impl Workspace {
         self.chosen.records.clear();
         self.records.records.clear();
         self.candidates.forget();
+        self.prepared = false;
         self.list_is_known = false;
     }
 

@@ -30,6 +30,7 @@ mod motion;
 mod null_pointers;
 mod paths;
 mod planes_in_lanes;
+mod prepared_by_pairs;
 mod recorded;
 mod scene;
 mod shapes;

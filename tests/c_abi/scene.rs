@@ -429,6 +429,7 @@ impl Arrays {
                 self.velocity_changes.as_ptr().cast()
             },
             unchanged: 0,
+            prepared_by: ptr::null(),
         }
     }
 }

@@ -109,7 +109,7 @@ fn claims() -> Claims {
         EllgranParticles {
             size, owned_count, count, positions, velocities, angular_velocities, angular_momenta, masses, contact_masses,
             types, shape_indices, semi_axes, semi_axes_stride, quaternions, quaternions_stride, identifiers,
-            identifier_bytes, forces, torques, velocity_changes, unchanged,
+            identifier_bytes, forces, torques, velocity_changes, unchanged, prepared_by,
         }
         EllgranWallSurface {
             size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,

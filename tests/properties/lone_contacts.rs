@@ -8,7 +8,7 @@ use crate::walls_in_lanes::{
     assert_same, corner, motions, random_body, random_change, surfaces, touching, Groups,
 };
 use ellgran::contact::{prepare_body, Body, Laws, Step};
-use ellgran::list::{ParticleArrays, Rotation, Workspace};
+use ellgran::list::{ParticleArrays, PreparedBy, Rotation, Workspace};
 use ellgran::simd::InstructionSet;
 use ellgran::tallies::Tallies;
 use ellgran::vector::Vector3;
@@ -104,7 +104,7 @@ impl Scene {
             let types = laws.types();
             load = if in_lanes {
                 workspace
-                    .prepare_chosen_records(&arrays, types, wall.near())
+                    .prepare_chosen_records(&arrays, types, wall.near(), PreparedBy::Nobody)
                     .unwrap();
                 let input = RecordsInput {
                     laws,

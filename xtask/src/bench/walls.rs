@@ -27,6 +27,10 @@ const FEW: usize = 7;
 const MANY: usize = 224;
 const LARGE_SQUARE: f64 = SQUARE * SQUARES as f64 / FEW as f64;
 
+/// Layers of a bed, and planes under it in the same place: what one more takes, the grains of which touch others too.
+const LAYERS: usize = 2;
+const FLOORS: [usize; 2] = [1, 5];
+
 /// A layer, by the words of the deck.
 #[derive(Clone, Copy, PartialEq)]
 struct Case {
@@ -78,6 +82,8 @@ pub struct Costs {
     /// Grains of the layer.
     grains: f64,
     walls: Vec<Cost>,
+    /// A plane under a bed: per contact with it, and such contacts per grain of the bed.
+    bed: (Measured, f64),
     /// Of the pair style, per touching pair of the dense packing.
     pair: Measured,
 }
@@ -116,6 +122,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     let mut progress = Progress::start("Walls");
     let mut layers: Vec<Vec<f64>> = CASES.iter().map(|_| Vec::new()).collect();
     let (mut contacts, mut pairs) = (vec![0.0; CASES.len()], Vec::new());
+    let (mut of_bed, mut touching_of_bed) = (Vec::new(), 0.0);
     let mut grains = 0.0;
     for round in 0..effort.rounds {
         progress.update(Some(round as f64 / effort.rounds as f64), "layers");
@@ -145,6 +152,23 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
             contacts[k] = touching(&output)? / found.atoms;
             grains = found.atoms;
         }
+        let mut steps_of_beds = Vec::new();
+        for floors in FLOORS {
+            let words = [
+                ("surface", "plane".to_string()),
+                ("layers", LAYERS.to_string()),
+                ("floors", floors.to_string()),
+                ("side", side.to_string()),
+                ("steps", steps.to_string()),
+            ];
+            let output = lammps.run("layer.lmp", 1, None, &words)?;
+            let found = timing(&output)?;
+            steps_of_beds.push(found.per_grain(found.step));
+            // With the first of the planes.
+            touching_of_bed = touching(&output)? / found.atoms;
+        }
+        let more = (FLOORS[1] - FLOORS[0]) as f64;
+        of_bed.push((steps_of_beds[1] - steps_of_beds[0]) / more / touching_of_bed);
         let mut words = run_variables(&packing, ours, [1; 3], 20, steps)?;
         // Every pair once.
         words.extend([("count", "1".to_string()), ("newton", "on".to_string())]);
@@ -171,6 +195,10 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     Ok(Costs {
         grains,
         walls,
+        bed: (
+            Measured::of(&of_bed).context("no round was run")?,
+            touching_of_bed,
+        ),
         pair: Measured::of(&pairs).context("no round was run")?,
     })
 }
@@ -271,6 +299,14 @@ pub fn table(costs: &Costs) -> Table {
             ratio,
         ]);
     }
+    let (per_contact, contacts) = &costs.bed;
+    table.row(vec![
+        format!("a bed of {LAYERS} layers on a plane, the grains of which touch others too: one more such plane"),
+        short(*contacts),
+        per_contact.scaled(*contacts).show(),
+        per_contact.show(),
+        short(per_contact.median / costs.pair.median),
+    ]);
     table
 }
 
@@ -288,5 +324,11 @@ pub fn csv(costs: &Costs) -> String {
             costs.pair.median
         );
     }
+    let (per_contact, contacts) = &costs.bed;
+    let of_grain = per_contact.scaled(*contacts);
+    text += &format!(
+        "bed on a plane,false,{contacts},{},{},{}\n",
+        of_grain.median, of_grain.spread, costs.pair.median
+    );
     text
 }
