@@ -128,7 +128,7 @@ private:
   std::vector<double> told_history;  // of a contact, as compute pair/gran/local reads it
   bool warned_of_created_energy;
   std::vector<double> contact_masses;  // of all particles, infinite for those of fix freeze
-  LAMMPS_NS::bigint step_prepared;  // in which all pairs were last taken at once in a run; -1 if they were not
+  int64_t step_prepared;           // in which all pairs were last taken at once in a run; -1 if they were not
   int64_t lists_before;            // neighbour lists built when all pairs were last taken at once; -1 if they were not
 };
 
