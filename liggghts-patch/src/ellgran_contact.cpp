@@ -309,6 +309,17 @@ bool EllgranContact::tells_contacts_apart() const
       !(matches("rolling_friction", "off") || matches("rolling_friction", "cdt")) || matches("normal", "hooke/hysteresis");
 }
 
+std::string EllgranContact::remembered() const
+{
+  std::string words;
+  if (matches("normal", "hooke/hysteresis")) words += " largest_overlap";
+  if (matches("tangential", "history")) words += " displacement";
+  if (tangential_is_tfd) words += displacement_is_total ? " displacement_of_tfd" : " force_of_tfd";
+  if (matches("rolling_friction", "epsd") || matches("rolling_friction", "epsd2") || matches("rolling_friction", "epsd3"))
+    words += " rolling_torque";
+  return words;
+}
+
 void EllgranContact::check_models() const
 {
   if (matches("rolling_friction", "luding") && !matches("normal", "luding"))

@@ -7,6 +7,7 @@
 #ifndef ELLGRAN_CONTACT_H
 #define ELLGRAN_CONTACT_H
 
+#include <string>
 #include <vector>
 
 #include "ellgran.h"
@@ -74,6 +75,8 @@ struct EllgranContact {
   bool matches(const char *kind, const char *name) const;
   // whether the laws are all that acts at a contact: model nfd, tangential tfd or none, neither cohesion nor rolling friction
   bool has_own_models_alone() const;
+  // what the contacts of a wall remember, in the order in which they do, in words that mean the same in all versions of restart files
+  std::string remembered() const;
   // stops if another model of the same contact model would be wrong about this one without saying so
   void check_models() const;
   // all particles of the step, for the contacts that are staged by their indices

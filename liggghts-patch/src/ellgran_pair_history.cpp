@@ -31,6 +31,7 @@ struct Owner : public PairGran {
 
 void EllgranPairHistory::replace(LAMMPS *lmp, PairGran *pair)
 {
+  const std::string names_of_file = FixEllgranRestartFormat::take_names_of_file(lmp);
   FixContactHistory *const original = pair->*Owner::history();
   if (!original || dynamic_cast<EllgranPairHistory *>(original)) return;
 
@@ -62,12 +63,28 @@ void EllgranPairHistory::replace(LAMMPS *lmp, PairGran *pair)
   history->take(original);
   pair->*Owner::history() = history;
   delete original;
+  if (!names_of_file.empty() && names_of_file != names_of_values(modify)) {
+    std::fill_n(history->npartner_, lmp->atom->nlocal, 0);
+    if (lmp->comm->me == 0)
+      lmp->error->warning(FLERR,
+                          "pair_style: the restart file is of models under which contacts of grains remember something else: contacts that exist start "
+                          "with no tangential displacement");
+  }
   // Normals, from which the search for contacts starts, are no loss.
   const bool remembers = !pair->contact_match("tangential", "off") || !pair->contact_match("rolling_friction", "off");
   if (FixEllgranRestartFormat::take_lost_histories(lmp) && remembers && lmp->comm->me == 0)
     lmp->error->warning(FLERR,
                         "pair_style was given again, and with the one before LIGGGHTS has deleted what contacts of grains remembered: contacts that "
                         "exist start with no tangential displacement");
+}
+
+std::string EllgranPairHistory::names_of_values(Modify *modify)
+{
+  std::string names;
+  for (int f = 0; f < modify->nfix; f++)
+    if (const EllgranPairHistory *const history = dynamic_cast<EllgranPairHistory *>(modify->fix[f]))
+      for (int k = 0; k < history->dnum_; k++) names += std::string(" ") + history->history_id_[k];
+  return names;
 }
 
 EllgranPairHistory::EllgranPairHistory(LAMMPS *lmp, int narg, char **arg) : FixContactHistory(lmp, narg, arg), has_run_(false), ids_(NULL)

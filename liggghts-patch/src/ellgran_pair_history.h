@@ -14,6 +14,8 @@
 #ifndef ELLGRAN_PAIR_HISTORY_H
 #define ELLGRAN_PAIR_HISTORY_H
 
+#include <string>
+
 #include "fix_contact_history.h"
 
 namespace LAMMPS_NS {
@@ -26,6 +28,9 @@ class EllgranPairHistory : public FixContactHistory {
   // initialised.
   static void replace(class LAMMPS *lmp, PairGran *pair);
   virtual ~EllgranPairHistory();
+
+  // Names of the values that contacts of pairs remember, by the contact models; empty if none do.
+  static std::string names_of_values(class Modify *modify);
 
   virtual int setmask();
   virtual void setup_pre_exchange();

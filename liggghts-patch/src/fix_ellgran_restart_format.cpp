@@ -6,6 +6,7 @@
 
 #include "comm.h"
 #include "ellgran.h"
+#include "ellgran_pair_history.h"
 #include "error.h"
 #include "modify.h"
 
@@ -20,6 +21,9 @@ struct State {
   int version;
   char writer[28];  // version of ellgran
 };
+
+// From version 3 on the names of what contacts of pairs remember follow, a string.
+const int WITHOUT_NAMES = 2;
 
 }
 
@@ -53,6 +57,14 @@ bool FixEllgranRestartFormat::take_lost_histories(LAMMPS *lmp)
   return lost != 0;
 }
 
+std::string FixEllgranRestartFormat::take_names_of_file(LAMMPS *lmp)
+{
+  std::string names;
+  const int place = lmp->modify->find_fix(ID);
+  if (place >= 0) names.swap(static_cast<FixEllgranRestartFormat *>(lmp->modify->fix[place])->names_of_file_);
+  return names;
+}
+
 void FixEllgranRestartFormat::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
@@ -60,9 +72,11 @@ void FixEllgranRestartFormat::write_restart(FILE *fp)
   memset(&state, 0, sizeof(state));
   state.version = VERSION;
   strncpy(state.writer, ellgran_version(), sizeof(state.writer) - 1);
-  const int size = sizeof(state);
+  const std::string names = EllgranPairHistory::names_of_values(modify);
+  const int size = sizeof(state) + names.size() + 1;
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(&state, 1, sizeof(state), fp);
+  fwrite(names.c_str(), 1, names.size() + 1, fp);
 }
 
 void FixEllgranRestartFormat::restart(char *buffer)
@@ -70,7 +84,10 @@ void FixEllgranRestartFormat::restart(char *buffer)
   State state;
   memcpy(&state, buffer, sizeof(state));
   state.writer[sizeof(state.writer) - 1] = '\0';
-  if (state.version >= 2 && state.version <= VERSION) return;
+  if (state.version >= WITHOUT_NAMES && state.version <= VERSION) {
+    if (state.version > WITHOUT_NAMES) names_of_file_ = buffer + sizeof(state);
+    return;
+  }
   char message[400];
   snprintf(message, sizeof(message),
            "ellgran: the restart file has format version %d of contact histories, written by ellgran %s. This is ellgran %s, which "

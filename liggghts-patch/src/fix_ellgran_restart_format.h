@@ -14,6 +14,9 @@
  * Version 2. Histories of pairs as in version 1; those of walls do not begin with normal and flag. A wall's memory is in the
  * fix itself, as the library lays it out (src/walls/histories.rs).
  *
+ * Version 3. As version 2. A wall's fix has in words what its contacts remember, and this fix has the names of the values of pairs: models under
+ * which they mean something else do not read them.
+ *
  * Raise VERSION when a value is added, removed, moved or changes its meaning, and keep the code that reads the older ones.
  * tests/restart_files has a file of each older version, and tests/liggghts/restart_files.rs reads them all.
  */
@@ -26,6 +29,7 @@ FixStyle(ellgran/restart_format,FixEllgranRestartFormat)
 #define LMP_FIX_ELLGRAN_RESTART_FORMAT_H
 
 #include <cstdio>
+#include <string>
 
 #include "fix.h"
 
@@ -33,7 +37,7 @@ namespace LAMMPS_NS {
 
 class FixEllgranRestartFormat : public Fix {
  public:
-  enum { VERSION = 2 };
+  enum { VERSION = 3 };
 
   FixEllgranRestartFormat(class LAMMPS *, int, char **);
   virtual int setmask() { return 0; }
@@ -48,9 +52,13 @@ class FixEllgranRestartFormat : public Fix {
   static void note_lost_histories(class Modify *modify);
   // Whether that has happened on any rank since the last call.
   static bool take_lost_histories(class LAMMPS *lmp);
+  // Names of the values that contacts of pairs remembered when the restart file was written, once: empty if there was none, of versions
+  // before 3 too.
+  static std::string take_names_of_file(class LAMMPS *lmp);
 
  private:
   int histories_lost_;
+  std::string names_of_file_;
 };
 
 }

@@ -97,6 +97,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     lists_of_one_call_(-1),
     histories_length_(0),
     histories_(NULL),
+    histories_are_of_other_models_(false),
     crowded_(0),
     crowd_said_(false),
     row_(0)
@@ -113,6 +114,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     check(ellgran_wall_lend_triangles(wall_, &none));
   }
   histories_length_ = ellgran_wall_found_histories_length(wall_, dnum_);
+  restart_global = 1;
   restart_peratom = 1;
   create_attribute = 1;
   grow_arrays(atom->nmax);
@@ -256,8 +258,34 @@ int FixWallGranEllipsoid::pack_restart(int particle, double *buffer)
   return 1 + pack_exchange(particle, buffer + 1);
 }
 
+void FixWallGranEllipsoid::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const std::string words = EllgranContact::of(this)->remembered();
+  const int size = words.size() + 1;
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(words.c_str(), 1, size, fp);
+}
+
+// LIGGGHTS calls it before the histories are read. Files of versions 1 and 2 do not have these words.
+void FixWallGranEllipsoid::restart(char *state)
+{
+  histories_are_of_other_models_ = histories_length_ > 0 && EllgranContact::of(this)->remembered() != state;
+  if (!histories_are_of_other_models_ || *state == '\0' || comm->me != 0) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "Fix %s (%s): the restart file is of models under which contacts remember something else: contacts that exist start with no "
+           "tangential displacement",
+           id, style);
+  error->warning(FLERR, message);
+}
+
 void FixWallGranEllipsoid::unpack_restart(int particle, int place)
 {
+  if (histories_are_of_other_models_) {
+    FixWallGranEllipsoid::set_arrays(particle);
+    return;
+  }
   double *extra = atom->extra[particle];
   for (int k = 0; k < place; k++) extra += static_cast<int>(*extra);
   if (static_cast<int>(extra[0]) != 1 + histories_length_) {

@@ -13,6 +13,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid)
 #define LMP_FIX_WALL_GRAN_ELLIPSOID_H
 
 #include <cstddef>
+#include <cstdio>
 #include <vector>
 
 #include "ellgran.h"
@@ -47,6 +48,10 @@ class FixWallGranEllipsoid : public FixWallGran {
   virtual int pack_restart(int particle, double *buffer);
   virtual void unpack_restart(int particle, int place);
 
+  // so does what they mean
+  virtual void write_restart(FILE *fp);
+  virtual void restart(char *state);
+
   // what the present contacts contribute to the bound of the stable step, after forces were computed; whether there is a model nfd
   void add_to_step_sums(const EllgranParticles &particles, double *sums, EllgranContactExtremes *extremes);
   const EllgranLaws *laws_with_friction() const;
@@ -80,6 +85,8 @@ class FixWallGranEllipsoid : public FixWallGran {
   // what is remembered of the contacts of each particle
   int histories_length_;
   double **histories_;
+  // whether what a restart file has of them means nothing to these models
+  bool histories_are_of_other_models_;
 
   // triangles near particles, as the library is told of them; kept between steps for their memory alone
   std::vector<Near> near_;

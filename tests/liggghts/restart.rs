@@ -104,3 +104,123 @@ fn a_restart_in_the_middle_of_contacts_with_primitive_walls() {
         assert!(apart < 1e-12);
     }
 }
+
+/// Constants of LIGGGHTS' rolling models.
+const OF_ROLLING: [&str; 2] = [
+    "fix rolling all property/global coefficientRollingFriction peratomtypepair 1 0.5",
+    "fix damping all property/global coefficientRollingViscousDamping peratomtypepair 1 0.0",
+];
+
+/// Models of which contacts remember equally many values: before and after a restart, and whether these mean the same.
+const EQUALLY_MANY: [(&str, &str, bool); 4] = [
+    ("nfd rolling_friction epsd", "nfd tangential history", false),
+    ("nfd tangential history", "nfd rolling_friction epsd", false),
+    ("nfd tangential history", "hertz tangential history", true),
+    ("nfd tangential tfd", "nfd tangential tfd", true),
+];
+
+fn is_warned_of(output: &str, who: &str) -> bool {
+    output.lines().any(|line| {
+        line.contains(who) && line.contains("contacts remember something else")
+            || line.contains(who) && line.contains("contacts of grains remember something else")
+    })
+}
+
+/// A wall with other models after a restart does not take a torque for a displacement: what is remembered begins anew, as under another ID, and a
+/// warning says so.
+#[test]
+fn after_a_restart_no_wall_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    for (kind, wall) in [
+        ("plane", "primitive type 1 zplane 0.0"),
+        ("mesh", "mesh n_meshes 1 meshes sheet"),
+    ] {
+        for (before, after, kept) in EQUALLY_MANY {
+            let what = format!("{kind}, {before} to {after}");
+            let directory = fresh_directory(&format!("wall_{kind}"));
+            fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+            let with = |models: &str, id: &str, source: &[&str], runs: &[&str]| {
+                let lines = |words: &[&str]| words.iter().map(|w| w.to_string()).collect();
+                let models = format!("{models} surface ellipsoid");
+                let mut fixes = sheet_deck().fixes;
+                fixes.push(format!(
+                    "fix {id} all wall/gran/ellipsoid model {models} {wall}"
+                ));
+                let deck = Deck {
+                    model: models,
+                    before: [sheet_deck().before, lines(&OF_ROLLING)].concat(),
+                    walls: vec![],
+                    fixes,
+                    source: lines(source),
+                    runs: lines(runs),
+                    ..sheet_deck()
+                };
+                run_in(&engine, &directory, &on_a_sheet(), &deck, 1)
+            };
+            with(before, "floor", &[], &["run 120", "write_restart half"]);
+            let [again, anew] =
+                ["floor", "other"].map(|id| with(after, id, &["read_restart half"], &["run 0"]));
+            let forces =
+                |states: &[State]| states.iter().flat_map(|s| s.force).collect::<Vec<f64>>();
+            let (now, without) = (forces(&again.last().states), forces(&anew.last().states));
+            assert!(without.iter().any(|f| *f != 0.0), "{what}");
+            assert_eq!(now == without, !kept, "{what}:\n{now:?}\n{without:?}");
+            let warned = is_warned_of(&again.output, "Fix floor");
+            assert_eq!(warned, !kept, "{what}: {}", again.output);
+        }
+    }
+}
+
+/// The same of the grains' contacts with one another. `pair_style` given again forgets, which shows what is right.
+#[test]
+fn after_a_restart_no_pair_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    for ranks in [1, 2] {
+        for (before, after, kept) in EQUALLY_MANY {
+            let what = format!("{before} to {after}, {ranks} ranks");
+            let directory = fresh_directory("pairs");
+            let with = |models: &str, runs: Vec<String>| {
+                Deck {
+                model: format!("{models} surface ellipsoid"),
+                before: OF_ROLLING.map(String::from).to_vec(),
+                fixes: [
+                    vec![
+                        "compute turning all property/atom tqx tqy tqz".into(),
+                        "compute largest all reduce max fx fy fz c_turning[1] c_turning[2] c_turning[3]".into(),
+                    ],
+                    (1..=6)
+                        .map(|k| format!("variable largest{k} equal c_largest[{k}]"))
+                        .collect(),
+                ]
+                .concat(),
+                thermo: (1..=6).fold("step".into(), |line, k| line + &format!(" v_largest{k}")),
+                runs,
+                ..deck(300)
+            }
+            };
+            let first = with(before, vec!["run 150".into(), "write_restart half".into()]);
+            run_in(&engine, &directory, &crowd(27), &first, ranks);
+            let again = vec![
+                "run 0".into(),
+                format!("pair_style gran model {after} surface ellipsoid"),
+                "pair_coeff * *".into(),
+                "run 0".into(),
+            ];
+            let rest = Deck {
+                source: vec!["read_restart half".into()],
+                ..with(after, again)
+            };
+            let rest = run_in(&engine, &directory, &crowd(27), &rest, ranks);
+            let rows = rest.thermo();
+            assert_eq!(rows.len(), 2, "{what}: {}", rest.output);
+            assert_eq!(rows[0].len(), 7, "{what}: {}", rest.output);
+            let differ = rows[0].iter().any(|(column, now)| {
+                let without = rows[1][column];
+                (now - without).abs() > 1e-9 * without.abs()
+            });
+            assert_eq!(differ, kept, "{what}: {rows:?}");
+            let warned = is_warned_of(&rest.output, "pair_style");
+            assert_eq!(warned, !kept, "{what}: {}", rest.output);
+        }
+    }
+}

@@ -41,7 +41,7 @@ fn deck(
 fn restart_files_of_older_versions_are_read() {
     let engine = Engine::from_environment();
     let names = kept("liggghts");
-    for version in 1..=2 {
+    for version in 1..=3 {
         for floor in ["", "mesh_"] {
             let name = format!("liggghts_{floor}format_{version}");
             assert!(names.contains(&name), "no {name}");
@@ -67,12 +67,12 @@ fn restart_files_of_newer_versions_are_refused() {
     let (success, output) = deck(&engine, "write.lig", &run, &run, "today", 1);
     assert!(success, "{}", last_lines(&output));
     let state = |version: i32| [&version.to_le_bytes()[..], &b"0.1.0"[..]].concat();
-    write_changed(&run, "today", &run, &state(2), &state(9));
+    write_changed(&run, "today", &run, &state(3), &state(9));
     let (success, output) = deck(&engine, "read.lig", &run, &run, "today", 2);
     assert!(!success, "a newer file is read");
     let errors: Vec<&str> = output.lines().filter(|l| l.contains("ERROR")).collect();
     assert_eq!(errors.len(), 1, "{errors:?}");
-    for word in ["format version 9", "ellgran 0.1.0", "1 to 2", "a later one"] {
+    for word in ["format version 9", "ellgran 0.1.0", "1 to 3", "a later one"] {
         assert!(errors[0].contains(word), "{}", errors[0]);
     }
 }
