@@ -361,7 +361,12 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
     tallies: *mut EllgranTallies,
 ) -> i32 {
     at_border("ellgran_compute_pairs", || {
+        // Whatever is wrong with this call, contacts of an earlier one are not of it.
         // SAFETY: promised by the caller, for all of this function.
+        if let Some(kept) = unsafe { workspace.as_mut() } {
+            kept.workspace.contacts.clear();
+        }
+        // SAFETY: as above.
         let (number, kept) = unsafe {
             (
                 required(laws, "laws")?.number,
@@ -370,7 +375,6 @@ pub unsafe extern "C" fn ellgran_compute_pairs(
         };
         // SAFETY: `laws` is NULL or valid for reads, by this function's safety section.
         let laws = &unsafe { required(laws, "laws") }?.laws;
-        kept.workspace.contacts.clear();
         // SAFETY: `particles` is NULL or valid for reads, by this function's safety section.
         let p = &*unsafe { given(particles, "particles") }?;
         // SAFETY: `list` is NULL or valid for reads, by this function's safety section.

@@ -277,6 +277,12 @@ fn what_is_not_recorded_is_said() {
         let status = ellgran_compute_pairs(run.laws.0, w, &particles, &view, &STEP, null_mut());
         fails(status, ELLGRAN_ERROR_PARTICLE, &["1003"]);
         assert_eq!(ellgran_recorded_count(w), 0);
+        // Nor does one without laws.
+        run.step(&bodies, false, true);
+        assert_eq!(ellgran_recorded_count(w), count);
+        let status = ellgran_compute_pairs(null(), w, &particles, &view, &STEP, null_mut());
+        fails(status, missing, &["laws"]);
+        assert_eq!(ellgran_recorded_count(w), 0);
     }
 }
 
