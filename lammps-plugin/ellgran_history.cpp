@@ -131,7 +131,7 @@ void FixEllgranHistory::follow_new_types()
     MPI_Allreduce(&over, &over_anywhere, 1, MPI_INT, MPI_MAX, world);
     if (over_anywhere && comm->me == 0)
       error->warning(FLERR,
-                     "Pair gran/ellipsoid: {} atoms have got another type since the last run, under whose law contacts remember something else: "
+                     "Pair gran/ellipsoid: {} atoms have got another type, under whose law contacts remember something else: "
                      "their contacts start with no tangential displacement",
                      all.size());
   }
@@ -185,11 +185,35 @@ int FixEllgranHistory::unpack_exchange(int i, double *buffer)
   return n + 2;
 }
 
+/* The type stands behind what the base class reads, which takes no notice of it: earlier releases read these files. */
+
+int FixEllgranHistory::pack_restart(int i, double *buffer)
+{
+  const int n = FixNeighHistory::pack_restart(i, buffer);
+  buffer[n] = (types_at_end[i] != 0) ? types_at_end[i] : atom->type[i];
+  buffer[0] = n + 1;
+  return n + 1;
+}
+
 void FixEllgranHistory::unpack_restart(int i, int nth)
 {
   FixNeighHistory::unpack_restart(i, nth);
+  const double *extra = atom->extra[i];
+  for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
+  const int without_type = FixNeighHistory::size_restart(i);
+  const bool has_type = static_cast<int>(*extra) > without_type;
   ids_at_end[i] = 0;
-  types_at_end[i] = 0;
+  types_at_end[i] = has_type ? static_cast<int>(extra[without_type]) : 0;
+}
+
+int FixEllgranHistory::size_restart(int i)
+{
+  return FixNeighHistory::size_restart(i) + 1;
+}
+
+int FixEllgranHistory::maxsize_restart()
+{
+  return FixNeighHistory::maxsize_restart() + 1;
 }
 
 void FixEllgranHistory::pre_exchange()
@@ -199,6 +223,14 @@ void FixEllgranHistory::pre_exchange()
   // ID and type of the last run go with an atom.
   maxexchange += 2;
   if (tells_contacts_apart) refuse_second_contacts();
+}
+
+/* A fix may have changed types since the last list was built. */
+
+void FixEllgranHistory::post_neighbor()
+{
+  follow_new_types();
+  FixNeighHistory::post_neighbor();
 }
 
 /* LAMMPS finds what a contact remembers by the ID of the other atom: two contacts of the same two would both get that of the first. */

@@ -26,7 +26,7 @@ namespace LAMMPS_NS {
 ///
 /// `delete_atoms` gives all atoms other IDs, if it is not told `compress no`, and contacts are remembered by ID. Each atom keeps the
 /// ID that it had when the last run ended; where another run finds other ones, what is remembered is renumbered. So it does with its type:
-/// under the law of another one, what its contacts remember may mean something else.
+/// under the law of another one, what its contacts remember may mean something else. Restart files have the type too.
 class FixEllgranHistory : public FixNeighHistory {
  public:
   FixEllgranHistory(class LAMMPS *, int, char **);
@@ -46,6 +46,7 @@ class FixEllgranHistory : public FixNeighHistory {
 
   void init() override;
   void pre_exchange() override;
+  void post_neighbor() override;
   void setup(int) override;
   void min_setup(int) override;
   void post_run() override;
@@ -55,7 +56,10 @@ class FixEllgranHistory : public FixNeighHistory {
   void set_arrays(int) override;
   int pack_exchange(int, double *) override;
   int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
   void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
 
@@ -66,7 +70,7 @@ class FixEllgranHistory : public FixNeighHistory {
  protected:
   bool list_is_current;
   tagint *ids_at_end;    // of each atom when the last run ended; 0: not known, as after a restart
-  int *types_at_end;     // the same
+  int *types_at_end;     // the same; after a restart that of the file, 0 if it has none
 
   void remember_atoms();
 

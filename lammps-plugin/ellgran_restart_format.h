@@ -20,6 +20,9 @@ namespace EllgranRestart {
 /// | 2 | int: PAIR_MARK, 2; 32 characters: the version of ellgran that wrote it; int: size of EllgranLawParameters, number of types; then as version 1 |
 ///
 /// The first two parts of version 2 stay what they are in all later versions.
+///
+/// Of an atom: as LAMMPS' fix NEIGH_HISTORY has it, and behind it the type under whose law its contacts remember what they do. Files of earlier
+/// builds end before the type, and these read those that have it.
 constexpr int PAIR_MARK_1 = 0x324c4547;
 constexpr int PAIR_MARK = 0x524c4547;
 constexpr int PAIR_FORMAT = 2;

@@ -221,6 +221,12 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
     shapes_in_message = true;
     comm->forward_comm(this);
     shapes_in_message = false;
+    // A new list is a new beginning for contacts of atoms that have got another type, and between lists there is none.
+    if (shapes_may_change && !update->setupflag && fix_history && fix_history->types_have_changed())
+      error->all(FLERR,
+                 "{}: a fix has given atoms another type, under whose law contacts remember something else, between two neighbour lists: use "
+                 "'neigh_modify every 1 check no', or laws that remember the same",
+                 CALLER);
   }
   require_same_images();
   refresh_contact_masses();

@@ -275,6 +275,174 @@ fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
     }
 }
 
+/// Two grains in the middle of the box, of two types: the pair of both types, and that of the second, have the second law.
+fn of_two_types() -> Scene {
+    let mut scene = pressed();
+    scene.kinds = 2;
+    for (grain, x) in scene.grains.iter_mut().zip([-0.495, 0.495]) {
+        grain.position[0] = x;
+    }
+    scene
+}
+
+fn two_laws(laws: [&str; 2]) -> Vec<String> {
+    vec![
+        "pair_style gran/ellipsoid".into(),
+        format!("pair_coeff 1 1 {}", laws[0]),
+        format!("pair_coeff * 2 {}", laws[1]),
+    ]
+}
+
+fn deck_of_two_types(ranks: usize, newton: bool) -> Deck {
+    Deck {
+        newton,
+        before_data: vec!["processors 2 1 1".into(); ranks - 1],
+        fixes: vec![
+            "group first id 1".into(),
+            "compute force first reduce sum fx fy fz".into(),
+        ],
+        time_step: 1e-5,
+        steps: HALF,
+        thermo_columns: "step c_force[1] c_force[2] c_force[3]".into(),
+        ..Deck::new("")
+    }
+}
+
+/// A restart file has the types under whose laws contacts remember what they do: `set type` before the first run that follows is seen.
+#[test]
+fn both_versions_after_a_restart_no_type_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    let law = |words: &str| format!("{NORMAL} {words}");
+    let total = law("tangential mindlin 5.0 displacement total");
+    let incremental = law("tangential mindlin 5.0 displacement incremental");
+    let partial_slip = law("tangential tfd 5.0 displacement total");
+    for (ranks, newton) in [(1, true), (2, true), (2, false)] {
+        for (name, laws, kept) in [
+            ("force", [&total, &incremental], false),
+            ("displacement", [&incremental, &total], false),
+            ("slip", [&total, &partial_slip], true),
+            ("same", [&incremental, &incremental], true),
+        ] {
+            let directory = fresh_directory(&format!("file_{name}_{ranks}_{newton}"));
+            let laws = laws.map(|law| law.as_str());
+            let start = Deck {
+                pair: two_laws(laws),
+                runs: vec![format!("run {HALF}"), "write_restart middle.restart".into()],
+                ..deck_of_two_types(ranks, newton)
+            };
+            let scene = of_two_types();
+            let before = attempt_in(&engine, directory.clone(), &scene, &start, ranks);
+            assert!(before.success, "{name}:\n{}", before.output);
+            let go_on = |pair: Vec<String>, commands: &[&str]| {
+                let mut runs = vec!["comm_modify vel yes".to_string()];
+                runs.extend(commands.iter().map(|command| command.to_string()));
+                let rest = Deck {
+                    source: vec!["read_restart middle.restart".into()],
+                    pair,
+                    runs,
+                    ..deck_of_two_types(ranks, newton)
+                };
+                let after = attempt_in(&engine, directory.clone(), &scene, &rest, ranks);
+                assert!(after.success, "{name}:\n{}", after.output);
+                after
+            };
+            let frictionless = vec![format!("pair_coeff * * {NORMAL}")];
+            let without = force(&go_on(frictionless, &["run 0"]));
+            let tangential = distance(force(&before), without);
+            assert!(tangential > 1e-3 * distance(without, [0.0; 3]), "{name}");
+            for changed in ["type 1", "atom 2"] {
+                let what = format!("{name}, {changed}, {ranks} ranks, newton {newton}");
+                let set = format!("set {changed} type 2");
+                let after = go_on(vec![], &[&set, "run 0"]);
+                let left = distance(force(&after), without) / tangential;
+                println!("{what}: {left}");
+                assert_eq!(
+                    is_warned_of_types(&after),
+                    !kept,
+                    "{what}: {}",
+                    after.output
+                );
+                if kept {
+                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
+                } else {
+                    assert!(left < 1e-10, "{what}: {left}");
+                }
+                // What is written again before the first run is of the new types.
+                let again = go_on(vec![], &[&set, "write_restart again.restart", "run 0"]);
+                let left_again = distance(force(&again), without) / tangential;
+                assert!((left - left_again).abs() < 1e-10, "{what}: {left_again}");
+            }
+        }
+    }
+}
+
+/// A fix may change types while a run goes on: with the next list, and not before it.
+#[test]
+fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    let law = |words: &str| format!("{NORMAL} {words}");
+    let total = law("tangential mindlin 5.0 displacement total");
+    let incremental = law("tangential mindlin 5.0 displacement incremental");
+    let partial_slip = law("tangential tfd 5.0 displacement total");
+    for (ranks, newton) in [(1, true), (2, true), (2, false)] {
+        let go_on = |name: &str, laws: [&str; 2], lists: &str, changes: bool| {
+            let last = HALF + 1;
+            let mut runs = vec![
+                format!("neigh_modify every 1 delay 0 {lists}"),
+                "variable type atom 1+(id==1)*(step>=200)".to_string(),
+            ];
+            if changes {
+                runs.push("fix change all set 200 0 group all type v_type".into());
+            }
+            runs.push(format!("run {last}"));
+            let deck = Deck {
+                pair: two_laws(laws),
+                runs,
+                steps: last,
+                ..deck_of_two_types(ranks, newton)
+            };
+            let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
+            attempt_in(&engine, directory, &of_two_types(), &deck, ranks)
+        };
+        for (name, laws, kept) in [
+            ("force", [&total, &incremental], false),
+            ("displacement", [&incremental, &total], false),
+            ("slip", [&total, &partial_slip], true),
+        ] {
+            let what = format!("{name}, {ranks} ranks, newton {newton}");
+            let laws = laws.map(|law| law.as_str());
+            let before = go_on("before", laws, "check no", false);
+            let without = force(&go_on("without", [laws[0], NORMAL], "check no", true));
+            let tangential = distance(force(&before), without);
+            let listed = go_on("listed", laws, "check no", true);
+            assert!(listed.success, "{what}:\n{}", listed.output);
+            // One step adds to a new contact a two-hundredth of what there was.
+            let left = distance(force(&listed), without) / tangential;
+            println!("{what}: {left}");
+            assert_eq!(
+                is_warned_of_types(&listed),
+                !kept,
+                "{what}: {}",
+                listed.output
+            );
+            if kept {
+                assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
+            } else {
+                assert!(left < 0.02, "{what}: {left}");
+            }
+            let between = go_on("between", laws, "check yes", true);
+            assert_eq!(between.success, kept, "{what}: {}", between.output);
+            let words = "between two neighbour lists";
+            assert_eq!(
+                between.output.contains(words),
+                !kept,
+                "{what}: {}",
+                between.output
+            );
+        }
+    }
+}
+
 fn is_warned_of_types(outcome: &Outcome) -> bool {
     let words: Vec<&str> = outcome.output.split_whitespace().collect();
     words
