@@ -122,6 +122,16 @@ void FixEllgranStepVelocity::post_integrate()
 {
   if ((moved_bits | rigid_bits | moving_edges) == 0) return;
   const double time = update->dt;
+  // With 'timestep 0' a box may still change from step to step: as with 'change_box' no velocity is found of that.
+  if (time == 0.0) {
+    std::fill_n(edge_rates, 6, 0.0);
+    std::copy_n(domain->h, 6, edges);
+    for (int i = 0; i < atom->nlocal; i++) {
+      std::fill_n(difference[i], DIFFERENCES, 0.0);
+      std::copy_n(atom->x[i], 3, start[i]);
+    }
+    return;
+  }
   for (int k = 0; k < 6; k++) edge_rates[k] = (moving_edges & EDGES[k]) ? (domain->h[k] - edges[k]) / time : 0.0;
   std::copy_n(domain->h, 6, edges);
   for (int i = 0; i < atom->nlocal; i++) {

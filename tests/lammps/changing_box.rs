@@ -329,3 +329,44 @@ fn both_versions_the_tangential_displacement_is_that_of_the_box() {
         }
     }
 }
+
+/// With `timestep 0` the box changes and no time passes: forces are those in the changed box, and no velocity is found.
+#[test]
+fn both_versions_a_box_that_changes_in_no_time_has_no_velocity() {
+    let engine = Engine::from_environment();
+    let scene = at_rest();
+    for (ranks, newton) in [(1, true), (2, false)] {
+        let forces = |name: &str, commands: &[&str], motion: &str| {
+            let mut deck = deck(11);
+            deck.newton = newton;
+            deck.time_step = 0.0;
+            deck.fixes = vec![format!("fix move all {motion}")];
+            deck.runs = commands.iter().map(|c| c.to_string()).collect();
+            let outcome = run(&engine, name, &scene, &deck, ranks);
+            outcome.last().clone()
+        };
+        for (remap, motion) in [
+            ("x", "nve/noforce"),
+            ("none", "nve/noforce"),
+            ("x", "nve/ellipsoid"),
+            ("x", "move linear 1 0 0"),
+        ] {
+            let deformed = [
+                &format!("fix box all deform 1 x scale 0.99 remap {remap}"),
+                "run 10",
+                "unfix box",
+                "run 1",
+            ];
+            let changed = match remap {
+                "x" => "change_box all x scale 0.99 remap",
+                _ => "change_box all x scale 0.99",
+            };
+            let deformed = forces("box_no_time", &deformed, motion);
+            let own = forces("box_changed", &[changed, "run 11"], motion);
+            let largest = largest(&own, |s| s.force);
+            let force = apart(&deformed, &own, |s| s.force) / largest;
+            println!("remap {remap}, {motion}, {ranks} ranks: forces apart by {force:.1e}");
+            assert!(largest > 0.0 && force < 1e-9, "{remap}, {motion}");
+        }
+    }
+}
