@@ -39,6 +39,7 @@ class EllgranDeviceGrains : protected Pointers {
 
   /// Whether forces see velocities of the step; decided before a list.
   void use_velocities_of_step(bool yes);
+  [[nodiscard]] bool uses_velocities_of_step() const { return of_step; }
 
   /// Nothing is known of the velocities that the last forces saw: they are those that there are.
   void forget_steps() { changes_known = false; }

@@ -35,11 +35,11 @@ constexpr int WRITER_LENGTH = 32;
 /// | 1 | energy dissipated by viscosity, time since the fix was made, energy dissipated by friction, work of the wall |
 /// | 2 | -2; the four of version 1; velocity of the region (3), rate of its rotation |
 /// | 3 | -3; as version 2; displacement (3) and angle of a motion by variables, state of the servo |
-///
 /// | 4 | -4; as version 3; size of EllgranLawParameters, and one, the law of the grains, in as many values as have room for it |
+/// | 5 | -5; as version 3; 1 if a step was made, mean velocity (3) and rate of a motion by variables over it; the law as in version 4 |
 ///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 4;
+constexpr int WALL_FORMAT = 5;
 
 /// The fix behind compute energy/ellipsoid: its global values, all of type double.
 ///

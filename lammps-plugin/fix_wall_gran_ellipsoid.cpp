@@ -55,6 +55,7 @@ constexpr int CONTACT_COLUMNS = 21;
 // Global values in the restart file: see ellgran_restart_format.h.
 constexpr int NUMBER_WITH_REGION = 9;
 constexpr int NUMBER_OF_STATES = NUMBER_WITH_REGION + 4 + WallServo::NUMBER_OF_STATES;
+constexpr int NUMBER_OF_MEANS = 5;
 constexpr int VALUES_OF_LAW = (sizeof(EllgranLawParameters) + sizeof(double) - 1) / sizeof(double);
 
 double dot(const double *a, const double *b)
@@ -606,6 +607,7 @@ void FixWallGranEllipsoid::min_post_force(int vflag)
 void FixWallGranEllipsoid::place_step_velocity_fix()
 {
   velocities_of_step = FixNVEEllipsoid::keeper_of(modify);
+  sees_velocities_of_step = velocities_of_step != nullptr;
   fix_step_velocity = place_step_velocity(modify, fix_step_velocity, std::string("ELLGRAN_STEP_VELOCITY_") + id, id_step_velocity);
 }
 
@@ -632,20 +634,23 @@ bool FixWallGranEllipsoid::varies() const
   return velocity[0].is_variable() || velocity[1].is_variable() || velocity[2].is_variable() || rotation_rate.is_variable();
 }
 
-/* Over a step the wall has the mean of the velocities at its two ends. */
+/* Over a step the wall has the mean of the velocities at its two ends. With velocities of the step the start of a run computes the forces of the
+   last step once more. */
 
 void FixWallGranEllipsoid::follow_variables(bool time_passes)
 {
   if (!varies()) return;
+  const bool repeats = !time_passes && sees_velocities_of_step && means_are_known;
   modify->clearstep_compute();
   const auto follow = [&](const NumberOrVariable &given, double &now, double &mean, double &way) {
     const double before = now;
     now = given.value(lmp);
-    mean = time_passes ? 0.5 * (before + now) : now;
+    if (!repeats) mean = time_passes ? 0.5 * (before + now) : now;
     if (time_passes) way += mean * time_step;
   };
   for (int k = 0; k < 3; k++) follow(velocity[k], velocity_now[k], mean_velocity[k], varied_displacement[k]);
   follow(rotation_rate, rate_now, mean_rate, varied_angle);
+  means_are_known = means_are_known || time_passes;
   modify->addstep_compute(update->ntimestep + 1);
 }
 
@@ -658,7 +663,8 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
     const double phase = rate * time;
     motion.displacement[motion_axis] = amplitude * (1.0 - std::cos(phase));
     // As the grains' velocities, that of the wall is the one that brought it here in this step.
-    motion.velocity[motion_axis] = (time_passes && time_step > 0.0)
+    const bool by_step = time_passes || (sees_velocities_of_step && time > 0.0);
+    motion.velocity[motion_axis] = (by_step && time_step > 0.0)
         ? 2.0 * amplitude * std::sin(phase - 0.5 * rate * time_step) *
             std::sin(0.5 * rate * time_step) / time_step
         : amplitude * rate * std::sin(phase);
@@ -1045,9 +1051,11 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     if (servo) servo->pack(of_motion + 1);
     double law[1 + VALUES_OF_LAW] = {sizeof(law_words)};
     std::memcpy(law + 1, &law_words, sizeof(law_words));
-    const int size = sizeof(values) + sizeof(law);
+    const double means[NUMBER_OF_MEANS] = {means_are_known ? 1.0 : 0.0, mean_velocity[0], mean_velocity[1], mean_velocity[2], mean_rate};
+    const int size = sizeof(values) + sizeof(means) + sizeof(law);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
+    fwrite(means, sizeof(double), NUMBER_OF_MEANS, fp);
     fwrite(law, sizeof(double), 1 + VALUES_OF_LAW, fp);
   }
 }
@@ -1080,7 +1088,16 @@ void FixWallGranEllipsoid::restart(char *buffer)
     varied_angle = of_motion[3];
     if (servo) servo->unpack(of_motion + 4);
   }
-  if (format >= 4) compare_with_law_of_file(buffer + NUMBER_OF_STATES * sizeof(double));
+  const char *further = buffer + NUMBER_OF_STATES * sizeof(double);
+  if (format >= 5) {
+    double means[NUMBER_OF_MEANS];
+    std::memcpy(means, further, sizeof(means));
+    further += sizeof(means);
+    means_are_known = means[0] != 0.0;
+    std::copy_n(means + 1, 3, mean_velocity);
+    mean_rate = means[4];
+  }
+  if (format >= 4) compare_with_law_of_file(further);
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];
   friction = values[2];

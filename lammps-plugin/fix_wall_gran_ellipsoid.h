@@ -111,6 +111,7 @@ class FixWallGranEllipsoid : public Fix {
   double varied_displacement[3], varied_angle;
   double velocity_now[3], rate_now;
   double mean_velocity[3], mean_rate;
+  bool means_are_known = false;    // a step was made
 
   // Motion of a region: pose of the last step, and the velocities over the step
   bool pose_is_known;
@@ -124,7 +125,8 @@ class FixWallGranEllipsoid : public Fix {
 
   std::string id_step_velocity;
   class FixEllgranStepVelocity *fix_step_velocity;    // nullptr: `atom->v` is right
-  class FixNVEEllipsoid *velocities_of_step;          // nullptr: forces see those of the half step
+  class FixNVEEllipsoid *velocities_of_step;          // nullptr: forces see those of the half step, or are computed on a GPU
+  bool sees_velocities_of_step = false;               // on a GPU too
 
   // What is remembered of the contacts of each atom, one row per atom
   int histories_length;

@@ -90,6 +90,7 @@ void FixWallGranEllipsoidDevice::init()
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
   rotation_rate.require_variable(lmp);
   pair = PairGranEllipsoidDevice::of(lmp, CALLER);
+  sees_velocities_of_step = pair->grains.uses_velocities_of_step();
 }
 
 void FixWallGranEllipsoidDevice::add_to_scene(EllgranDeviceGrains &grains, int type)

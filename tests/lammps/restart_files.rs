@@ -52,7 +52,8 @@ fn both_versions_restart_files_of_older_versions_are_read() {
             "lammps_format_1",
             "lammps_format_2",
             "lammps_format_3",
-            "lammps_format_4"
+            "lammps_format_4",
+            "lammps_format_5"
         ]
     );
     for name in names {
@@ -108,7 +109,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
             &[
                 "fix wall/gran/ellipsoid floor",
                 "format version 9",
-                "1 to 4",
+                "1 to 5",
             ],
         ),
         (

@@ -71,7 +71,49 @@ fn both_versions_split_and_restarted_runs_go_on_in_company() {
     let move_all = "fix step all nve/ellipsoid";
     let parts = ["group a id 1:20", "group b subtract all a"];
     let of_b = "fix step b nve/ellipsoid";
-    let scenes: [(&str, Scene, Vec<&str>, &[&str]); 7] = [
+    let over_a_floor = || {
+        let mut scene = crowd(64);
+        scene.boundary = "p p f".into();
+        scene.low[2] -= 0.01;
+        scene.high[2] += 0.01;
+        scene
+    };
+    let wiggling =
+        format!("fix floor all wall/gran/ellipsoid {LAW} zplane 2e-3 NULL wiggle z 1e-3 2e-3");
+    let by_variables = format!(
+        "fix floor all wall/gran/ellipsoid {LAW} shape plane point 0 0 2e-3 side inside velocity v_sway 0 v_lift omega 0.05 0.05 0 0 0 1 v_spin"
+    );
+    let by_region = format!("fix floor all wall/gran/ellipsoid {LAW} region floor");
+    let scenes: [(&str, Scene, Vec<&str>, &[&str]); 10] = [
+        (
+            "wall_wiggle",
+            over_a_floor(),
+            vec![&wiggling, move_all],
+            &[],
+        ),
+        (
+            "wall_variables",
+            over_a_floor(),
+            vec![
+                "variable sway equal 2*cos(2000*step*dt)",
+                "variable lift equal 2*sin(3000*step*dt)",
+                "variable spin equal 40*sin(1000*step*dt)",
+                &by_variables,
+                move_all,
+            ],
+            &[],
+        ),
+        (
+            "wall_region",
+            over_a_floor(),
+            vec![
+                "variable rise equal 1e-3*(1-cos(3000*step*dt))",
+                "region floor plane 0 0 2e-3 0 0 1 move NULL NULL v_rise",
+                &by_region,
+                move_all,
+            ],
+            &[],
+        ),
         (
             "freeze",
             crowded(),
