@@ -773,9 +773,10 @@ void FixWallGranEllipsoid::post_force(int vflag)
     if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
     if (fix_step_velocity) fix_step_velocity->replace_velocities(particles, false);
     if (!contact_masses.empty()) particles.contact_masses = contact_masses.data();
-    // LAMMPS brings atoms, moves and sorts them when it builds neighbour lists; commands may change them before a run, which begins with
-    // an evaluation in which no time passes.
-    const bool follows_last_step = step_of_forces + 1 == update->ntimestep && neighbor->ago > 0;
+    // LAMMPS brings atoms, moves and sorts them when it builds neighbour lists; commands may change them, their shapes and their groups before a
+    // run, which begins with an evaluation in which no time passes, or with its first step ('run ... pre no', 'run ... every').
+    const bool follows_last_step =
+        step_of_forces + 1 == update->ntimestep && neighbor->ago > 0 && update->ntimestep != update->firststep + 1;
     particles.unchanged = (time_passes && follows_last_step && !scene_may_change) ? 1 : 0;
     if (time_passes && pair) particles.prepared_by = pair->prepared_in(update->ntimestep);
     // Energies that nobody asked for stand still.

@@ -187,3 +187,62 @@ fn both_versions_a_wiggling_wall_keeps_its_phase() {
         );
     }
 }
+
+/// A run without set-up goes on with what the walls knew of the grains, but for what commands have changed before it: shapes, and who is in
+/// the group.
+#[test]
+fn both_versions_walls_see_what_commands_change_before_a_run_without_set_up() {
+    let engine = Engine::from_environment();
+    let mut scene = Scene::open(
+        10.0,
+        vec![
+            Grain::new([0.5, 0.4, 0.3], [0.0, 0.0, 0.295]),
+            Grain::new([0.5, 0.4, 0.3], [2.0, 0.0, 0.35]),
+        ],
+    );
+    scene.kinds = 2;
+    scene.grains[1].kind = 2;
+    let forces = |wall: &str, command: &str, last: &str| {
+        let deck = Deck {
+            integrate: false,
+            time_step: 1e-6,
+            steps: 12,
+            skin: 0.5,
+            fixes: vec![
+                "fix move all nve/noforce".into(),
+                "group heavy id 1".into(),
+                format!("fix floor heavy wall/gran/ellipsoid {LAW} {wall}"),
+            ],
+            runs: [
+                &["run 10".to_string()],
+                &command.lines().map(String::from).collect::<Vec<_>>()[..],
+                &[last.to_string()],
+            ]
+            .concat(),
+            ..Deck::with_pair(vec![
+                "pair_style gran/ellipsoid 4.0".into(),
+                format!("pair_coeff * * {LAW}"),
+            ])
+        };
+        let outcome = run(&engine, "before_a_run", &scene, &deck, 1);
+        let states = &outcome.last().states;
+        [states[0].force, states[1].force]
+    };
+    for wall in ["zplane 0 NULL", "shape sphere point 0 0 -50 radius 50"] {
+        for (command, touches) in [
+            ("group heavy clear\ngroup heavy id 2", [false, false]),
+            (
+                "group heavy id 2\nset type 2 shape 1.0 0.8 0.8",
+                [true, true],
+            ),
+            ("set type 1 shape 1.0 0.8 0.5", [false, false]),
+        ] {
+            let [with, without] = ["run 2", "run 2 pre no"].map(|last| forces(wall, command, last));
+            assert_eq!(with.map(|f| length(f) > 0.0), touches, "{wall}, {command}");
+            for (a, b) in with.iter().zip(&without) {
+                let apart = length(sub(*a, *b));
+                assert!(apart <= 1e-9 * length(*a), "{wall}, {command}: {a:?} {b:?}");
+            }
+        }
+    }
+}
