@@ -2,11 +2,16 @@
 
 #include "fix_contact_history_ellgran.h"
 
+#include <algorithm>
 #include <cstring>
 
+#include "atom.h"
+#include "comm.h"
 #include "domain.h"
 #include "ellgran_contact.h"
 #include "modify.h"
+#include "neighbor.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 using LIGGGHTS::ContactModels::EllgranContact;
@@ -15,16 +20,52 @@ namespace {
 
 const char ID[] = "ellgran_contact_history";
 
+// type, groups, mass, bounding radius, semi-axes
+const int VALUES_OF_IMAGE = 7;
+
 // What reads the histories of pairs in the middle of a run. (Of the computes contact/atom/gran does, which refuses ellipsoids.)
 const char *const FIXES[] = {"heat/gran", "heat/gran/conduction", "multicontact/halfspace", "deform/check"};
 
 }
 
-FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
+FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  comm_forward = VALUES_OF_IMAGE;
+}
 
 int FixContactHistoryEllgran::setmask()
 {
-  return FixConst::PRE_EXCHANGE;
+  return FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE;
+}
+
+void FixContactHistoryEllgran::pre_force(int)
+{
+  if (update->ntimestep == update->firststep + 1 && neighbor->ago > 0) comm->forward_comm_fix(this);
+}
+
+int FixContactHistoryEllgran::pack_comm(int count, int *particles, double *buffer, int, int *)
+{
+  for (int k = 0; k < count; k++) {
+    const int i = particles[k];
+    *buffer++ = atom->type[i];
+    *buffer++ = atom->mask[i];
+    *buffer++ = atom->rmass[i];
+    *buffer++ = atom->radius[i];
+    buffer = std::copy(atom->shape[i], atom->shape[i] + 3, buffer);
+  }
+  return VALUES_OF_IMAGE;
+}
+
+void FixContactHistoryEllgran::unpack_comm(int count, int first, double *buffer)
+{
+  for (int i = first; i < first + count; i++) {
+    atom->type[i] = static_cast<int>(*buffer++);
+    atom->mask[i] = static_cast<int>(*buffer++);
+    atom->rmass[i] = *buffer++;
+    atom->radius[i] = *buffer++;
+    std::copy(buffer, buffer + 3, atom->shape[i]);
+    buffer += 3;
+  }
 }
 
 void FixContactHistoryEllgran::add(LAMMPS *lmp)

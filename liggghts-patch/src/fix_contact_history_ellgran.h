@@ -5,6 +5,9 @@
  *
  * Of all fixes LIGGGHTS calls those first whose style begins with contacthistory, in the order in which they were made. The surface model
  * makes this one when the pair style is read, so that it stands before fix contacthistory, which is made when a run begins.
+ *
+ * And images of particles, which LIGGGHTS gives shapes, types and masses when it builds neighbour lists, must have those that commands have
+ * set before a run that goes on with the list of the one before it ('run ... pre no', 'run ... every').
  */
 
 #ifdef FIX_CLASS
@@ -24,6 +27,9 @@ class FixContactHistoryEllgran : public Fix {
   virtual int setmask();
   virtual void pre_exchange() { write(); }
   virtual void post_run() { write(); }
+  virtual void pre_force(int);
+  virtual int pack_comm(int count, int *particles, double *buffer, int, int *);
+  virtual void unpack_comm(int count, int first, double *buffer);
 
   // Makes the fix if it can be made and is not there. Call it when the pair style is read.
   static void add(class LAMMPS *lmp);
