@@ -34,6 +34,8 @@ constexpr int DRAWS = 1000;
 
 // Part of gravity that may point away from -z, by rounding of a deck's numbers. As in fix pour.
 constexpr double SIDEWAYS = 1.0e-3;
+// Steps from one insertion to the next: no run has as many.
+constexpr double MOST_STEPS = 1.0e15;
 
 constexpr int NUMBER_OF_OUTPUTS = 3;
 constexpr int NUMBER_OF_STATES = 10;
@@ -194,7 +196,12 @@ void FixPourEllipsoid::plan()
     error->all(FLERR, "{}: without gravity grains stay in the region: give 'vel' a vz below 0, or a fix gravity", caller);
   const double root = std::sqrt(speed * speed + 2.0 * gravity * height);
   fall_time = 2.0 * height / (speed + root);
-  interval = std::max<bigint>(1, std::llround(fall_time / update->dt));
+  const double steps = fall_time / update->dt;
+  const bool never_fall = !(steps < MOST_STEPS);
+  if (never_fall && inserted < wanted && update->nsteps > 0)
+    error->all(FLERR, "{}: with the time step {} grains do not fall out of the region in this run, which they do in {:.4g}: give a longer time step, or "
+                      "this fix after the run", caller, update->dt, fall_time);
+  interval = never_fall ? 1 : std::max<bigint>(1, std::llround(steps));
   const double volume = mixture.mean_volume();
   per_event = std::floor(solid_fraction * placement.volume() / volume);
   if (flow_given) {
@@ -202,7 +209,7 @@ void FixPourEllipsoid::plan()
     if (needed > solid_fraction)
       error->all(FLERR, "{}: flow {} needs a solid fraction of {:.4g} in the region, more than vol {}: give a larger region, grains "
                         "that fall faster, or a larger vol", caller, flow, needed, solid_fraction);
-    per_event = flow * static_cast<double>(interval) * update->dt / (mixture.mean_density() * volume);
+    if (!never_fall) per_event = flow * static_cast<double>(interval) * update->dt / (mixture.mean_density() * volume);
   }
   if (per_event <= 0.0 || (per_event < 1.0 && !flow_given))
     error->all(FLERR, "{}: no grain at a time: the region {} of volume {:.6g} filled to {} holds less than one grain of mean volume "

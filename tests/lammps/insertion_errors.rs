@@ -251,6 +251,16 @@ const STREAMS: &[(&str, &str, &[&str])] = &[
         "10 1 7 region tilted shape one 0.004 0.002 0.002",
         &["region tilted", "prism"],
     ),
+    (
+        "fix g all gravity 9.81 vector 0 0 -1\ntimestep 0",
+        "10 1 7 region top shape one 0.004 0.002 0.002",
+        &["time step 0", "do not fall out", "longer time step"],
+    ),
+    (
+        "fix g all gravity 9.81 vector 0 0 -1\ntimestep 0",
+        "10 1 7 region top shape one 0.004 0.002 0.002 flow 0.001",
+        &["time step 0", "do not fall out", "longer time step"],
+    ),
 ];
 
 /// What is before the command, its words, words of the message.
