@@ -203,8 +203,8 @@ fn a_grain_passes_a_saddle_without_a_jump() {
     assert!(ways > 400);
 }
 
-/// Fans of 3 to 7 triangles: all convex and all concave ones without a jump, and mixed ones but for a few where a corner of an obtuse face
-/// comes into reach (`geometry/triangles.rs`).
+/// Fans of 3 to 7 triangles: all convex and all concave ones without a jump, and mixed ones but for a few, most of them where
+/// the corner comes into reach (docs/theory.md says why).
 #[test]
 fn a_grain_passes_any_corner_on_any_way() {
     let laws = laws(&["hertz 1e7 0.3 conservative no"]);
