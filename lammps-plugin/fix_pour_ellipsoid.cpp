@@ -170,10 +170,10 @@ double FixPourEllipsoid::gravity_now() const
 
 void FixPourEllipsoid::setup_pre_exchange()
 {
-  plan();
+  const bool they_fall = plan();
   // A restart file may come from a run with another time step.
   if (clock_time_step != update->dt) reset_dt();
-  if (!started) {
+  if (!started && they_fall) {
     started = true;
     next_step = clock_step = update->ntimestep + 1;
     last_tag = placement.greatest_tag();
@@ -184,9 +184,10 @@ void FixPourEllipsoid::setup_pre_exchange()
   next_reneighbor = (inserted < wanted) ? next_step : -1;
 }
 
-/* How often, and how many: as many grains as the region has room for in each time in which one falls through it. */
+/* How often, and how many: as many grains as the region has room for in each time in which one falls through it. Whether they fall out of it in
+   any number of steps. */
 
-void FixPourEllipsoid::plan()
+bool FixPourEllipsoid::plan()
 {
   gravity = gravity_now();
   const double height = placement.high()[2] - placement.low()[2];
@@ -214,6 +215,7 @@ void FixPourEllipsoid::plan()
   if (per_event <= 0.0 || (per_event < 1.0 && !flow_given))
     error->all(FLERR, "{}: no grain at a time: the region {} of volume {:.6g} filled to {} holds less than one grain of mean volume "
                       "{:.6g}: give a larger region or smaller grains", caller, region_id, placement.volume(), solid_fraction, volume);
+  return !never_fall;
 }
 
 void FixPourEllipsoid::tell_plan() const

@@ -66,7 +66,7 @@ class FixPourEllipsoid : public Fix {
   void parse(int narg, char **arg);
   void parse_velocity(int iarg, char **arg);
   double gravity_now() const;
-  void plan();
+  bool plan();
   void tell_plan() const;
   [[nodiscard]] double time_now() const;
   void advance_clock();
