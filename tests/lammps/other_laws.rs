@@ -62,28 +62,40 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-fn is_warned_of(outcome: &Outcome) -> bool {
+/// Whether it says so, over the ends of lines.
+fn says(outcome: &Outcome, what: &str) -> bool {
     let words: Vec<&str> = outcome.output.split_whitespace().collect();
-    words
-        .join(" ")
-        .contains("contacts that exist start with no tangential displacement")
+    words.join(" ").contains(what)
+}
+
+fn is_warned_of(outcome: &Outcome) -> bool {
+    says(
+        outcome,
+        "contacts that exist start with no tangential displacement",
+    )
+}
+
+fn is_warned_of_types(outcome: &Outcome) -> bool {
+    says(
+        outcome,
+        "their contacts start with no tangential displacement",
+    )
 }
 
 const NORMAL: &str = "hertz 1e7 0.3";
+const TOTAL: &str = "hertz 1e7 0.3 tangential mindlin 5.0 displacement total";
+const INCREMENTAL: &str = "hertz 1e7 0.3 tangential mindlin 5.0 displacement incremental";
+const RESCALED: &str = "hertz 1e7 0.3 tangential mindlin 5.0";
+const PARTIAL_SLIP: &str = "hertz 1e7 0.3 tangential tfd 5.0 displacement total";
+/// As many numbers as the next one.
+const ROLLING: &str =
+    "hertz 1e7 0.3 tangential mindlin 5.0 displacement total rolling sds 1e5 0 0.5";
+const TWISTING: &str = "hertz 1e7 0.3 tangential mindlin 5.0 twisting marshall";
 
 /// Numbers that mean something else are not read, and a warning says so; those that mean the same are.
 #[test]
 fn both_versions_no_law_takes_for_its_own_what_another_remembered() {
     let engine = Engine::from_environment();
-    let law = |words: &str| format!("{NORMAL} {words}");
-    let total = law("tangential mindlin 5.0 displacement total");
-    let incremental = law("tangential mindlin 5.0 displacement incremental");
-    let rescaled = law("tangential mindlin 5.0");
-    // As many numbers as the next one.
-    let rolling = law("tangential mindlin 5.0 displacement total rolling sds 1e5 0 0.5");
-    let twisting = law("tangential mindlin 5.0 twisting marshall");
-    let partial_slip = law("tangential tfd 5.0 displacement total");
-    let frictionless = NORMAL.to_string();
 
     for through_a_file in [false, true] {
         let changed = |name: &str, laws: &[&str]| {
@@ -91,16 +103,16 @@ fn both_versions_no_law_takes_for_its_own_what_another_remembered() {
             change(&engine, &name, laws, through_a_file)
         };
         for (name, laws, kept) in [
-            ("force", [&total, &incremental], false),
-            ("displacement", [&incremental, &total], false),
-            ("way", [&rolling, &twisting], false),
-            ("torque", [&twisting, &rolling], false),
-            ("same", [&total, &total], true),
-            ("energy", [&rescaled, &rescaled], true),
-            ("slip", [&total, &partial_slip], true),
+            ("force", [TOTAL, INCREMENTAL], false),
+            ("displacement", [INCREMENTAL, TOTAL], false),
+            ("way", [ROLLING, TWISTING], false),
+            ("torque", [TWISTING, ROLLING], false),
+            ("same", [TOTAL, TOTAL], true),
+            ("energy", [RESCALED, RESCALED], true),
+            ("slip", [TOTAL, PARTIAL_SLIP], true),
         ] {
             let (before, after) = changed(name, &[laws[0], laws[1]]);
-            let (_, without) = changed("frictionless", &[laws[0], &frictionless]);
+            let (_, without) = changed("frictionless", &[laws[0], NORMAL]);
             let tangential = distance(force(&before), force(&without));
             let normal = distance(force(&without), [0.0; 3]);
             assert!(tangential > 1e-3 * normal, "{name}: {tangential} {normal}");
@@ -159,25 +171,17 @@ fn force_on_wall(outcome: &Outcome) -> [f64; 3] {
 #[test]
 fn both_versions_after_a_restart_no_wall_takes_for_its_own_what_another_remembered() {
     let engine = Engine::from_environment();
-    let law = |words: &str| format!("{NORMAL} {words}");
-    let total = law("tangential mindlin 5.0 displacement total");
-    let incremental = law("tangential mindlin 5.0 displacement incremental");
-    let rescaled = law("tangential mindlin 5.0");
-    let rolling = law("tangential mindlin 5.0 displacement total rolling sds 1e5 0 0.5");
-    let twisting = law("tangential mindlin 5.0 twisting marshall");
-    let partial_slip = law("tangential tfd 5.0 displacement total");
     for (name, laws, kept) in [
-        ("force", [&total, &incremental], false),
-        ("displacement", [&incremental, &total], false),
-        ("way", [&rolling, &twisting], false),
-        ("torque", [&twisting, &rolling], false),
-        ("longer", [&total, &rescaled], false),
-        ("same", [&total, &total], true),
-        ("energy", [&rescaled, &rescaled], true),
-        ("slip", [&total, &partial_slip], true),
+        ("force", [TOTAL, INCREMENTAL], false),
+        ("displacement", [INCREMENTAL, TOTAL], false),
+        ("way", [ROLLING, TWISTING], false),
+        ("torque", [TWISTING, ROLLING], false),
+        ("longer", [TOTAL, RESCALED], false),
+        ("same", [TOTAL, TOTAL], true),
+        ("energy", [RESCALED, RESCALED], true),
+        ("slip", [TOTAL, PARTIAL_SLIP], true),
     ] {
-        let (before, after) =
-            change_wall(&engine, &format!("wall_{name}"), laws.map(|l| l.as_str()));
+        let (before, after) = change_wall(&engine, &format!("wall_{name}"), laws);
         let then = force_on_wall(&before);
         let tangential = then[0].hypot(then[1]);
         assert!(tangential > 1e-3 * then[2].abs(), "{name}: {then:?}");
@@ -190,87 +194,6 @@ fn both_versions_after_a_restart_no_wall_takes_for_its_own_what_another_remember
             assert!((left - 1.0).abs() < 0.2, "{name}: {left}");
         } else {
             assert!(left < 1e-12, "{name}: {left}");
-        }
-    }
-}
-
-/// Two grains whose law `set type` changes, since it is that of another type: what follows is what the new law makes of them, and not of
-/// what the old one remembered. A run without set-up is refused.
-#[test]
-fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
-    let engine = Engine::from_environment();
-    let law = |words: &str| format!("{NORMAL} {words}");
-    let total = law("tangential mindlin 5.0 displacement total");
-    let incremental = law("tangential mindlin 5.0 displacement incremental");
-    let partial_slip = law("tangential tfd 5.0 displacement total");
-    let frictionless = NORMAL.to_string();
-    for (ranks, newton) in [(1, true), (2, true), (2, false)] {
-        let go_on = |name: &str, laws: [&String; 2], commands: &[&str]| {
-            let mut scene = pressed();
-            scene.kinds = 2;
-            for (grain, x) in scene.grains.iter_mut().zip([-0.495, 0.495]) {
-                grain.position[0] = x;
-            }
-            let mut runs = vec![format!("run {HALF}")];
-            runs.extend(commands.iter().map(|command| command.to_string()));
-            // The pair of both types has the law of the second.
-            let pair = vec![
-                "pair_style gran/ellipsoid".into(),
-                format!("pair_coeff 1 1 {}", laws[0]),
-                format!("pair_coeff * 2 {}", laws[1]),
-            ];
-            let deck = Deck {
-                newton,
-                before_data: vec!["processors 2 1 1".into(); ranks - 1],
-                fixes: vec![
-                    "group first id 1".into(),
-                    "compute force first reduce sum fx fy fz".into(),
-                ],
-                time_step: 1e-5,
-                steps: HALF,
-                thermo_columns: "step c_force[1] c_force[2] c_force[3]".into(),
-                runs,
-                ..Deck::with_pair(pair)
-            };
-            let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
-            attempt_in(&engine, directory, &scene, &deck, ranks)
-        };
-        for (name, laws, kept) in [
-            ("force", [&total, &incremental], false),
-            ("displacement", [&incremental, &total], false),
-            ("slip", [&total, &partial_slip], true),
-            ("same", [&incremental, &incremental], true),
-        ] {
-            let before = go_on("before", laws, &["run 0"]);
-            let without = go_on(
-                "without",
-                [laws[0], &frictionless],
-                &["set type 1 type 2", "run 0"],
-            );
-            let tangential = distance(force(&before), force(&without));
-            let normal = distance(force(&without), [0.0; 3]);
-            assert!(tangential > 1e-3 * normal, "{name}: {tangential} {normal}");
-            for changed in ["type 1", "atom 2"] {
-                let what = format!("{name}, {changed}, {ranks} ranks, newton {newton}");
-                let set = format!("set {changed} type 2");
-                let after = go_on("after", laws, &[&set, "run 0"]);
-                assert!(after.success, "{what}:\n{}", after.output);
-                let left = distance(force(&after), force(&without)) / tangential;
-                println!("{what}: {left}");
-                let warned = is_warned_of_types(&after);
-                assert_eq!(warned, !kept, "{what}: {}", after.output);
-                if kept {
-                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
-                } else {
-                    // Rounding of the normal force, which is the larger one.
-                    assert!(left < 1e-10, "{what}: {left}");
-                }
-                let at_once = go_on("at_once", laws, &[&set, "run 1 pre no"]);
-                let words = "atoms have got another type";
-                let refused = !at_once.success && at_once.output.contains(words);
-                assert_eq!(refused, !kept, "{what}: {}", at_once.output);
-                assert_eq!(at_once.success, kept, "{what}: {}", at_once.output);
-            }
         }
     }
 }
@@ -308,23 +231,75 @@ fn deck_of_two_types(ranks: usize, newton: bool) -> Deck {
     }
 }
 
+/// Two grains whose law `set type` changes, since it is that of another type: what follows is what the new law makes of them, and not of
+/// what the old one remembered. A run without set-up is refused.
+#[test]
+fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
+    let engine = Engine::from_environment();
+    for (ranks, newton) in [(1, true), (2, true), (2, false)] {
+        let go_on = |name: &str, laws: [&str; 2], commands: &[&str]| {
+            let mut runs = vec![format!("run {HALF}")];
+            runs.extend(commands.iter().map(|command| command.to_string()));
+            let deck = Deck {
+                pair: two_laws(laws),
+                runs,
+                ..deck_of_two_types(ranks, newton)
+            };
+            let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
+            attempt_in(&engine, directory, &of_two_types(), &deck, ranks)
+        };
+        for (name, laws, kept) in [
+            ("force", [TOTAL, INCREMENTAL], false),
+            ("displacement", [INCREMENTAL, TOTAL], false),
+            ("slip", [TOTAL, PARTIAL_SLIP], true),
+            ("same", [INCREMENTAL, INCREMENTAL], true),
+        ] {
+            let before = go_on("before", laws, &["run 0"]);
+            let without = go_on(
+                "without",
+                [laws[0], NORMAL],
+                &["set type 1 type 2", "run 0"],
+            );
+            let tangential = distance(force(&before), force(&without));
+            let normal = distance(force(&without), [0.0; 3]);
+            assert!(tangential > 1e-3 * normal, "{name}: {tangential} {normal}");
+            for changed in ["type 1", "atom 2"] {
+                let what = format!("{name}, {changed}, {ranks} ranks, newton {newton}");
+                let set = format!("set {changed} type 2");
+                let after = go_on("after", laws, &[&set, "run 0"]);
+                assert!(after.success, "{what}:\n{}", after.output);
+                let left = distance(force(&after), force(&without)) / tangential;
+                println!("{what}: {left}");
+                let warned = is_warned_of_types(&after);
+                assert_eq!(warned, !kept, "{what}: {}", after.output);
+                if kept {
+                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
+                } else {
+                    // Rounding of the normal force, which is the larger one.
+                    assert!(left < 1e-10, "{what}: {left}");
+                }
+                let at_once = go_on("at_once", laws, &[&set, "run 1 pre no"]);
+                let words = "atoms have got another type";
+                let refused = !at_once.success && at_once.output.contains(words);
+                assert_eq!(refused, !kept, "{what}: {}", at_once.output);
+                assert_eq!(at_once.success, kept, "{what}: {}", at_once.output);
+            }
+        }
+    }
+}
+
 /// A restart file has the types under whose laws contacts remember what they do: `set type` before the first run that follows is seen.
 #[test]
 fn both_versions_after_a_restart_no_type_takes_for_its_own_what_another_remembered() {
     let engine = Engine::from_environment();
-    let law = |words: &str| format!("{NORMAL} {words}");
-    let total = law("tangential mindlin 5.0 displacement total");
-    let incremental = law("tangential mindlin 5.0 displacement incremental");
-    let partial_slip = law("tangential tfd 5.0 displacement total");
     for (ranks, newton) in [(1, true), (2, true), (2, false)] {
         for (name, laws, kept) in [
-            ("force", [&total, &incremental], false),
-            ("displacement", [&incremental, &total], false),
-            ("slip", [&total, &partial_slip], true),
-            ("same", [&incremental, &incremental], true),
+            ("force", [TOTAL, INCREMENTAL], false),
+            ("displacement", [INCREMENTAL, TOTAL], false),
+            ("slip", [TOTAL, PARTIAL_SLIP], true),
+            ("same", [INCREMENTAL, INCREMENTAL], true),
         ] {
             let directory = fresh_directory(&format!("file_{name}_{ranks}_{newton}"));
-            let laws = laws.map(|law| law.as_str());
             let start = Deck {
                 pair: two_laws(laws),
                 runs: vec![format!("run {HALF}"), "write_restart middle.restart".into()],
@@ -380,10 +355,6 @@ fn both_versions_after_a_restart_no_type_takes_for_its_own_what_another_remember
 #[test]
 fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
     let engine = Engine::from_environment();
-    let law = |words: &str| format!("{NORMAL} {words}");
-    let total = law("tangential mindlin 5.0 displacement total");
-    let incremental = law("tangential mindlin 5.0 displacement incremental");
-    let partial_slip = law("tangential tfd 5.0 displacement total");
     for (ranks, newton) in [(1, true), (2, true), (2, false)] {
         let go_on = |name: &str, laws: [&str; 2], lists: &str, changes: bool| {
             let last = HALF + 1;
@@ -405,12 +376,11 @@ fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
             attempt_in(&engine, directory, &of_two_types(), &deck, ranks)
         };
         for (name, laws, kept) in [
-            ("force", [&total, &incremental], false),
-            ("displacement", [&incremental, &total], false),
-            ("slip", [&total, &partial_slip], true),
+            ("force", [TOTAL, INCREMENTAL], false),
+            ("displacement", [INCREMENTAL, TOTAL], false),
+            ("slip", [TOTAL, PARTIAL_SLIP], true),
         ] {
             let what = format!("{name}, {ranks} ranks, newton {newton}");
-            let laws = laws.map(|law| law.as_str());
             let before = go_on("before", laws, "check no", false);
             let without = force(&go_on("without", [laws[0], NORMAL], "check no", true));
             let tangential = distance(force(&before), without);
@@ -441,11 +411,4 @@ fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
             );
         }
     }
-}
-
-fn is_warned_of_types(outcome: &Outcome) -> bool {
-    let words: Vec<&str> = outcome.output.split_whitespace().collect();
-    words
-        .join(" ")
-        .contains("their contacts start with no tangential displacement")
 }
