@@ -82,6 +82,15 @@ fn is_warned_of_types(outcome: &Outcome) -> bool {
     )
 }
 
+/// What is left of the tangential force, as a part of it: nothing but this where nothing is kept.
+fn assert_left(what: &str, left: f64, kept: bool, nothing: f64) {
+    if kept {
+        assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
+    } else {
+        assert!(left < nothing, "{what}: {left}");
+    }
+}
+
 const NORMAL: &str = "hertz 1e7 0.3";
 const TOTAL: &str = "hertz 1e7 0.3 tangential mindlin 5.0 displacement total";
 const INCREMENTAL: &str = "hertz 1e7 0.3 tangential mindlin 5.0 displacement incremental";
@@ -119,11 +128,7 @@ fn both_versions_no_law_takes_for_its_own_what_another_remembered() {
             let left = distance(force(&after), force(&without)) / tangential;
             println!("{name}: {left}");
             assert_eq!(is_warned_of(&after), !kept, "{name}: {}", after.output);
-            if kept {
-                assert!((left - 1.0).abs() < 0.2, "{name}: {left}");
-            } else {
-                assert!(left < 1e-12, "{name}: {left}");
-            }
+            assert_left(name, left, kept, 1e-12);
         }
     }
 }
@@ -190,13 +195,17 @@ fn both_versions_after_a_restart_no_wall_takes_for_its_own_what_another_remember
         println!("{name}: {left}");
         assert!((now[2] / then[2] - 1.0).abs() < 1e-9, "{name}: {now:?}");
         assert_eq!(is_warned_of(&after), !kept, "{name}: {}", after.output);
-        if kept {
-            assert!((left - 1.0).abs() < 0.2, "{name}: {left}");
-        } else {
-            assert!(left < 1e-12, "{name}: {left}");
-        }
+        assert_left(name, left, kept, 1e-12);
     }
 }
+
+/// The laws of two types, and whether contacts remember the same under both.
+const CHANGES_OF_TYPE: [(&str, [&str; 2], bool); 4] = [
+    ("force", [TOTAL, INCREMENTAL], false),
+    ("displacement", [INCREMENTAL, TOTAL], false),
+    ("slip", [TOTAL, PARTIAL_SLIP], true),
+    ("same", [INCREMENTAL, INCREMENTAL], true),
+];
 
 /// Two grains in the middle of the box, of two types: the pair of both types, and that of the second, have the second law.
 fn of_two_types() -> Scene {
@@ -248,12 +257,7 @@ fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
             let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
             attempt_in(&engine, directory, &of_two_types(), &deck, ranks)
         };
-        for (name, laws, kept) in [
-            ("force", [TOTAL, INCREMENTAL], false),
-            ("displacement", [INCREMENTAL, TOTAL], false),
-            ("slip", [TOTAL, PARTIAL_SLIP], true),
-            ("same", [INCREMENTAL, INCREMENTAL], true),
-        ] {
+        for (name, laws, kept) in CHANGES_OF_TYPE {
             let before = go_on("before", laws, &["run 0"]);
             let without = go_on(
                 "without",
@@ -272,12 +276,8 @@ fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
                 println!("{what}: {left}");
                 let warned = is_warned_of_types(&after);
                 assert_eq!(warned, !kept, "{what}: {}", after.output);
-                if kept {
-                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
-                } else {
-                    // Rounding of the normal force, which is the larger one.
-                    assert!(left < 1e-10, "{what}: {left}");
-                }
+                // Rounding of the normal force, which is the larger one.
+                assert_left(&what, left, kept, 1e-10);
                 let at_once = go_on("at_once", laws, &[&set, "run 1 pre no"]);
                 let words = "atoms have got another type";
                 let refused = !at_once.success && at_once.output.contains(words);
@@ -293,12 +293,7 @@ fn both_versions_no_type_takes_for_its_own_what_another_remembered() {
 fn both_versions_after_a_restart_no_type_takes_for_its_own_what_another_remembered() {
     let engine = Engine::from_environment();
     for (ranks, newton) in [(1, true), (2, true), (2, false)] {
-        for (name, laws, kept) in [
-            ("force", [TOTAL, INCREMENTAL], false),
-            ("displacement", [INCREMENTAL, TOTAL], false),
-            ("slip", [TOTAL, PARTIAL_SLIP], true),
-            ("same", [INCREMENTAL, INCREMENTAL], true),
-        ] {
+        for (name, laws, kept) in CHANGES_OF_TYPE {
             let directory = fresh_directory(&format!("file_{name}_{ranks}_{newton}"));
             let start = Deck {
                 pair: two_laws(laws),
@@ -337,11 +332,7 @@ fn both_versions_after_a_restart_no_type_takes_for_its_own_what_another_remember
                     "{what}: {}",
                     after.output
                 );
-                if kept {
-                    assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
-                } else {
-                    assert!(left < 1e-10, "{what}: {left}");
-                }
+                assert_left(&what, left, kept, 1e-10);
                 // What is written again before the first run is of the new types.
                 let again = go_on(vec![], &[&set, "write_restart again.restart", "run 0"]);
                 let left_again = distance(force(&again), without) / tangential;
@@ -375,11 +366,7 @@ fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
             let directory = fresh_directory(&format!("{name}_{ranks}_{newton}"));
             attempt_in(&engine, directory, &of_two_types(), &deck, ranks)
         };
-        for (name, laws, kept) in [
-            ("force", [TOTAL, INCREMENTAL], false),
-            ("displacement", [INCREMENTAL, TOTAL], false),
-            ("slip", [TOTAL, PARTIAL_SLIP], true),
-        ] {
+        for (name, laws, kept) in CHANGES_OF_TYPE {
             let what = format!("{name}, {ranks} ranks, newton {newton}");
             let before = go_on("before", laws, "check no", false);
             let without = force(&go_on("without", [laws[0], NORMAL], "check no", true));
@@ -395,11 +382,7 @@ fn no_type_that_a_fix_gives_takes_for_its_own_what_another_remembered() {
                 "{what}: {}",
                 listed.output
             );
-            if kept {
-                assert!((left - 1.0).abs() < 0.2, "{what}: {left}");
-            } else {
-                assert!(left < 0.02, "{what}: {left}");
-            }
+            assert_left(&what, left, kept, 0.02);
             let between = go_on("between", laws, "check yes", true);
             assert_eq!(between.success, kept, "{what}: {}", between.output);
             let words = "between two neighbour lists";

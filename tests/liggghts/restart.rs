@@ -179,14 +179,17 @@ fn after_a_restart_no_pair_takes_for_its_own_what_another_remembered() {
         for (before, after, kept) in EQUALLY_MANY {
             let what = format!("{before} to {after}, {ranks} ranks");
             let directory = fresh_directory("pairs");
-            let with = |models: &str, runs: Vec<String>| {
-                Deck {
+            let with = |models: &str, runs: Vec<String>| Deck {
                 model: format!("{models} surface ellipsoid"),
                 before: OF_ROLLING.map(String::from).to_vec(),
                 fixes: [
                     vec![
                         "compute turning all property/atom tqx tqy tqz".into(),
-                        "compute largest all reduce max fx fy fz c_turning[1] c_turning[2] c_turning[3]".into(),
+                        [
+                            "compute largest all reduce max fx fy fz",
+                            "c_turning[1] c_turning[2] c_turning[3]",
+                        ]
+                        .join(" "),
                     ],
                     (1..=6)
                         .map(|k| format!("variable largest{k} equal c_largest[{k}]"))
@@ -196,7 +199,6 @@ fn after_a_restart_no_pair_takes_for_its_own_what_another_remembered() {
                 thermo: (1..=6).fold("step".into(), |line, k| line + &format!(" v_largest{k}")),
                 runs,
                 ..deck(300)
-            }
             };
             let first = with(before, vec!["run 150".into(), "write_restart half".into()]);
             run_in(&engine, &directory, &crowd(27), &first, ranks);
