@@ -530,7 +530,6 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
     fn prepare<S: Registers, const CHANGES: bool>(&mut self, registers: S) {
         let arrays = self.arrays;
         let mut chunk = Chunk::new();
-        let mut of_chunk = Shapes::Spheres;
         for (n, &k) in self.chosen.iter().enumerate() {
             let r = &mut *self.records;
             let particle_type = arrays.types[k];
@@ -552,20 +551,15 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
                 continue;
             }
             let shape = (arrays.shape)(k);
-            if let Some((a, _)) = &shape {
-                of_chunk = of_chunk.max(Shapes::of(a));
-            }
             chunk.places[chunk.length] = n;
             chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
             chunk.sound &= is_sound;
-            if chunk.length == S::LANES
-                && !self.finish::<S, CHANGES>(registers, &mut chunk, of_chunk)
-            {
+            if chunk.length == S::LANES && !self.finish::<S, CHANGES>(registers, &mut chunk) {
                 return;
             }
         }
         if chunk.length > 0 {
-            self.finish::<S, CHANGES>(registers, &mut chunk, of_chunk);
+            self.finish::<S, CHANGES>(registers, &mut chunk);
         }
     }
 
@@ -575,14 +569,9 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
         &mut self,
         registers: S,
         chunk: &mut Chunk,
-        of_chunk: Shapes,
     ) -> bool {
         let arrays = self.arrays;
         let r = &mut *self.records;
-        if of_chunk > r.shapes {
-            *self.shapes = of_chunk;
-            return false;
-        }
         chunk.repeat_first(S::LANES);
         let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
         let is_sound = chunk.sound
@@ -593,6 +582,15 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
                 from_momenta,
                 r.shapes,
             );
+        if !is_sound {
+            let particles = &chunk.particles[..chunk.length];
+            let of_chunk = particles.iter().filter_map(|k| (arrays.shape)(*k));
+            let of_chunk = of_chunk.map(|(a, _)| Shapes::of(&a)).max();
+            if let Some(of_chunk) = of_chunk.filter(|of_chunk| *of_chunk > r.shapes) {
+                *self.shapes = of_chunk;
+                return false;
+            }
+        }
         for lane in 0..chunk.length {
             let (k, n) = (chunk.particles[lane], chunk.places[lane]);
             if is_sound {
@@ -814,7 +812,8 @@ fn finished<S: Registers, const CHANGES: bool>(
         );
     }
     // The axis of revolution: the third where the first two semi-axes are the same, else the one that stands apart.
-    let third = registers.not(registers.or(a[0].less(a[1]), a[1].less(a[0])));
+    let first_two = registers.or(a[0].less(a[1]), a[1].less(a[0]));
+    let third = registers.not(first_two);
     let second = registers.or(a[1].less(a[2]), a[2].less(a[1]));
     let axis = Vector3::new(
         choose([third, second], axes[0].x, axes[1].x, axes[2].x),
@@ -836,6 +835,11 @@ fn finished<S: Registers, const CHANGES: bool>(
             w = axis.scale_add(axis.dot(turn_change) * more, turn_change * across);
         }
     }
+    // One pair of the semi-axes is the same: else the closed form does not serve.
+    let different = registers.or(a[2].less(a[0]), a[0].less(a[2]));
+    let is_of_revolution =
+        registers.not(registers.and(first_two, registers.and(second, different)));
+    let sound = registers.and(sound, is_of_revolution);
     (
         registers.and(sound, are_slow(omega)),
         [

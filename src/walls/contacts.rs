@@ -314,7 +314,9 @@ impl Contacts {
             all: with,
             before,
             are_known,
+            layout,
         } = with_histories;
+        *layout = self.layout;
         if *are_known && self.all.is_empty() && with == written {
             return;
         }
@@ -392,9 +394,16 @@ pub(super) struct WithHistories {
     before: Vec<usize>,
     /// Whether these are they; where not, all particles are looked at.
     are_known: bool,
+    /// In which they were written.
+    layout: WallHistoryLayout,
 }
 
 impl WithHistories {
+    /// Whether the histories of all particles on which the wall acts are those that its last call has written, in this layout.
+    pub(super) fn are_written_in(&self, layout: WallHistoryLayout) -> bool {
+        self.are_known && self.layout == layout
+    }
+
     /// Somebody else may have written histories, or moved them.
     pub(super) fn forget(&mut self) {
         self.are_known = false;

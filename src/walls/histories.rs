@@ -35,7 +35,7 @@ pub struct WrongHistory {
 }
 
 /// How the histories of one particle are laid out: those of its contacts with a wall, by part.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WallHistoryLayout {
     /// Doubles of the contact model's history.
     pub history: usize,
@@ -183,15 +183,15 @@ impl WallHistoryLayout {
         (vector(&record[4..]), &record[HEAD..])
     }
 
-    /// What a contact with a part that a particle touches in one place at most goes on from: the normal of the last step, and the
-    /// history; `None` for a new contact. `normal` is the present one, from the particle into the wall.
+    /// The record from which a contact goes on with a part that a particle touches in one place at most; `None` for a new contact.
+    /// `normal` is the present one, from the particle into the wall.
     #[inline(always)]
     pub(super) fn record_of<'h>(
         &self,
         histories: &'h [f64],
         part: usize,
         normal: Vector3,
-    ) -> Option<(Vector3, &'h [f64])> {
+    ) -> Option<&'h [f64]> {
         let count = *histories.first()?;
         let own = (part + 1) as f64;
         let mut at = 1;
@@ -199,14 +199,32 @@ impl WallHistoryLayout {
         let mut number = 0.0;
         while number < count {
             let record = &histories[at..at + self.record];
-            let (last, history) = self.parts_of(record);
-            if record[0] == own && last.dot(normal) >= 0.5 {
-                return Some((last, history));
+            if record[0] == own && vector(&record[4..]).dot(normal) >= 0.5 {
+                return Some(record);
             }
             at += self.record;
             number += 1.0;
         }
         None
+    }
+
+    /// The last numbers of the record from which a contact goes on with a part that a particle touches in one place at most; `None` for
+    /// a contact that is new but for its normal, which is not looked at where there is but one record. The numbers end with the history.
+    #[inline(always)]
+    pub(super) fn end_of_record<'h>(
+        &self,
+        histories: &'h [f64],
+        part: usize,
+        normal: impl FnOnce() -> Vector3,
+    ) -> Option<&'h [f64; 8]> {
+        let record = if histories[0] <= 1.0 {
+            let own = (part + 1) as f64;
+            let record = &histories[1..1 + self.record];
+            (histories[0] == 1.0 && record[0] == own).then_some(record)?
+        } else {
+            self.record_of(histories, part, normal())?
+        };
+        record.last_chunk()
     }
 
     /// Writes the record of the only contact of a particle: `place` is 1, any number, point and normal; the history begins with the numbers of

@@ -10,6 +10,7 @@ use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
 use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
 use super::motion::Motion;
+use super::recalled::EndOfRecord;
 use super::shape::WholePlane;
 use super::touching_loads::TouchingLoads;
 use super::wall::{Wall, WallLoad};
@@ -92,16 +93,23 @@ pub fn compute_wall_in_lanes(
         step: input.step,
     };
     pass.find(wall.shapes(), &places, input.instruction_set);
-    let recalled = pass.recall(
-        &wall.near,
-        layout,
-        &of_laws,
-        output.histories,
-        input.instruction_set,
-    );
-    if let Err(wrong) = recalled {
-        wall.lone = pass;
-        return Err(WallError::History(wrong));
+    // What this wall has written itself need not be looked at before anything is added.
+    let is_own = layout.length() > 0 && wall.with_histories.are_written_in(layout);
+    let in_place = EndOfRecord::of(&of_laws).filter(|_| is_own);
+    if in_place.is_some() {
+        pass.last.clear();
+    } else {
+        let recalled = pass.recall(
+            &wall.near,
+            layout,
+            &of_laws,
+            output.histories,
+            input.instruction_set,
+        );
+        if let Err(wrong) = recalled {
+            wall.lone = pass;
+            return Err(WallError::History(wrong));
+        }
     }
     if let Some(t) = tallies.as_deref_mut() {
         t.start_step();
@@ -111,6 +119,7 @@ pub fn compute_wall_in_lanes(
         input,
         layout,
         of_laws: &of_laws,
+        in_place,
         near: &wall.near,
         part_forces: &mut wall.part_forces,
         touching_loads: (wall.keeps_inelastic_loads && tallies.is_some())
@@ -217,6 +226,8 @@ struct AddForces<'p, 'i, 't> {
     input: &'p RecordsInput<'i>,
     layout: WallHistoryLayout,
     of_laws: &'p HistoryLayout,
+    /// Where what the contacts go on from is read in the histories.
+    in_place: Option<EndOfRecord>,
     near: &'p [usize],
     part_forces: &'p mut [Vector3],
     touching_loads: Option<&'p mut TouchingLoads>,
@@ -229,7 +240,6 @@ struct AddForces<'p, 'i, 't> {
 }
 
 /// What the lanes load of a contact beside the records.
-#[derive(Default)]
 #[repr(C, align(64))]
 struct Numbers {
     outwards: Columns,
@@ -237,6 +247,8 @@ struct Numbers {
     point: Columns,
     inverse_mass: Column,
     mass: Column,
+    /// The ends of the records that they go on from, where these are read in place.
+    ends: [Line; MOST_LANES],
 }
 
 /// What the lanes write of a contact, a line each.
@@ -342,8 +354,14 @@ impl AddForces<'_, '_, '_> {
             ])),
             _ => None,
         };
-        let mut numbers = Numbers::default();
         let none = [Line::ZERO; MOST_LANES];
+        let mut numbers = Numbers {
+            outwards: Columns::default(),
+            point: Columns::default(),
+            inverse_mass: Column::default(),
+            mass: Column::default(),
+            ends: none,
+        };
         let mut results = Results {
             action: none,
             place: none,
@@ -395,6 +413,10 @@ struct Batch<'b> {
     records: [&'b Record; MOST_LANES],
     /// What each goes on from.
     lasts: [&'b Line; MOST_LANES],
+    /// Bits of those that may go on from the record of which the end is known.
+    continued: u32,
+    /// Bits of those of which more is remembered than the lanes take.
+    handed_over: u32,
     /// Its surface, and how fast that is in the frame of the wall; of a wall of planes alone not set.
     surfaces: [[&'b Line; MOST_LANES]; 2],
     velocities: [&'b Line; MOST_LANES],
@@ -460,7 +482,13 @@ impl AddForces<'_, '_, '_> {
             let v = Lanes::all(registers, registers.columns(&batch.velocities));
             placed.take_off(Vector3::new(v[0], v[1], v[2]));
         }
-        let remembered = recall(registers, &batch.lasts, axes, outwards, input.step);
+        let remembered = match self.in_place {
+            Some(end) => {
+                let last = end.read(registers, &numbers.ends);
+                recall_in_place(registers, last, batch.continued, axes, outwards, input.step)
+            }
+            None => recall(registers, &batch.lasts, axes, outwards, input.step),
+        };
         let constants = constants_of(registers, laws, only);
         let kinds = &laws[0].kinds;
         let ForcesAtSurface { forces: f, hard } = if SURFACES && batch.turns {
@@ -484,8 +512,9 @@ impl AddForces<'_, '_, '_> {
         };
 
         let present = (1u32 << batch.contacts.len()) - 1;
-        let sound = registers.bits(registers.and_not(placed.touching, hard)) & present;
-        let hard = registers.bits(registers.and(placed.touching, hard)) & present;
+        let touching = registers.bits(placed.touching) & present;
+        let hard = touching & (registers.bits(hard) | batch.handed_over);
+        let sound = touching & !hard;
         let mask = registers.mask(sound);
         let mass = placed.effective_mass();
         let springs = largest_springs(kinds, &constants, f.stiffness, mass);
@@ -535,6 +564,8 @@ impl AddForces<'_, '_, '_> {
     ) -> Batch<'_> {
         let near = &self.input.near;
         let lone = &*self.lone;
+        let length = self.layout.length();
+        let first = range.start;
         let contacts = &lone.contacts[range.clone()];
         let last = lone.last.get(range.clone()).unwrap_or(&[]);
         let velocities = lone.velocities.get(range.clone()).unwrap_or(&[]);
@@ -548,6 +579,8 @@ impl AddForces<'_, '_, '_> {
             contacts,
             records: [&near.records[contacts[0].near as usize]; MOST_LANES],
             lasts: [&Line::ZERO; MOST_LANES],
+            continued: 0,
+            handed_over: 0,
             surfaces: [[&Line::ZERO; MOST_LANES]; 2],
             velocities: [&Line::ZERO; MOST_LANES],
             turns: false,
@@ -560,6 +593,16 @@ impl AddForces<'_, '_, '_> {
             batch.records[lane] = &near.records[place];
             if let Some(line) = last.get(index) {
                 batch.lasts[lane] = line;
+            }
+            if self.in_place.is_some() {
+                let k = self.near[place];
+                let row = &self.histories[k * length..(k + 1) * length];
+                // Of several contacts with one part the nearest is meant.
+                batch.handed_over |= u32::from(SURFACES && row[0] > 1.0) << lane;
+                let inwards = || -lone.outwards(first + index);
+                let end = (self.layout).end_of_record(row, contact.part as usize, inwards);
+                batch.continued |= u32::from(end.is_some()) << lane;
+                numbers.ends[lane] = end.map_or(Line::ZERO, |end| Line(*end));
             }
             if SURFACES {
                 let [a, b] = &surfaces[index];
@@ -800,6 +843,28 @@ fn recall<S: Registers>(
     let time = Lanes::splat(registers, step.elapsed());
     // A law that remembers what relaxes is taken one contact at a time.
     Remembered::of(continued, -outwards, (normal, memory, l[6]), time)
+}
+
+/// The same from numbers that calls have written, of the contacts whose bit is set.
+#[inline(always)]
+fn recall_in_place<S: Registers>(
+    registers: S,
+    (mut normal, mut memory, energy): (Vector3<Lanes<S>>, Vector3<Lanes<S>>, Lanes<S>),
+    continued: u32,
+    axes: &Option<Axes<S>>,
+    outwards: Vector3<Lanes<S>>,
+    step: &Step,
+) -> Remembered<Lanes<S>> {
+    if let Some(axes) = axes {
+        normal = axes.to_world(normal);
+        memory = axes.to_world(memory);
+    }
+    // A contact moves over the surface, but it does not jump.
+    let least = energy.constant(0.5);
+    let is_same = registers.not((-normal.dot(outwards)).less(least));
+    let continued = registers.and(registers.mask(continued), is_same);
+    let time = Lanes::splat(registers, step.elapsed());
+    Remembered::of(continued, -outwards, (normal, memory, energy), time)
 }
 
 /// The motion of the bodies relative to a wall, and what it has more at the step, in the frame of the world

@@ -7,7 +7,7 @@ use crate::contact::ranges::LARGEST_DISPLACEMENT;
 use crate::contact::vectors_in_lanes::{load, put_in_lane, splat, Columns};
 use crate::contact::HistoryLayout;
 use crate::real::Real;
-use crate::simd::{InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
+use crate::simd::{lines, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::vector::Vector3;
 use core::ops::Range;
 
@@ -102,7 +102,8 @@ impl LoneContacts {
             let inwards = -self.outwards(index);
             let line = match layout.record_of(row, contact.part as usize, inwards) {
                 None => Line::ZERO,
-                Some((normal, history)) => {
+                Some(record) => {
+                    let (normal, history) = layout.parts_of(record);
                     let normal = if normal.is_unit() { normal } else { inwards };
                     line_of(normal, history, memory, of_laws.energy, 1.0)
                 }
@@ -135,6 +136,41 @@ impl LoneContacts {
         self.surfaces.truncate(kept);
         self.velocities.truncate(kept);
         self.last.truncate(kept);
+    }
+}
+
+/// What ends a record of which the lanes read `[ .. normal, memory, energy]` where it stands, the energy where it is remembered: records
+/// that calls have written need not be looked at first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EndOfRecord {
+    with_energy: bool,
+}
+
+impl EndOfRecord {
+    /// Of records with histories of these laws; `None` where they end with something else.
+    pub(super) fn of(laws: &HistoryLayout) -> Option<Self> {
+        let memory = laws.memory?;
+        let with_energy = laws.energy == Some(memory + 3);
+        let end = memory + 3 + usize::from(with_energy);
+        // The normal before the memory is that of the history or, where this begins with the memory, the record's.
+        let follows_normal = memory == laws.normal.map_or(0, |normal| normal + 3);
+        (follows_normal && end == laws.length).then_some(EndOfRecord { with_energy })
+    }
+
+    /// Normals, memories and energies.
+    #[inline(always)]
+    pub(super) fn read<S: Registers>(
+        self,
+        registers: S,
+        ends: &[Line; MOST_LANES],
+    ) -> (Vector3<Lanes<S>>, Vector3<Lanes<S>>, Lanes<S>) {
+        let [_, a, b, c, d, e, f, g] = Lanes::all(registers, registers.columns(&lines!(ends)));
+        if self.with_energy {
+            (Vector3::new(a, b, c), Vector3::new(d, e, f), g)
+        } else {
+            let zero = a.constant(0.0);
+            (Vector3::new(b, c, d), Vector3::new(e, f, g), zero)
+        }
     }
 }
 

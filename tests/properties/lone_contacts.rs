@@ -54,7 +54,7 @@ impl Scene {
         self.changes.extend(change);
     }
 
-    /// Three steps; the grains move on in between.
+    /// Four steps; the grains move on in between. In lanes the last two go by what the one before has written.
     fn compute(
         &self,
         wall: &mut Wall,
@@ -74,7 +74,7 @@ impl Scene {
         wall.records_contacts = false;
         wall.keeps_inelastic_loads = true;
         assert!(!in_lanes || wall.is_taken_in_lanes(laws, 1, set, Some(&tallies)));
-        for _ in 0..3 {
+        for number in 0..4 {
             let masses = (!self.masses.is_empty()).then_some(&self.masses[..]);
             let arrays = ParticleArrays {
                 owned: count,
@@ -91,10 +91,14 @@ impl Scene {
                 shape: |k| Some(self.shapes[k]),
                 identifier: |k| k as i64,
             };
-            wall.find_near(motion, count, |k| {
-                let largest = self.shapes[k].0.into_iter().fold(0.0, f64::max);
-                Some((Vector3::from_array(positions[k]), largest))
-            });
+            if in_lanes && number > 1 {
+                assert!(wall.find_near_again(motion, &positions).is_some());
+            } else {
+                wall.find_near(motion, count, |k| {
+                    let largest = self.shapes[k].0.into_iter().fold(0.0, f64::max);
+                    Some((Vector3::from_array(positions[k]), largest))
+                });
+            }
             let mut output = WallOutput {
                 acts_on: &|_| true,
                 histories: &mut histories,
