@@ -143,7 +143,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
     shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), contacts_wanted(false), step_of_contacts(-1), listed(0), fix_rigid(nullptr),
-    freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    held_bits(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
   single_enable = 1;
@@ -818,7 +818,7 @@ void PairGranEllipsoid::tell_contact_masses(std::vector<double> &masses) const
   const int count = atom->nlocal + atom->nghost;
   masses.resize(count);
   for (int i = 0; i < count; i++)
-    masses[i] = (atom->mask[i] & freeze_group_bit) ? std::numeric_limits<double>::infinity() : contact_mass(i);
+    masses[i] = (atom->mask[i] & held_bits) ? std::numeric_limits<double>::infinity() : contact_mass(i);
 }
 
 /* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */
@@ -1023,7 +1023,8 @@ void PairGranEllipsoid::find_mass_sources()
 {
   const auto freezing = modify->get_fix_by_style("^freeze");
   if (freezing.size() > 1) error->all(FLERR, "{}: only one fix freeze is allowed", CALLER);
-  freeze_group_bit = freezing.empty() ? 0 : freezing.front()->groupbit;
+  held_bits = freezing.empty() ? 0 : freezing.front()->groupbit;
+  for (const auto *fix : modify->get_fix_by_style("^move")) held_bits |= fix->groupbit;
 
   fix_rigid = nullptr;
   for (auto *fix : modify->get_fix_list())
@@ -1036,7 +1037,7 @@ void PairGranEllipsoid::find_mass_sources()
 void PairGranEllipsoid::refresh_body_masses()
 {
   contact_mass_differs =
-      (fix_rigid || freeze_group_bit) && ellgran_laws_uses_mass(laws) != 0;
+      (fix_rigid || held_bits) && ellgran_laws_uses_mass(laws) != 0;
   if (!fix_rigid || !contact_mass_differs) return;
 
   int dimension;
@@ -1060,7 +1061,7 @@ void PairGranEllipsoid::refresh_contact_masses()
 double PairGranEllipsoid::contact_mass(int i) const
 {
   if (!contact_mass_differs) return atom->rmass[i];
-  if (atom->mask[i] & freeze_group_bit) return std::numeric_limits<double>::infinity();
+  if (atom->mask[i] & held_bits) return std::numeric_limits<double>::infinity();
   if (fix_rigid && body_mass[i] > 0.0) return body_mass[i];
   return atom->rmass[i];
 }

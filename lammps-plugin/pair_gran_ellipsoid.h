@@ -146,9 +146,9 @@ class PairGranEllipsoid : public Pair {
   // Sizes: largest semi-axis of each type when the cutoffs were made, and what a later atom may have
   std::vector<double> largest, allowed;
 
-  // Masses in contact: rigid bodies and frozen atoms
+  // Masses in contact: of rigid bodies, infinite of atoms that forces do not move
   class Fix *fix_rigid;
-  int freeze_group_bit;
+  int held_bits;                        // groups whose motion no force changes: frozen grains and those of fix move
   bool contact_mass_differs;
   std::vector<double> body_mass;        // of the rigid body an atom is in, 0 if none
   std::vector<double> contact_masses;
