@@ -687,6 +687,54 @@ write_dump all custom grains id modify sort id
         println!("{word}, {other}: {} grains", ids.len());
         assert!(ids.len() > 60);
         assert!(ids.windows(2).all(|two| two[0] < two[1]), "{word}, {other}");
+/// Grains fall as long whatever the time step is: a stream whose step changes, in a run or between two, has as many grains at each time. With the
+/// number of steps of the first one it had 181 in place of 724 at ten times the step.
+#[test]
+fn both_versions_a_stream_keeps_its_pace_when_the_time_step_changes() {
+    let engine = Engine::from_environment();
+    let end = 0.12;
+    let counts = |name: &str, first: &str, runs: &str| {
+        let deck = head(&engine, "ellipsoid", "p p f", [0.05, 0.05, 0.3]).replace("timestep 4e-5", first)
+            + &stream("100000 1 3 region top shape one 0.006 0.004 0.004 dens 2500 2500 vol 0.02 50 vel 0 0 0 0 -1")
+            + "thermo_style custom step time f_pour
+thermo 5
+"
+            + runs;
+        let directory = fresh_directory(&format!("insertion_pace_{name}"));
+        let (success, output) = execute(&engine, &directory, &deck, 1);
+        assert!(success, "{name}:\n{}", last_lines(&output));
+        let rows = thermo_rows(&output);
+        let grew: Vec<f64> = rows
+            .windows(2)
+            .filter(|two| two[1]["f_pour"] > two[0]["f_pour"])
+            .map(|two| two[1]["Time"])
+            .collect();
+        let last = rows.last().unwrap();
+        println!(
+            "{name}: {} grains after {:.4} s, new ones at {grew:.4?}",
+            last["f_pour"], last["Time"]
+        );
+        assert!((last["Time"] - end).abs() < 1e-3, "{name}");
+        (last["f_pour"], grew)
+    };
+    let (number, times) = counts("steady", "timestep 4e-5", "run 3000\n");
+    assert!(times.len() > 3);
+    let longer = "fix longer all dt/reset 10 3.9999e-5 4e-5 1\nrun 3000\n";
+    let shorter = "fix shorter all dt/reset 10 0.9999e-5 1e-5 1\nrun 12000\n";
+    let between = "run 1000\ntimestep 1e-5\nrun 8000\n";
+    for (name, first, runs) in [
+        ("longer", "timestep 4e-6", longer),
+        ("shorter", "timestep 4e-5", shorter),
+        ("between", "timestep 4e-5", between),
+    ] {
+        let (other, at) = counts(name, first, runs);
+        assert_eq!(other, number, "{name}");
+        assert_eq!(at.len(), times.len(), "{name}");
+        let same = at.iter().zip(&times).all(|(a, b)| (a - b).abs() < 5e-4);
+        assert!(same, "{name}: {at:?}, {times:?}");
+    }
+}
+
     }
 }
 
