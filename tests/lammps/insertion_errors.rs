@@ -343,6 +343,49 @@ const FILLS: &[(&str, &str, &[&str])] = &[
     ),
 ];
 
+/// LAMMPS finds the whole box within a region with an open face: 79 of 384 grains were put beside such a cup.
+const OPEN: &[(&str, &str)] = &[
+    (
+        "region cup cylinder z 0.025 0.025 0.02 0.01 0.04 open 2",
+        "region cup",
+    ),
+    (
+        "region cup block 0.01 0.04 0.01 0.04 0.01 0.04 open 6",
+        "region cup",
+    ),
+    (
+        "region pipe cylinder z 0.025 0.025 0.02 0.01 0.04 open 1 open 2
+region half block INF INF INF INF 0.02 INF
+region cup intersect 2 half pipe",
+        "region pipe",
+    ),
+];
+
+#[test]
+fn both_versions_regions_with_open_faces() {
+    let engine = Engine::from_environment();
+    let words = "1 7 region cup shape one 0.004 0.002 0.002";
+    for (k, (region, name)) in OPEN.iter().enumerate() {
+        let before = format!("{GRAVITY}\n{region}");
+        for (number, command) in [
+            (200 + k, format!("fix p all pour/ellipsoid 10 {words}")),
+            (210 + k, format!("create_ellipsoids {words} fill 0.1")),
+            (
+                220 + k,
+                format!("create_ellipsoids {words} fill 0.1 inside centre"),
+            ),
+        ] {
+            refused(
+                &engine,
+                number,
+                &before,
+                &command,
+                &[name, "open faces", "without 'open'"],
+            );
+        }
+    }
+}
+
 #[test]
 fn both_versions_wrong_streams() {
     let engine = Engine::from_environment();
