@@ -143,7 +143,7 @@ PairGranEllipsoid::PairGranEllipsoid(LAMMPS *lmp) :
     history_length(0), fix_history(nullptr), neighbour_previous(0), fix_step_velocity(nullptr),
     velocities_of_step(nullptr),
     shapes_may_change(false), shapes_in_message(false), momenta_in_message(false), images_differ(false), evaluation_wanted(false), contacts_wanted(false), step_of_contacts(-1), listed(0), fix_rigid(nullptr),
-    held_bits(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
+    freeze_group_bit(0), contact_mass_differs(false), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
     image_powers{}, fix_half_step(nullptr), work_wanted(false), deep_told(0)
 {
   single_enable = 1;
@@ -775,11 +775,38 @@ bool PairGranEllipsoid::images_move() const
   return domain->deform_vremap || (fix_step_velocity && fix_step_velocity->box_moves());
 }
 
+/* A law that needs masses takes those of the grains. That of one which no force moves counts too, as long as nothing tells that it is held: LAMMPS
+   does not say whether 'fix move' leaves a direction free. Said once for a number. */
+
+void PairGranEllipsoid::warn_of_grains_at_rest()
+{
+  if (update->whichflag != 1 || ellgran_laws_uses_mass(laws) == 0) return;
+  int moved_by_forces = freeze_group_bit;
+  bool integrates = false;
+  for (const auto *fix : modify->get_fix_list()) {
+    if (!fix->time_integrate || utils::strmatch(fix->style, "^move")) continue;
+    moved_by_forces |= fix->groupbit;
+    integrates = true;
+  }
+  bigint here = 0, count = 0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->mask[i] & moved_by_forces)) here++;
+  MPI_Allreduce(&here, &count, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (!integrates || count == at_rest_told) return;
+  at_rest_told = count;
+  if (count > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: {} grains are moved by 'fix move' or by no fix, and count with their own mass in 'damping restitution': what hits them "
+                   "rebounds faster than that asks for. Give these grains 'fix freeze', beside 'fix move' too, if no force is to move them",
+                   CALLER, count);
+}
+
 /* Neighbour lists are built now: a warning where the contacts that exist do not allow the time step. Said once for a step. */
 
 void PairGranEllipsoid::setup()
 {
   warn_of_unknown_energies();
+  warn_of_grains_at_rest();
   if (update->whichflag == 2 || update->dt == step_told) return;
   EllgranSceneStep scene(lmp, CALLER);
   scene.find_sources();
@@ -818,7 +845,7 @@ void PairGranEllipsoid::tell_contact_masses(std::vector<double> &masses) const
   const int count = atom->nlocal + atom->nghost;
   masses.resize(count);
   for (int i = 0; i < count; i++)
-    masses[i] = (atom->mask[i] & held_bits) ? std::numeric_limits<double>::infinity() : contact_mass(i);
+    masses[i] = (atom->mask[i] & freeze_group_bit) ? std::numeric_limits<double>::infinity() : contact_mass(i);
 }
 
 /* The laws of the pairs of types, a line each, those that were given first. Beyond LINES_OF_LAWS lines only a count. */
@@ -1023,8 +1050,7 @@ void PairGranEllipsoid::find_mass_sources()
 {
   const auto freezing = modify->get_fix_by_style("^freeze");
   if (freezing.size() > 1) error->all(FLERR, "{}: only one fix freeze is allowed", CALLER);
-  held_bits = freezing.empty() ? 0 : freezing.front()->groupbit;
-  for (const auto *fix : modify->get_fix_by_style("^move")) held_bits |= fix->groupbit;
+  freeze_group_bit = freezing.empty() ? 0 : freezing.front()->groupbit;
 
   fix_rigid = nullptr;
   for (auto *fix : modify->get_fix_list())
@@ -1037,7 +1063,7 @@ void PairGranEllipsoid::find_mass_sources()
 void PairGranEllipsoid::refresh_body_masses()
 {
   contact_mass_differs =
-      (fix_rigid || held_bits) && ellgran_laws_uses_mass(laws) != 0;
+      (fix_rigid || freeze_group_bit) && ellgran_laws_uses_mass(laws) != 0;
   if (!fix_rigid || !contact_mass_differs) return;
 
   int dimension;
@@ -1061,7 +1087,7 @@ void PairGranEllipsoid::refresh_contact_masses()
 double PairGranEllipsoid::contact_mass(int i) const
 {
   if (!contact_mass_differs) return atom->rmass[i];
-  if (atom->mask[i] & held_bits) return std::numeric_limits<double>::infinity();
+  if (atom->mask[i] & freeze_group_bit) return std::numeric_limits<double>::infinity();
   if (fix_rigid && body_mass[i] > 0.0) return body_mass[i];
   return atom->rmass[i];
 }
