@@ -7,7 +7,9 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "group.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "region.h"
 #include "update.h"
 #include "utils.h"
@@ -141,6 +143,14 @@ void FixPourEllipsoid::init()
   Region *region = domain->get_region_by_id(region_id);
   if (!region) error->all(FLERR, "{}: region {} does not exist any more", caller, region_id);
   placement.set_region(region, whole_grains);
+
+  // New grains have the molecule 0, all of them.
+  for (int k = 0; atom->molecule_flag && k < neighbor->nex_mol; k++) {
+    const int excluded = neighbor->ex_mol_group[k];
+    if (neighbor->ex_mol_intra[k] && (group->bitmask[excluded] & (1 | groupbit)))
+      error->all(FLERR, "{}: 'neigh_modify exclude molecule/intra {}' takes the new grains for one molecule, and they would fall through one "
+                        "another: give that command a group in which they are not, of the clumps alone", caller, group->names[excluded]);
+  }
 
   // What remembers contacts reads the places of ghosts, which this fix takes for its grains.
   bool before = true;

@@ -422,13 +422,17 @@ fn both_versions_scenes_in_which_nothing_can_be_inserted() {
     let fill = "create_ellipsoids 1 7 region top fill 0.1 shape one 0.008 0.004 0.004";
     let pour = "fix p all pour/ellipsoid 10 1 7 region top shape one 0.004 0.002 0.002";
     let space = "region top block 0 1 0 1 0 1\ncreate_box 1 top";
-    let cases: [(String, &[&str]); 4] = [
+    let cases: [(String, &[&str]); 5] = [
         (format!("dimension 2\natom_style ellipsoid\nregion top block 0 1 0 1 -0.1 0.1\ncreate_box 1 top\n{fill}"), &["dimension 2", "dimension 3"]),
         (format!("atom_style ellipsoid\n{fill}"), &["no simulation box", "create_box"]),
         (format!("atom_style sphere\n{space}\n{pour}"), &["atom style is 'sphere'", "atom_style ellipsoid"]),
         (
             format!("atom_style ellipsoid\n{space}\n{GRAVITY}\n{pour}\ncomm_modify vel yes\npair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3\ntimestep 1e-5\nrun 1"),
             &["'pair_style' before this fix"],
+        ),
+        (
+            format!("atom_style hybrid ellipsoid molecular\n{space}\n{GRAVITY}\ncomm_modify vel yes\npair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3\nneigh_modify exclude molecule/intra all\n{pour}\ntimestep 1e-5\nrun 1"),
+            &["pour/ellipsoid p", "exclude molecule/intra all", "one molecule", "group"],
         ),
     ];
     for (k, (deck, words)) in cases.iter().enumerate() {
