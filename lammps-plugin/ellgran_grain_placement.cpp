@@ -42,13 +42,28 @@ constexpr double EVENLY = 1.2207440846057595;
 
 // A grain that overlaps a body deeply, across an edge or a tip, may have no place where the surfaces are nearest to each other. Smaller grains about
 // the same centre do, down to one that the body only just reaches.
-constexpr double SHRINKING = 0.9, LEAST_SCALE = 0.005;
+constexpr double SHRINKING = 0.8, LEAST_SCALE = 0.005;
 
 double square_of_distance(const double *a, const double *b)
 {
   double sum = 0.0;
   for (int k = 0; k < 3; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
   return sum;
+}
+
+bool has_parts(const Region *region)
+{
+  return std::strcmp(region->style, "union") == 0 || std::strcmp(region->style, "intersect") == 0;
+}
+
+// Whether grains lie around a part of it, and not within all of them.
+bool surrounds_bodies(const Region *region, bool flipped)
+{
+  const bool inside = (region->interior != 0) != flipped;
+  if (!has_parts(region)) return !inside;
+  for (int k = 0; k < region->nregion; k++)
+    if (surrounds_bodies(region->reglist[k], !inside)) return true;
+  return false;
 }
 
 }    // namespace
@@ -103,8 +118,7 @@ void EllgranGrainPlacement::require_closed(const Region *part) const
   if (part->openflag)
     error->all(FLERR, "{}: region {} has open faces, and for LAMMPS every point of the box is in it: define another region for the insertion, "
                       "of the same measures without 'open'", caller, part->id);
-  const bool has_parts = std::strcmp(part->style, "union") == 0 || std::strcmp(part->style, "intersect") == 0;
-  for (int k = 0; has_parts && k < part->nregion; k++) require_closed(part->reglist[k]);
+  for (int k = 0; has_parts(part) && k < part->nregion; k++) require_closed(part->reglist[k]);
 }
 
 void EllgranGrainPlacement::find_bounds()
@@ -165,6 +179,7 @@ void EllgranGrainPlacement::make_wall()
   ellgran_wall_free(wall);
   wall = nullptr;
   if (!whole) return;
+  bodies = surrounds_bodies(region, false);
   check(ellgran_wall_new(&wall));
   const bool block = std::strcmp(region->style, "block") == 0 && region->interior && !region->openflag;
   if (!block) add_region(lmp, caller, region, wall);
@@ -213,7 +228,8 @@ bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain, const double
       for (int k = 0; k < images[2]; k++) {
         const double *const p = grain.position;
         const double position[3] = {p[0] + shifts[0][i], p[1] + shifts[1][j], p[2] + shifts[2][k] - raised};
-        for (double scale = 1.0; scale > LEAST_SCALE; scale *= SHRINKING)
+        const double least = bodies ? LEAST_SCALE : 1.0;
+        for (double scale = 1.0; scale >= least; scale *= SHRINKING)
           if (touches_wall_at(grain, position, scale)) return true;
       }
   return false;

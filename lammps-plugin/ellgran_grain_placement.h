@@ -79,6 +79,7 @@ class EllgranGrainPlacement : protected Pointers {
   int created_here = 0;
 
   EllgranWall *wall = nullptr;
+  bool bodies = false;    // grains lie around surfaces of it
   EllgranLaws *wall_laws = nullptr;
   EllgranWorkspace *workspace = nullptr;
   std::vector<double> wall_histories;
