@@ -16,6 +16,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -42,7 +43,7 @@ constexpr double EVENLY = 1.2207440846057595;
 
 // A grain that overlaps a body deeply, across an edge or a tip, may have no place where the surfaces are nearest to each other. Smaller grains about
 // the same centre do, down to one that the body only just reaches.
-constexpr double SHRINKING = 0.8, LEAST_SCALE = 0.005;
+constexpr double SHRINKING = 0.95, LEAST_SCALE = 0.01;
 
 double square_of_distance(const double *a, const double *b)
 {
@@ -63,6 +64,50 @@ bool surrounds_bodies(const Region *region, bool flipped)
   if (!has_parts(region)) return !inside;
   for (int k = 0; k < region->nregion; k++)
     if (surrounds_bodies(region->reglist[k], !inside)) return true;
+  return false;
+}
+
+// Whether an ellipsoid reaches into a block: x A x, less than 1 within the ellipsoid, has its least value over the block where each
+// coordinate is at one of its bounds or free.
+bool reaches_block(const EllgranGrain &grain, const double *position, const std::array<double, 6> &bounds)
+{
+  double rotation[3][3], form[3][3] = {};
+  MathExtra::quat_to_mat(grain.quaternion, rotation);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      for (int m = 0; m < 3; m++) form[i][j] += rotation[i][m] * rotation[j][m] / (grain.semi_axes[m] * grain.semi_axes[m]);
+  double low[3], high[3];
+  for (int k = 0; k < 3; k++) {
+    low[k] = bounds[k] - position[k];
+    high[k] = bounds[3 + k] - position[k];
+  }
+  for (int state = 0; state < 27; state++) {
+    const int states[3] = {state % 3, state / 3 % 3, state / 9};
+    double x[3] = {}, matrix[3][3], wanted[3], inverse[3][3];
+    for (int i = 0; i < 3; i++)
+      if (states[i] != 2) x[i] = (states[i] == 0) ? low[i] : high[i];
+    // Rows of the free ones: the slope is 0. Rows of the others: they are where they are.
+    for (int i = 0; i < 3; i++) {
+      const bool free = states[i] == 2;
+      wanted[i] = free ? 0.0 : x[i];
+      for (int j = 0; j < 3; j++) {
+        matrix[i][j] = free ? form[i][j] : (i == j ? 1.0 : 0.0);
+        if (free && states[j] != 2) {
+          matrix[i][j] = 0.0;
+          wanted[i] -= form[i][j] * x[j];
+        }
+      }
+    }
+    MathExtra::invert3(matrix, inverse);
+    MathExtra::matvec(inverse, wanted, x);
+    bool is_in_block = true;
+    double value = 0.0;
+    for (int i = 0; i < 3; i++) {
+      is_in_block &= states[i] != 2 || (x[i] >= low[i] && x[i] <= high[i]);
+      for (int j = 0; j < 3; j++) value += x[i] * form[i][j] * x[j];
+    }
+    if (is_in_block && value < 1.0) return true;
+  }
   return false;
 }
 
@@ -180,6 +225,7 @@ void EllgranGrainPlacement::make_wall()
   wall = nullptr;
   if (!whole) return;
   bodies = surrounds_bodies(region, false);
+  blocks = blocks_within(region);
   check(ellgran_wall_new(&wall));
   const bool block = std::strcmp(region->style, "block") == 0 && region->interior && !region->openflag;
   if (!block) add_region(lmp, caller, region, wall);
@@ -228,6 +274,8 @@ bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain, const double
       for (int k = 0; k < images[2]; k++) {
         const double *const p = grain.position;
         const double position[3] = {p[0] + shifts[0][i], p[1] + shifts[1][j], p[2] + shifts[2][k] - raised};
+        for (const auto &bounds : blocks)
+          if (reaches_block(grain, position, bounds)) return true;
         const double least = bodies ? LEAST_SCALE : 1.0;
         for (double scale = 1.0; scale >= least; scale *= SHRINKING)
           if (touches_wall_at(grain, position, scale)) return true;

@@ -14,6 +14,7 @@
 #include "ellgran_atoms.h"
 #include "ellgran_grain_mixture.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,7 @@ class EllgranGrainPlacement : protected Pointers {
 
   EllgranWall *wall = nullptr;
   bool bodies = false;    // grains lie around surfaces of it
+  std::vector<std::array<double, 6>> blocks;    // those among the bodies, and their bounds
   EllgranLaws *wall_laws = nullptr;
   EllgranWorkspace *workspace = nullptr;
   std::vector<double> wall_histories;
