@@ -16,6 +16,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -35,14 +36,79 @@ constexpr double NEARLY = 1e-9;
 // Most cells along an axis: a memory of some ten megabytes.
 constexpr int MOST_CELLS = 100;
 
-// The volume of a region without a formula: cells of a grid along an axis.
-constexpr int VOLUME_GRID = 128;
+// The volume of a region without a formula: how many points tell it, and the root of x^4 = x + 1, of whose inverse powers multiples fill a
+// cube evenly without lying in planes that the faces of a region could fall between (M. Roberts' sequence R3).
+constexpr int VOLUME_POINTS = 1 << 21;
+constexpr double EVENLY = 1.2207440846057595;
+
+// A grain that overlaps a body deeply, across an edge or a tip, may have no place where the surfaces are nearest to each other. Smaller grains about
+// the same centre do, down to one that the body only just reaches.
+constexpr double SHRINKING = 0.95, LEAST_SCALE = 0.01;
 
 double square_of_distance(const double *a, const double *b)
 {
   double sum = 0.0;
   for (int k = 0; k < 3; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
   return sum;
+}
+
+bool has_parts(const Region *region)
+{
+  return std::strcmp(region->style, "union") == 0 || std::strcmp(region->style, "intersect") == 0;
+}
+
+// Whether grains lie around a part of it, and not within all of them.
+bool surrounds_bodies(const Region *region, bool flipped)
+{
+  const bool inside = (region->interior != 0) != flipped;
+  if (!has_parts(region)) return !inside;
+  for (int k = 0; k < region->nregion; k++)
+    if (surrounds_bodies(region->reglist[k], !inside)) return true;
+  return false;
+}
+
+// Whether an ellipsoid reaches into a block: x A x, less than 1 within the ellipsoid, has its least value over the block where each
+// coordinate is at one of its bounds or free.
+bool reaches_block(const EllgranGrain &grain, const double *position, const std::array<double, 6> &bounds)
+{
+  double rotation[3][3], form[3][3] = {};
+  MathExtra::quat_to_mat(grain.quaternion, rotation);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      for (int m = 0; m < 3; m++) form[i][j] += rotation[i][m] * rotation[j][m] / (grain.semi_axes[m] * grain.semi_axes[m]);
+  double low[3], high[3];
+  for (int k = 0; k < 3; k++) {
+    low[k] = bounds[k] - position[k];
+    high[k] = bounds[3 + k] - position[k];
+  }
+  for (int state = 0; state < 27; state++) {
+    const int states[3] = {state % 3, state / 3 % 3, state / 9};
+    double x[3] = {}, matrix[3][3], wanted[3], inverse[3][3];
+    for (int i = 0; i < 3; i++)
+      if (states[i] != 2) x[i] = (states[i] == 0) ? low[i] : high[i];
+    // Rows of the free ones: the slope is 0. Rows of the others: they are where they are.
+    for (int i = 0; i < 3; i++) {
+      const bool free = states[i] == 2;
+      wanted[i] = free ? 0.0 : x[i];
+      for (int j = 0; j < 3; j++) {
+        matrix[i][j] = free ? form[i][j] : (i == j ? 1.0 : 0.0);
+        if (free && states[j] != 2) {
+          matrix[i][j] = 0.0;
+          wanted[i] -= form[i][j] * x[j];
+        }
+      }
+    }
+    MathExtra::invert3(matrix, inverse);
+    MathExtra::matvec(inverse, wanted, x);
+    bool is_in_block = true;
+    double value = 0.0;
+    for (int i = 0; i < 3; i++) {
+      is_in_block &= states[i] != 2 || (x[i] >= low[i] && x[i] <= high[i]);
+      for (int j = 0; j < 3; j++) value += x[i] * form[i][j] * x[j];
+    }
+    if (is_in_block && value < 1.0) return true;
+  }
+  return false;
 }
 
 }    // namespace
@@ -84,9 +150,20 @@ void EllgranGrainPlacement::set_region(Region *given, bool whole_grains)
   whole = whole_grains;
   if (region->dynamic_check() || region->varshape)
     error->all(FLERR, "{}: region {} moves or changes: give one that does neither", caller, region->id);
+  require_closed(region);
   find_bounds();
   find_volume();
   make_wall();
+}
+
+/* LAMMPS finds every point within a region that has an open face. */
+
+void EllgranGrainPlacement::require_closed(const Region *part) const
+{
+  if (part->openflag)
+    error->all(FLERR, "{}: region {} has open faces, and for LAMMPS every point of the box is in it: define another region for the insertion, "
+                      "of the same measures without 'open'", caller, part->id);
+  for (int k = 0; has_parts(part) && k < part->nregion; k++) require_closed(part->reglist[k]);
 }
 
 void EllgranGrainPlacement::find_bounds()
@@ -115,17 +192,21 @@ void EllgranGrainPlacement::find_volume()
   region_volume = volume_of_region(region, bound[0], bound[1]);
   if (region_volume >= 0.0) return;
   region->prematch();
-  bigint count = 0;
-  double step[3], point[3];
-  for (int k = 0; k < 3; k++) step[k] = (bound[1][k] - bound[0][k]) / VOLUME_GRID;
-  for (int i = 0; i < VOLUME_GRID; i++)
-    for (int j = 0; j < VOLUME_GRID; j++)
-      for (int k = 0; k < VOLUME_GRID; k++) {
-        const int index[3] = {i, j, k};
-        for (int a = 0; a < 3; a++) point[a] = bound[0][a] + (index[a] + 0.5) * step[a];
-        count += region->match(point[0], point[1], point[2]) ? 1 : 0;
-      }
-  region_volume = static_cast<double>(count) * step[0] * step[1] * step[2];
+  int count = 0;
+  double share[3] = {0.5, 0.5, 0.5}, step[3], point[3], volume = 1.0;
+  for (int k = 0; k < 3; k++) {
+    step[k] = std::pow(EVENLY, -(k + 1));
+    volume *= bound[1][k] - bound[0][k];
+  }
+  for (int n = 0; n < VOLUME_POINTS; n++) {
+    for (int k = 0; k < 3; k++) {
+      share[k] += step[k];
+      if (share[k] >= 1.0) share[k] -= 1.0;
+      point[k] = bound[0][k] + share[k] * (bound[1][k] - bound[0][k]);
+    }
+    count += region->match(point[0], point[1], point[2]) ? 1 : 0;
+  }
+  region_volume = volume * count / VOLUME_POINTS;
 }
 
 void EllgranGrainPlacement::add_plane(int axis, double position, double direction)
@@ -143,6 +224,8 @@ void EllgranGrainPlacement::make_wall()
   ellgran_wall_free(wall);
   wall = nullptr;
   if (!whole) return;
+  bodies = surrounds_bodies(region, false);
+  blocks = blocks_within(region);
   check(ellgran_wall_new(&wall));
   const bool block = std::strcmp(region->style, "block") == 0 && region->interior && !region->openflag;
   if (!block) add_region(lmp, caller, region, wall);
@@ -174,10 +257,37 @@ void EllgranGrainPlacement::make_wall()
   wall_histories.assign(ellgran_wall_histories_length(wall, wall_laws), 0.0);
 }
 
-bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain)
+bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain, const double *reach)
 {
   if (!wall) return false;
-  const double none[3] = {}, position[3] = {grain.position[0], grain.position[1], grain.position[2] - raised};
+  // Where a grain sticks out of a periodic boundary it comes in at the other side.
+  double shifts[3][2] = {};
+  int images[3] = {1, 1, 1};
+  for (int k = 0; k < 3; k++) {
+    if (!domain->periodicity[k]) continue;
+    const double position = grain.position[k];
+    if (position - reach[k] < domain->boxlo[k]) shifts[k][images[k]++] = domain->prd[k];
+    else if (position + reach[k] > domain->boxhi[k]) shifts[k][images[k]++] = -domain->prd[k];
+  }
+  for (int i = 0; i < images[0]; i++)
+    for (int j = 0; j < images[1]; j++)
+      for (int k = 0; k < images[2]; k++) {
+        const double *const p = grain.position;
+        const double position[3] = {p[0] + shifts[0][i], p[1] + shifts[1][j], p[2] + shifts[2][k] - raised};
+        for (const auto &bounds : blocks)
+          if (reaches_block(grain, position, bounds)) return true;
+        const double least = bodies ? LEAST_SCALE : 1.0;
+        for (double scale = 1.0; scale >= least; scale *= SHRINKING)
+          if (touches_wall_at(grain, position, scale)) return true;
+      }
+  return false;
+}
+
+bool EllgranGrainPlacement::touches_wall_at(const EllgranGrain &grain, const double *position, double scale)
+{
+  const double none[3] = {};
+  double semi_axes[3];
+  for (int k = 0; k < 3; k++) semi_axes[k] = scale * grain.semi_axes[k];
   const double mass = 1.0;
   const int32_t type = 1;
   double force[3] = {}, torque[3] = {};
@@ -188,8 +298,8 @@ bool EllgranGrainPlacement::touches_wall(const EllgranGrain &grain)
   one.angular_velocities = none;
   one.masses = &mass;
   one.types = &type;
-  one.semi_axes = grain.semi_axes;
-  one.semi_axes_stride = sizeof grain.semi_axes;
+  one.semi_axes = semi_axes;
+  one.semi_axes_stride = sizeof semi_axes;
   one.quaternions = grain.quaternion;
   one.quaternions_stride = sizeof grain.quaternion;
   one.forces = force;
@@ -397,7 +507,7 @@ bool EllgranGrainPlacement::is_free(const EllgranGrain &grain)
           asked[index] = question;
           if (overlaps(asking, body, present[index])) return false;
         }
-  return !touches_wall(grain);
+  return !touches_wall(grain, asking.reach);
 }
 
 void EllgranGrainPlacement::add(const EllgranGrain &grain)

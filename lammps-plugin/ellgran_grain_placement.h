@@ -14,6 +14,7 @@
 #include "ellgran_atoms.h"
 #include "ellgran_grain_mixture.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,8 @@ class EllgranGrainPlacement : protected Pointers {
   int created_here = 0;
 
   EllgranWall *wall = nullptr;
+  bool bodies = false;    // grains lie around surfaces of it
+  std::vector<std::array<double, 6>> blocks;    // those among the bodies, and their bounds
   EllgranLaws *wall_laws = nullptr;
   EllgranWorkspace *workspace = nullptr;
   std::vector<double> wall_histories;
@@ -92,11 +95,13 @@ class EllgranGrainPlacement : protected Pointers {
   int cell_count[3] = {1, 1, 1};
 
   void check(int32_t status) const;
+  void require_closed(const class Region *part) const;
   void find_bounds();
   void find_volume();
   void make_wall();
   void add_plane(int axis, double position, double direction);
-  bool touches_wall(const EllgranGrain &grain);
+  bool touches_wall(const EllgranGrain &grain, const double *reach);
+  bool touches_wall_at(const EllgranGrain &grain, const double *position, double scale);
   static void find_axes(Present &grain);
   static Present present_of(const EllgranGrain &grain);
   static EllgranBody body_of(const Present &grain);

@@ -257,6 +257,31 @@ std::vector<std::array<double, 3>> LAMMPS_NS::planes_of_region(Region *region, c
   return found;
 }
 
+namespace {
+
+// As the surfaces of a region are added.
+void add_blocks(Region *region, bool flipped, std::vector<std::array<double, 6>> &found)
+{
+  const std::string style = region->style;
+  const bool inside = (region->interior != 0) != flipped;
+  if (style == "union" || style == "intersect") {
+    for (int k = 0; k < region->nregion; k++) add_blocks(region->reglist[k], !inside, found);
+  } else if (style == "block" && !inside) {
+    auto &r = *static_cast<RegBlock *>(region);
+    found.push_back({r.*member_of(BlockXlo()), r.*member_of(BlockYlo()), r.*member_of(BlockZlo()), r.*member_of(BlockXhi()),
+                     r.*member_of(BlockYhi()), r.*member_of(BlockZhi())});
+  }
+}
+
+}    // namespace
+
+std::vector<std::array<double, 6>> LAMMPS_NS::blocks_within(Region *region)
+{
+  std::vector<std::array<double, 6>> found;
+  add_blocks(region, false, found);
+  return found;
+}
+
 double LAMMPS_NS::volume_of_region(Region *region, const double *low, const double *high)
 {
   const std::string style = region->style;

@@ -25,6 +25,9 @@ void add_region(LAMMPS *lmp, const std::string &caller, class Region *region, El
 /// Normals of the endless planes that it has as a wall. Faces of a block count where they are not inside of the box from `low` to `high`.
 [[nodiscard]] std::vector<std::array<double, 3>> planes_of_region(class Region *region, const double *low, const double *high);
 
+/// Bounds of the blocks that grains lie around: three low ones, three high ones.
+[[nodiscard]] std::vector<std::array<double, 6>> blocks_within(class Region *region);
+
 /// Volume of a region that stays where it is, of a style with a formula: block, sphere, cylinder or cone, side in. What is
 /// endless ends at `low` and `high`, three coordinates each; -1 where there is no formula.
 [[nodiscard]] double volume_of_region(class Region *region, const double *low, const double *high);

@@ -7,7 +7,9 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "group.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "region.h"
 #include "update.h"
 #include "utils.h"
@@ -142,6 +144,14 @@ void FixPourEllipsoid::init()
   if (!region) error->all(FLERR, "{}: region {} does not exist any more", caller, region_id);
   placement.set_region(region, whole_grains);
 
+  // New grains have the molecule 0, all of them.
+  for (int k = 0; atom->molecule_flag && k < neighbor->nex_mol; k++) {
+    const int excluded = neighbor->ex_mol_group[k];
+    if (neighbor->ex_mol_intra[k] && (group->bitmask[excluded] & (1 | groupbit)))
+      error->all(FLERR, "{}: 'neigh_modify exclude molecule/intra {}' takes the new grains for one molecule, and they would fall through one "
+                        "another: give that command a group in which they are not, of the clumps alone", caller, group->names[excluded]);
+  }
+
   // What remembers contacts reads the places of ghosts, which this fix takes for its grains.
   bool before = true;
   for (const auto *fix : modify->get_fix_list()) {
@@ -197,12 +207,11 @@ bool FixPourEllipsoid::plan()
     error->all(FLERR, "{}: without gravity grains stay in the region: give 'vel' a vz below 0, or a fix gravity", caller);
   const double root = std::sqrt(speed * speed + 2.0 * gravity * height);
   fall_time = 2.0 * height / (speed + root);
-  const double steps = fall_time / update->dt;
-  const bool never_fall = !(steps < MOST_STEPS);
+  const bool never_fall = !(fall_time / update->dt < MOST_STEPS);
   if (never_fall && inserted < wanted && update->nsteps > 0)
     error->all(FLERR, "{}: with the time step {} grains do not fall out of the region in this run, which they do in {:.4g}: give a longer time step, or "
                       "this fix after the run", caller, update->dt, fall_time);
-  interval = never_fall ? 1 : std::max<bigint>(1, std::llround(steps));
+  interval = never_fall ? 1 : steps_in(fall_time);
   const double volume = mixture.mean_volume();
   per_event = std::floor(solid_fraction * placement.volume() / volume);
   if (flow_given) {
@@ -239,10 +248,22 @@ void FixPourEllipsoid::advance_clock()
   clock_step = std::max(clock_step, update->ntimestep);
 }
 
+/* Grains go on falling as long, in more or fewer steps. With 'timestep 0' no time passes until there is another one. */
+
 void FixPourEllipsoid::reset_dt()
 {
+  if (clock_time_step == update->dt || update->dt == 0.0) return;
   advance_clock();
+  const bigint left = next_step - update->ntimestep;
+  if (started && left > 0) next_step = update->ntimestep + steps_in(static_cast<double>(left) * clock_time_step);
   clock_time_step = update->dt;
+  interval = steps_in(fall_time);
+  if (next_reneighbor > update->ntimestep) next_reneighbor = next_step;
+}
+
+bigint FixPourEllipsoid::steps_in(double time) const
+{
+  return std::max<bigint>(1, std::llround(std::min(time / update->dt, MOST_STEPS)));
 }
 
 bool FixPourEllipsoid::is_due(const EllgranGrain &grain, bigint done) const

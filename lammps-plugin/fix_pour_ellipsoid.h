@@ -70,6 +70,7 @@ class FixPourEllipsoid : public Fix {
   void tell_plan() const;
   [[nodiscard]] double time_now() const;
   void advance_clock();
+  [[nodiscard]] bigint steps_in(double time) const;
   [[nodiscard]] bool is_due(const EllgranGrain &grain, bigint done) const;
   bool place(EllgranGrain &grain, EllgranRandom &random, bigint &attempts, double &falling);
 };

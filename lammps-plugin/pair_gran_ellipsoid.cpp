@@ -775,11 +775,38 @@ bool PairGranEllipsoid::images_move() const
   return domain->deform_vremap || (fix_step_velocity && fix_step_velocity->box_moves());
 }
 
+/* A law that needs masses takes those of the grains. That of one which no force moves counts too, as long as nothing tells that it is held: LAMMPS
+   does not say whether 'fix move' leaves a direction free. Said once for a number. */
+
+void PairGranEllipsoid::warn_of_grains_at_rest()
+{
+  if (update->whichflag != 1 || ellgran_laws_uses_mass(laws) == 0) return;
+  int moved_by_forces = freeze_group_bit;
+  bool integrates = false;
+  for (const auto *fix : modify->get_fix_list()) {
+    if (!fix->time_integrate || utils::strmatch(fix->style, "^move")) continue;
+    moved_by_forces |= fix->groupbit;
+    integrates = true;
+  }
+  bigint here = 0, count = 0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->mask[i] & moved_by_forces)) here++;
+  MPI_Allreduce(&here, &count, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (!integrates || count == at_rest_told) return;
+  at_rest_told = count;
+  if (count > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "{}: {} grains are moved by 'fix move' or by no fix, and count with their own mass in 'damping restitution': what hits them "
+                   "rebounds faster than that asks for. Give these grains 'fix freeze', beside 'fix move' too, if no force is to move them",
+                   CALLER, count);
+}
+
 /* Neighbour lists are built now: a warning where the contacts that exist do not allow the time step. Said once for a step. */
 
 void PairGranEllipsoid::setup()
 {
   warn_of_unknown_energies();
+  warn_of_grains_at_rest();
   if (update->whichflag == 2 || update->dt == step_told) return;
   EllgranSceneStep scene(lmp, CALLER);
   scene.find_sources();

@@ -83,6 +83,7 @@ class PairGranEllipsoid : public Pair {
   std::string described;    // the laws as last written to the log
   std::string warned;       // of implausible masses, as last written to the log
   EllgranStepLimits limits;
+  bigint at_rest_told = 0;                 // grains that no force moves, as last warned of
   std::string limits_told, excess_told;    // of the time step, as last written to the log
   double step_told;                        // the time step of which was said that the contacts do not allow it; 0: none
   double *step_sums;                       // what the next reverse communication carries, from `step_sums_from` on; nullptr: loads
@@ -172,6 +173,7 @@ class PairGranEllipsoid : public Pair {
   void warn_of_masses();
   void tell_step_limits();
   void warn_of_unknown_energies();
+  void warn_of_grains_at_rest();
   [[nodiscard]] bool images_move() const;
   void build_laws();
   [[nodiscard]] EllgranLaws *laws_of_file() const;

@@ -343,6 +343,49 @@ const FILLS: &[(&str, &str, &[&str])] = &[
     ),
 ];
 
+/// LAMMPS finds the whole box within a region with an open face: 79 of 384 grains were put beside such a cup.
+const OPEN: &[(&str, &str)] = &[
+    (
+        "region cup cylinder z 0.025 0.025 0.02 0.01 0.04 open 2",
+        "region cup",
+    ),
+    (
+        "region cup block 0.01 0.04 0.01 0.04 0.01 0.04 open 6",
+        "region cup",
+    ),
+    (
+        "region pipe cylinder z 0.025 0.025 0.02 0.01 0.04 open 1 open 2
+region half block INF INF INF INF 0.02 INF
+region cup intersect 2 half pipe",
+        "region pipe",
+    ),
+];
+
+#[test]
+fn both_versions_regions_with_open_faces() {
+    let engine = Engine::from_environment();
+    let words = "1 7 region cup shape one 0.004 0.002 0.002";
+    for (k, (region, name)) in OPEN.iter().enumerate() {
+        let before = format!("{GRAVITY}\n{region}");
+        for (number, command) in [
+            (200 + k, format!("fix p all pour/ellipsoid 10 {words}")),
+            (210 + k, format!("create_ellipsoids {words} fill 0.1")),
+            (
+                220 + k,
+                format!("create_ellipsoids {words} fill 0.1 inside centre"),
+            ),
+        ] {
+            refused(
+                &engine,
+                number,
+                &before,
+                &command,
+                &[name, "open faces", "without 'open'"],
+            );
+        }
+    }
+}
+
 #[test]
 fn both_versions_wrong_streams() {
     let engine = Engine::from_environment();
@@ -379,13 +422,17 @@ fn both_versions_scenes_in_which_nothing_can_be_inserted() {
     let fill = "create_ellipsoids 1 7 region top fill 0.1 shape one 0.008 0.004 0.004";
     let pour = "fix p all pour/ellipsoid 10 1 7 region top shape one 0.004 0.002 0.002";
     let space = "region top block 0 1 0 1 0 1\ncreate_box 1 top";
-    let cases: [(String, &[&str]); 4] = [
+    let cases: [(String, &[&str]); 5] = [
         (format!("dimension 2\natom_style ellipsoid\nregion top block 0 1 0 1 -0.1 0.1\ncreate_box 1 top\n{fill}"), &["dimension 2", "dimension 3"]),
         (format!("atom_style ellipsoid\n{fill}"), &["no simulation box", "create_box"]),
         (format!("atom_style sphere\n{space}\n{pour}"), &["atom style is 'sphere'", "atom_style ellipsoid"]),
         (
             format!("atom_style ellipsoid\n{space}\n{GRAVITY}\n{pour}\ncomm_modify vel yes\npair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3\ntimestep 1e-5\nrun 1"),
             &["'pair_style' before this fix"],
+        ),
+        (
+            format!("atom_style hybrid ellipsoid molecular\n{space}\n{GRAVITY}\ncomm_modify vel yes\npair_style gran/ellipsoid\npair_coeff * * hertz 1e7 0.3\nneigh_modify exclude molecule/intra all\n{pour}\ntimestep 1e-5\nrun 1"),
+            &["pour/ellipsoid p", "exclude molecule/intra all", "one molecule", "group"],
         ),
     ];
     for (k, (deck, words)) in cases.iter().enumerate() {

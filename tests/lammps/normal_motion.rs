@@ -490,9 +490,10 @@ fn moved_by(commands: &[&str], e: f64, time: f64, s: f64) -> Deck {
     }
 }
 
-/// A frozen partner counts as infinitely heavy: the restitution stays what was asked for.
+/// A frozen partner counts as infinitely heavy, also while `fix move` moves it: the restitution stays what was asked for. Without `fix freeze` its own
+/// mass counts, and a warning says so.
 #[test]
-fn both_versions_restitution_against_a_frozen_grain() {
+fn both_versions_restitution_against_a_grain_that_is_held() {
     let engine = Engine::from_environment();
     let (e, speed) = (0.6, 0.1);
     let heavy = Grain {
@@ -506,16 +507,28 @@ fn both_versions_restitution_against_a_frozen_grain() {
     light.kind = 2;
     let scene = Scene::open(0.1, vec![heavy, light]);
     let time = hertz_time(speed) * 2f64.powf(0.4);
-    approach(4000.0, "restitution against a frozen grain", e, 2e-5, |s| {
-        let deck = moved_by(&["group wall type 1", "fix still wall freeze"], e, time, s);
-        let outcome = run(&engine, "frozen", &scene, &deck, 1);
-        assert_eq!(
-            outcome.last().states[0].velocity,
-            [0.0; 3],
-            "the frozen grain moved"
-        );
-        outcome.last().states[1].velocity[0] / speed
-    });
+    let warning = "count with their own mass in 'damping restitution'";
+    let moving = "fix along wall move linear 0.05 0 0";
+    for (name, command, wall_speed) in [("frozen", "", 0.0), ("moved", moving, 0.05)] {
+        let approaching = speed + wall_speed;
+        let what = format!("restitution against a grain that is {name}");
+        let duration = time * (approaching / speed).powf(-0.2);
+        let commands = ["group wall type 1", "fix still wall freeze", command];
+        approach(4000.0, &what, e, 2e-5, |s| {
+            let deck = moved_by(&commands, e, duration, s);
+            let outcome = run(&engine, name, &scene, &deck, 1);
+            let [wall, grain] = [0, 1].map(|k| outcome.last().states[k].velocity[0]);
+            assert_eq!(wall, wall_speed, "the velocity of the grain that is {name}");
+            assert!(!outcome.output.contains(warning), "{name}: a warning");
+            (grain - wall) / approaching
+        });
+    }
+    for command in [moving, ""] {
+        let deck = moved_by(&["group wall type 1", command], e, time, 500.0);
+        let outcome = run(&engine, "held_by_no_freeze", &scene, &deck, 1);
+        let told = outcome.output.matches(warning).count();
+        assert_eq!(told, 1, "'{command}' alone: {}", outcome.output);
+    }
 }
 
 /// The mass of a rigid body counts, not that of the grain that touches: a pair glued together meets a single sphere.
