@@ -5,7 +5,7 @@
 use crate::support::random::Stream;
 use crate::support::scene::{laws, quaternion};
 use crate::walls_in_lanes::{
-    assert_same, corner, motions, random_body, random_change, surfaces, touching, Groups,
+    assert_same, corner, motions_and_changes, random_body, random_change, surfaces, touching, Groups,
 };
 use ellgran::contact::{prepare_body, Body, Laws, Step};
 use ellgran::list::{ParticleArrays, PreparedBy, Rotation, Workspace};
@@ -169,6 +169,12 @@ impl Scene {
                     .collect(),
             ),
         ];
+        let [viscous, tangential] = load.inelastic;
+        let of_inelastic = [viscous.force, tangential.force, viscous.torque, tangential.torque];
+        groups.push((
+            "loads of the wall that are not elastic",
+            of_inelastic.iter().flat_map(|v| v.to_array()).collect(),
+        ));
         let mut loads = wall.touching_loads().to_vec();
         loads.sort_by_key(|l| l.particle);
         // Torques of the loads are angular accelerations where there are momenta, in lanes: the caller does the rest otherwise.
@@ -240,7 +246,8 @@ fn every_instruction_set_gives_what_one_contact_at_a_time_gives() {
     let [mut contacts, mut several] = [0; 2];
     for (surface, mut wall) in surfaces() {
         for (case, (name, laws)) in scenes.iter().enumerate() {
-            for (motion, with_changes) in motions().iter().zip([true, false]) {
+            for (motion, with_changes) in &motions_and_changes() {
+                let with_changes = *with_changes;
                 let types = laws.types();
                 wall.records_contacts = true;
                 let spheroids = case == 1;
