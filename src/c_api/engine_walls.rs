@@ -90,7 +90,11 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
         let corners = of_corners(t.corners, t.count, "corners")?;
         let moving = if t.velocities.is_null() { 0 } else { t.count };
         let velocities = of_corners(t.velocities, moving, "velocities")?;
-        let changing = if t.velocity_changes.is_null() { 0 } else { t.count };
+        let changing = if t.velocity_changes.is_null() {
+            0
+        } else {
+            t.count
+        };
         let changes = of_corners(t.velocity_changes, changing, "velocity_changes")?;
         let starts = match t.particle_count {
             0 => &[],

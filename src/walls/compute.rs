@@ -382,7 +382,9 @@ impl<'i> Forces<'_, 'i, '_> {
         load.damping += damping;
         if self.touching_loads.is_some() {
             let couples = couple.map_or([Vector3::ZERO; 2], |c| [c.viscous, c.elastic]);
-            let parts = [f.viscous_force, f.frictional_force].into_iter().zip(couples);
+            let parts = [f.viscous_force, f.frictional_force]
+                .into_iter()
+                .zip(couples);
             for (sum, (force, couple)) in load.inelastic.iter_mut().zip(parts) {
                 sum.force = sum.force + force;
                 if motion.spins() {

@@ -318,7 +318,10 @@ mod tests {
     #[test]
     fn a_body_that_an_accelerating_wall_carries_has_no_velocity_at_the_step() {
         let dt = 1e-3;
-        let [spin, more] = [Vector3::new(0.3, -0.5, 2.0), Vector3::new(0.02, 0.01, -0.04)];
+        let [spin, more] = [
+            Vector3::new(0.3, -0.5, 2.0),
+            Vector3::new(0.02, 0.01, -0.04),
+        ];
         let motion = Motion {
             origin: Vector3::new(1.0, 2.0, 3.0),
             displacement: Vector3::new(0.1, -0.2, 0.3),

@@ -62,7 +62,9 @@ fn deck(wall: &[&str], velocities: &str, steps: u64) -> Deck {
         format!("fix weight all gravity {WEIGHT} vector 0 0 -1"),
     ];
     fixes.extend(wall.iter().map(|line| line.replace("LAW", LAW)));
-    fixes.push(format!("fix move all nve/ellipsoid velocities {velocities}"));
+    fixes.push(format!(
+        "fix move all nve/ellipsoid velocities {velocities}"
+    ));
     Deck {
         fixes,
         integrate: false,
@@ -86,6 +88,11 @@ fn left_over(outcome: &Outcome) -> f64 {
 /// By which power of the step numbers fall that belong to halved steps.
 fn orders(numbers: &[f64]) -> Vec<f64> {
     numbers.windows(2).map(|w| (w[0] / w[1]).log2()).collect()
+}
+
+fn shown(numbers: &[f64]) -> String {
+    let all: Vec<String> = numbers.iter().map(|x| format!("{x:.1e}")).collect();
+    format!("{} of orders {:.2?}", all.join(" "), orders(numbers))
 }
 
 const STEPS: [u64; 3] = [400, 800, 1600];
@@ -112,10 +119,10 @@ fn both_versions_motion_and_balance_are_of_second_order_beside_walls_that_accele
         let balance = [0, 1, 2].map(|k| all[k].1);
         let half = STEPS.map(|steps| apart(&after("half", steps).0));
         println!(
-            "{name}: errors {errors:.1e}, orders {:.2?}; left over {balance:.1e}, orders {:.2?}; with velocities half {half:.1e}, orders {:.2?}",
-            orders(&errors),
-            orders(&balance),
-            orders(&half)
+            "{name}: errors {}; left over {}; errors with velocities half {}",
+            shown(&errors),
+            shown(&balance),
+            shown(&half)
         );
         let least = |numbers: &[f64]| orders(numbers).into_iter().fold(f64::INFINITY, f64::min);
         assert!(least(&errors) > 1.6, "{name}: {errors:?}");
@@ -137,6 +144,6 @@ fn both_versions_the_balance_is_of_second_order_beside_a_servo() {
         let outcome = run(&engine, "accelerating_servo", &scene(), &deck, 1);
         left_over(&outcome)
     });
-    println!("left over {balance:.1e}, orders {:.2?}", orders(&balance));
+    println!("left over {}", shown(&balance));
     assert!(orders(&balance).iter().all(|o| *o > 1.6), "{balance:?}");
 }

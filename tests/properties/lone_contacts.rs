@@ -5,7 +5,8 @@
 use crate::support::random::Stream;
 use crate::support::scene::{laws, quaternion};
 use crate::walls_in_lanes::{
-    assert_same, corner, motions_and_changes, random_body, random_change, surfaces, touching, Groups,
+    assert_same, corner, motions_and_changes, random_body, random_change, surfaces, touching,
+    Groups,
 };
 use ellgran::contact::{prepare_body, Body, Laws, Step};
 use ellgran::list::{ParticleArrays, PreparedBy, Rotation, Workspace};
@@ -170,7 +171,12 @@ impl Scene {
             ),
         ];
         let [viscous, tangential] = load.inelastic;
-        let of_inelastic = [viscous.force, tangential.force, viscous.torque, tangential.torque];
+        let of_inelastic = [
+            viscous.force,
+            tangential.force,
+            viscous.torque,
+            tangential.torque,
+        ];
         groups.push((
             "loads of the wall that are not elastic",
             of_inelastic.iter().flat_map(|v| v.to_array()).collect(),
