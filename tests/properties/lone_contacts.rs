@@ -191,8 +191,11 @@ impl Scene {
                 .flat_map(|l| [l.load.viscous_force, l.load.tangential_force].concat())
                 .collect(),
         ));
-        if self.masses.is_empty() {
+        // Of a wall that moves along itself one contact at a time takes the velocity at the deepest point, lanes at the contact point.
+        if self.masses.is_empty() && !motion.along_itself {
             groups.push(("powers of the wall", tallies.wall_powers.into()));
+        }
+        if self.masses.is_empty() {
             groups.push((
                 "torques of loads",
                 loads
