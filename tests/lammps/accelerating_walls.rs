@@ -147,3 +147,54 @@ fn both_versions_the_balance_is_of_second_order_beside_a_servo() {
     println!("left over {}", shown(&balance));
     assert!(orders(&balance).iter().all(|o| *o > 1.6), "{balance:?}");
 }
+
+/// A wall whose velocity a variable chooses from the force on it, so strongly that with the velocity at the step alone each swing would be
+/// followed by a larger one. It settles: where its velocity swings forces see the mean over the step.
+#[test]
+fn both_versions_a_wall_that_follows_its_force_settles() {
+    let engine = Engine::from_environment();
+    let law = "lsd 2e3 3";
+    let (target, answer) = (0.24, 0.5);
+    let grain = Grain {
+        density: 2.5e6,
+        ..Grain::new([1e-2, 8e-3, 7e-3], [0.0, 0.0, 6.9e-3])
+    };
+    let swing = |velocities: &str| {
+        let deck = Deck {
+            fixes: vec![
+                format!("variable follow equal {answer}*({target}+f_wall[16])"),
+                format!("fix wall all wall/gran/ellipsoid {law} shape plane point 0 0 0 side inside velocity 0 0 v_follow"),
+                format!("fix move all nve/ellipsoid velocities {velocities}"),
+            ],
+            integrate: false,
+            time_step: 1e-6,
+            steps: 200,
+            skin: 1e-3,
+            thermo_every: 1,
+            thermo_columns: "step f_wall[16]".into(),
+            ..Deck::new(law)
+        };
+        let outcome = run(
+            &engine,
+            "follows",
+            &Scene::open(0.1, vec![grain.clone()]),
+            &deck,
+            1,
+        );
+        let forces: Vec<f64> = outcome.thermo().iter().map(|r| -r["f_wall[16]"]).collect();
+        let swings = forces.windows(2).map(|f| (f[1] - f[0]).abs());
+        let all: Vec<f64> = swings.collect();
+        let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        [most(&all[..10]), most(&all[190..])]
+    };
+    for velocities in ["half", "step"] {
+        let [begin, end] = swing(velocities);
+        println!(
+            "velocities {velocities}: the force swings by {begin:.1e}, and by {end:.1e} at the end"
+        );
+        assert!(
+            begin > 0.5 * target && end < 1e-3 * begin,
+            "{velocities}: {begin:e} {end:e}"
+        );
+    }
+}
