@@ -455,6 +455,10 @@ typedef struct EllgranPlane {
    Velocity; components up to 1e25.
    */
   double velocity[3];
+  /*
+   What the velocity at the step has more than `velocity`; read where the body's are those of the step. Components up to 1e25.
+   */
+  double velocity_change[3];
 } EllgranPlane;
 
 /*
@@ -590,6 +594,11 @@ typedef struct EllgranLentTriangles {
    free. The order in each list is that in which contacts are found.
    */
   const uint32_t *near;
+  /*
+   [count][3][3]: what the velocities of the corners at the step have more than `velocities`, up to 1e25, read where particles come with
+   `velocity_changes`; NULL where they are the same.
+   */
+  const double *velocity_changes;
 } EllgranLentTriangles;
 
 /*
@@ -745,6 +754,15 @@ typedef struct EllgranWallMotion {
    Must be 0.
    */
   int32_t unused;
+  /*
+   What the velocity of the point at the step, when forces are computed, has more than `velocity`. Read where particles come with
+   `velocity_changes`, for the viscous forces, as these are. 0 where it is not known.
+   */
+  double velocity_change[3];
+  /*
+   Likewise of the angular velocity.
+   */
+  double angular_velocity_change[3];
 } EllgranWallMotion;
 
 /*
@@ -1479,6 +1497,22 @@ typedef struct EllgranWallLoad {
    step. 0 for none.
    */
   int64_t crowded_particle;
+  /*
+   With `ellgran_wall_keep_inelastic_loads`, else 0: the viscous force on the wall, which is a part of `force`.
+   */
+  double viscous_force[3];
+  /*
+   Its torque about the same point; 0 where the wall does not turn.
+   */
+  double viscous_torque[3];
+  /*
+   Likewise the tangential force without its viscous part.
+   */
+  double tangential_force[3];
+  /*
+   Its torque.
+   */
+  double tangential_torque[3];
 } EllgranWallLoad;
 
 /*
@@ -1659,6 +1693,11 @@ typedef struct EllgranWallSurface {
    Gradient of `others_share` with respect to a rotation of the body about its centre, 1/radian, world frame.
    */
   double others_share_by_rotation[3];
+  /*
+   What the velocity of the surface at the step has more than `velocity`; read where the body's are those of the step. Components up
+   to 1e25.
+   */
+  double velocity_change[3];
 } EllgranWallSurface;
 
 /*
@@ -2433,7 +2472,7 @@ size_t ellgran_wall_histories_used(const struct EllgranWall *wall,
  type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
  group_mask` not zero. `histories` is [owned_count][`ellgran_wall_histories_length`] (NULL if that is 0): set to 0 by the caller
  before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
- a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
+ a wall at rest; its velocities are those of the half step, as the particles' are, and may have changes likewise. `load` and `tallies` may be NULL.
 
  All particles that the wall may reach are checked first; on failure nothing is written.
 
@@ -2491,6 +2530,11 @@ int32_t ellgran_wall_record_contacts(struct EllgranWall *wall,
  no array for them. Each call then adds the work of half a step, and `ellgran_wall_tally_following_half_step` adds the other half
  (`inelastic_loads` of `EllgranTallies` says why). It takes the time of the particles that touch, where the array
  takes that of all.
+
+ The other half of the work on the wall itself is reckoned with the velocity that the wall had in the step before, which is all that is known
+ then. A caller whose walls change their velocity sets `wall_powers` of the tallies to 0 before the other half, and takes the work of
+ `viscous_force` and `tangential_force` of `EllgranWallLoad` in half a step of the wall's next motion, and that of their torques, off
+ `viscous_dissipation` and `tangential_work` himself.
 
  # Safety
  `wall` is NULL or valid.

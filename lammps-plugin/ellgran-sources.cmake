@@ -23,6 +23,7 @@ set(ELLGRAN_STYLE_SOURCES
   ellgran_step_velocity.cpp
   ellgran_wall_servo.cpp
   ellgran_wall_shape.cpp
+  ellgran_wall_velocity.cpp
   fix_nve_ellipsoid.cpp
   fix_pour_ellipsoid.cpp
   fix_wall_gran_ellipsoid.cpp

@@ -37,9 +37,10 @@ constexpr int WRITER_LENGTH = 32;
 /// | 3 | -3; as version 2; displacement (3) and angle of a motion by variables, state of the servo |
 /// | 4 | -4; as version 3; size of EllgranLawParameters, and one, the law of the grains, in as many values as have room for it |
 /// | 5 | -5; as version 3; 1 if a step was made, mean velocity (3) and rate of a motion by variables over it; the law as in version 4 |
+/// | 6 | -6; as version 5 before the law; of a motion by variables or of a region what velocity (3) and rate have more at the step, and by how much they grew over it (3, 1); length of the step that the velocity of the region is of, 0 if none is known; the law as in version 4 |
 ///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 5;
+constexpr int WALL_FORMAT = 6;
 
 /// The fix behind compute energy/ellipsoid: its global values, all of type double.
 ///

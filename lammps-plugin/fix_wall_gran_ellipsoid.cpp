@@ -56,6 +56,7 @@ constexpr int CONTACT_COLUMNS = 21;
 constexpr int NUMBER_WITH_REGION = 9;
 constexpr int NUMBER_OF_STATES = NUMBER_WITH_REGION + 4 + WallServo::NUMBER_OF_STATES;
 constexpr int NUMBER_OF_MEANS = 5;
+constexpr int NUMBER_AT_STEP = WallVelocityAtStep::NUMBER_OF_STATES + 1;
 constexpr int VALUES_OF_LAW = (sizeof(EllgranLawParameters) + sizeof(double) - 1) / sizeof(double);
 
 double dot(const double *a, const double *b)
@@ -82,7 +83,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg, bo
     pose_is_known(false), pose{}, region_velocity{}, region_rate(0.0), time_then(0.0), time_step(update->dt),
     step_then(update->ntimestep), last_step(update->ntimestep), fix_step_velocity(nullptr), velocities_of_step(nullptr), histories_length(0),
     contact_histories(nullptr), tells_contacts(false), keeps_energies(false), leaves_energies_out(false), sums_energies(false), scene_may_change(true), step_of_forces(-2), contacts_wanted(false), step_of_contacts(-1), triangle_file_every(0), fix_rigid(nullptr), tallies(ELLGRAN_INIT(EllgranTallies)), friction(0.0),
-    work_of_walls(0.0), load_force{}, load_torque{}, output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
+    work_of_walls(0.0), last_load(ELLGRAN_INIT(EllgranWallLoad)), output_here{}, output_all{}, displacement{}, wall_velocity{}, summed(true),
     motion_of_forces(ELLGRAN_INIT(EllgranWallMotion)), has_forces(false), touches_here(false), said_missing_image(false)
 {
   if (ellgran_abi_version() != ELLGRAN_ABI_VERSION)
@@ -634,8 +635,8 @@ bool FixWallGranEllipsoid::varies() const
   return velocity[0].is_variable() || velocity[1].is_variable() || velocity[2].is_variable() || rotation_rate.is_variable();
 }
 
-/* Over a step the wall has the mean of the velocities at its two ends. With velocities of the step the start of a run computes the forces of the
-   last step once more. */
+/* Over a step the wall has the mean of the velocities at its two ends, the later of which is that of the step. With velocities of the step the
+   start of a run computes the forces of the last step once more. */
 
 void FixWallGranEllipsoid::follow_variables(bool time_passes)
 {
@@ -647,9 +648,15 @@ void FixWallGranEllipsoid::follow_variables(bool time_passes)
     now = given.value(lmp);
     if (!repeats) mean = time_passes ? 0.5 * (before + now) : now;
     if (time_passes) way += mean * time_step;
+    return now - before;
   };
-  for (int k = 0; k < 3; k++) follow(velocity[k], velocity_now[k], mean_velocity[k], varied_displacement[k]);
-  follow(rotation_rate, rate_now, mean_rate, varied_angle);
+  double growth[WallVelocityAtStep::COUNT];
+  for (int k = 0; k < 3; k++) growth[k] = follow(velocity[k], velocity_now[k], mean_velocity[k], varied_displacement[k]);
+  growth[3] = follow(rotation_rate, rate_now, mean_rate, varied_angle);
+  if (time_passes)
+    at_step.grow(growth);
+  else if (!repeats)
+    at_step.stand();
   means_are_known = means_are_known || time_passes;
   modify->addstep_compute(update->ntimestep + 1);
 }
@@ -668,6 +675,8 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
         ? 2.0 * amplitude * std::sin(phase - 0.5 * rate * time_step) *
             std::sin(0.5 * rate * time_step) / time_step
         : amplitude * rate * std::sin(phase);
+    if (sees_velocities_of_step)
+      motion.velocity_change[motion_axis] = amplitude * rate * std::sin(phase) - motion.velocity[motion_axis];
   }
   if (shears) motion.velocity[motion_axis] = shear_velocity;
   follow_variables(time_passes);
@@ -694,6 +703,7 @@ EllgranWallMotion FixWallGranEllipsoid::motion_now(bool time_passes)
       motion.angular_velocity[k] = rate * rotation_axis[k];
     }
   }
+  if (by_variables) add_change_at_step(motion, rotation_axis);
   if (!region_id.empty()) add_region_motion(motion, time_passes);
   return motion;
 }
@@ -713,8 +723,19 @@ void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool tim
   if (!region->dynamic) return;
   const RegionPose now = region_pose(lmp, region);
   if (time_passes && pose_is_known && update->dt > 0.0) {
-    for (int k = 0; k < 3; k++) region_velocity[k] = (now.displacement[k] - pose.displacement[k]) / update->dt;
-    region_rate = (now.angle - pose.angle) / update->dt;
+    const double dt = update->dt;
+    // From the middle of the last step to that of this one, as if to its end from its begin.
+    const double to_end = (region_step > 0.0) ? 2.0 * dt / (dt + region_step) : 0.0;
+    double growth[WallVelocityAtStep::COUNT];
+    const auto follow = [&](double way, double &mean) {
+      const double before = mean;
+      mean = way / dt;
+      return to_end * (mean - before);
+    };
+    for (int k = 0; k < 3; k++) growth[k] = follow(now.displacement[k] - pose.displacement[k], region_velocity[k]);
+    growth[3] = follow(now.angle - pose.angle, region_rate);
+    at_step.grow(growth);
+    region_step = dt;
   }
   pose = now;
   pose_is_known = true;
@@ -724,6 +745,17 @@ void FixWallGranEllipsoid::add_region_motion(EllgranWallMotion &motion, bool tim
     motion.displacement[k] = now.displacement[k];
     motion.velocity[k] = region_velocity[k];
     motion.angular_velocity[k] = region_rate * now.axis[k];
+  }
+  add_change_at_step(motion, now.axis);
+}
+
+void FixWallGranEllipsoid::add_change_at_step(EllgranWallMotion &motion, const double *axis) const
+{
+  if (!sees_velocities_of_step) return;
+  const double *const change = at_step.change();
+  for (int k = 0; k < 3; k++) {
+    motion.velocity_change[k] += change[k];
+    motion.angular_velocity_change[k] += change[3] * axis[k];
   }
 }
 
@@ -735,9 +767,24 @@ void FixWallGranEllipsoid::post_integrate()
   step.advance_history = 1;
   EllgranParticles particles = atoms.view();
   if (velocities_of_step) velocities_of_step->lend_changes(particles, false);
+  // The wall's part follows when its velocity is known.
+  if (sees_velocities_of_step) tallies.wall_powers[0] = tallies.wall_powers[1] = 0.0;
   if (ellgran_wall_tally_following_half_step(wall, &particles, &step, &tallies) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   atoms.require_finite(tallies.viscous_dissipation, tallies.tangential_work);
+}
+
+/* Half of the work of a force is done with the velocity to which it has led. */
+
+void FixWallGranEllipsoid::add_work_since_last_forces(const EllgranWallMotion &motion)
+{
+  const auto work = [&](const double *force, const double *torque) {
+    return 0.5 * update->dt * (dot(force, motion.velocity) + dot(torque, motion.angular_velocity));
+  };
+  work_of_walls -= work(last_load.force, last_load.torque);
+  if (!sees_velocities_of_step || !sums_energies) return;
+  tallies.viscous_dissipation -= work(last_load.viscous_force, last_load.viscous_torque);
+  tallies.tangential_work -= work(last_load.tangential_force, last_load.tangential_torque);
 }
 
 void FixWallGranEllipsoid::post_force(int vflag)
@@ -753,9 +800,7 @@ void FixWallGranEllipsoid::post_force(int vflag)
   has_forces = true;
   std::copy_n(motion.displacement, 3, displacement);
   std::copy_n(motion.velocity, 3, wall_velocity);
-  // Half of the work of a force is done with the velocity to which it has led.
-  if (time_passes)
-    work_of_walls -= 0.5 * update->dt * (dot(load_force, motion.velocity) + dot(load_torque, motion.angular_velocity));
+  if (time_passes) add_work_since_last_forces(motion);
   EllgranWallLoad load = ELLGRAN_INIT(EllgranWallLoad);
   const bool writes_triangles = triangle_file_every > 0 && update->ntimestep % triangle_file_every == 0;
   check(ellgran_wall_record_triangles(wall, writes_triangles ? 1 : 0));
@@ -803,8 +848,7 @@ void FixWallGranEllipsoid::post_force(int vflag)
     tallies.tangential_work = friction + tallies.tangential_elastic_energy;
 
   if (step.advance_history) work_of_walls -= 0.5 * step.time_step * load.power;
-  std::copy_n(load.force, 3, load_force);
-  std::copy_n(load.torque, 3, load_torque);
+  last_load = load;
 
   // Until here a variable of this wall that reads what it puts out has had that of the step before.
   std::fill_n(output_here, static_cast<int>(NUMBER_OF_SUMS), 0.0);
@@ -1053,10 +1097,14 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     double law[1 + VALUES_OF_LAW] = {sizeof(law_words)};
     std::memcpy(law + 1, &law_words, sizeof(law_words));
     const double means[NUMBER_OF_MEANS] = {means_are_known ? 1.0 : 0.0, mean_velocity[0], mean_velocity[1], mean_velocity[2], mean_rate};
-    const int size = sizeof(values) + sizeof(means) + sizeof(law);
+    double of_step[NUMBER_AT_STEP];
+    at_step.pack(of_step);
+    of_step[WallVelocityAtStep::NUMBER_OF_STATES] = region_step;
+    const int size = sizeof(values) + sizeof(means) + sizeof(of_step) + sizeof(law);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
     fwrite(means, sizeof(double), NUMBER_OF_MEANS, fp);
+    fwrite(of_step, sizeof(double), NUMBER_AT_STEP, fp);
     fwrite(law, sizeof(double), 1 + VALUES_OF_LAW, fp);
   }
 }
@@ -1097,6 +1145,13 @@ void FixWallGranEllipsoid::restart(char *buffer)
     means_are_known = means[0] != 0.0;
     std::copy_n(means + 1, 3, mean_velocity);
     mean_rate = means[4];
+  }
+  if (format >= 6) {
+    double of_step[NUMBER_AT_STEP];
+    std::memcpy(of_step, further, sizeof(of_step));
+    further += sizeof(of_step);
+    at_step.unpack(of_step);
+    region_step = of_step[WallVelocityAtStep::NUMBER_OF_STATES];
   }
   if (format >= 4) compare_with_law_of_file(further);
   if (comm->me != 0) return;

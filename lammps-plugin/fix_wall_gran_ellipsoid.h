@@ -17,6 +17,7 @@ FixStyle(wall/gran/ellipsoid,FixWallGranEllipsoid);
 #include "ellgran_number_or_variable.h"
 #include "ellgran_region.h"
 #include "ellgran_wall_servo.h"
+#include "ellgran_wall_velocity.h"
 
 #include <array>
 #include <memory>
@@ -112,11 +113,13 @@ class FixWallGranEllipsoid : public Fix {
   double velocity_now[3], rate_now;
   double mean_velocity[3], mean_rate;
   bool means_are_known = false;    // a step was made
+  WallVelocityAtStep at_step;      // of this motion, or of that of a region
 
   // Motion of a region: pose of the last step, and the velocities over the step
   bool pose_is_known;
   RegionPose pose;
   double region_velocity[3], region_rate;
+  double region_step = 0.0;    // length of the step that they are of; 0: none was made
 
   // Time of a motion: `time_then` had passed at the step `step_then`, and steps are as long as `time_step` since. It goes on
   // whatever becomes of the number or the length of the steps.
@@ -180,7 +183,7 @@ class FixWallGranEllipsoid : public Fix {
   // Energies dissipated and work of the walls since the fix was made, this rank's share; the wall keeps the loads that dissipate
   EllgranTallies tallies;
   double friction, work_of_walls;
-  double load_force[3], load_torque[3];    // on the wall, at the end of the last step
+  EllgranWallLoad last_load;    // on the wall, at the end of the last step
   double output_here[NUMBER_OF_SUMS], output_all[NUMBER_OF_SUMS];
   double displacement[3], wall_velocity[3];
   bool summed;
@@ -219,6 +222,8 @@ class FixWallGranEllipsoid : public Fix {
   [[nodiscard]] EllgranWallMotion motion_now(bool time_passes);
   class Region *present_region() const;
   void add_region_motion(EllgranWallMotion &motion, bool time_passes);
+  void add_change_at_step(EllgranWallMotion &motion, const double *axis) const;
+  void add_work_since_last_forces(const EllgranWallMotion &motion);
   void tell_contacts();
   void write_triangle_file(const EllgranWallMotion &motion);
   void place_step_velocity_fix();

@@ -142,6 +142,7 @@ void FixWallGranEllipsoidDevice::add_plane_forces(const EllgranWallMotion &motio
     plane.place.normal[dimension] = (k == 0) ? 1.0 : -1.0;
     for (int c = 0; c < 3; c++) plane.place.point[c] += motion.displacement[c];
     std::copy_n(motion.velocity, 3, plane.place.velocity);
+    std::copy_n(motion.velocity_change, 3, plane.place.velocity_change);
     planes.push_back(plane);
   }
   pair->grains.add_plane_forces(planes, type_in_scene, step);

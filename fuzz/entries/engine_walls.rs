@@ -67,6 +67,11 @@ fn lend(u: &mut Bytes, wall: &Wall, particles: usize) -> arbitrary::Result<()> {
         particle_count: particles,
         near_starts: starts.as_ptr(),
         near: near.as_ptr(),
+        velocity_changes: if u.arbitrary()? {
+            velocities.as_ptr().cast()
+        } else {
+            ptr::null()
+        },
     };
     // SAFETY: the arrays are as long as the struct says.
     succeeded(unsafe { ellgran_wall_lend_triangles(wall.0, &lent) });

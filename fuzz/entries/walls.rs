@@ -161,6 +161,8 @@ pub fn calls(u: &mut Bytes, laws: &Laws, strange: bool) -> arbitrary::Result<()>
         angular_velocity: usual_vector(u)?,
         along_itself: 0,
         unused: 0,
+        velocity_change: usual_vector(u)?,
+        angular_velocity_change: usual_vector(u)?,
     };
     motion.velocity[0] = maybe_any(u, motion.velocity[0])?;
     show("histories", &histories);
@@ -231,6 +233,10 @@ impl Call<'_> {
             stiffness: 0.0,
             damping: 0.0,
             crowded_particle: 0,
+            viscous_force: [0.0; 3],
+            viscous_torque: [0.0; 3],
+            tangential_force: [0.0; 3],
+            tangential_torque: [0.0; 3],
         };
         // SAFETY: the arrays are as long as the structs say, the histories as the wall says.
         let status = unsafe {

@@ -95,6 +95,7 @@ class EllgranPlane(ctypes.Structure):
         ("point", ctypes.c_double * 3),
         ("normal", ctypes.c_double * 3),
         ("velocity", ctypes.c_double * 3),
+        ("velocity_change", ctypes.c_double * 3),
     ]
 
 
@@ -137,6 +138,7 @@ class EllgranLentTriangles(ctypes.Structure):
         ("particle_count", ctypes.c_size_t),
         ("near_starts", ctypes.c_void_p),
         ("near", ctypes.c_void_p),
+        ("velocity_changes", ctypes.c_void_p),
     ]
 
 
@@ -177,6 +179,8 @@ class EllgranWallMotion(ctypes.Structure):
         ("angular_velocity", ctypes.c_double * 3),
         ("along_itself", ctypes.c_int32),
         ("unused", ctypes.c_int32),
+        ("velocity_change", ctypes.c_double * 3),
+        ("angular_velocity_change", ctypes.c_double * 3),
     ]
 
 
@@ -388,6 +392,10 @@ class EllgranWallLoad(ctypes.Structure):
         ("stiffness", ctypes.c_double),
         ("damping", ctypes.c_double),
         ("crowded_particle", ctypes.c_int64),
+        ("viscous_force", ctypes.c_double * 3),
+        ("viscous_torque", ctypes.c_double * 3),
+        ("tangential_force", ctypes.c_double * 3),
+        ("tangential_torque", ctypes.c_double * 3),
     ]
 
 
@@ -446,6 +454,7 @@ class EllgranWallSurface(ctypes.Structure):
         ("others_share", ctypes.c_double),
         ("others_share_by_position", ctypes.c_double * 3),
         ("others_share_by_rotation", ctypes.c_double * 3),
+        ("velocity_change", ctypes.c_double * 3),
     ]
 
 

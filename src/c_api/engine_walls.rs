@@ -31,9 +31,12 @@ pub struct EllgranLentTriangles {
     /// Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
     /// free. The order in each list is that in which contacts are found.
     pub near: *const u32,
+    /// [count][3][3]: what the velocities of the corners at the step have more than `velocities`, up to 1e25, read where particles come with
+    /// `velocity_changes`; NULL where they are the same.
+    pub velocity_changes: *const f64,
 }
 
-growing!(EllgranLentTriangles);
+growing!(EllgranLentTriangles, near: *const u32);
 
 /// A contact that `ellgran_find_wall_contacts` found.
 #[repr(C)]
@@ -87,6 +90,12 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
         let corners = of_corners(t.corners, t.count, "corners")?;
         let moving = if t.velocities.is_null() { 0 } else { t.count };
         let velocities = of_corners(t.velocities, moving, "velocities")?;
+        let changing = if t.velocity_changes.is_null() {
+            0
+        } else {
+            t.count
+        };
+        let changes = of_corners(t.velocity_changes, changing, "velocity_changes")?;
         let starts = match t.particle_count {
             0 => &[],
             // SAFETY: `near_starts` is NULL or valid for reads of `count + 1` elements, as `EllgranLentTriangles`
@@ -97,7 +106,7 @@ pub unsafe extern "C" fn ellgran_wall_lend_triangles(
         // SAFETY: `near` is NULL or valid for reads of `length` elements, as `EllgranLentTriangles` demands.
         let near = unsafe { slice(t.near, length, "near") }?;
         wall.lent_triangles()
-            .set(corners, velocities, starts, near)
+            .set(corners, velocities, changes, starts, near)
             .map_err(wrong)
     })
 }

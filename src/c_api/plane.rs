@@ -21,9 +21,11 @@ pub struct EllgranPlane {
     pub normal: [f64; 3],
     /// Velocity; components up to 1e25.
     pub velocity: [f64; 3],
+    /// What the velocity at the step has more than `velocity`; read where the body's are those of the step. Components up to 1e25.
+    pub velocity_change: [f64; 3],
 }
 
-growing!(EllgranPlane);
+growing!(EllgranPlane, velocity: [f64; 3]);
 
 impl EllgranPlane {
     /// As the library takes it. Public for the border of `gpu/driver`; no interface for others.
@@ -46,6 +48,12 @@ impl EllgranPlane {
             },
             velocity: ranges::vector(self.velocity, LARGEST_VELOCITY, "plane: velocity")
                 .map_err(fail)?,
+            velocity_change: ranges::vector(
+                self.velocity_change,
+                LARGEST_VELOCITY,
+                "plane: velocity_change",
+            )
+            .map_err(fail)?,
         })
     }
 }

@@ -105,6 +105,11 @@ pub struct EllgranWallMotion {
     pub along_itself: i32,
     /// Must be 0.
     pub unused: i32,
+    /// What the velocity of the point at the step, when forces are computed, has more than `velocity`. Read where particles come with
+    /// `velocity_changes`, for the viscous forces, as these are. 0 where it is not known.
+    pub velocity_change: [f64; 3],
+    /// Likewise of the angular velocity.
+    pub angular_velocity_change: [f64; 3],
 }
 
 growing!(EllgranWallMotion, angular_velocity: [f64; 3]);
@@ -131,6 +136,14 @@ pub struct EllgranWallLoad {
     /// 1 + index of a particle that touches the wall in more places than are remembered: at some of them friction begins anew in each
     /// step. 0 for none.
     pub crowded_particle: i64,
+    /// With `ellgran_wall_keep_inelastic_loads`, else 0: the viscous force on the wall, which is a part of `force`.
+    pub viscous_force: [f64; 3],
+    /// Its torque about the same point; 0 where the wall does not turn.
+    pub viscous_torque: [f64; 3],
+    /// Likewise the tangential force without its viscous part.
+    pub tangential_force: [f64; 3],
+    /// Its torque.
+    pub tangential_torque: [f64; 3],
 }
 
 growing!(EllgranWallLoad, damping);
@@ -270,6 +283,11 @@ impl EllgranWallMotion {
             axes,
             velocity: velocity(self.velocity, "wall motion: velocity")?,
             angular_velocity: velocity(self.angular_velocity, "wall motion: angular_velocity")?,
+            velocity_change: velocity(self.velocity_change, "wall motion: velocity_change")?,
+            angular_velocity_change: velocity(
+                self.angular_velocity_change,
+                "wall motion: angular_velocity_change",
+            )?,
             along_itself,
         })
     }
@@ -433,6 +451,8 @@ pub unsafe extern "C" fn ellgran_wall_add_stl(
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
             along_itself: 0,
+            velocity_change: [0.0; 3],
+            angular_velocity_change: [0.0; 3],
             unused: 0,
         }
         .to_core()?;
@@ -606,7 +626,7 @@ pub(super) fn wall_history_failure(p: &EllgranParticles, wrong: &WrongHistory) -
 /// type and `wall_type`. `masks` ([owned_count], or NULL for all) and `group_mask` select particles: those with `masks[i] &
 /// group_mask` not zero. `histories` is [owned_count][`ellgran_wall_histories_length`] (NULL if that is 0): set to 0 by the caller
 /// before a particle's first call, and to be carried along with the particle when its index changes. `motion` may be NULL for
-/// a wall at rest; its velocities are those of the half step, as the particles' are. `load` and `tallies` may be NULL.
+/// a wall at rest; its velocities are those of the half step, as the particles' are, and may have changes likewise. `load` and `tallies` may be NULL.
 ///
 /// All particles that the wall may reach are checked first; on failure nothing is written.
 ///
@@ -748,6 +768,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             asked.write(&sums);
         }
         if let Some(out) = &mut of_load {
+            let [viscous, tangential] = found.inelastic;
             out.write(&EllgranWallLoad {
                 size: size_of::<EllgranWallLoad>(),
                 force: found.force.to_array(),
@@ -757,6 +778,10 @@ pub unsafe extern "C" fn ellgran_compute_wall(
                 stiffness: found.stiffness,
                 damping: found.damping,
                 crowded_particle: found.crowded.map_or(0, |particle| particle as i64 + 1),
+                viscous_force: viscous.force.to_array(),
+                viscous_torque: viscous.torque.to_array(),
+                tangential_force: tangential.force.to_array(),
+                tangential_torque: tangential.torque.to_array(),
             });
         }
         Ok(())
@@ -839,6 +864,11 @@ pub unsafe extern "C" fn ellgran_wall_record_contacts(wall: *mut EllgranWall, re
 /// no array for them. Each call then adds the work of half a step, and `ellgran_wall_tally_following_half_step` adds the other half
 /// (`inelastic_loads` of `EllgranTallies` says why). It takes the time of the particles that touch, where the array
 /// takes that of all.
+///
+/// The other half of the work on the wall itself is reckoned with the velocity that the wall had in the step before, which is all that is known
+/// then. A caller whose walls change their velocity sets `wall_powers` of the tallies to 0 before the other half, and takes the work of
+/// `viscous_force` and `tangential_force` of `EllgranWallLoad` in half a step of the wall's next motion, and that of their torques, off
+/// `viscous_dissipation` and `tangential_work` himself.
 ///
 /// # Safety
 /// `wall` is NULL or valid.

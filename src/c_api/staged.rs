@@ -55,9 +55,12 @@ pub struct EllgranWallSurface {
     pub others_share_by_position: [f64; 3],
     /// Gradient of `others_share` with respect to a rotation of the body about its centre, 1/radian, world frame.
     pub others_share_by_rotation: [f64; 3],
+    /// What the velocity of the surface at the step has more than `velocity`; read where the body's are those of the step. Components up
+    /// to 1e25.
+    pub velocity_change: [f64; 3],
 }
 
-growing!(EllgranWallSurface);
+growing!(EllgranWallSurface, others_share_by_rotation: [f64; 3]);
 
 impl EllgranWallSurface {
     pub(super) fn to_core(self) -> Result<WallSurface, Failure> {
@@ -65,6 +68,12 @@ impl EllgranWallSurface {
         let point = ranges::vector(self.point, LARGEST_COORDINATE, "wall: point").map_err(fail)?;
         let velocity =
             ranges::vector(self.velocity, LARGEST_VELOCITY, "wall: velocity").map_err(fail)?;
+        let velocity_change = ranges::vector(
+            self.velocity_change,
+            LARGEST_VELOCITY,
+            "wall: velocity_change",
+        )
+        .map_err(fail)?;
         let normal = Vector3::from_array(self.normal)
             .direction()
             .ok_or_else(|| {
@@ -132,6 +141,7 @@ impl EllgranWallSurface {
             curvatures: self.curvatures,
             turning_radii: self.turning_radii,
             velocity,
+            velocity_change,
             share: Share {
                 value: 1.0 - self.others_share,
                 by_position: -by_position,

@@ -118,14 +118,18 @@ pub fn contact_with_wall(
     (normal, tangent): (Vector3, Tangent),
     penetration: f64,
     weingarten: Symmetric2,
-    velocity: Vector3,
+    [velocity, velocity_change]: [Vector3; 2],
 ) -> Contact {
     let surfaces = [
         surface(i, support, &tangent),
         Surface::of_wall(weingarten, velocity),
     ];
+    let of_wall = MotionChange {
+        velocity: velocity_change,
+        ..MotionChange::NONE
+    };
     Contact {
-        changes: i.change.map(|change| [change, MotionChange::NONE]),
+        changes: i.change.map(|change| [change, of_wall]),
         ..Contact::new(
             (normal, tangent),
             penetration,

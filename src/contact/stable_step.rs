@@ -50,6 +50,7 @@
 //!     curvatures: [0.0; 2],
 //!     turning_radii: [f64::INFINITY; 2],
 //!     velocity: Vector3::ZERO,
+//!     velocity_change: Vector3::ZERO,
 //!     share: Share::WHOLE,
 //! };
 //! let staged = StagedContact::of_wall(&lower, &floor).expect("it touches");

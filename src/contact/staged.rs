@@ -57,6 +57,7 @@
 //!     curvatures: [0.0; 2],
 //!     turning_radii: [f64::INFINITY; 2],
 //!     velocity: Vector3::ZERO,
+//!     velocity_change: Vector3::ZERO,
 //!     share: Share::WHOLE,
 //! };
 //! let on_floor = StagedContact::of_wall(&lower, &floor).expect("it touches");
@@ -96,6 +97,8 @@ pub struct WallSurface {
     pub turning_radii: [f64; 2],
     /// Velocity of the surface there.
     pub velocity: Vector3,
+    /// What that at the step has more; read where the body comes with a change.
+    pub velocity_change: Vector3,
     /// By how much of the law the surface acts, and the gradient of that.
     pub share: Share,
 }
@@ -177,7 +180,7 @@ impl StagedContact {
             (normal, tangent),
             penetration,
             weingarten_j,
-            wall.velocity,
+            [wall.velocity, wall.velocity_change],
         );
         Some(StagedContact {
             curvature: convex(x.curvature(), x.i.weingarten),

@@ -154,7 +154,8 @@ impl<'a> WallBatch<'a> {
         put_in_lane(&mut n.velocity, lane, i.velocity - surface.velocity);
         put_in_lane(&mut n.omega, lane, i.omega);
         if let Some(change) = &i.change {
-            put_in_lane(&mut n.velocity_change, lane, change.velocity);
+            let velocity = change.velocity - surface.velocity_change;
+            put_in_lane(&mut n.velocity_change, lane, velocity);
             put_in_lane(&mut n.omega_change, lane, change.omega);
         }
         n.effective_mass[lane] = effective_mass;
@@ -371,6 +372,14 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
     #[inline(always)]
     pub fn take_off(&mut self, velocity: Vector3<Lanes<S>>) {
         self.at.velocity = self.at.velocity - velocity;
+    }
+
+    /// The same of what it has more at the step, where the body comes with a change.
+    #[inline(always)]
+    pub fn take_off_change(&mut self, velocity: Vector3<Lanes<S>>) {
+        if let Some(change) = &mut self.at.change {
+            change.velocity = change.velocity - velocity;
+        }
     }
 
     /// The masses that the contacts move.

@@ -380,6 +380,19 @@ impl<'i> Forces<'_, 'i, '_> {
         let (stiffness, damping) = law.largest_springs(f.stiffness, effective_mass(i));
         load.stiffness += stiffness;
         load.damping += damping;
+        if self.touching_loads.is_some() {
+            let couples = couple.map_or([Vector3::ZERO; 2], |c| [c.viscous, c.elastic]);
+            let parts = [f.viscous_force, f.frictional_force]
+                .into_iter()
+                .zip(couples);
+            for (sum, (force, couple)) in load.inelastic.iter_mut().zip(parts) {
+                sum.force = sum.force + force;
+                if motion.spins() {
+                    let arm = i.position + f.contact_point - motion.centre();
+                    sum.torque = sum.torque + arm.cross(force) - couple;
+                }
+            }
+        }
         if let Some(loads) = self.triangle_loads.as_deref_mut() {
             add_to_triangle(self.parts, loads, c, f.force, motion);
         }

@@ -456,9 +456,9 @@ impl AddForces<'_, '_, '_> {
         let mut seen = SeenFromWall {
             velocity: side.velocity - splat(registers, input.motion.velocity),
             omega: side.omega,
-            change: change_of(registers, &input.near, batch.contacts),
+            change: change_of(registers, input, batch.contacts),
         };
-        let spins = SURFACES && input.motion.angular_velocity != Vector3::ZERO;
+        let spins = SURFACES && input.motion.spins();
         if spins && !input.motion.along_itself {
             seen = seen.turning(registers, input.motion, input.step, from_centre);
         }
@@ -476,11 +476,15 @@ impl AddForces<'_, '_, '_> {
         );
         if spins && input.motion.along_itself {
             let spin = splat(registers, input.motion.angular_velocity);
-            placed.take_off(spin.cross(from_centre + placed.point()));
+            let more = splat(registers, input.motion.angular_velocity_change);
+            let arm = from_centre + placed.point();
+            placed.take_off(spin.cross(arm));
+            placed.take_off_change(more.cross(arm));
         }
         if SURFACES && !self.lone.velocities.is_empty() {
             let v = Lanes::all(registers, registers.columns(&batch.velocities));
             placed.take_off(Vector3::new(v[0], v[1], v[2]));
+            placed.take_off_change(Vector3::new(v[3], v[4], v[5]));
         }
         let remembered = match self.in_place {
             Some(end) => {
@@ -696,8 +700,11 @@ impl AddForces<'_, '_, '_> {
         if self.touching_loads.is_some() {
             let motion = self.input.motion;
             for (k, power) in t.wall_powers.iter_mut().enumerate() {
-                *power += total_vector(sums.forces[k]).dot(motion.velocity)
-                    + total_vector(sums.torques[k]).dot(motion.angular_velocity);
+                let [force, torque] = [sums.forces[k], sums.torques[k]].map(total_vector);
+                *power += force.dot(motion.velocity) + torque.dot(motion.angular_velocity);
+                let sum = &mut load.inelastic[k];
+                sum.force = sum.force + force;
+                sum.torque = sum.torque + torque;
             }
         } else {
             let time = self.input.step.elapsed();
@@ -793,13 +800,14 @@ fn masses_of<S: Registers>(
     mass_of_inverse(Lanes::load(registers, &numbers.inverse_mass))
 }
 
-/// What the motions of the particles have more at the step, where forces see velocities of the step.
+/// What the motions of the particles have more at the step, where forces see velocities of the step, less that of the wall's velocity.
 #[inline(always)]
 fn change_of<S: Registers>(
     registers: S,
-    near: &ParticleRecords<'_>,
+    input: &RecordsInput<'_>,
     contacts: &[LoneContact],
 ) -> Option<MotionChange<Lanes<S>>> {
+    let near = &input.near;
     if !near.of_step {
         return None;
     }
@@ -819,6 +827,7 @@ fn change_of<S: Registers>(
         own.velocity = Vector3::new(c[0], c[1], c[2]);
         own.omega = Vector3::new(c[3], c[4], c[5]);
     }
+    own.velocity = own.velocity - splat(registers, input.motion.velocity_change);
     Some(own)
 }
 
@@ -903,8 +912,10 @@ impl<S: Registers> SeenFromWall<S> {
             change: None,
         };
         if let Some(change) = change {
-            let velocity_at_step = velocity + change.velocity - spin.cross(from_centre);
-            let omega_at_step = turned + change.omega;
+            let more = splat(registers, motion.angular_velocity_change);
+            let spin_at_step = spin + more;
+            let velocity_at_step = velocity + change.velocity - spin_at_step.cross(from_centre);
+            let omega_at_step = turned + change.omega - more;
             seen.change = Some(MotionChange {
                 velocity: velocity_at_step - moved,
                 omega: omega_at_step - turned_half,

@@ -16,6 +16,8 @@ pub struct LentTriangles {
     corners: Vec<Triangle>,
     /// Velocities of the corners; empty for triangles at rest.
     velocities: Vec<[Vector3; 3]>,
+    /// What those at the step have more; empty where they are the same.
+    changes: Vec<[Vector3; 3]>,
     /// Where the list of each particle begins in `near`, and at last where the last one ends.
     starts: Vec<usize>,
     near: Vec<u32>,
@@ -23,7 +25,8 @@ pub struct LentTriangles {
 
 impl LentTriangles {
     /// Takes the triangles of a step in place of those before. Particle `k` is near the triangles `near[starts[k]..starts[k + 1]]`;
-    /// particles beyond the end of `starts` are near none. `velocities` are those of the corners, or empty.
+    /// particles beyond the end of `starts` are near none. `velocities` are those of the corners, or empty, and `changes` what those at
+    /// the step have more, or empty.
     ///
     /// # Errors
     /// A corner or a velocity that is not finite or too large, or lists that do not fit the triangles; then there are none.
@@ -31,18 +34,22 @@ impl LentTriangles {
         &mut self,
         corners: impl Iterator<Item = Triangle>,
         velocities: impl Iterator<Item = [Vector3; 3]>,
+        changes: impl Iterator<Item = [Vector3; 3]>,
         starts: &[usize],
         near: &[u32],
     ) -> Result<(), String> {
         let LentTriangles {
             corners: own,
             velocities: own_velocities,
+            changes: own_changes,
             ..
         } = self;
         own.clear();
         own.extend(corners);
         own_velocities.clear();
         own_velocities.extend(velocities);
+        own_changes.clear();
+        own_changes.extend(changes);
         self.starts.clear();
         self.starts.extend_from_slice(starts);
         self.near.clear();
@@ -57,7 +64,8 @@ impl LentTriangles {
     fn check(&self) -> Result<(), String> {
         check_corners(&self.corners)?;
         let fast = |v: &Vector3| !v.to_array().iter().all(|x| x.abs() <= LARGEST_VELOCITY);
-        if let Some(v) = self.velocities.iter().flatten().find(|v| fast(v)) {
+        let mut all = self.velocities.iter().chain(&self.changes).flatten();
+        if let Some(v) = all.find(|v| fast(v)) {
             return Err(format!(
                 "a corner of the triangles moves with {}: out of range",
                 Numbers(&v.to_array())
@@ -88,7 +96,7 @@ impl Shape for LentTriangles {
     }
 
     fn moves(&self) -> bool {
-        !self.velocities.is_empty()
+        !(self.velocities.is_empty() && self.changes.is_empty())
     }
 
     fn may_touch(&self, ball: &Ball) -> bool {
@@ -99,13 +107,16 @@ impl Shape for LentTriangles {
         search.near.clear();
         search.near.extend_from_slice(self.near(grain.particle));
         touch_near(grain, &self.corners, search, &mut |surface, triangle| {
-            let velocity = self.velocities.get(triangle).map_or(Vector3::ZERO, |v| {
-                let [a, b, c] = barycentric_weights(&self.corners[triangle], surface.point);
-                v[0] * a + v[1] * b + v[2] * c
+            let [velocity, velocity_change] = [&self.velocities, &self.changes].map(|all| {
+                all.get(triangle).map_or(Vector3::ZERO, |v| {
+                    let [a, b, c] = barycentric_weights(&self.corners[triangle], surface.point);
+                    v[0] * a + v[1] * b + v[2] * c
+                })
             });
             found(
                 &WallSurface {
                     velocity,
+                    velocity_change,
                     ..*surface
                 },
                 triangle,

@@ -128,7 +128,7 @@ impl LoneContacts {
                 surfaces: [[Line::ZERO; MOST_LANES]; 2],
             });
         }
-        let turns = motion.axes.is_some() || motion.angular_velocity != Vector3::ZERO;
+        let turns = motion.axes.is_some() || motion.spins();
         if self.planes.len() < self.parts.len() || turns {
             self.planes.clear();
         }
@@ -177,9 +177,11 @@ impl LoneContacts {
             [found] if is_taken_in_lanes(&found.surface) => {
                 self.searched.truncate(first);
                 if self.with_velocities {
-                    let [x, y, z] = places.motion.to_world(found.surface.velocity).to_array();
+                    let surface = &found.surface;
+                    let [v, c] = [surface.velocity, surface.velocity_change]
+                        .map(|v| places.motion.to_world(v));
                     self.velocities
-                        .push(Line([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]));
+                        .push(Line([v.x, v.y, v.z, c.x, c.y, c.z, 0.0, 0.0]));
                 }
                 let surface = &found.surface;
                 self.surfaces

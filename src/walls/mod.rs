@@ -97,7 +97,7 @@ pub use touching_loads::TouchingLoad;
 #[cfg(feature = "std")]
 pub use triangle_file::write_triangle_loads;
 #[cfg(feature = "std")]
-pub use wall::{RecordedWallContact, TriangleLoad, Wall, WallLoad};
+pub use wall::{ForceAndTorque, RecordedWallContact, TriangleLoad, Wall, WallLoad};
 
 /// Adds the parts of a shape, or says what is wrong.
 #[cfg(feature = "std")]

@@ -5,7 +5,7 @@
 //! the contact turns with the wall by itself. Velocities are those of the half step that brought particle and wall to where
 //! they are (docs/theory.md, on the tangential displacement): the wall's velocity is taken at the place in it where the particle
 //! was then, and the difference turned by half a step's rotation. A particle that moves with the wall has no velocity. Those of the
-//! step, where a particle comes with a change, are relative to the wall's velocity at the step.
+//! step, where a particle comes with a change, are relative to the wall's velocity at the step, which may have a change likewise.
 
 use crate::contact::forces::MotionChange;
 use crate::contact::staged::WallSurface;
@@ -52,6 +52,10 @@ pub struct Motion {
     pub velocity: Vector3,
     /// Angular velocity in the step, world frame.
     pub angular_velocity: Vector3,
+    /// What the velocity of the point at the step has more than that in the step; read where particles come with a change.
+    pub velocity_change: Vector3,
+    /// Likewise of the angular velocity.
+    pub angular_velocity_change: Vector3,
     /// Whether the surface moves along itself: its matter has these velocities, and its frame stays where it is, as that of a cylinder that
     /// turns about its axis may. What is remembered of a contact is then in the frame of the world. Such a wall has neither
     /// moved nor turned.
@@ -66,6 +70,8 @@ impl Motion {
         axes: None,
         velocity: Vector3::ZERO,
         angular_velocity: Vector3::ZERO,
+        velocity_change: Vector3::ZERO,
+        angular_velocity_change: Vector3::ZERO,
         along_itself: false,
     };
 
@@ -91,10 +97,24 @@ impl Motion {
         self.velocity + self.angular_velocity.cross(point - self.centre())
     }
 
+    /// What the velocity of the wall's matter at a point in the world has more at the step.
+    pub fn velocity_change_at(&self, point: Vector3) -> Vector3 {
+        if self.angular_velocity_change == Vector3::ZERO {
+            return self.velocity_change;
+        }
+        self.velocity_change + self.angular_velocity_change.cross(point - self.centre())
+    }
+
+    /// Whether the wall turns, in the step or at its end.
+    pub(super) fn spins(&self) -> bool {
+        self.angular_velocity != Vector3::ZERO || self.angular_velocity_change != Vector3::ZERO
+    }
+
     /// Whether the wall is where it was, and at rest: its frame is the world's.
     pub fn is_none(&self) -> bool {
         self.axes.is_none()
-            && [self.displacement, self.velocity, self.angular_velocity]
+            && !self.spins()
+            && [self.displacement, self.velocity, self.velocity_change]
                 .iter()
                 .all(|v| *v == Vector3::ZERO)
     }
@@ -139,6 +159,7 @@ impl Motion {
             normal: self.to_world(s.normal),
             direction: self.to_world(s.direction),
             velocity: self.velocity_at(point) + self.to_world(s.velocity),
+            velocity_change: self.velocity_change_at(point) + self.to_world(s.velocity_change),
             share: Share {
                 by_position: self.to_world(s.share.by_position),
                 by_rotation: self.to_world(s.share.by_rotation),
@@ -185,13 +206,17 @@ impl Motion {
         }
         let mut velocity = i.velocity - self.velocity;
         let mut omega = i.omega;
-        let mut change = i.change;
-        let spin = self.angular_velocity;
-        if spin != Vector3::ZERO {
+        let mut change = i.change.map(|change| MotionChange {
+            velocity: change.velocity - self.velocity_change,
+            omega: change.omega - self.angular_velocity_change,
+        });
+        if self.spins() {
+            let spin = self.angular_velocity;
             let half = Self::half_step(step, i.change.is_some());
             let from_centre = i.position - self.centre();
             let at_step = change.map(|change| {
-                let velocity = velocity + change.velocity - spin.cross(from_centre);
+                let spin_at_step = spin + self.angular_velocity_change;
+                let velocity = velocity + change.velocity - spin_at_step.cross(from_centre);
                 (velocity, omega + change.omega - spin)
             });
             velocity = velocity - spin.cross(from_centre - velocity * half);
@@ -254,7 +279,7 @@ mod tests {
             axes: Motion::axes_of([half.cos(), 0.0, 0.0, half.sin()]),
             velocity,
             angular_velocity: Vector3::new(0.0, 0.0, rate),
-            along_itself: false,
+            ..Motion::REST
         };
         let step = Step {
             time_step: dt,
@@ -287,5 +312,97 @@ mod tests {
         assert!((seen.position - expected).norm() < 1e-14);
         let back = motion.point_to_world(seen.position);
         assert!((back - place(t)).norm() < 1e-14);
+    }
+
+    /// A body that a wall carries whose velocity and spin change: at the step it has no velocity relative to the wall.
+    #[test]
+    fn a_body_that_an_accelerating_wall_carries_has_no_velocity_at_the_step() {
+        let dt = 1e-3;
+        let [spin, more] = [
+            Vector3::new(0.3, -0.5, 2.0),
+            Vector3::new(0.02, 0.01, -0.04),
+        ];
+        let motion = Motion {
+            origin: Vector3::new(1.0, 2.0, 3.0),
+            displacement: Vector3::new(0.1, -0.2, 0.3),
+            axes: Motion::axes_of([0.9, 0.1, -0.3, 0.2]),
+            velocity: Vector3::new(0.4, -0.2, 0.1),
+            angular_velocity: spin,
+            velocity_change: Vector3::new(-0.03, 0.05, 0.02),
+            angular_velocity_change: more,
+            along_itself: false,
+        };
+        let place = Vector3::new(1.5, 0.5, 3.5);
+        let body = Body {
+            position: place.to_array(),
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+            semi_axes: [0.1, 0.2, 0.3],
+            velocity: [0.1, 0.2, 0.3],
+            angular_velocity: [0.3, 0.2, 0.1],
+            mass: 1.0,
+            particle_type: 1,
+            identifier: 1,
+        };
+        let particle = prepare_body(&body, Some(1)).unwrap();
+        let at_step = motion.velocity_at(place) + motion.velocity_change_at(place);
+        let carried = Particle {
+            change: Some(MotionChange {
+                velocity: at_step - particle.velocity,
+                omega: spin + more - particle.omega,
+            }),
+            ..particle
+        };
+        let step = Step {
+            time_step: dt,
+            advance_history: true,
+        };
+        let starting = Motion {
+            angular_velocity: Vector3::ZERO,
+            velocity: motion.velocity_at(motion.centre()),
+            ..motion
+        };
+        for (wall, omega) in [(motion, spin), (starting, Vector3::ZERO)] {
+            let at_step = wall.velocity_at(place) + wall.velocity_change_at(place);
+            let carried = Particle {
+                change: Some(MotionChange {
+                    velocity: at_step - particle.velocity,
+                    omega: omega + more - particle.omega,
+                }),
+                ..carried
+            };
+            let seen = wall.seen_from_wall(&carried, &step);
+            let change = seen.change.unwrap();
+            assert!((seen.velocity + change.velocity).norm() < 1e-14);
+            assert!((seen.omega + change.omega).norm() < 1e-14);
+            // The half step knows nothing of it.
+            let without = Motion {
+                velocity_change: Vector3::ZERO,
+                angular_velocity_change: Vector3::ZERO,
+                ..wall
+            };
+            let half = without.seen_from_wall(&carried, &step);
+            assert!((half.velocity - seen.velocity).norm() < 1e-15);
+            assert!((half.omega - seen.omega).norm() < 1e-15);
+        }
+        // A surface that moves along itself carries its matter's velocities in the frame of the world.
+        let along_itself = Motion {
+            displacement: Vector3::ZERO,
+            axes: None,
+            along_itself: true,
+            ..motion
+        };
+        let seen = along_itself.seen_from_wall(&carried, &step);
+        assert_eq!((seen.velocity, seen.change.unwrap().velocity), {
+            (carried.velocity, carried.change.unwrap().velocity)
+        });
+        let surface = along_itself.in_its_frame(&crate::walls::plane::flat(
+            place,
+            Vector3::new(0.0, 0.0, 1.0),
+        ));
+        assert_eq!(surface.velocity, along_itself.velocity_at(place));
+        assert_eq!(
+            surface.velocity_change,
+            along_itself.velocity_change_at(place)
+        );
     }
 }

@@ -16,6 +16,8 @@ pub struct MovingPlane {
     pub plane: Plane,
     /// How fast it moves, world frame.
     pub velocity: Vector3,
+    /// What its velocity at the step has more than that in the step; read where the particle comes with a change.
+    pub velocity_change: Vector3,
 }
 
 /// Geometry and motion of a particle at a plane.
@@ -26,7 +28,7 @@ fn contact_with_plane(found: &PlaneContact, i: &Particle, wall: &MovingPlane) ->
         (found.normal, found.tangent),
         found.penetration,
         Symmetric2::new(0.0, 0.0, 0.0),
-        wall.velocity,
+        [wall.velocity, wall.velocity_change],
     )
 }
 
@@ -78,6 +80,7 @@ pub fn geometry_with_plane(i: &Particle, wall: &MovingPlane, share_i: f64) -> On
 /// let floor = MovingPlane {
 ///     plane: Plane { point: Vector3::ZERO, normal: Vector3::new(0.0, 0.0, 1.0) },
 ///     velocity: Vector3::ZERO,
+///     velocity_change: Vector3::ZERO,
 /// };
 /// assert!((geometry_with_plane(&ball, &floor, 0.5).penetration - 1e-5).abs() < 1e-15);
 /// let (mut touching, mut history) = (false, vec![0.0; laws.layout().length]);

@@ -109,6 +109,7 @@ pub(super) const fn flat_along(point: Vector3, normal: Vector3, direction: Vecto
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: Vector3::ZERO,
+        velocity_change: Vector3::ZERO,
         share: Share::WHOLE,
     }
 }

@@ -159,6 +159,18 @@ pub struct WallLoad {
     pub damping: f64,
     /// A particle that touches in more places than are remembered.
     pub crowded: Option<usize>,
+    /// Where the wall keeps the loads of its particles that are not elastic: the viscous part of force and torque, and then that of the
+    /// tangential displacement.
+    pub inelastic: [ForceAndTorque; 2],
+}
+
+/// A force and a torque on a wall, about [`Motion::centre`], world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ForceAndTorque {
+    /// The force.
+    pub force: Vector3,
+    /// The torque.
+    pub torque: Vector3,
 }
 
 /// One contact as it acted.
@@ -481,7 +493,7 @@ impl Wall {
     /// let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
     /// let floor = [corner(-3.0, -3.0), corner(3.0, -3.0), corner(0.0, 6.0)];
     /// // The triangle is the engine's own: it is lent for this step, and particle 0 is near it.
-    /// wall.lent_triangles().set([floor].into_iter(), std::iter::empty(), &[0, 1], &[0])?;
+    /// wall.lent_triangles().set([floor].into_iter(), std::iter::empty(), std::iter::empty(), &[0, 1], &[0])?;
     /// let ball = Body {
     ///     position: [0.0, 0.0, 0.99],
     ///     quaternion: [1.0, 0.0, 0.0, 0.0],

@@ -31,6 +31,7 @@ fn lent(starts: &[usize], near: &[u32]) -> EllgranLentTriangles {
         particle_count: starts.len() - 1,
         near_starts: starts.as_ptr(),
         near: near.as_ptr(),
+        velocity_changes: null(),
     }
 }
 

@@ -334,6 +334,7 @@ const PLANE: EllgranPlane = EllgranPlane {
     point: [-0.9, 0.0, 0.0],
     normal: [1.0, 0.0, 0.0],
     velocity: [0.0; 3],
+    velocity_change: [0.0; 3],
 };
 
 /// The outputs of a call for one contact.

@@ -275,6 +275,7 @@ const PLANE: EllgranPlane = EllgranPlane {
     point: [0.0, 0.0, -0.7],
     normal: [0.0, 0.1, 1.0],
     velocity: [0.1, 0.2, 0.3],
+    velocity_change: [0.0; 3],
 };
 
 /// A contact that has lasted, of whatever layout.
@@ -662,6 +663,7 @@ fn contacts_at_the_ends_of_all_ranges() {
                 .map(|x| x * power(&mut random, -20.0, 19.7)),
             normal: random.vector(-1.0, 1.0),
             velocity: bodies[1].velocity,
+            velocity_change: bodies[1].velocity_change,
         };
         let (status, _) =
             contact_plane(&laws, &bodies[0], &plane, &step, (0, [0.0; LONGEST]), &what);
@@ -876,6 +878,7 @@ fn walls() {
                 particle_count: 1,
                 near_starts: starts.as_ptr(),
                 near: near.as_ptr(),
+                velocity_changes: velocities.as_ptr().cast(),
             };
             // SAFETY: all pointers are valid.
             let status = unsafe { ellgran_wall_lend_triangles(wall.0, &lent) };
@@ -906,6 +909,7 @@ fn surfaces_of_walls() {
                 others_share: 0.3,
                 others_share_by_position: [0.0, 0.1, 0.0],
                 others_share_by_rotation: [0.0; 3],
+                velocity_change: [0.0; 3],
             };
             match k {
                 0..3 => wall.point[k] = x,

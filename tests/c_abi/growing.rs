@@ -190,6 +190,7 @@ fn no_surface() -> EllgranWallSurface {
         others_share: 0.0,
         others_share_by_position: [0.0; 3],
         others_share_by_rotation: [0.0; 3],
+        velocity_change: [0.0; 3],
     }
 }
 

@@ -20,6 +20,7 @@ const PLANE: EllgranPlane = EllgranPlane {
     point: [0.0, 0.0, -0.9],
     normal: [0.0, 0.0, 1.0],
     velocity: [0.0; 3],
+    velocity_change: [0.0; 3],
 };
 
 #[track_caller]

@@ -202,6 +202,7 @@ fn lanes_give_what_one_contact_after_the_other_gives() {
         REST,
         EllgranWallMotion {
             velocity: [0.2, -0.1, 0.3],
+            velocity_change: [-0.05, 0.04, 0.03],
             ..REST
         },
     ];

@@ -208,6 +208,8 @@ pub const REST: EllgranWallMotion = EllgranWallMotion {
     angular_velocity: [0.0; 3],
     along_itself: 0,
     unused: 0,
+    velocity_change: [0.0; 3],
+    angular_velocity_change: [0.0; 3],
 };
 
 /// To be written by a call.
@@ -220,6 +222,10 @@ pub const NO_LOAD: EllgranWallLoad = EllgranWallLoad {
     stiffness: 0.0,
     damping: 0.0,
     crowded_particle: 0,
+    viscous_force: [0.0; 3],
+    viscous_torque: [0.0; 3],
+    tangential_force: [0.0; 3],
+    tangential_torque: [0.0; 3],
 };
 
 pub struct WorkspaceHandle(pub *mut EllgranWorkspace);

@@ -50,6 +50,7 @@ const WALL: EllgranWallSurface = EllgranWallSurface {
     others_share: 0.0,
     others_share_by_position: [0.0; 3],
     others_share_by_rotation: [0.0; 3],
+    velocity_change: [0.0; 3],
 };
 
 #[track_caller]
@@ -469,6 +470,7 @@ fn a_wall_in_stages_is_a_plane() {
         point: WALL.point,
         normal: WALL.normal,
         velocity: WALL.velocity,
+        velocity_change: WALL.velocity_change,
     };
     let mut i = random_bodies(1)[0];
     (i.position, i.particle_type) = ([0.0; 3], 1);

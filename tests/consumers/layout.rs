@@ -113,11 +113,11 @@ fn claims() -> Claims {
         }
         EllgranWallSurface {
             size, point, normal, direction, curvatures, turning_radii, velocity, others_share, others_share_by_position,
-            others_share_by_rotation,
+            others_share_by_rotation, velocity_change,
         }
         EllgranStagedGeometry { size, touching, penetration, normal, contact_point }
         EllgranStagedHistory { size, friction, touched, normal }
-        EllgranLentTriangles { size, count, corners, velocities, particle_count, near_starts, near }
+        EllgranLentTriangles { size, count, corners, velocities, particle_count, near_starts, near, velocity_changes }
         EllgranFoundWallContact {
             size, particle, part, triangle, point, velocity, touched, is_forgotten, last_normal, history,
         }
@@ -139,10 +139,16 @@ fn claims() -> Claims {
         }
         EllgranContactPlace { size, i, j, entry }
         EllgranStep { size, advance_history, time_step }
-        EllgranPlane { size, point, normal, velocity }
+        EllgranPlane { size, point, normal, velocity, velocity_change }
         EllgranWallShape { size, name, point, axis, radii, bounds, ends, side, unused }
-        EllgranWallMotion { size, origin, displacement, quaternion, velocity, angular_velocity, along_itself, unused }
-        EllgranWallLoad { size, force, torque, power, contact_count, stiffness, damping, crowded_particle }
+        EllgranWallMotion {
+            size, origin, displacement, quaternion, velocity, angular_velocity, along_itself, unused, velocity_change,
+            angular_velocity_change,
+        }
+        EllgranWallLoad {
+            size, force, torque, power, contact_count, stiffness, damping, crowded_particle, viscous_force, viscous_torque,
+            tangential_force, tangential_torque,
+        }
         EllgranServo { size, target, gain, largest_speed, steady_velocity, velocity }
         EllgranRecordedWallContact {
             size, particle, part, point, normal, penetration, normal_force, tangential_force, force, torque, elastic_energy,

@@ -11,6 +11,7 @@ mod harness;
 
 use engines::shapes;
 
+mod accelerating_walls;
 mod changing_box;
 mod closed_forms;
 mod conservation;

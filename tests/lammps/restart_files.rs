@@ -53,7 +53,8 @@ fn both_versions_restart_files_of_older_versions_are_read() {
             "lammps_format_2",
             "lammps_format_3",
             "lammps_format_4",
-            "lammps_format_5"
+            "lammps_format_5",
+            "lammps_format_6"
         ]
     );
     for name in names {
@@ -109,7 +110,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
             &[
                 "fix wall/gran/ellipsoid floor",
                 "format version 9",
-                "1 to 5",
+                "1 to 6",
             ],
         ),
         (

@@ -57,6 +57,7 @@ pub fn flat(point: Vector3, normal: Vector3, share: Share) -> WallSurface {
         curvatures: [0.0; 2],
         turning_radii: [f64::INFINITY; 2],
         velocity: Vector3::ZERO,
+        velocity_change: Vector3::ZERO,
         share,
     }
 }

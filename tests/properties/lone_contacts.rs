@@ -5,7 +5,8 @@
 use crate::support::random::Stream;
 use crate::support::scene::{laws, quaternion};
 use crate::walls_in_lanes::{
-    assert_same, corner, motions, random_body, random_change, surfaces, touching, Groups,
+    assert_same, corner, motions_and_changes, random_body, random_change, surfaces, touching,
+    Groups,
 };
 use ellgran::contact::{prepare_body, Body, Laws, Step};
 use ellgran::list::{ParticleArrays, PreparedBy, Rotation, Workspace};
@@ -173,6 +174,17 @@ impl Scene {
                     .collect(),
             ),
         ];
+        let [viscous, tangential] = load.inelastic;
+        let of_inelastic = [
+            viscous.force,
+            tangential.force,
+            viscous.torque,
+            tangential.torque,
+        ];
+        groups.push((
+            "loads of the wall that are not elastic",
+            of_inelastic.iter().flat_map(|v| v.to_array()).collect(),
+        ));
         let mut loads = wall.touching_loads().to_vec();
         loads.sort_by_key(|l| l.particle);
         // Torques of the loads are angular accelerations where there are momenta, in lanes: the caller does the rest otherwise.
@@ -183,8 +195,11 @@ impl Scene {
                 .flat_map(|l| [l.load.viscous_force, l.load.tangential_force].concat())
                 .collect(),
         ));
-        if self.masses.is_empty() {
+        // Of a wall that moves along itself one contact at a time takes the velocity at the deepest point, lanes at the contact point.
+        if self.masses.is_empty() && !motion.along_itself {
             groups.push(("powers of the wall", tallies.wall_powers.into()));
+        }
+        if self.masses.is_empty() {
             groups.push((
                 "torques of loads",
                 loads
@@ -244,7 +259,8 @@ fn every_instruction_set_gives_what_one_contact_at_a_time_gives() {
     let [mut contacts, mut several] = [0; 2];
     for (surface, mut wall) in surfaces() {
         for (case, (name, laws)) in scenes.iter().enumerate() {
-            for (motion, with_changes) in motions().iter().zip([true, false]) {
+            for (motion, with_changes) in &motions_and_changes() {
+                let with_changes = *with_changes;
                 let types = laws.types();
                 wall.records_contacts = true;
                 let spheroids = case == 1;

@@ -128,6 +128,8 @@ pub fn motions() -> [Motion; 3] {
         axes: Motion::axes_of([0.9, 0.1, -0.3, 0.2]),
         velocity: Vector3::new(0.3, -0.1, 0.2),
         angular_velocity: Vector3::new(0.2, 0.1, -0.4),
+        velocity_change: Vector3::new(0.06, 0.02, -0.05),
+        angular_velocity_change: Vector3::new(-0.07, 0.03, 0.04),
         along_itself: false,
     };
     let along_itself = Motion {
@@ -137,6 +139,17 @@ pub fn motions() -> [Motion; 3] {
         ..moving
     };
     [Motion::REST, moving, along_itself]
+}
+
+/// The same, and whether particles come with a change.
+pub fn motions_and_changes() -> [(Motion, bool); 4] {
+    let [rest, moving, along_itself] = motions();
+    [
+        (rest, true),
+        (moving, false),
+        (moving, true),
+        (along_itself, true),
+    ]
 }
 
 /// A body somewhere about the surfaces, of one of these types.
@@ -351,7 +364,8 @@ fn every_instruction_set_gives_the_numbers_of_one_contact_at_a_time() {
     for (surface, mut wall) in surfaces() {
         wall.records_contacts = true;
         for (scene, laws) in &scenes {
-            for (motion, of_step) in motions().iter().zip([true, false]) {
+            for (motion, of_step) in &motions_and_changes() {
+                let of_step = *of_step;
                 let types = laws.types();
                 let particles = touching(&mut wall, motion, (types, 1), || {
                     let mut particle =

@@ -172,6 +172,7 @@ pub fn wall(normal: Vector) -> MovingPlane {
             normal: plain(normal),
         },
         velocity: plain(Vector::zeros()),
+        velocity_change: plain(Vector::zeros()),
     }
 }
 

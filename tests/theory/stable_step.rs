@@ -88,6 +88,7 @@ impl Scene {
                         curvatures: [0.0; 2],
                         turning_radii: [f64::INFINITY; 2],
                         velocity: Vector3::ZERO,
+                        velocity_change: Vector3::ZERO,
                         share: Share::WHOLE,
                     };
                     if let Some(staged) = StagedContact::of_wall(&prepared[i], &surface) {

@@ -1096,6 +1096,7 @@ impl Scene {
             point: plane.plane.point,
             normal: plane.plane.normal,
             velocity: plane.velocity,
+            velocity_change: plane.velocity_change,
             states: wall.states.all(),
             histories: wall.histories.all(),
             forces: vectors(&loads.forces, listed.owned, "forces")?,

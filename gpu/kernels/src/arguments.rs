@@ -289,6 +289,8 @@ pub struct PlaneArguments<M: Memory> {
     pub normal: Vector3,
     /// How fast it moves.
     pub velocity: Vector3,
+    /// What its velocity at the step has more.
+    pub velocity_change: Vector3,
     /// One state per grain.
     pub states: M::Parts<u32>,
     /// One history per grain.

@@ -15,6 +15,8 @@ pub struct MovingPlane {
     pub plane: Plane,
     /// How fast it moves, world frame.
     pub velocity: Vector3,
+    /// What that at the step has more; read where forces see velocities of the step.
+    pub velocity_change: Vector3,
     /// Its type, counted from 1.
     pub wall_type: u32,
 }
@@ -53,7 +55,7 @@ pub fn contact_with_plane<
         (found.normal, found.tangent),
         found.penetration,
         Symmetric2::new(0.0, 0.0, 0.0),
-        wall.velocity,
+        [wall.velocity, wall.velocity_change],
     );
     let factors = factors_for(law, x.curvature());
     let before = cached_normal(layout, history).unwrap_or(found.normal);

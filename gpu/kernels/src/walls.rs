@@ -40,6 +40,10 @@ pub struct WallMotion {
     pub velocity: Vector3,
     /// See [`Motion`].
     pub angular_velocity: Vector3,
+    /// See [`Motion`].
+    pub velocity_change: Vector3,
+    /// See [`Motion`].
+    pub angular_velocity_change: Vector3,
     /// 1 where there are axes.
     pub has_turned: u32,
     /// See [`Motion`]; 1 for yes.
@@ -54,6 +58,8 @@ impl From<&Motion> for WallMotion {
             axes: m.axes.unwrap_or([Vector3::ZERO; 3]),
             velocity: m.velocity,
             angular_velocity: m.angular_velocity,
+            velocity_change: m.velocity_change,
+            angular_velocity_change: m.angular_velocity_change,
             has_turned: u32::from(m.axes.is_some()),
             along_itself: u32::from(m.along_itself),
         }
@@ -73,6 +79,8 @@ impl From<&WallMotion> for Motion {
             },
             velocity: m.velocity,
             angular_velocity: m.angular_velocity,
+            velocity_change: m.velocity_change,
+            angular_velocity_change: m.angular_velocity_change,
             along_itself: m.along_itself != 0,
         }
     }

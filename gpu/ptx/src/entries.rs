@@ -310,6 +310,7 @@ macro_rules! planes {
                     point,
                     normal,
                     velocity,
+                    velocity_change,
                     mut states,
                     mut histories,
                     mut forces,
@@ -320,6 +321,7 @@ macro_rules! planes {
                 let wall = MovingPlane {
                     plane: Plane { point, normal },
                     velocity,
+                    velocity_change,
                     wall_type,
                 };
                 let length = scene.layout.length;

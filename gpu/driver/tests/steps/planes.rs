@@ -31,6 +31,8 @@ const PLANES: [([f64; 3], [f64; 3], [f64; 3]); 2] = [
     ([0.0, 0.0, 0.05], [0.1, -0.2, 1.0], [0.3, 0.1, -0.2]),
     ([0.0, 0.1, 0.0], [0.0, 3.0, 0.5], [0.0, 0.0, 0.4]),
 ];
+/// What each has more at the step.
+const VELOCITY_CHANGE: [f64; 3] = [-0.02, 0.03, 0.05];
 const STEPS: usize = 20;
 /// When there is a new list.
 const NEW_LIST: usize = 11;
@@ -80,6 +82,7 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                 point,
                 normal,
                 velocity,
+                velocity_change: VELOCITY_CHANGE,
                 ..new()
             });
             device.engine.in_a_step(|| {
@@ -105,6 +108,7 @@ fn compare(arrays: Layout, words: &str, mut scene: Scene) {
                             normal: Vector3::from_array(*normal).normalised(),
                         },
                         velocity: Vector3::from_array(*velocity),
+                        velocity_change: Vector3::from_array(VELOCITY_CHANGE),
                     };
                     let found = one_contact_with_plane(
                         &laws,

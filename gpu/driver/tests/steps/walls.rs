@@ -69,6 +69,9 @@ const MIDDLE: [f64; 3] = [3.5, 3.4, 3.3];
 const AXIS: [f64; 3] = [0.2, -0.1, 1.0];
 const VELOCITY: [f64; 3] = [0.3, 0.1, -0.2];
 const SPIN: [f64; 3] = [0.3, -0.2, 0.9];
+/// What these have more at the step.
+const VELOCITY_CHANGE: [f64; 3] = [-0.02, 0.03, 0.05];
+const SPIN_CHANGE: [f64; 3] = [0.04, 0.02, -0.07];
 
 /// A block. Of grains whose centre is nearly at an uneven surface, as some of these would be, rounding decides which faces are hidden by others:
 /// the kernels' own tests have such surfaces, with the same grains on both sides.
@@ -166,6 +169,8 @@ fn motions(time: f64) -> [EllgranWallMotion; 3] {
         quaternion: [half.cos(), axis.x, axis.y, axis.z],
         velocity: VELOCITY,
         angular_velocity: SPIN,
+        velocity_change: VELOCITY_CHANGE,
+        angular_velocity_change: SPIN_CHANGE,
         ..new()
     };
     [new(), moving, moving]
@@ -181,6 +186,8 @@ fn motion_on_host(m: &EllgranWallMotion) -> Motion {
         axes: Motion::axes_of(m.quaternion),
         velocity: Vector3::from_array(m.velocity),
         angular_velocity: Vector3::from_array(m.angular_velocity),
+        velocity_change: Vector3::from_array(m.velocity_change),
+        angular_velocity_change: Vector3::from_array(m.angular_velocity_change),
         along_itself: false,
     }
 }

@@ -409,11 +409,13 @@ pub fn planes<K: Kind, const FRICTION: bool, const CONSERVATIVE: bool>(
             normal: Vector3::new(0.1, -0.2, 1.0).normalised(),
         },
         velocity: Vector3::new(0.3, 0.1, -0.2),
+        velocity_change: Vector3::new(-0.02, 0.03, 0.05),
         wall_type: 1,
     };
     let same_wall = walls::MovingPlane {
         plane: wall.plane,
         velocity: wall.velocity,
+        velocity_change: wall.velocity_change,
     };
     let count = scene.count();
     let mut states = vec![0u32; count];

@@ -73,6 +73,8 @@ impl Moves {
                     axes: Motion::axes_of([half.cos(), axis.x, axis.y, axis.z]),
                     velocity,
                     angular_velocity: spin,
+                    velocity_change: Vector3::new(-0.02, 0.03, 0.05),
+                    angular_velocity_change: Vector3::new(0.04, 0.02, -0.07),
                     along_itself: false,
                 }
             }
