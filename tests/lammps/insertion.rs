@@ -281,7 +281,8 @@ fn both_versions_grains_are_inside_of_round_regions() {
 #[test]
 fn both_versions_grains_keep_clear_of_bodies_with_edges() {
     let engine = Engine::from_environment();
-    let cases: [(&str, fn(Vector) -> bool); 4] = [
+    type IsIn = fn(Vector) -> bool;
+    let cases: [(&str, IsIn); 4] = [
         ("block 0.022 0.028 0.022 0.028 0.022 0.028", |p| {
             p.into_iter().all(|c| (0.022..0.028).contains(&c))
         }),
