@@ -45,6 +45,9 @@ use core::any::Any;
 ///     velocity: Vector3::new(0.0, 0.0, 0.01),
 ///     ..Motion::REST
 /// };
+/// // Where it speeds up, what it has more at the step is read beside grains with velocities of the step.
+/// let faster = Motion { velocity_change: Vector3::new(0.0, 0.0, 1e-4), ..motion };
+/// assert_eq!(faster.velocity_change_at(faster.centre()), faster.velocity_change);
 /// let ball = Body {
 ///     position: [0.3, -0.2, 10.99e-3],
 ///     quaternion: [1.0, 0.0, 0.0, 0.0],
