@@ -344,11 +344,11 @@ mod tests {
             identifier: 1,
         };
         let particle = prepare_body(&body, Some(1)).unwrap();
-        let at_step = motion.velocity_at(place) + motion.velocity_change_at(place);
-        let carried = Particle {
+        let carried_by = |wall: &Motion| Particle {
             change: Some(MotionChange {
-                velocity: at_step - particle.velocity,
-                omega: spin + more - particle.omega,
+                velocity: wall.velocity_at(place) + wall.velocity_change_at(place)
+                    - particle.velocity,
+                omega: wall.angular_velocity + more - particle.omega,
             }),
             ..particle
         };
@@ -361,15 +361,8 @@ mod tests {
             velocity: motion.velocity_at(motion.centre()),
             ..motion
         };
-        for (wall, omega) in [(motion, spin), (starting, Vector3::ZERO)] {
-            let at_step = wall.velocity_at(place) + wall.velocity_change_at(place);
-            let carried = Particle {
-                change: Some(MotionChange {
-                    velocity: at_step - particle.velocity,
-                    omega: omega + more - particle.omega,
-                }),
-                ..carried
-            };
+        for wall in [motion, starting] {
+            let carried = carried_by(&wall);
             let seen = wall.seen_from_wall(&carried, &step);
             let change = seen.change.unwrap();
             assert!((seen.velocity + change.velocity).norm() < 1e-14);
@@ -391,6 +384,7 @@ mod tests {
             along_itself: true,
             ..motion
         };
+        let carried = carried_by(&along_itself);
         let seen = along_itself.seen_from_wall(&carried, &step);
         assert_eq!((seen.velocity, seen.change.unwrap().velocity), {
             (carried.velocity, carried.change.unwrap().velocity)
