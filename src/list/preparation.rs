@@ -287,16 +287,11 @@ impl Chunk {
         &mut self,
         arrays: &ParticleArrays<'_, A, I>,
         k: usize,
-        shape: Option<([f64; 3], [f64; 4])>,
         types: usize,
     ) -> bool {
         let lane = self.length;
         self.particles[lane] = k;
         self.length = lane + 1;
-        let Some((a, q)) = shape else {
-            self.sound = false;
-            return false;
-        };
         let (x, v) = (&arrays.positions[k], &arrays.velocities[k]);
         let spin = match arrays.rotation {
             Rotation::Velocity(omega) => &omega[k],
@@ -304,6 +299,10 @@ impl Chunk {
                 self.masses[lane] = masses[k];
                 &momenta[k]
             }
+        };
+        let Some((a, q)) = (arrays.shape)(k) else {
+            self.sound = false;
+            return false;
         };
         self.lines[0][lane] = Line([x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]]);
         self.lines[1][lane] = Line([a[1], a[2], v[0], v[1], v[2], spin[0], spin[1], spin[2]]);
@@ -375,8 +374,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
             chunk.length = 0;
             chunk.sound = true;
             for &k in chosen {
-                let shape = (arrays.shape)(k);
-                chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
+                chunk.copy::<CHANGES, A, I>(arrays, k, self.types);
                 let mass = arrays.contact_masses.get(k);
                 chunk.sound &= mass.is_none_or(|mass| is_mass(*mass));
             }
@@ -550,9 +548,8 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
                 }
                 continue;
             }
-            let shape = (arrays.shape)(k);
             chunk.places[chunk.length] = n;
-            chunk.copy::<CHANGES, A, I>(arrays, k, shape, self.types);
+            chunk.copy::<CHANGES, A, I>(arrays, k, self.types);
             chunk.sound &= is_sound;
             if chunk.length == S::LANES && !self.finish::<S, CHANGES>(registers, &mut chunk) {
                 return;

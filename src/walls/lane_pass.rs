@@ -21,14 +21,13 @@ use crate::contact::vectors_in_lanes::{load, put_in_lane, splat, Column, Columns
 use crate::contact::wall_batch::{BodyAtSurface, CurvedWall, ForcesAtSurface, PlacedAtSurface};
 use crate::contact::{lane_law::constants_of, HistoryLayout, Laws, Step};
 use crate::force::{largest_springs, PairLaw};
-use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
-use crate::list::{ParticleRecords, Record, Shapes};
+use crate::list::shapes::{Ellipsoids, Kind, Side, Spheroids};
+use crate::list::{ParticleRecords, Shapes};
 use crate::real::Real;
 use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
 use crate::tallies::{InelasticLoad, Tallies};
 use crate::vector::Vector3;
 use core::marker::PhantomData;
-use core::ops::Range;
 
 /// What a call is given.
 pub struct RecordsInput<'a> {
@@ -92,10 +91,15 @@ pub fn compute_wall_in_lanes(
         motion: input.motion,
         step: input.step,
     };
-    pass.find(wall.shapes(), &places, input.instruction_set);
+    pass.start(wall.shapes(), input.motion);
     // What this wall has written itself need not be looked at before anything is added.
     let is_own = layout.length() > 0 && wall.with_histories.are_written_in(layout);
     let in_place = EndOfRecord::of(&of_laws).filter(|_| is_own);
+    // Where nothing has to be known of the contacts before, those with the only plane are found as they are computed.
+    let finds_itself = pass.planes.len() == 1 && (in_place.is_some() || layout.length() == 0);
+    if !finds_itself {
+        pass.find(wall.shapes(), &places, input.instruction_set);
+    }
     if in_place.is_some() {
         pass.last.clear();
     } else {
@@ -120,6 +124,7 @@ pub fn compute_wall_in_lanes(
         layout,
         of_laws: &of_laws,
         in_place,
+        finds_itself,
         near: &wall.near,
         part_forces: &mut wall.part_forces,
         touching_loads: (wall.keeps_inelastic_loads && tallies.is_some())
@@ -228,6 +233,8 @@ struct AddForces<'p, 'i, 't> {
     of_laws: &'p HistoryLayout,
     /// Where what the contacts go on from is read in the histories.
     in_place: Option<EndOfRecord>,
+    /// Whether the contacts are not yet found, and are those with the only plane.
+    finds_itself: bool,
     near: &'p [usize],
     part_forces: &'p mut [Vector3],
     touching_loads: Option<&'p mut TouchingLoads>,
@@ -331,7 +338,7 @@ impl<K: Kind, const SURFACES: bool> Stage for OfKind<'_, '_, '_, '_, K, SURFACES
     }
 }
 
-impl AddForces<'_, '_, '_> {
+impl<'i> AddForces<'_, 'i, '_> {
     #[inline(always)]
     fn add<S: Registers, K: Kind, const SURFACES: bool>(&mut self, registers: S) {
         let zero = Lanes::splat(registers, 0.0);
@@ -368,41 +375,124 @@ impl AddForces<'_, '_, '_> {
             history: none,
             loads: [none; 2],
         };
-        let one_law = self.input.laws.types() == 1;
-        let count_of_all = self.lone.contacts.len();
-        let mut first = 0;
-        while first < count_of_all {
-            let contacts = &self.lone.contacts;
-            let law = self.law(&contacts[first]);
-            let (mut laws, mut all_the_same) = ([law; MOST_LANES], true);
-            let mut count = 1;
-            if one_law {
-                count = S::LANES.min(contacts.len() - first);
-            }
-            while !one_law && count < S::LANES && first + count < contacts.len() {
-                let other = self.law(&contacts[first + count]);
-                if !core::ptr::eq(other, law) {
-                    if other.kinds != law.kinds {
-                        break;
-                    }
-                    all_the_same = false;
-                }
-                laws[count] = other;
-                count += 1;
-            }
-            let only = all_the_same.then_some(law);
+        let mut next = Next::new(self.input.laws.get(1, self.input.wall_type));
+        while let Some((side, count)) = self.next::<S, K, SURFACES>(registers, &mut next) {
             self.batch::<S, K, SURFACES>(
                 registers,
-                first..first + count,
-                &laws,
-                (only, &axes),
+                side,
+                &next,
+                count,
+                &axes,
                 &mut numbers,
                 &mut results,
                 &mut sums,
             );
-            first += count;
         }
         self.add_sums(&sums);
+    }
+
+    /// The next batch: how many contacts it has, and their bodies.
+    #[inline(always)]
+    fn next<S: Registers, K: Kind, const SURFACES: bool>(
+        &mut self,
+        registers: S,
+        next: &mut Next<'i>,
+    ) -> Option<(Side<S, K>, usize)> {
+        let records = self.input.near.records;
+        while !SURFACES && self.finds_itself && next.near < records.len() {
+            let first = next.near;
+            let present = S::LANES.min(records.len() - first);
+            next.near += present;
+            let mut of_lanes = [&records[first]; MOST_LANES];
+            for lane in 0..present {
+                of_lanes[lane] = &records[first + lane];
+            }
+            let side = K::load(registers, &of_lanes);
+            let (touching, behind, _) = self.lone.planes[0].touch::<S, K>(registers, &side);
+            let touching = touching & ((1 << present) - 1);
+            for (lane, contact) in next.contacts[..present].iter_mut().enumerate() {
+                *contact = LoneContact {
+                    near: (first + lane) as u32,
+                    is_behind: behind >> lane & 1 != 0,
+                    ..LoneContact::default()
+                };
+            }
+            // Where nearly all of them touch, the others are computed with them; else those that do are gathered.
+            let nearly_all = 8 * touching.count_ones() as usize >= 7 * S::LANES;
+            if nearly_all && self.laws_of(next, present) == present {
+                next.index = 0;
+                return Some((side, present));
+            }
+            let mut left = touching;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                self.lone.contacts.push(next.contacts[lane]);
+            }
+        }
+        let first = next.of_list;
+        let left = &self.lone.contacts[first..];
+        if left.is_empty() {
+            return None;
+        }
+        let most = S::LANES.min(left.len());
+        next.contacts[..most].copy_from_slice(&left[..most]);
+        let count = self.laws_of(next, most);
+        next.index = first;
+        next.of_list += count;
+        let mut of_lanes = [&records[0]; MOST_LANES];
+        for (lane, record) in of_lanes[..S::LANES].iter_mut().enumerate() {
+            *record = &records[next.contacts[lane.min(count - 1)].near as usize];
+        }
+        Some((K::load(registers, &of_lanes), count))
+    }
+
+    /// Sets the laws of the next contacts; for how many of these their terms are the same.
+    #[inline(always)]
+    fn laws_of(&self, next: &mut Next<'i>, most: usize) -> usize {
+        let law = self.law(&next.contacts[0]);
+        next.laws = [law; MOST_LANES];
+        next.only = true;
+        if self.input.laws.types() == 1 {
+            return most;
+        }
+        for lane in 1..most {
+            let other = self.law(&next.contacts[lane]);
+            if !core::ptr::eq(other, law) {
+                if other.kinds != law.kinds {
+                    return lane;
+                }
+                next.only = false;
+            }
+            next.laws[lane] = other;
+        }
+        most
+    }
+}
+
+/// The contacts of the next batch, and how far the pass is.
+struct Next<'a> {
+    contacts: [LoneContact; MOST_LANES],
+    laws: [&'a PairLaw; MOST_LANES],
+    /// Whether these are one law.
+    only: bool,
+    /// The place of the first of those contacts that have been listed.
+    index: usize,
+    /// The first particle among those that may touch, and the first listed contact, that are in no batch yet.
+    near: usize,
+    of_list: usize,
+}
+
+impl<'a> Next<'a> {
+    fn new(any: &'a PairLaw) -> Self {
+        Next {
+            contacts: [LoneContact::default(); MOST_LANES],
+            laws: [any; MOST_LANES],
+            only: true,
+            index: 0,
+            near: 0,
+            of_list: 0,
+        }
     }
 }
 
@@ -410,7 +500,6 @@ impl AddForces<'_, '_, '_> {
 /// again.
 struct Batch<'b> {
     contacts: &'b [LoneContact],
-    records: [&'b Record; MOST_LANES],
     /// What each goes on from.
     lasts: [&'b Line; MOST_LANES],
     /// Bits of those that may go on from the record of which the end is known.
@@ -440,16 +529,18 @@ impl AddForces<'_, '_, '_> {
     fn batch<S: Registers, K: Kind, const SURFACES: bool>(
         &mut self,
         registers: S,
-        range: Range<usize>,
-        laws: &[&PairLaw; MOST_LANES],
-        (only, axes): (Option<&PairLaw>, &Option<Axes<S>>),
+        side: Side<S, K>,
+        next: &Next<'_>,
+        count: usize,
+        axes: &Option<Axes<S>>,
         numbers: &mut Numbers,
         results: &mut Results,
         sums: &mut Sums<S>,
     ) {
         let input = self.input;
-        let batch = self.gather::<S, SURFACES>(range.clone(), numbers);
-        let side = K::load(registers, &batch.records);
+        let laws = &next.laws;
+        let contacts = &next.contacts[..count];
+        let batch = self.gather::<S, SURFACES>(contacts, next.index, numbers);
         let surface = surface_of::<S, SURFACES>(registers, &batch, numbers, side.centre);
         let outwards = surface.outwards;
         let from_centre = side.centre - splat(registers, input.motion.centre());
@@ -493,7 +584,7 @@ impl AddForces<'_, '_, '_> {
             }
             None => recall(registers, &batch.lasts, axes, outwards, input.step),
         };
-        let constants = constants_of(registers, laws, only);
+        let constants = constants_of(registers, laws, next.only.then_some(laws[0]));
         let kinds = &laws[0].kinds;
         let ForcesAtSurface { forces: f, hard } = if SURFACES && batch.turns {
             let b = Lanes::all(registers, registers.columns(&batch.surfaces[1]));
@@ -556,21 +647,21 @@ impl AddForces<'_, '_, '_> {
                 add_where(mask, &mut sums.powers[1], f.tangential_power);
             }
         }
-        self.scatter(range, [sound, hard], results);
+        self.scatter(contacts, [sound, hard], results);
     }
 
     /// Where the lanes find what they load of these contacts; numbers that do not stand in lines are written to `numbers`.
     #[inline(always)]
-    fn gather<S: Registers, const SURFACES: bool>(
-        &self,
-        range: Range<usize>,
+    fn gather<'b, S: Registers, const SURFACES: bool>(
+        &'b self,
+        contacts: &'b [LoneContact],
+        first: usize,
         numbers: &mut Numbers,
-    ) -> Batch<'_> {
+    ) -> Batch<'b> {
         let near = &self.input.near;
         let lone = &*self.lone;
         let length = self.layout.length();
-        let first = range.start;
-        let contacts = &lone.contacts[range.clone()];
+        let range = first..first + contacts.len();
         let last = lone.last.get(range.clone()).unwrap_or(&[]);
         let velocities = lone.velocities.get(range.clone()).unwrap_or(&[]);
         let surfaces = if SURFACES { &lone.surfaces[range] } else { &[] };
@@ -581,7 +672,6 @@ impl AddForces<'_, '_, '_> {
         };
         let mut batch = Batch {
             contacts,
-            records: [&near.records[contacts[0].near as usize]; MOST_LANES],
             lasts: [&Line::ZERO; MOST_LANES],
             continued: 0,
             handed_over: 0,
@@ -594,7 +684,6 @@ impl AddForces<'_, '_, '_> {
             let index = lane.min(contacts.len() - 1);
             let contact = &contacts[index];
             let place = contact.near as usize;
-            batch.records[lane] = &near.records[place];
             if let Some(line) = last.get(index) {
                 batch.lasts[lane] = line;
             }
@@ -603,7 +692,7 @@ impl AddForces<'_, '_, '_> {
                 let row = &self.histories[k * length..(k + 1) * length];
                 // Of several contacts with one part the nearest is meant.
                 batch.handed_over |= u32::from(SURFACES && row[0] > 1.0) << lane;
-                let inwards = || -lone.outwards(first + index);
+                let inwards = || -lone.outwards_of(contact, surfaces.get(index));
                 let end = (self.layout).end_of_record(row, contact.part as usize, inwards);
                 batch.continued |= u32::from(end.is_some()) << lane;
                 numbers.ends[lane] = end.map_or(Line::ZERO, |end| Line(*end));
@@ -632,10 +721,10 @@ impl AddForces<'_, '_, '_> {
     }
 
     /// From the lines of a batch to the arrays of the engine.
-    fn scatter(&mut self, range: Range<usize>, [sound, hard]: [u32; 2], results: &Results) {
+    #[inline(always)]
+    fn scatter(&mut self, contacts: &[LoneContact], [sound, hard]: [u32; 2], results: &Results) {
         let length = self.layout.length();
-        for (lane, index) in range.enumerate() {
-            let contact = self.lone.contacts[index];
+        for (lane, contact) in contacts.iter().enumerate() {
             if hard >> lane & 1 != 0 {
                 self.lone.others.push(contact.near);
             }

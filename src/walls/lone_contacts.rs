@@ -18,7 +18,7 @@ use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES
 use crate::vector::{Tangent, Vector3};
 
 /// The contact of a particle that has no other.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LoneContact {
     /// The particle's place among those that may touch.
     pub(super) near: u32,
@@ -99,14 +99,12 @@ impl SearchInput<'_> {
 }
 
 impl LoneContacts {
-    /// Finds which particles touch which part.
-    pub(super) fn find<'s>(
+    /// Begins a call: no contacts yet, and the parts where they are.
+    pub(super) fn start<'s>(
         &mut self,
         shapes: impl Iterator<Item = &'s dyn Shape> + Clone,
-        places: &SearchInput<'_>,
-        instruction_set: InstructionSet,
+        motion: &Motion,
     ) {
-        let motion = places.motion;
         self.contacts.clear();
         self.surfaces.clear();
         self.velocities.clear();
@@ -116,7 +114,7 @@ impl LoneContacts {
         self.written.clear();
         self.planes.clear();
         self.parts.clear();
-        for shape in shapes.clone() {
+        for shape in shapes {
             let in_world = shape.in_lanes().map(|shape| shape.in_world(motion));
             if let Some(ShapeInLanes::Plane(plane)) = in_world {
                 self.planes.push(plane);
@@ -132,6 +130,15 @@ impl LoneContacts {
         if self.planes.len() < self.parts.len() || turns {
             self.planes.clear();
         }
+    }
+
+    /// Finds which particles touch which part.
+    pub(super) fn find<'s>(
+        &mut self,
+        shapes: impl Iterator<Item = &'s dyn Shape> + Clone,
+        places: &SearchInput<'_>,
+        instruction_set: InstructionSet,
+    ) {
         if self.parts.iter().all(|part| part.shape.is_none()) {
             for near in 0..places.indices.len() {
                 self.search_one(shapes.clone(), places, near);
@@ -200,12 +207,19 @@ impl LoneContacts {
     /// The normal out of the wall at a contact, in the frame of the wall.
     #[inline(always)]
     pub(super) fn outwards(&self, index: usize) -> Vector3 {
-        match self.surfaces.get(index) {
+        self.outwards_of(&self.contacts[index], self.surfaces.get(index))
+    }
+
+    /// The same of a contact with this surface; with none where all are planes.
+    #[inline(always)]
+    pub(super) fn outwards_of(
+        &self,
+        contact: &LoneContact,
+        surface: Option<&SurfaceLines>,
+    ) -> Vector3 {
+        match surface {
             Some([_, Line(b)]) => Vector3::new(b[4], b[5], b[6]),
-            None => {
-                let contact = &self.contacts[index];
-                self.planes[contact.part as usize].outwards(contact)
-            }
+            None => self.planes[contact.part as usize].outwards(contact),
         }
     }
 }
@@ -255,7 +269,7 @@ impl WholePlane {
 
     /// Lanes that touch it, those behind it, and the heights of the centres above it.
     #[inline(always)]
-    fn touch<S: Registers, K: Kind>(
+    pub(super) fn touch<S: Registers, K: Kind>(
         &self,
         registers: S,
         side: &SideOfPairs<S, K>,

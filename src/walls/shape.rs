@@ -58,6 +58,12 @@ impl Block {
         finite: true,
     };
 
+    /// With particles that have to be looked at one by one.
+    pub(super) const UNKNOWN: Block = Block {
+        finite: false,
+        ..Block::EMPTY
+    };
+
     /// Together with another.
     pub(super) fn with(&self, other: &Block) -> Self {
         let (a, b) = (self, other);

@@ -397,8 +397,13 @@ impl Wall {
                         filled += 1;
                     }
                 }
-                let block = Block::of(&balls[from..filled]);
-                self.radii[first / BLOCK] = block.radius_or_none();
+                // What was near is looked at again without asking.
+                let mut block = Block::UNKNOWN;
+                let radius = &mut self.radii[first / BLOCK];
+                if !radius.is_nan() {
+                    block = Block::of(&balls[from..filled]);
+                    *radius = block.radius_or_none();
+                }
                 all = all.with(&block);
                 blocks[count] = (first / BLOCK, from..filled);
                 count += 1;
@@ -414,9 +419,12 @@ impl Wall {
                     near[found] = balls[k].particle;
                     found += usize::from(marks[k]);
                 }
+                let radius = &mut self.radii[*index];
                 if found > before {
                     // So it will be in the next steps, too.
-                    self.radii[*index] = f64::NAN;
+                    *radius = f64::NAN;
+                } else if radius.is_nan() {
+                    *radius = Block::of(&balls[range.clone()]).radius_or_none();
                 }
             }
         }
