@@ -388,6 +388,7 @@ impl<'i> AddForces<'_, 'i, '_> {
                 &mut sums,
             );
         }
+        self.lone.put_written_in_order(next.written);
         self.add_sums(&sums);
     }
 
@@ -429,6 +430,9 @@ impl<'i> AddForces<'_, 'i, '_> {
                 left &= left - 1;
                 self.lone.contacts.push(next.contacts[lane]);
             }
+        }
+        if next.of_list == 0 {
+            next.written = self.lone.written.len();
         }
         let first = next.of_list;
         let left = &self.lone.contacts[first..];
@@ -481,6 +485,8 @@ struct Next<'a> {
     /// The first particle among those that may touch, and the first listed contact, that are in no batch yet.
     near: usize,
     of_list: usize,
+    /// How many particles had been written when the first of the listed contacts came.
+    written: usize,
 }
 
 impl<'a> Next<'a> {
@@ -492,6 +498,7 @@ impl<'a> Next<'a> {
             index: 0,
             near: 0,
             of_list: 0,
+            written: 0,
         }
     }
 }

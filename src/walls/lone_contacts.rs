@@ -62,6 +62,8 @@ pub(super) struct LoneContacts {
     pub(super) indices: Vec<usize>,
     /// Particles whose histories have been written.
     pub(super) written: Vec<usize>,
+    /// The first of them, while they are put in order.
+    first_written: Vec<usize>,
 }
 
 /// A part, and what the lanes find of it.
@@ -201,6 +203,29 @@ impl LoneContacts {
                 });
             }
             _ => self.others.push(near as u32),
+        }
+    }
+
+    /// Merges the first `count` particles that have been written with the others; both are in ascending order.
+    pub(super) fn put_written_in_order(&mut self, count: usize) {
+        let (before, all) = (&mut self.first_written, &mut self.written);
+        if count == 0 || count == all.len() {
+            return;
+        }
+        before.clear();
+        before.extend_from_slice(&all[..count]);
+        let mut of_others = count;
+        let mut of_first = before.iter().copied().peekable();
+        for place in 0..all.len() {
+            let other = all.get(of_others).copied();
+            match of_first.next_if(|first| other.is_none_or(|other| *first < other)) {
+                Some(first) => all[place] = first,
+                None if of_first.peek().is_none() => break,
+                None => {
+                    all[place] = all[of_others];
+                    of_others += 1;
+                }
+            }
         }
     }
 

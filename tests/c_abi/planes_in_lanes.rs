@@ -180,8 +180,14 @@ fn lanes_give_what_one_contact_after_the_other_gives() {
         ([0.0, 0.0, below], z),
     ];
     let tilted = [([0.0, 0.0, -0.4], [0.0, -0.28, 0.96])];
-    let walls: [(&str, &[_], i32); 4] = [
+    let high = [([0.0, 0.0, -0.75], z)];
+    let walls: [(&str, &[_], i32); 5] = [
         ("floor", &corner[2..], ELLGRAN_SIDE_INSIDE),
+        (
+            "floor that nearly all of a layer touch",
+            &high,
+            ELLGRAN_SIDE_INSIDE,
+        ),
         ("tilted floor", &tilted, ELLGRAN_SIDE_INSIDE),
         ("sheet", &[([0.0, 0.0, 1.05], z)], ELLGRAN_SIDE_OF_CENTRE),
         ("corner", &corner, ELLGRAN_SIDE_INSIDE),

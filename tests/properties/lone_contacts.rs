@@ -3,7 +3,7 @@
 //! At each kind of surface, at rest and in motion, in three steps, so that what is remembered counts.
 
 use crate::support::random::Stream;
-use crate::support::scene::{laws, quaternion};
+use crate::support::scene::{laws, parameters, quaternion};
 use crate::walls_in_lanes::{
     assert_same, corner, motions_and_changes, random_body, random_change, surfaces, touching,
     Groups,
@@ -254,7 +254,19 @@ fn every_instruction_set_gives_what_one_contact_at_a_time_gives() {
         "hertz 1e3 0.3 damping restitution 0.7 tangential mindlin 0.5 displacement rescaled",
         "hertz 3e3 0.2 damping restitution 0.5 tangential mindlin 0.2 displacement rescaled",
     ]);
-    let scenes = [("full law", full), ("elastic", elastic), ("two types", two)];
+    // Terms that the lanes do not take together.
+    let [of_first, of_second] = [
+        "hertz 1e3 0.3 damping restitution 0.7 tangential mindlin 0.5",
+        "nfd 3e3 0.2 0.5 0.5 tangential tfd 0.2",
+    ]
+    .map(|words| Some(parameters(words)));
+    let kinds = Laws::new(2, &[of_first, of_second, None, of_second], true).unwrap();
+    let scenes = [
+        ("full law", full),
+        ("elastic", elastic),
+        ("two types", two),
+        ("two kinds", kinds),
+    ];
     let mut stream = Stream::new(3301);
     let [mut contacts, mut several] = [0; 2];
     for (surface, mut wall) in surfaces() {
