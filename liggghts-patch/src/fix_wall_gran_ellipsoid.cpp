@@ -69,6 +69,18 @@ int read_shapes(LAMMPS *lmp, EllgranWall *wall, int from, int narg, char **arg, 
   return from;
 }
 
+// How many walls the words of a fix name: of two, fix wall/gran reads the last, or parts of both.
+int walls_among(int narg, char **arg, int mesh_count)
+{
+  int walls = 0;
+  for (int k = 3; k < narg; k++) {
+    if (is(arg[k], "primitive") || is(arg[k], "mesh")) walls++;
+    // after it stand IDs, which may be any words
+    if (is(arg[k], "meshes")) k += mesh_count;
+  }
+  return walls;
+}
+
 // The words as fix wall/gran reads them. It knows no shapes: a cylinder of radius 0, which counts every particle as near, stands for them.
 std::vector<char *> words_of_wall_gran(LAMMPS *lmp, int narg, char **arg)
 {
@@ -107,6 +119,10 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
   check(ellgran_workspace_new(&workspace_));
   if (!impl->contact_match("surface", "ellipsoid"))
     error->fix_error(FLERR, this, "needs 'surface ellipsoid'; other surfaces have fix wall/gran");
+  if (walls_among(narg, arg, n_FixMesh_) > 1)
+    error->fix_error(FLERR, this,
+                     "takes one 'primitive' or one 'mesh', and more are given: use a fix for each, or several 'shape' after one "
+                     "'primitive type N', or 'n_meshes'");
   if (primitiveWall_)
     add_primitive(narg, arg);
   else {

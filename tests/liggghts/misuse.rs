@@ -371,6 +371,45 @@ fn stored_stresses_of_a_primitive_cylinder() {
     attempt(&engine, "plane", &pair(), &allowed, 1).succeeded();
 }
 
+/// LIGGGHTS took the last of two primitive walls, or parts of both.
+#[test]
+fn two_walls_in_one_fix() {
+    let engine = Engine::from_environment();
+    for wall in [
+        "primitive type 1 zplane -0.006 primitive type 1 xplane -0.006",
+        "primitive type 1 zplane -0.006 mesh n_meshes 1 meshes sheet",
+        "mesh n_meshes 1 meshes sheet primitive type 1 zplane -0.006",
+        "primitive type 1 shape sphere radius 0.1 primitive type 1 zplane -0.006",
+    ] {
+        let directory = fresh_directory("two");
+        fs::write(directory.join("sheet.stl"), sheet(2)).unwrap();
+        let deck = Deck {
+            before: vec![
+                "fix sheet all mesh/surface file sheet.stl type 1 move 0. 0. -0.05".into(),
+            ],
+            walls: vec![wall.into()],
+            ..plain()
+        };
+        let outcome = attempt_in(&engine, &directory, &pair(), &deck, 1);
+        refused(
+            wall,
+            &outcome,
+            &["takes one 'primitive' or one 'mesh'", "several 'shape'"],
+        );
+    }
+    // an ID may be any word
+    let directory = fresh_directory("named");
+    fs::write(directory.join("sheet.stl"), sheet(2)).unwrap();
+    let deck = Deck {
+        before: ["mesh", "primitive"]
+            .map(|id| format!("fix {id} all mesh/surface file sheet.stl type 1 move 0. 0. -0.05"))
+            .to_vec(),
+        walls: vec!["mesh n_meshes 2 meshes mesh primitive".into()],
+        ..plain()
+    };
+    attempt_in(&engine, &directory, &pair(), &deck, 1).succeeded();
+}
+
 /// LIGGGHTS' own rule, on which the search for the contacts with meshes rests.
 #[test]
 fn a_second_wall_of_meshes() {
