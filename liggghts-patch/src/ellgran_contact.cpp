@@ -28,6 +28,7 @@
 #include "pair_gran.h"
 #include "property_registry.h"
 #include "update.h"
+#include "vector_liggghts.h"
 
 using namespace LAMMPS_NS;
 
@@ -388,6 +389,16 @@ void EllgranContact::report(SurfacesIntersectData &sidata, const ForceData &forc
   memcpy(told.force, forces_i.delta_F, sizeof(told.force));
   memcpy(told.torque, forces_i.delta_torque, sizeof(told.torque));
   reports.push_back(told);
+}
+
+void EllgranContact::balance_torque_of_mesh(SurfacesIntersectData &sidata, const ForceData &forces_i)
+{
+  const double square = vectorDot3D(forces_i.delta_F, forces_i.delta_F);
+  if (!(square > 1e-200)) return;
+  const double along = vectorDot3D(sidata.delta, forces_i.delta_F) / square;
+  double across[3];
+  vectorCross3D(forces_i.delta_F, forces_i.delta_torque, across);
+  for (int k = 0; k < 3; k++) sidata.delta[k] = along * forces_i.delta_F[k] - across[k] / square;
 }
 
 void EllgranContact::write_reports()

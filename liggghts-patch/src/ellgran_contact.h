@@ -96,6 +96,9 @@ struct EllgranContact {
   void connect_local_output();
   void report(SurfacesIntersectData &sidata, const ForceData &forces_i);
   void begin_reports() { reports.clear(); }
+  // A mesh takes the force at the point at -delta from the particle's centre. Moves that point to the line on which the force gives the
+  // particle its torque, or the torques of mesh and particle are not opposite: the nearest one to where it was.
+  static void balance_torque_of_mesh(SurfacesIntersectData &sidata, const ForceData &forces_i);
   void write_reports();
   // of the contact at hand, but for its forces
   EllgranContactReport geometry_report() const;

@@ -108,11 +108,12 @@ public:
     if (scdata.contact_flags) *scdata.contact_flags &= ~CONTACT_SURFACE_MODEL;
   }
 
-  inline void endSurfacesIntersect(SurfacesIntersectData &sidata, TriMesh *, double *const force_i)
+  inline void endSurfacesIntersect(SurfacesIntersectData &sidata, TriMesh *mesh, double *const force_i)
   {
     // the force is the first of ForceData, which LIGGGHTS hands over no other way
-    if (!sidata.is_wall && !sidata.computeflag)
-      contact->report(sidata, *reinterpret_cast<const ForceData *>(force_i));
+    const ForceData &forces_i = *reinterpret_cast<const ForceData *>(force_i);
+    if (!sidata.is_wall && !sidata.computeflag) contact->report(sidata, forces_i);
+    if (mesh && sidata.computeflag) contact->balance_torque_of_mesh(sidata, forces_i);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &)
   {

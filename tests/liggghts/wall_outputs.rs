@@ -63,8 +63,8 @@ fn the_force_on_a_mesh_and_the_stored_forces() {
         println!("{ranks} ranks: stored forces off by {worst:.1e}, force on the mesh by {f:.1e}, its torque by {t:.1e}");
         assert_eq!(stored.len(), 4);
         assert!(worst < 1e-12 && f < 1e-12);
-        // LIGGGHTS lets the force act where the wall is deepest in the grain, not where the two share the penetration
-        assert!(t < 1e-3);
+        // LIGGGHTS takes a force at a point, which has no torque along the force
+        assert!(t < 1e-5);
     }
 }
 
