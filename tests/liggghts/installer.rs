@@ -39,6 +39,11 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "dump_particle.cpp",
             "    MathExtra::quat_to_mat(quaternion[i], mat);\n",
         ),
+        (
+            "write_data.cpp",
+            "  if (narg < 1) error->all(FLERR,\"Illegal write_data command\");\n",
+        ),
+        ("atom_vec_superquadric.cpp", "  size_data_atom = 8;\n"),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -148,6 +153,8 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "finish.cpp",
         "utils.h",
         "dump_particle.cpp",
+        "write_data.cpp",
+        "atom_vec_superquadric.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];
