@@ -2,6 +2,7 @@
 
 #include "fix_nve_ellipsoid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -58,6 +59,7 @@ FixNVEEllipsoid::FixNVEEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     step_bits_(0),
     time_step_before_(0.0),
     said_half_(false),
+    said_inertia_(false),
     changes_(NULL),
     loads_before_(NULL),
     motion_changes_(NULL)
@@ -141,6 +143,7 @@ void FixNVEEllipsoid::init()
     refuse("does not go with fix couple/cfd/force/implicit: use nve/superquadric");
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) ellgran_check_blockiness(lmp, style, i);
+  warn_of_other_inertia();
 
   swapped_ = extrapolated_ = false;
   keeper_ = NULL;
@@ -174,6 +177,32 @@ void FixNVEEllipsoid::init()
   for (int i = 0; i < atom->nlocal; i++)
     if (!(atom->mask[i] & step_bits_)) FixNVEEllipsoid::set_arrays(i);
   if (atom->nmax > 0) memset(motion_changes_[0], 0, static_cast<size_t>(atom->nmax) * CHANGES * sizeof(double));
+}
+
+// 'set' changes the mass without the moments of inertia, and the latter by themselves; those that count here follow from mass and shape.
+void FixNVEEllipsoid::warn_of_other_inertia()
+{
+  int other = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    const double *const a = atom->shape[i];
+    for (int k = 0; k < 3; k++) {
+      const double b = a[(k + 1) % 3], c = a[(k + 2) % 3];
+      const double solid = 0.2 * atom->rmass[i] * (b * b + c * c);
+      if (!(fabs(atom->inertia[i][k] - solid) <= 1e-6 * solid)) other = std::max(other, atom->tag[i]);
+    }
+  }
+  int particle = 0;
+  MPI_Allreduce(&other, &particle, 1, MPI_INT, MPI_MAX, world);
+  if (particle == 0 || said_inertia_) return;
+  said_inertia_ = true;
+  if (comm->me != 0) return;
+  char message[400];
+  snprintf(message, sizeof(message),
+           "Fix %s nve/ellipsoid: particle %d turns as a solid ellipsoid of its mass and shape, and has other moments of inertia, with which "
+           "'set omegax' and its like gave it its angular momentum: set its density, and neither mass nor inertiax, inertiay, inertiaz",
+           id, particle);
+  error->warning(FLERR, message);
 }
 
 std::vector<FixNVEEllipsoid *> FixNVEEllipsoid::all_of_step(Modify *modify)

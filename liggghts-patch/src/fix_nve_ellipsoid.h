@@ -66,6 +66,7 @@ class FixNVEEllipsoid : public Fix {
   int step_bits_;            // of the keeper: the groups of all fixes with velocities of the step
   double time_step_before_;  // 0: not known
   bool said_half_;
+  bool said_inertia_;
 
   // Velocity and angular momentum: with what they have more than at the half step while forces are computed, with what those had more
   // that the last forces saw between steps.
@@ -82,6 +83,7 @@ class FixNVEEllipsoid : public Fix {
   static std::vector<FixNVEEllipsoid *> all_of_step(class Modify *modify);
   // the model of LIGGGHTS' own that sums up a displacement; empty if there is none
   std::string own_spring() const;
+  void warn_of_other_inertia();
   void forget();
   void swap(double sign);
   void find_motion_changes();
