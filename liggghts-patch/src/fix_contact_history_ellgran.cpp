@@ -9,9 +9,13 @@
 #include "comm.h"
 #include "domain.h"
 #include "ellgran_contact.h"
+#include "error.h"
+#include "fix_ellgran_restart_format.h"
+#include "math_extra_liggghts_nonspherical.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
+#include "vector_liggghts.h"
 
 using namespace LAMMPS_NS;
 using LIGGGHTS::ContactModels::EllgranContact;
@@ -28,7 +32,7 @@ const char *const FIXES[] = {"heat/gran", "heat/gran/conduction", "multicontact/
 
 }
 
-FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), has_run_(false)
 {
   comm_forward = VALUES_OF_IMAGE;
 }
@@ -36,6 +40,40 @@ FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char *
 int FixContactHistoryEllgran::setmask()
 {
   return FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE;
+}
+
+void FixContactHistoryEllgran::init()
+{
+  // Later, and after a restart, momenta are those that particles had: velocities alone may be out of date.
+  if (update->whichflag != 1 || has_run_ || FixEllgranRestartFormat::has_read(lmp)) return;
+  int torn = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *const omega = atom->omega[i];
+    double *const momentum = atom->angmom[i];
+    if (vectorMag3DSquared(omega) == 0.0) continue;
+    double expected[3], apart[3];
+    MathExtraLiggghtsNonspherical::omega_to_angmom(atom->quaternion[i], omega, atom->inertia[i], expected);
+    vectorSubtract3D(expected, momentum, apart);
+    if (vectorMag3DSquared(momentum) == 0.0)
+      vectorCopy3D(expected, momentum);
+    else if (vectorMag3D(apart) > 1e-6 * vectorMag3D(momentum))
+      torn = std::max(torn, atom->tag[i]);
+  }
+  int particle = 0;
+  MPI_Allreduce(&torn, &particle, 1, MPI_INT, MPI_MAX, world);
+  if (particle == 0 || comm->me != 0) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "surface ellipsoid: particle %d: its angular velocity does not belong to its angular momentum, with which it begins: set omegax, "
+           "omegay and omegaz after shape, density and orientation",
+           particle);
+  error->warning(FLERR, message);
+}
+
+void FixContactHistoryEllgran::post_run()
+{
+  has_run_ = true;
+  write();
 }
 
 void FixContactHistoryEllgran::pre_force(int)

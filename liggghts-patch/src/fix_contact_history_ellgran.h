@@ -8,6 +8,8 @@
  *
  * And images of particles, which LIGGGHTS gives shapes, types and masses when it builds neighbour lists, must have those that commands have
  * set before a run that goes on with the list of the one before it ('run ... pre no', 'run ... every').
+ *
+ * And before the first run particles must have the angular momenta of their angular velocities: LIGGGHTS reads the latter alone from data files.
  */
 
 #ifdef FIX_CLASS
@@ -25,8 +27,9 @@ class FixContactHistoryEllgran : public Fix {
  public:
   FixContactHistoryEllgran(class LAMMPS *, int, char **);
   virtual int setmask();
+  virtual void init();
   virtual void pre_exchange() { write(); }
-  virtual void post_run() { write(); }
+  virtual void post_run();
   virtual void pre_force(int);
   virtual int pack_comm(int count, int *particles, double *buffer, int, int *);
   virtual void unpack_comm(int count, int first, double *buffer);
@@ -38,6 +41,8 @@ class FixContactHistoryEllgran : public Fix {
 
  private:
   void write();
+
+  bool has_run_;
 };
 
 }

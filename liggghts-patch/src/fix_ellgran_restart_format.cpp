@@ -27,7 +27,7 @@ const int WITHOUT_NAMES = 2;
 
 }
 
-FixEllgranRestartFormat::FixEllgranRestartFormat(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), histories_lost_(0)
+FixEllgranRestartFormat::FixEllgranRestartFormat(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), histories_lost_(0), has_read_(false)
 {
   restart_global = 1;
 }
@@ -38,6 +38,12 @@ void FixEllgranRestartFormat::add(LAMMPS *lmp)
   char id[] = "ellgran_restart_format", group[] = "all", style[] = "ellgran/restart_format";
   char *words[] = {id, group, style};
   lmp->modify->add_fix(3, words);
+}
+
+bool FixEllgranRestartFormat::has_read(LAMMPS *lmp)
+{
+  const int place = lmp->modify->find_fix(ID);
+  return place >= 0 && static_cast<FixEllgranRestartFormat *>(lmp->modify->fix[place])->has_read_;
 }
 
 void FixEllgranRestartFormat::note_lost_histories(Modify *modify)
@@ -81,6 +87,7 @@ void FixEllgranRestartFormat::write_restart(FILE *fp)
 
 void FixEllgranRestartFormat::restart(char *buffer)
 {
+  has_read_ = true;
   State state;
   memcpy(&state, buffer, sizeof(state));
   state.writer[sizeof(state.writer) - 1] = '\0';

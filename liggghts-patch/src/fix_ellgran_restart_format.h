@@ -47,6 +47,9 @@ class FixEllgranRestartFormat : public Fix {
   // Makes the fix unless it is there. Call it when a run begins.
   static void add(class LAMMPS *lmp);
 
+  // Whether particles and contacts come from a restart file that has this fix.
+  static bool has_read(class LAMMPS *lmp);
+
   // It is there from the first run to 'clear', and so knows what a pair style that is given again does not: what contacts of pairs remembered
   // was lost with the one before. Of this rank.
   static void note_lost_histories(class Modify *modify);
@@ -58,6 +61,7 @@ class FixEllgranRestartFormat : public Fix {
 
  private:
   int histories_lost_;
+  bool has_read_;
   std::string names_of_file_;
 };
 

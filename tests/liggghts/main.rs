@@ -21,6 +21,7 @@ mod closed_forms;
 mod commands;
 mod crowded;
 mod cylinder;
+mod data_files;
 mod decomposition;
 mod deleted_grains;
 mod elastic_collision;
