@@ -274,6 +274,7 @@ const REFUSED: &[Refused] = &[
             &["insert/stream", "omega", "insert/rate/region"],
         )
     },
+    refused("write_data", &["write_data grains.data"], &["write_data", "write_restart"]),
     refused("run_style respa", &["run_style respa 2 2"], &["run_style verlet", "respa"]),
     refused("neighbor multi", &["neighbor 0.001 multi"], &["neighbor ... multi", "bin"]),
     refused("fix rigid", &["fix t all rigid single"], &["rigid", "ellipsoids"]),
@@ -471,6 +472,23 @@ const ALONE: &[Alone] = &[
             not_turned(outcome)
                 && outcome.output.matches("carries ellipsoids and does not turn them").count() == 1
         },
+    },
+    Alone {
+        name: "displace_atoms with rotate",
+        verdict: "differs",
+        before: &[],
+        fixes: &["displace_atoms all rotate 0 0 0 0 0 1 90 units box", ORIENTATIONS],
+        holds: |outcome| {
+            let [x, y, _] = outcome.first().states[0].position;
+            not_turned(outcome) && (x + 0.0071).abs() < 1e-9 && (y - 0.0113).abs() < 1e-9
+        },
+    },
+    Alone {
+        name: "read_data",
+        verdict: "works",
+        before: &[],
+        fixes: &[],
+        holds: |outcome| outcome.first().states[0].position == [0.0113, 0.0071, 1e-2],
     },
     Alone {
         name: "fix nve/superquadric",
