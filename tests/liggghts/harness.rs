@@ -240,7 +240,7 @@ pub fn data(scene: &Scene, atom_style: &str) -> String {
         if atom_style == "superquadric" {
             writeln!(
                 text,
-                // LIGGGHTS takes the whole number that each coordinate begins with for an image flag: 0.005, not 5e-3
+                // without the patch LIGGGHTS takes the whole number that each coordinate begins with for an image flag: 0.005, not 5e-3
                 "{id} {kind} {density:e} {a:e} {b:e} {c:e} 2 2 {x} {y} {z}"
             )
             .unwrap();
