@@ -2421,6 +2421,17 @@ int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
                                    const double *corners);
 
 /*
+ Adds a block along the axes of the wall from without, one part: its faces, edges and corners act as those of triangles. A particle whose centre is in the
+ block, or that is so deep in it that no face, edge or corner by itself acts, is pressed out the shortest way. `low` and `high` are [3].
+
+ # Safety
+ The pointers are NULL or valid; `low` and `high` have 3 doubles.
+ */
+int32_t ellgran_wall_add_block(struct EllgranWall *wall,
+                               const double *low,
+                               const double *high);
+
+/*
  Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
  `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
  precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.

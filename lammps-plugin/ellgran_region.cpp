@@ -123,7 +123,7 @@ class Surfaces {
     }
   }
 
-  // Edges and corners that stick out: two triangles for each face.
+  // Edges and corners that stick out. With open faces it is a shell: two triangles for each face that is there.
   void box(RegBlock &r, const double *low, const double *high)
   {
     for (int k = 0; k < 3; k++)
@@ -131,6 +131,10 @@ class Surfaces {
         fail("region " + std::string(r.id) +
              " of style block with side out or open faces must end in all dimensions: it has INF or EDGE beyond the largest "
              "coordinate");
+    if (side == ELLGRAN_SIDE_OUTSIDE) {
+      check(ellgran_wall_add_block(wall, low, high));
+      return;
+    }
     std::vector<double> corners;
     for (int k = 0; k < 6; k++) {
       if (open[k]) continue;

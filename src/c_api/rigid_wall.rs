@@ -413,6 +413,28 @@ pub unsafe extern "C" fn ellgran_wall_add_triangles(
     })
 }
 
+/// Adds a block along the axes of the wall from without, one part: its faces, edges and corners act as those of triangles. A particle whose centre is in the
+/// block, or that is so deep in it that no face, edge or corner by itself acts, is pressed out the shortest way. `low` and `high` are [3].
+///
+/// # Safety
+/// The pointers are NULL or valid; `low` and `high` have 3 doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_wall_add_block(
+    wall: *mut EllgranWall,
+    low: *const f64,
+    high: *const f64,
+) -> i32 {
+    at_border("ellgran_wall_add_block", || {
+        // SAFETY: promised by the caller, for all of this function.
+        let wall = &mut unsafe { required_mut(wall, "wall") }?.wall;
+        // SAFETY: `low` is NULL or valid for reads of 3 values, by this function's safety section.
+        let low = unsafe { required(low.cast::<[f64; 3]>(), "low") }?;
+        // SAFETY: `high` is NULL or valid for reads of 3 values, by this function's safety section.
+        let high = unsafe { required(high.cast::<[f64; 3]>(), "high") }?;
+        wall.add_block(*low, *high).map_err(wrong)
+    })
+}
+
 /// Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
 /// `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
 /// precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cylinders and cones as walls, with their ends.
 
+#[cfg(feature = "std")]
+use super::deep_in_solid::{minima_of_point, shortest_way_out, Circle, Convex};
+#[cfg(feature = "std")]
+use super::plane::flat;
 use super::plane::{flat_along, PlaneWall};
 use super::rim::Rim;
 use super::shape::{Ball, ConeSide, Grain, Side};
@@ -17,6 +21,8 @@ use crate::geometry::cone::{touch_cone, ConeContact};
 use crate::geometry::ellipsoid::LEAST_SEMI_AXIS;
 #[cfg(feature = "std")]
 use crate::message::Number;
+#[cfg(feature = "std")]
+use crate::vector::Tangent;
 use crate::vector::Vector3;
 
 /// The side of a cylinder or a cone.
@@ -31,6 +37,10 @@ pub struct ConeWall {
 /// Relative error of two depths of one contact that were computed in two ways: ten times the rounding of a quadratic form that loses the
 /// square of the aspect ratio, at most 1e6, in digits.
 const ROUNDING: f64 = 1e-9;
+
+/// From this share of the smallest semi-axis on a depth is compared with the shortest way out. Edges lose bodies from two thirds of it on.
+#[cfg(feature = "std")]
+const DEEP: f64 = 0.3;
 
 /// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.
 #[cfg(feature = "std")]
@@ -304,7 +314,183 @@ impl Shape for ConvexSolid {
     }
 
     fn touch(&self, grain: &Grain<'_>, _: &mut Search, found: &mut Found<'_>) {
-        self.contacts(grain, |surface| found(surface, 0));
+        let Grain { body, centre, .. } = *grain;
+        let mut known = None;
+        self.contacts(grain, |s| {
+            let depth = body.support(-s.normal).h - s.normal.dot(centre - s.point);
+            known = Some((depth, *s));
+        });
+        // A surface that acts may be deeper than the one that does not know the body any more.
+        if known.is_none_or(|(depth, _)| depth > DEEP * body.smallest_semi_axis()) {
+            if let Some((depth, surface)) = self.deep(grain) {
+                if known.is_none_or(|(other, _)| depth < other * (1.0 - ROUNDING)) {
+                    known = Some((depth, surface));
+                }
+            }
+        }
+        if let Some((_, surface)) = known {
+            found(&surface, 0);
+        }
+    }
+}
+
+/// Where a body is deep in the solid.
+#[cfg(feature = "std")]
+pub(super) enum SolidPlace {
+    /// The flat end.
+    Cap,
+    /// The curved side.
+    Side(ConeContact),
+    /// The edge at an end, and the direction of its radius there.
+    Rim(Circle, Vector3),
+    /// The point.
+    Tip(Vector3),
+}
+
+#[cfg(feature = "std")]
+impl ConvexSolid {
+    /// The place of each end along the axis from the cone's point, and its radius; `None` for an end that is infinitely far.
+    fn ends(&self) -> [Option<[f64; 2]>; 2] {
+        let cone = &self.side.surface.cone;
+        let mut ends = [None; 2];
+        for edge in &self.edges[..self.edge_count as usize] {
+            let (centre, radius) = match edge {
+                Edge::Rim(rim) => rim.circle(),
+                Edge::Tip(tip) => (tip.point(), 0.0),
+            };
+            let along = cone.axis.dot(centre - cone.point);
+            let bounds = self.side.surface.bounds;
+            let upper = (along - bounds[1]).abs() < (along - bounds[0]).abs();
+            ends[usize::from(upper)] = Some([along, radius]);
+        }
+        ends
+    }
+
+    /// Whether all of its ends are closed.
+    fn is_closed(&self) -> bool {
+        let edges = &self.edges[..self.edge_count as usize];
+        let tips = edges.iter().filter(|e| matches!(e, Edge::Tip(_))).count();
+        let finite = self.side.surface.bounds.iter().filter(|b| b.is_finite());
+        let finite = finite.count();
+        tips + self.caps().len() == finite && edges.len() == finite
+    }
+
+    /// The shortest way out, which is the contact of a body that is so deep in it that no surface or edge by itself knows it.
+    fn deep(&self, grain: &Grain<'_>) -> Option<(f64, WallSurface)> {
+        if !self.is_closed() {
+            return None;
+        }
+        let (normal, depth, place) = shortest_way_out(self, grain)?;
+        let foot = grain.centre + grain.body.support(-normal).point + normal * depth;
+        let surface = match place {
+            SolidPlace::Cap => flat(foot, normal),
+            SolidPlace::Side(c) => (self.side.surface_at(&c, false)).unwrap_or(flat(foot, normal)),
+            SolidPlace::Rim(circle, radial) => {
+                let out = normal.dot(radial);
+                WallSurface {
+                    direction: circle.axis.cross(radial),
+                    curvatures: [out / circle.radius, 0.0],
+                    turning_radii: [circle.radius / out, 0.0],
+                    ..flat(circle.centre + radial * circle.radius, normal)
+                }
+            }
+            SolidPlace::Tip(point) => WallSurface {
+                turning_radii: [0.0; 2],
+                ..flat(point, normal)
+            },
+        };
+        Some((depth, surface))
+    }
+}
+
+#[cfg(feature = "std")]
+impl Convex for ConvexSolid {
+    type Place = SolidPlace;
+
+    fn farthest(&self, n: Vector3) -> Vector3 {
+        let cone = &self.side.surface.cone;
+        let along = cone.axis.dot(n);
+        let across = n - cone.axis * along;
+        let radial = across.direction().unwrap_or(Vector3::ZERO);
+        let mut best = (f64::NEG_INFINITY, Vector3::ZERO);
+        for (end, out) in self.ends().into_iter().zip([-1.0, 1.0]) {
+            let Some([z, radius]) = end else {
+                if along * out > 1e-12 {
+                    return cone.axis * (out * f64::MAX);
+                }
+                continue;
+            };
+            let point = cone.axis * z + radial * radius;
+            if point.dot(n) > best.0 {
+                best = (point.dot(n), point);
+            }
+        }
+        cone.point + best.1
+    }
+
+    /// By an edge; whoever asks knows that the body reaches behind side and ends.
+    fn is_apart(&self, grain: &Grain<'_>) -> bool {
+        let mut apart = false;
+        for edge in &self.edges[..self.edge_count as usize] {
+            edge.places(grain, |depth, _| apart |= depth <= 0.0);
+        }
+        apart
+    }
+
+    fn nearest(&self, p: Vector3) -> Option<Vector3> {
+        let cone = &self.side.surface.cone;
+        let offset = p - cone.point;
+        let height = cone.axis.dot(offset);
+        let [low, high] = self.ends();
+        let low = low.map_or(f64::NEG_INFINITY, |[z, _]| z);
+        let high = high.map_or(f64::INFINITY, |[z, _]| z);
+        let z = height.clamp(low, high);
+        let across = offset - cone.axis * height;
+        let radius = cone.radius + cone.slope * z;
+        let distance = across.norm();
+        if z == height && distance <= radius {
+            return None;
+        }
+        let share = if distance > radius {
+            radius / distance
+        } else {
+            1.0
+        };
+        Some(cone.point + cone.axis * z + across * share)
+    }
+
+    fn offer_normals(&self, grain: &Grain<'_>, offer: &mut dyn FnMut(Vector3, SolidPlace)) -> bool {
+        let cone = &self.side.surface.cone;
+        let (c, s) = cone.normal_components();
+        let mut is_behind_side = false;
+        touch_cone(grain.body, grain.centre, cone, false, |contact| {
+            is_behind_side = true;
+            offer(contact.normal, SolidPlace::Side(contact));
+        });
+        if !is_behind_side {
+            return false;
+        }
+        let directions = Tangent::new(cone.axis);
+        for (end, out) in self.ends().into_iter().zip([-1.0, 1.0]) {
+            let Some([z, radius]) = end else { continue };
+            let centre = cone.point + cone.axis * z;
+            if radius == 0.0 {
+                minima_of_point(grain, centre, |n| offer(n, SolidPlace::Tip(centre)));
+                continue;
+            }
+            offer(cone.axis * out, SolidPlace::Cap);
+            let circle = || Circle {
+                centre,
+                axis: cone.axis,
+                basis: [directions.u, directions.v],
+                radius,
+                normals: [[0.0, out], [c, s]],
+            };
+            circle().minima(grain, |n, radial| {
+                offer(n, SolidPlace::Rim(circle(), radial));
+            });
+        }
+        true
     }
 }
 

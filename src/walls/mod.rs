@@ -15,6 +15,8 @@ mod contact_history;
 #[cfg(feature = "std")]
 mod contacts;
 #[cfg(feature = "std")]
+mod deep_in_solid;
+#[cfg(feature = "std")]
 mod grain_sums;
 mod histories;
 #[cfg(feature = "std")]
@@ -47,6 +49,8 @@ mod servo;
 mod shape;
 #[cfg(feature = "std")]
 mod shape_words;
+#[cfg(feature = "std")]
+mod solid_block;
 mod sphere;
 #[cfg(feature = "std")]
 mod step_sums;

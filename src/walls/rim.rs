@@ -60,6 +60,14 @@ impl Rim {
     }
 }
 
+#[cfg(feature = "std")]
+impl Rim {
+    /// Its middle and its radius.
+    pub(super) fn circle(&self) -> (Vector3, f64) {
+        (self.centre, self.radius)
+    }
+}
+
 /// What a body does to the edge at one place.
 pub(super) struct Place {
     normal: Vector3,

@@ -70,6 +70,14 @@ impl Tip {
 }
 
 #[cfg(feature = "std")]
+impl Tip {
+    /// Where it is.
+    pub(super) fn point(&self) -> Vector3 {
+        self.point
+    }
+}
+
+#[cfg(feature = "std")]
 impl Shape for Tip {
     fn remembered(&self) -> usize {
         1

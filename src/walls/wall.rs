@@ -9,6 +9,7 @@ use super::mesh::Mesh;
 use super::motion::Motion;
 use super::parts::{OwnParts, Part};
 use super::shape::{Ball, Block, Shape, ShapeInLanes, WholePlane};
+use super::solid_block::SolidBlock;
 use super::surface::Surface;
 use super::touching_loads::{TouchingLoad, TouchingLoads};
 use crate::contact::{ContactForces, HistoryLayout, Laws};
@@ -225,6 +226,24 @@ impl Wall {
         self.parts.push(Box::new(mesh));
     }
 
+    /// Adds a block from without, along the axes of the wall, by its lower and its upper corner. Bodies that are deep in it go out the
+    /// shortest way.
+    ///
+    /// # Errors
+    /// Corners that are not in order, or out of range.
+    ///
+    /// # Example
+    /// ```
+    /// let mut wall = ellgran::walls::Wall::new();
+    /// wall.add_block([-1.0; 3], [1.0, 1.0, 2.0]).unwrap();
+    /// assert_eq!(wall.part_count(), 1);
+    /// assert!(wall.add_block([0.0; 3], [1.0, 0.0, 1.0]).is_err());
+    /// ```
+    pub fn add_block(&mut self, low: [f64; 3], high: [f64; 3]) -> Result<(), String> {
+        self.parts.push(Box::new(SolidBlock::new(low, high)?));
+        Ok(())
+    }
+
     /// The triangles that an engine lends: from the first call on a part of the wall, after the others.
     pub fn lent_triangles(&mut self) -> &mut LentTriangles {
         self.lent.get_or_insert_default()
@@ -274,7 +293,8 @@ impl Wall {
                 continue;
             }
             let any: &dyn Any = &**part;
-            let mesh: &Mesh = any.downcast_ref().ok_or(number)?;
+            let of_block = any.downcast_ref().map(|block: &SolidBlock| &block.mesh);
+            let mesh: &Mesh = any.downcast_ref().or(of_block).ok_or(number)?;
             let (triangle, node) = (all.triangles.len() as u64, all.nodes.len() as u64);
             all.triangles.extend_from_slice(&mesh.triangles);
             all.boxes.extend_from_slice(&mesh.boxes);

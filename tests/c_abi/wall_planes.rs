@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which parts of a wall are planes without an end, and where do they look?
+//! Which parts of a wall are planes without an end, and where do they look? Which shapes are refused?
 
 use std::ffi::{c_char, CString};
 use std::ptr::{null, null_mut};
@@ -119,4 +119,36 @@ fn a_shape_without_name_or_axis() {
         let status = unsafe { ellgran_wall_add_shape(wall.0, &given) };
         fails(status, ELLGRAN_ERROR_ARGUMENT, words);
     }
+}
+
+/// A block has an inside, and both of its corners.
+#[test]
+fn a_block_without_an_inside() {
+    let wall = WallHandle::new();
+    let (low, high) = ([0.0, -1.0, 2.0], [1.0, 1.0, 3.0]);
+    let add = |low: *const [f64; 3], high: *const [f64; 3]| unsafe {
+        ellgran_wall_add_block(wall.0, low.cast(), high.cast())
+    };
+    for (low, high) in [(high, low), (low, low), (low, [f64::NAN, 1.0, 3.0])] {
+        let status = add(&low, &high);
+        fails(status, ELLGRAN_ERROR_ARGUMENT, &["a block from"]);
+    }
+    fails(
+        add(&low, &[1e300; 3]),
+        ELLGRAN_ERROR_ARGUMENT,
+        &["out of range"],
+    );
+    for (low, high, name) in [
+        (null(), &raw const high, "low"),
+        (&raw const low, null(), "high"),
+    ] {
+        fails(
+            add(low, high),
+            ELLGRAN_ERROR_NULL_POINTER,
+            &[name, "must not be NULL"],
+        );
+    }
+    assert_eq!(unsafe { ellgran_wall_part_count(wall.0) }, 0);
+    ok(add(&low, &high));
+    assert_eq!(unsafe { ellgran_wall_part_count(wall.0) }, 1);
 }

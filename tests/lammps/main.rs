@@ -19,6 +19,7 @@ mod contact_or_not;
 mod curved_walls;
 mod decks;
 mod decomposition;
+mod deep_in_solids;
 mod deleted_grains;
 mod energy_balance;
 mod energy_compute;
