@@ -2,7 +2,7 @@
 //! Cylinders and cones as walls, with their ends.
 
 #[cfg(feature = "std")]
-use super::deep_in_solid::{minima_of_point, shortest_way_out, Circle, Convex};
+use super::deep_in_solid::{minima_of_point, shortest_way_out, Circle, Convex, DEEP};
 #[cfg(feature = "std")]
 use super::plane::flat;
 use super::plane::{flat_along, PlaneWall};
@@ -37,10 +37,6 @@ pub struct ConeWall {
 /// Relative error of two depths of one contact that were computed in two ways: ten times the rounding of a quadratic form that loses the
 /// square of the aspect ratio, at most 1e6, in digits.
 const ROUNDING: f64 = 1e-9;
-
-/// From this share of the smallest semi-axis on a depth is compared with the shortest way out. Edges lose bodies from two thirds of it on.
-#[cfg(feature = "std")]
-const DEEP: f64 = 0.3;
 
 /// Contacts with the surface of one particle that are remembered: a needle touches with both of its ends.
 #[cfg(feature = "std")]

@@ -11,7 +11,9 @@ use super::shape::Grain;
 use crate::geometry::interior_point::normal_towards;
 use crate::vector::Vector3;
 
-/// Tries to find a plane between body and solid, after which the normals are looked at.
+/// Share of the smallest semi-axis below which nothing is deep. Edges and corners lose bodies from two thirds of it on.
+pub(super) const DEEP: f64 = 0.3;
+/// Tries to find a plane that a body does not reach behind as far as that, after which the normals are looked at.
 const MOST_TRIES: usize = 16;
 /// Directions that are tried along an arc of normals, and around a circle.
 const ALONG_ARC: usize = 32;
@@ -43,19 +45,19 @@ pub(super) fn overlap<S: Convex>(solid: &S, grain: &Grain<'_>, n: Vector3) -> Ve
     solid.farthest(n) - grain.centre - grain.body.support(-n).point
 }
 
-/// The normal, the depth and the place of the shortest way out of a solid; `None` where body and solid are apart.
+/// The normal, the depth and the place of the shortest way out of a solid; `None` for a body that is apart from it or not deep in it, as most are
+/// that are asked about.
 pub(super) fn shortest_way_out<S: Convex>(
     solid: &S,
     grain: &Grain<'_>,
 ) -> Option<(Vector3, f64, S::Place)> {
-    if solid.is_apart(grain) {
-        return None;
-    }
+    let least_depth = DEEP * grain.body.smallest_semi_axis();
     let towards = |p: Vector3| (grain.centre - p).direction();
     if let Some(mut n) = solid.nearest(grain.centre).and_then(towards) {
         for _ in 0..MOST_TRIES {
             let w = overlap(solid, grain, n);
-            if w.dot(n) <= 0.0 {
+            // Along any normal a body is at least as deep as along that of the shortest way.
+            if w.dot(n) <= least_depth {
                 return None;
             }
             // Chung and Wang: the direction mirrored at the plane across the overlap.
@@ -63,11 +65,14 @@ pub(super) fn shortest_way_out<S: Convex>(
             n = (n - way * (2.0 * n.dot(way))).normalised();
         }
     }
+    if solid.is_apart(grain) {
+        return None;
+    }
     let mut least: Option<(Vector3, f64, S::Place)> = None;
     let mut reaches = true;
     let may_overlap = solid.offer_normals(grain, &mut |n, place| {
         let depth = overlap(solid, grain, n).dot(n);
-        reaches &= depth > 0.0;
+        reaches &= depth > least_depth;
         if depth.is_finite() && least.as_ref().is_none_or(|(_, other, _)| depth < *other) {
             least = Some((n, depth, place));
         }
