@@ -183,7 +183,7 @@ const WALLS: &str = "\
 ## Walls
 
 `ellgran_gpu_add_wall` takes a wall of `ellgran.h` (`ellgran_wall_add_shape`, `ellgran_wall_add_shape_words`, `ellgran_wall_add_triangles`, \
-`ellgran_wall_add_stl`): planes, cylinders, cones and \
+`ellgran_wall_add_stl`, and `ellgran_wall_add_block`, of which the triangles alone act there): planes, cylinders, cones and \
 spheres, from within, from without or on both sides, with discs, rims and tips where they end, and triangles. `ellgran_gpu_compute_wall` takes its place and its \
 motion in each step, rotation and `along_itself` included.
 
