@@ -12,7 +12,6 @@ use ellgran::contact::staged::WallSurface;
 use ellgran::contact::{prepare_body, Body, Laws};
 use ellgran::geometry::facet_shares::Share;
 use ellgran::geometry::triangles::{Triangle, TriangleSearch};
-use ellgran::geometry::Ellipsoid;
 
 /// Triangles that meet at the origin, each from one ray to the next; rays in the order of their angle.
 fn fan(rays: &[[f64; 2]]) -> Vec<Triangle> {
@@ -458,41 +457,4 @@ fn force_and_torque_at_a_fine_saddle_are_the_gradient_of_one_energy() {
         worst[0], worst[1]
     );
     assert!(parts > 150 && worst[0] < 1e-7 && worst[1] < 1e-7);
-}
-
-/// Beside a corner that a long grain does not reach, one of its steep triangles had the grain's centre on the other side of its plane. The plane bounded a
-/// piece of the corner, and acted from there: 5600 times as much as the face that the grain is on.
-#[test]
-fn no_plane_acts_deep_in_a_grain_that_its_triangles_are_not_in() {
-    let wall = fan(&[
-        [0.6649620927430021, -0.14206070392167858],
-        [2.8167705274201595, -0.08740435530976864],
-        [3.2981936421394056, 0.04653707823180647],
-        [3.8516552024489683, 0.3441814503611086],
-        [4.220090899174448, -0.0452522989495166],
-        [4.691530766944235, 0.00347451336613791],
-    ]);
-    let axes = [0.25918298264375644, 0.24125318402223317, 1.0];
-    let turn = [
-        -0.6560752352051958,
-        0.7502296314529093,
-        0.03873887729969007,
-        0.07225015727345237,
-    ];
-    let grain = Ellipsoid::new(axes, turn).unwrap();
-    let centre = point(
-        0.058230919390040055,
-        -0.4801776805903481,
-        0.25915361457754693,
-    );
-    let mut search = TriangleSearch::default();
-    search.touch(&grain, centre, &wall);
-    let contacts = search.contacts();
-    assert!(contacts.iter().any(|c| c.triangle == 5));
-    for contact in contacts {
-        assert!(
-            contact.penetration < 3e-3 && contact.normal.z > 0.8,
-            "{contact:?}"
-        );
-    }
 }
