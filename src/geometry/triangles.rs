@@ -26,8 +26,8 @@
 //! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
 //! approaches.
 //!
-//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where they come into reach and their pieces take
-//! the place of faces and edges, and where more than three lie within reach; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
+//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where an obtuse face's corner comes into reach
+//! and where more than three lie within reach; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
 //! uneven surface, where a face may be hidden from it by another. An edge that shares the
 //! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
@@ -145,10 +145,6 @@ const MOST_JOINED: usize = 32;
 /// A contact of less is none. Rounding leaves shares of 1e-15 where there are none, and each would take a place among the contacts of which
 /// a history is kept.
 const LEAST_SHARE: f64 = 1e-12;
-
-/// Penetration, in parts of the body's support, from which on a plane that bounds a piece of a corner acts only with a part of its triangles
-/// in the body.
-const DEEP_PLANE: f64 = 0.25;
 
 /// No index.
 const NOTHING: usize = usize::MAX;
@@ -538,13 +534,6 @@ impl<M: Lists> TriangleSearch<M> {
                 let t = &places.near[k];
                 let support = body.support(-t.normal);
                 let penetration = support.h - t.distance;
-                // A piece may be bounded by a plane on the other side of which the body's centre is, and that acts the wrong way then. No
-                // part of its triangles is in the body.
-                let is_in =
-                    |q: &Near| q.plane == plane && q.is_in_section(body, &support, penetration);
-                if penetration > DEEP_PLANE * support.h && !places.near.iter().any(is_in) {
-                    continue;
-                }
                 let foot = support.point + t.normal * penetration;
                 of_plane[plane] = candidates.len();
                 candidates.push(Candidate {
