@@ -2,7 +2,7 @@
 //! Cylinders and cones as walls, with their ends.
 
 #[cfg(feature = "std")]
-use super::deep_in_solid::{minima_of_point, shortest_way_out, Circle, Convex, DEEP};
+use super::deep_in_solid;
 #[cfg(feature = "std")]
 use super::plane::flat;
 use super::plane::{flat_along, PlaneWall};
@@ -317,7 +317,7 @@ impl Shape for ConvexSolid {
             known = Some((depth, *s));
         });
         // A surface that acts may be deeper than the one that does not know the body any more.
-        if known.is_none_or(|(depth, _)| depth > DEEP * body.smallest_semi_axis()) {
+        if known.is_none_or(|(depth, _)| depth > deep_in_solid::DEEP * body.smallest_semi_axis()) {
             if let Some((depth, surface)) = self.deep(grain) {
                 if known.is_none_or(|(other, _)| depth < other * (1.0 - ROUNDING)) {
                     known = Some((depth, surface));
@@ -338,7 +338,7 @@ pub(super) enum SolidPlace {
     /// The curved side.
     Side(ConeContact),
     /// The edge at an end, and the direction of its radius there.
-    Rim(Circle, Vector3),
+    Rim(deep_in_solid::Circle, Vector3),
     /// The point.
     Tip(Vector3),
 }
@@ -376,7 +376,7 @@ impl ConvexSolid {
         if !self.is_closed() {
             return None;
         }
-        let (normal, depth, place) = shortest_way_out(self, grain)?;
+        let (normal, depth, place) = deep_in_solid::shortest_way_out(self, grain)?;
         let foot = grain.centre + grain.body.support(-normal).point + normal * depth;
         let surface = match place {
             SolidPlace::Cap => flat(foot, normal),
@@ -400,7 +400,7 @@ impl ConvexSolid {
 }
 
 #[cfg(feature = "std")]
-impl Convex for ConvexSolid {
+impl deep_in_solid::Convex for ConvexSolid {
     type Place = SolidPlace;
 
     fn farthest(&self, n: Vector3) -> Vector3 {
@@ -471,11 +471,13 @@ impl Convex for ConvexSolid {
             let Some([z, radius]) = end else { continue };
             let centre = cone.point + cone.axis * z;
             if radius == 0.0 {
-                minima_of_point(grain, centre, |n| offer(n, SolidPlace::Tip(centre)));
+                deep_in_solid::minima_of_point(grain, centre, |n| {
+                    offer(n, SolidPlace::Tip(centre))
+                });
                 continue;
             }
             offer(cone.axis * out, SolidPlace::Cap);
-            let circle = || Circle {
+            let circle = || deep_in_solid::Circle {
                 centre,
                 axis: cone.axis,
                 basis: [directions.u, directions.v],
