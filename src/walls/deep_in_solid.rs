@@ -4,8 +4,8 @@
 //! An edge acts along the normal by which its line is least deep in the body. Of a body that is thin beside its depth that way may lead through the
 //! solid. Among the ways that lead out of it there is still a shortest: with `n` out of the solid the depth is `h(n) + h_s(n) - n.x`, by the
 //! support functions of body and solid and the place of the body's centre, and the shortest way is its least value over all `n`. While one
-//! surface alone acts it is that surface's depth, so that the force goes on where a body gets deeper than the others can tell. Nothing here is asked of
-//! a body that has a contact.
+//! surface alone acts it is that surface's depth, so that the force goes on where a body gets deeper than the others can tell. A block asks where its
+//! triangles find nothing, or where the body's centre is in it; a closed cylinder or cone also where what acts is deep, since that may be the longer way.
 
 use super::shape::Grain;
 use crate::geometry::interior_point::normal_towards;
