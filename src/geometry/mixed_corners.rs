@@ -86,6 +86,60 @@ impl<'m> MixedCorner<InRoom<'m>> {
     }
 }
 
+/// Which of the triangles at a corner show the body's centre the side that is the inner one of those it sees: bits, in the order of `all`. The surface
+/// has the side of the triangle nearest to the centre, and of two as near of that whose plane is farther, as one sees a roof from before its front.
+/// An edge that more than two triangles share passes no side on, and what is not reached counts as seen from before.
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn seen_from_behind(near: &[Near], all: &[usize], apex: Vector3) -> u64 {
+    if all.len() > 64 {
+        return 0;
+    }
+    let far = |k: usize| near[k].nearest_distance_squared();
+    let mut first = 0;
+    for m in 1..all.len() {
+        let (here, best) = (far(all[m]), far(all[first]));
+        let margin = TOLERANCE * best;
+        let is_farther_plane = near[all[m]].distance > near[all[first]].distance;
+        if here < best - margin || here <= best + margin && is_farther_plane {
+            first = m;
+        }
+    }
+    // The side of an edge from the apex on which a triangle that has it lies, by its normal.
+    let side = |t: &Near, end: Vector3| {
+        let along = t.normal.cross(end - apex);
+        t.corners
+            .iter()
+            .find(|z| **z != apex && **z != end)
+            .map(|z| along.dot(*z - apex) > 0.0)
+    };
+    let has = |k: usize, end: Vector3| near[k].corners.contains(&end);
+    let (mut reached, mut back) = (1u64 << first, 0u64);
+    loop {
+        let before = reached;
+        for m in (0..all.len()).filter(|m| before >> m & 1 == 1) {
+            let t = &near[all[m]];
+            if !t.corners.contains(&apex) {
+                continue;
+            }
+            for end in t.corners.into_iter().filter(|z| *z != apex) {
+                let mut others =
+                    (0..all.len()).filter(|&o| o != m && has(all[o], apex) && has(all[o], end));
+                let (Some(o), None) = (others.next(), others.next()) else {
+                    continue;
+                };
+                if reached >> o & 1 == 0 {
+                    reached |= 1 << o;
+                    let turned = side(t, end) == side(&near[all[o]], end);
+                    back |= u64::from((back >> m & 1 == 1) != turned) << o;
+                }
+            }
+        }
+        if reached == before {
+            return back;
+        }
+    }
+}
+
 impl<M: Lists> MixedCorner<M> {
     /// Whether something did not fit.
     pub(super) fn lacks_room(&self) -> bool {
@@ -157,11 +211,13 @@ impl<M: Lists> MixedCorner<M> {
             return false;
         }
         all.sort();
-        for &k in all.iter() {
+        let back = seen_from_behind(&places.near, all, apex);
+        for (place, &k) in all.iter().enumerate() {
             let t = &places.near[k];
             if bounds.iter().all(|b| b.plane != t.plane) {
+                let is_back = back >> place & 1 == 1;
                 bounds.push(Bound {
-                    normal: t.normal,
+                    normal: if is_back { -t.normal } else { t.normal },
                     plane: t.plane,
                 });
             }
@@ -169,9 +225,9 @@ impl<M: Lists> MixedCorner<M> {
         if bounds.len() < 2 || bounds.len() > 64 {
             return false;
         }
-        for &k in all.iter() {
+        for (place, &k) in all.iter().enumerate() {
             let t = &places.near[k];
-            if places.is_hidden(k, apex, meeting) {
+            if back >> place & 1 == 1 || places.is_hidden(k, apex, meeting) {
                 continue;
             }
             let mut piece = Piece {

@@ -105,6 +105,14 @@ impl Near {
         (nearest - p).norm_squared() <= margin * margin
     }
 
+    /// The square of how far it is from the body's centre.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn nearest_distance_squared(&self) -> f64 {
+        let tangent = Tangent::new(self.normal);
+        let place = self.corners.map(|c| tangent.components(c));
+        combine(&self.corners, nearest_to_origin(place)).norm_squared()
+    }
+
     /// Whether the way from the body's centre to a point of another triangle passes through this one, and that other lies behind
     /// this one's plane as a whole. A larger one, on which this one stands, goes on in front of it.
     #[cfg_attr(not(feature = "std"), inline(never))]
