@@ -153,6 +153,26 @@ impl<M: Lists> TrianglePlaces<M> {
         }
     }
 
+    /// Whether the plane of a triangle goes on from its nearest point to a place beyond it: beyond a side from which another triangle rises, and at a
+    /// corner beyond no other one.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn goes_on_beyond(&self, own: usize, point: Vector3, place: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        let Some(m) = t.corners.iter().position(|z| *z == point) else {
+            return self.folds_up(own, point, meeting);
+        };
+        let sides = [t.corners[(m + 1) % 3], t.corners[(m + 2) % 3]];
+        (0..2).all(|k| {
+            let (along, inwards) = (sides[k] - point, sides[1 - k] - point);
+            let across = t.normal.cross(along);
+            if across.dot(place - point) * across.dot(inwards) >= 0.0 {
+                return true;
+            }
+            let near = (INSIDE * meeting / along.norm()).min(0.5);
+            self.folds_up(own, point + along * near, meeting)
+        })
+    }
+
     /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
     #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn folds_up(&self, own: usize, point: Vector3, meeting: f64) -> bool {

@@ -394,7 +394,7 @@ impl<M: Lists> TriangleSearch<M> {
                     continue;
                 }
                 let point = t.nearest_to(body, &support, foot);
-                if !self.places.folds_up(k, point, meeting)
+                if !self.places.goes_on_beyond(k, point, foot, meeting)
                     || self.places.is_hidden(k, point, meeting)
                 {
                     continue;
