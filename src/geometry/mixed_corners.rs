@@ -8,6 +8,7 @@ use super::convex_corner::{self, Support};
 use super::ellipsoid::Ellipsoid;
 use super::fine_folds::FineFolds;
 use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
+use super::share::Share;
 use super::triangle::{sides, Near, TOLERANCE};
 use super::triangle_places::{TrianglePlaces, REACH};
 #[cfg(not(feature = "std"))]
@@ -18,6 +19,90 @@ use crate::vector::Vector3;
 /// places. Those of narrow triangles are left to `fine_folds`.
 const MOST: usize = 3;
 
+/// Up to which square of the distance, where the body is the unit sphere, a corner acts by its convex pieces alone, and from which on it does not: within
+/// what is looked at.
+const EFFECT: [f64; 2] = [1.03 * 1.03, REACH * REACH];
+
+/// How deep an edge of the corner is in the body where the corner acts by its convex pieces alone, as a part of how deep the triangles are.
+const SHALLOW: f64 = 0.2;
+
+/// A corner within reach.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ReachedCorner {
+    apex: Vector3,
+    /// The part in which its convex pieces act: 0 where it comes into reach, and where none of its edges is in the body.
+    part: Share,
+}
+
+/// The corners within reach, those that act by the largest parts, the largest first; one more than may act together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reached {
+    corners: [ReachedCorner; MOST + 1],
+    count: usize,
+}
+
+impl Default for Reached {
+    fn default() -> Self {
+        Reached::NONE
+    }
+}
+
+impl Reached {
+    const NONE: Reached = Reached {
+        corners: [ReachedCorner {
+            apex: Vector3::ZERO,
+            part: Share::NONE,
+        }; MOST + 1],
+        count: 0,
+    };
+
+    fn has(&self, apex: Vector3) -> bool {
+        self.corners[..self.count].iter().any(|c| c.apex == apex)
+    }
+
+    /// Puts a corner in its place; false if there are too many in the body, where none acts by its pieces.
+    fn add(&mut self, new: ReachedCorner) -> bool {
+        let all = &mut self.corners;
+        let place = (0..self.count).find(|k| all[*k].part.value < new.part.value);
+        let place = place.unwrap_or(self.count);
+        if place <= MOST {
+            self.count = (self.count + 1).min(MOST + 1);
+            all[place..self.count].rotate_right(1);
+            all[place] = new;
+        }
+        self.count <= MOST || all[MOST].part.value < 1.0
+    }
+
+    /// The part of a whole in which only the first corners act by their convex pieces, so many of them, and the others by the triangles' own faces, edges
+    /// and corners. So the force is continuous where corners come into reach, also where they become too many.
+    pub fn part_of_first(&self, count: usize, whole: &Share) -> Share {
+        if self.count == 0 {
+            return *whole;
+        }
+        let part = |k: usize| match k {
+            0 => Share::WHOLE,
+            _ if k > self.count => Share::NONE,
+            _ => self.corners[k - 1].part,
+        };
+        let own = part(count).minus(&part(count + 1));
+        let own = match count {
+            0 => own.plus(&part(MOST + 1)),
+            _ => own,
+        };
+        own.times(whole)
+    }
+
+    /// Where one of them is.
+    pub fn apex(&self, k: usize) -> Vector3 {
+        self.corners[k].apex
+    }
+
+    /// How many of them may act together.
+    pub fn most(&self) -> usize {
+        self.count.min(MOST)
+    }
+}
+
 /// Such a corner, the one that was gathered last.
 pub(super) struct MixedCorner<M: Lists = OnHeap> {
     /// Which of `near` meet there.
@@ -27,9 +112,11 @@ pub(super) struct MixedCorner<M: Lists = OnHeap> {
     /// Those of one piece: which bounds, and their normals out of it.
     members: M::List<usize>,
     normals: M::List<Vector3>,
+    /// Those within reach.
+    pub reached: Reached,
 }
 
-on_heap!(MixedCorner: meeting bounds pieces members normals);
+on_heap!(MixedCorner: meeting bounds pieces members normals reached);
 
 /// A plane of triangles that meet at a corner.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +169,7 @@ impl<'m> MixedCorner<InRoom<'m>> {
             pieces: Lent::new(pieces),
             members: Lent::new(members),
             normals: Lent::new(normals),
+            reached: Reached::NONE,
         }
     }
 }
@@ -150,8 +238,7 @@ impl<M: Lists> MixedCorner<M> {
             || self.normals.lacks_room()
     }
 
-    /// The corners within reach of the body, each by a triangle that has it, and how many; none if there are more than [`MOST`], which then act
-    /// by the faces, edges and corners of the triangles alone.
+    /// Finds the corners within reach of the body.
     #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn find(
         &mut self,
@@ -159,58 +246,181 @@ impl<M: Lists> MixedCorner<M> {
         body: &Ellipsoid,
         meeting: f64,
         fine: &FineFolds<M>,
-    ) -> ([(usize, Vector3); MOST], usize) {
-        let mut found = [(0, Vector3::ZERO); MOST];
-        let mut count = 0;
-        for k in 0..places.near.len() {
-            for apex in places.near[k].corners {
+    ) {
+        self.reached.count = 0;
+        let near = &places.near;
+        if near.iter().all(|t| t.plane == near[0].plane) {
+            return;
+        }
+        let ball = EFFECT[1] * body.bounding_radius() * body.bounding_radius();
+        let mut depths = Depths::default();
+        for k in 0..near.len() {
+            for apex in near[k].corners {
+                if apex.norm_squared() > ball {
+                    continue;
+                }
                 let unit = body.inverse_semi_axes.componentwise(body.to_body(apex));
-                let is_near = unit.norm_squared() < REACH * REACH;
-                if is_near && self.gather(places, k, apex, meeting) && !fine.meet_at(apex) {
-                    if count == MOST {
-                        return (found, 0);
-                    }
-                    found[count] = (k, apex);
-                    count += 1;
+                let square = unit.norm_squared();
+                if !(square < EFFECT[1]) || self.reached.has(apex) {
+                    continue;
+                }
+                let is_other = |q: usize| q < k && near[q].corners.contains(&apex);
+                if self.meet(places, apex, meeting, is_other) {
+                    continue;
+                }
+                let mut deepest = 0.0f64;
+                self.visit_edges(places, body, apex, |_, depth| {
+                    deepest = depth;
+                    depth
+                });
+                if !(deepest > 0.0)
+                    || fine.meet_at(apex)
+                    || !self.is_mixed(places, apex, meeting)
+                {
+                    continue;
+                }
+                let part = self.part(places, body, apex, square, deepest, &mut depths);
+                if !self.reached.add(ReachedCorner { apex, part }) {
+                    return;
                 }
             }
         }
-        (found, count)
     }
 
-    /// Finds the convex pieces at a corner; false if there is no more to it than the triangles' own faces, edges and corners say, or
-    /// if an earlier triangle has this corner as well.
+    /// Visits the edges that end at the corner whose triangles were found last: the deepest place of each in the body, and how deep it is. Only such as
+    /// are deeper than 0, and than what `found` returned last.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    pub fn gather(
+    fn visit_edges(
+        &self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        apex: Vector3,
+        mut found: impl FnMut(Vector3, f64) -> f64,
+    ) {
+        let unit = |p: Vector3| body.inverse_semi_axes.componentwise(body.to_body(p));
+        let from = unit(apex);
+        let mut least = 0.0;
+        for &k in self.meeting.iter() {
+            let t = &places.near[k];
+            if !t.corners.contains(&apex) {
+                continue;
+            }
+            for &end in t.corners.iter().filter(|p| **p != apex) {
+                let way = unit(end) - from;
+                let place = (-from.dot(way) / way.norm_squared()).clamp(0.0, 1.0);
+                let depth = 1.0 - (from + way * place).norm_squared();
+                let continues = |&q: &usize| {
+                    let q = &places.near[q];
+                    q.plane == t.plane && t.is_continued_by(q, apex, end)
+                };
+                if depth > least && !self.meeting.iter().any(continues) {
+                    least = found(apex + (end - apex) * place, depth);
+                }
+            }
+        }
+    }
+
+    /// The part in which the corner gathered last acts by its convex pieces: not where a body lies on one of its faces alone, which then is a plane.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn part(
+        &self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        apex: Vector3,
+        square: f64,
+        deepest: f64,
+        depths: &mut Depths,
+    ) -> Share {
+        let mut part = Share::WHOLE;
+        if deepest < SHALLOW * depths.most(places, body) {
+            let full = depths.of_all(places, body).scaled(SHALLOW);
+            let mut left = Share::WHOLE;
+            self.visit_edges(places, body, apex, |place, _| {
+                let own = depth_of(body, place).over(&full).smoothed();
+                left = left.times(&own.complement());
+                0.0
+            });
+            part = left.complement();
+        }
+        if square > EFFECT[0] {
+            let mut within = depth_of(body, apex);
+            within.value = EFFECT[1] - square;
+            part = part.times(&within.scaled(1.0 / (EFFECT[1] - EFFECT[0])).smoothed());
+        }
+        part
+    }
+
+    /// Finds the convex pieces at a corner of [`MixedCorner::find`]; false if there is no more to it than the triangles' own faces, edges and corners say.
+    pub fn gather(&mut self, places: &TrianglePlaces<M>, apex: Vector3, meeting: f64) -> bool {
+        self.meet(places, apex, meeting, |_| false);
+        self.divide(places, apex, meeting)
+    }
+
+    /// Finds the triangles that meet at a corner, or whether one of them stands for it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn meet(
         &mut self,
         places: &TrianglePlaces<M>,
-        own: usize,
         apex: Vector3,
         meeting: f64,
+        stands: impl Fn(usize) -> bool,
     ) -> bool {
+        let all = &mut self.meeting;
+        all.clear();
+        let mut one_stands = false;
+        let place = Extent::about(apex.to_array(), meeting);
+        places.tree.visit(&places.boxes, &place, |k| {
+            one_stands = stands(k);
+            if !one_stands && places.near[k].has(apex, meeting) {
+                all.push(k);
+            }
+            !one_stands
+        });
+        all.sort();
+        one_stands
+    }
+
+    /// Whether convex and concave edges meet at the corner whose triangles were found last: if not, there is no more to it than the triangles' own faces,
+    /// edges and corners say.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn is_mixed(&mut self, places: &TrianglePlaces<M>, apex: Vector3, meeting: f64) -> bool {
+        let MixedCorner {
+            meeting: all,
+            members,
+            ..
+        } = self;
+        let near = &places.near;
+        let of_plane = |k: usize| near[k].plane;
+        if all.iter().all(|&k| of_plane(k) == of_plane(all[0])) {
+            return false;
+        }
+        members.clear();
+        members.add_all((all.iter().copied()).filter(|&k| !places.is_hidden(k, apex, meeting)));
+        let sides = |k: usize, q: usize| sides(near[k].normal, apex, &near[q].corners);
+        let others = |k: usize| members.iter().filter(move |&&q| of_plane(q) != of_plane(k));
+        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
+        let is_concave = |&k: &usize| {
+            let mut others = others(k);
+            others.any(|&q| sides(k, q)[0] && sides(q, k)[0])
+        };
+        let is_convex = |&k: &usize| {
+            all.iter()
+                .any(|&q| of_plane(q) != of_plane(k) && !sides(q, k)[0])
+        };
+        members.iter().any(is_concave) && members.iter().any(is_convex)
+    }
+
+    /// Finds the convex pieces of the triangles that meet at a corner.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn divide(&mut self, places: &TrianglePlaces<M>, apex: Vector3, meeting: f64) -> bool {
         let MixedCorner {
             meeting: all,
             bounds,
             pieces,
             ..
         } = self;
-        all.clear();
         bounds.clear();
         pieces.clear();
-        let mut is_first = true;
-        let place = Extent::about(apex.to_array(), meeting);
-        places.tree.visit(&places.boxes, &place, |k| {
-            let q = &places.near[k];
-            is_first = k >= own || !q.corners.contains(&apex);
-            if is_first && q.has(apex, meeting) {
-                all.push(k);
-            }
-            is_first
-        });
-        if !is_first {
-            return false;
-        }
-        all.sort();
         let back = seen_from_behind(&places.near, all, apex);
         for (place, &k) in all.iter().enumerate() {
             let t = &places.near[k];
@@ -222,61 +432,47 @@ impl<M: Lists> MixedCorner<M> {
                 });
             }
         }
-        if bounds.len() < 2 || bounds.len() > 64 {
+        if bounds.len() > 64 {
             return false;
         }
         for (place, &k) in all.iter().enumerate() {
-            let t = &places.near[k];
             if back >> place & 1 == 1 || places.is_hidden(k, apex, meeting) {
                 continue;
             }
-            let mut piece = Piece {
-                bounds: 0,
-                turned: 0,
-                near: k,
-            };
-            for (m, b) in bounds.iter().enumerate() {
-                let bit = 1u64 << m;
-                if b.plane == t.plane {
-                    piece.bounds |= bit;
+            let t = &places.near[k];
+            let (whole, passing) = piece_of(places, all, bounds, k, apex);
+            for m in 0..3 {
+                let [u, v] = [t.corners[m] - apex, t.corners[(m + 1) % 3] - apex];
+                let (lu, lv) = (u.norm(), v.norm());
+                if !(lu > meeting && lv > meeting && u.cross(v).norm() > TOLERANCE * lu * lv) {
                     continue;
                 }
-                let [before, behind] = sides(b.normal, apex, &t.corners);
-                if before && behind {
-                    continue;
-                }
-                if !before {
-                    piece.bounds |= bit;
-                } else {
-                    // a neighbour of which the body's centre is on the other side
-                    let shares = |q: &Near| {
-                        t.corners
-                            .iter()
-                            .any(|z| *z != apex && q.corners.contains(z))
-                    };
-                    let mut others = all
-                        .iter()
-                        .map(|q| &places.near[*q])
-                        .filter(|q| q.plane == b.plane);
-                    if others.any(|q| shares(q) && !sides(t.normal, apex, &q.corners)[0]) {
-                        piece.bounds |= bit;
-                        piece.turned |= bit;
+                // The planes that pass through the triangle divide it: each part is behind other ones.
+                let (u, v) = (u * (1.0 / lu), v * (1.0 / lv));
+                let passes = |m: usize| passing >> m & 1 == 1;
+                let mut from = 0.0;
+                while from < 1.0 {
+                    let mut to = 1.0f64;
+                    for (_, b) in bounds.iter().enumerate().filter(|(m, _)| passes(*m)) {
+                        let (p, q) = (b.normal.dot(u), b.normal.dot(v));
+                        let place = p / (p - q);
+                        let is_between = p * q < 0.0 && p.abs().min(q.abs()) > TOLERANCE;
+                        if is_between && place > from + TOLERANCE {
+                            to = to.min(place);
+                        }
                     }
+                    let middle = 0.5 * (from + to);
+                    let way = u * (1.0 - middle) + v * middle;
+                    let mut piece = whole;
+                    for (m, b) in bounds.iter().enumerate().filter(|(m, _)| passes(*m)) {
+                        piece.bounds |= u64::from(b.normal.dot(way) < 0.0) << m;
+                    }
+                    if !pieces.iter().any(|q| q.bounds & !piece.bounds == 0) {
+                        pieces.push(piece);
+                    }
+                    from = to;
                 }
             }
-            pieces.push(piece);
-        }
-        // Some two must rise from each other. A face of a block of which the body's centre is on the inner side does not.
-        let rises = |p: &Piece, q: &Piece| {
-            let (t, q) = (&places.near[p.near], &places.near[q.near]);
-            sides(t.normal, apex, &q.corners)[0]
-        };
-        let is_concave = |k: usize| {
-            let p = &pieces[k];
-            pieces[..k].iter().any(|q| rises(p, q) && rises(q, p))
-        };
-        if !(1..pieces.len()).any(is_concave) {
-            return false;
         }
         // of two of which one lies within the other, the larger one is enough
         let mut kept = 0;
@@ -309,6 +505,7 @@ impl<M: Lists> MixedCorner<M> {
             pieces,
             members,
             normals,
+            ..
         } = self;
         // the planes that act, by bound
         let mut acting = 0u64;
@@ -360,4 +557,105 @@ impl<M: Lists> MixedCorner<M> {
             Some((bound.plane, *self.meeting.iter().find(of_plane)?))
         })
     }
+}
+
+/// How deep the triangles near a body are in it, which is asked for at a few corners only.
+#[derive(Default)]
+struct Depths {
+    most: Option<f64>,
+    of_all: Option<Share>,
+}
+
+impl Depths {
+    /// No less than that of all.
+    fn most<M: Lists>(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid) -> f64 {
+        *self.most.get_or_insert_with(|| {
+            let mut least = 1.0f64;
+            for t in places.near.iter() {
+                least = least.min(t.distance * body.support(t.normal).inverse_h);
+            }
+            let count = places.near.len() as f64;
+            (1.0 - least * least) * count.sqrt().sqrt()
+        })
+    }
+
+    /// About that of the deepest, with an even slope where another becomes the deepest.
+    fn of_all<M: Lists>(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid) -> Share {
+        *self.of_all.get_or_insert_with(|| {
+            let mut sum = Share::NONE;
+            for t in places.near.iter() {
+                let support = body.support(-t.normal);
+                let depth = depth_of(body, t.nearest_to(body, &support, Vector3::ZERO));
+                if depth.value > 0.0 {
+                    let second = depth.times(&depth);
+                    sum = sum.plus(&second.times(&second));
+                }
+            }
+            let root = sum.value.sqrt().sqrt();
+            Share {
+                value: root,
+                ..sum.scaled(0.25 * root / sum.value)
+            }
+        })
+    }
+}
+
+/// How deep a place is in the body, 1 in its centre and 0 at its surface, with its gradients.
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn depth_of(body: &Ellipsoid, place: Vector3) -> Share {
+    let unit = body.inverse_semi_axes.componentwise(body.to_body(place));
+    // along the place, of which the body moves the other way
+    let outwards = body.to_world(body.inverse_semi_axes.componentwise(unit)) * 2.0;
+    Share {
+        value: 1.0 - unit.norm_squared(),
+        by_position: outwards,
+        by_rotation: place.cross(outwards),
+    }
+}
+
+/// The convex piece of one of the triangles at a corner: behind the triangle's plane and all that it lies behind. And the planes that pass through it.
+#[cfg_attr(not(feature = "std"), inline(never))]
+fn piece_of<M: Lists>(
+    places: &TrianglePlaces<M>,
+    all: &[usize],
+    bounds: &[Bound],
+    k: usize,
+    apex: Vector3,
+) -> (Piece, u64) {
+    let t = &places.near[k];
+    let mut piece = Piece {
+        bounds: 0,
+        turned: 0,
+        near: k,
+    };
+    let mut passing = 0;
+    for (m, b) in bounds.iter().enumerate() {
+        let bit = 1u64 << m;
+        if b.plane == t.plane {
+            piece.bounds |= bit;
+            continue;
+        }
+        let [before, behind] = sides(b.normal, apex, &t.corners);
+        if before && behind {
+            passing |= bit;
+        } else if !before {
+            piece.bounds |= bit;
+        } else {
+            // a neighbour of which the body's centre is on the other side
+            let shares = |q: &Near| {
+                t.corners
+                    .iter()
+                    .any(|z| *z != apex && q.corners.contains(z))
+            };
+            let mut others = all
+                .iter()
+                .map(|q| &places.near[*q])
+                .filter(|q| q.plane == b.plane);
+            if others.any(|q| shares(q) && !sides(t.normal, apex, &q.corners)[0]) {
+                piece.bounds |= bit;
+                piece.turned |= bit;
+            }
+        }
+    }
+    (piece, passing)
 }

@@ -12,7 +12,7 @@ use crate::vector::Vector3;
 
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
 /// it acts by its convex pieces, and it should do so before it matters.
-pub(crate) const REACH: f64 = 1.02;
+pub(crate) const REACH: f64 = 1.12;
 
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
 /// at which triangles meet: clear of what meets it at its border, and still near.

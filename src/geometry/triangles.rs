@@ -19,15 +19,16 @@
 //!
 //! At a corner where convex edges meet concave ones, as in a saddle, a face or an edge does not end where its triangles do. There
 //! the convex pieces act of which the corner is the union, as far as they go: a ridge beyond the corner goes on acting by its
-//! share, and a face beyond a fold ends at the line of its convex edges.
+//! share, and a face beyond a fold ends at the line of its convex edges. They act as far as edges of the corner are in the body: a body on one face
+//! alone feels its plane.
 //!
 //! Of a surface of many narrow triangles that is shaped as a saddle, or uneven, nearly all corners are of that kind, and a body has many of them within its
 //! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, and no sharp edge is, the faces alone act, each by
 //! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
 //! approaches.
 //!
-//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where an obtuse face's corner comes into reach
-//! and where more than three lie within reach; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
+//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where their pieces act in part only and a face
+//! beyond a fold acts beyond its convex edge too; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
 //! uneven surface, where a face may be hidden from it by another. An edge that shares the
 //! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
@@ -225,17 +226,36 @@ impl<M: Lists> TriangleSearch<M> {
     /// Faces, edges and corners, by a part of their shares.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn whole_contacts(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
+        (self.corner).find(&self.places, body, meeting, &self.fine);
+        for count in 0..=self.corner.reached.most() {
+            let own = self.corner.reached.part_of_first(count, part);
+            if own.value > 0.0 {
+                self.contacts_with(body, meeting, count, &own);
+            }
+        }
+    }
+
+    /// The same, of which so many corners within reach act by their convex pieces.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn contacts_with(&mut self, body: &Ellipsoid, meeting: f64, mixed: usize, part: &Share) {
+        self.candidates.clear();
         self.faces(body, meeting);
         for k in 0..self.places.near.len() {
             self.edges(body, k, meeting);
             self.corners(body, k, meeting);
         }
-        self.mixed_corners(body, meeting);
+        for k in 0..mixed {
+            let apex = self.corner.reached.apex(k);
+            if self.corner.gather(&self.places, apex, meeting) {
+                self.act_at_corner(body, apex);
+            }
+        }
         if self.candidates.lacks_room() {
             return;
         }
         self.keep_one_of_each(meeting);
         self.find_cuts(body, meeting);
+        let earlier = self.contacts.len();
         let mut cuts = &self.cuts[..];
         for (k, c) in self.candidates.iter().enumerate() {
             let (own, rest) = cuts.split_at(cuts.partition_point(|cut| cut[0] == k));
@@ -251,12 +271,11 @@ impl<M: Lists> TriangleSearch<M> {
                     feature: c.feature,
                     share,
                 };
-                let plane = self.places.near[c.near].plane;
-                let known = match self.covered.get(plane) {
-                    Some(&known) if c.feature == Feature::Face => self.contacts.get_mut(known),
-                    _ => None,
-                };
-                match known {
+                // What acts by two parts is one contact.
+                match self.contacts[..earlier]
+                    .iter_mut()
+                    .find(|c| is_one(c, &found, meeting))
+                {
                     Some(own) => own.share = own.share.plus(&share),
                     None => self.contacts.push(found),
                 }
@@ -482,17 +501,7 @@ impl<M: Lists> TriangleSearch<M> {
         }
     }
 
-    /// Puts the supports by the convex pieces of corners at which convex edges meet concave ones in the place of what the triangles' planes say.
-    #[cfg_attr(not(feature = "std"), inline(never))]
-    fn mixed_corners(&mut self, body: &Ellipsoid, meeting: f64) {
-        let (found, count) = (self.corner).find(&self.places, body, meeting, &self.fine);
-        for &(k, apex) in &found[..count] {
-            if self.corner.gather(&self.places, k, apex, meeting) {
-                self.act_at_corner(body, apex);
-            }
-        }
-    }
-
+    /// Puts the supports by the convex pieces of the corner gathered last in the place of what the triangles' planes say.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn act_at_corner(&mut self, body: &Ellipsoid, apex: Vector3) {
         let TriangleSearch {
@@ -652,6 +661,13 @@ impl<M: Lists> TriangleSearch<M> {
         cuts.sort();
         cuts.dedup();
     }
+}
+
+/// Whether two contacts are the same plane's.
+fn is_one(one: &TriangleContact, other: &TriangleContact, meeting: f64) -> bool {
+    (one.feature == Feature::Face) == (other.feature == Feature::Face)
+        && (one.normal - other.normal).norm_squared() <= SAME_PLANE * SAME_PLANE
+        && (one.point - other.point).norm_squared() <= meeting * meeting
 }
 
 impl Candidate {
