@@ -21,7 +21,7 @@ const MOST: usize = 3;
 
 /// Up to which square of the distance, where the body is the unit sphere, a corner acts by its convex pieces alone, and from which on it does not: within
 /// what is looked at.
-const EFFECT: [f64; 2] = [1.03 * 1.03, REACH * REACH];
+const EFFECT: [f64; 2] = [1.02 * 1.02, REACH * REACH];
 
 /// How deep an edge of the corner is in the body where the corner acts by its convex pieces alone, as a part of how deep the triangles are.
 const SHALLOW: f64 = 0.2;
@@ -273,10 +273,7 @@ impl<M: Lists> MixedCorner<M> {
                     deepest = depth;
                     depth
                 });
-                if !(deepest > 0.0)
-                    || fine.meet_at(apex)
-                    || !self.is_mixed(places, apex, meeting)
-                {
+                if !(deepest > 0.0) || fine.meet_at(apex) || !self.is_mixed(places, apex, meeting) {
                     continue;
                 }
                 let part = self.part(places, body, apex, square, deepest, &mut depths);

@@ -254,6 +254,24 @@ pub(super) fn across(corners: &Triangle) -> (Vector3, f64) {
     (across, lengths[longest])
 }
 
+/// Whether a triangle comes into a body so many times as large about the origin. Where the body is the unit sphere, `across` is a vector across the
+/// triangle, and `square` the square of the distance of its plane.
+#[cfg_attr(not(feature = "std"), inline(never))]
+pub(super) fn comes_within(
+    body: &Ellipsoid,
+    corners: &Triangle,
+    across: Vector3,
+    square: f64,
+    times: f64,
+) -> bool {
+    let frame = Tangent::new(across.normalised());
+    let place =
+        corners.map(|p| frame.components(body.inverse_semi_axes.componentwise(body.to_body(p))));
+    let weights = nearest_to_origin(place);
+    let nearest = place[0] * weights[0] + place[1] * weights[1] + place[2] * weights[2];
+    nearest.dot(nearest) + square <= times * times
+}
+
 /// Whether the plane of a triangle comes into a ball; true of one that has no plane.
 pub(crate) fn plane_comes_into(triangle: &Triangle, centre: Vector3, radius: f64) -> bool {
     let corners = triangle.map(|p| p - centre);

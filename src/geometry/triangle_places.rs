@@ -5,14 +5,14 @@
 use super::box_tree::{BoxTree, Extent, Node};
 use super::ellipsoid::Ellipsoid;
 use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
-use super::triangle::{across, combine, Near, Triangle, TOLERANCE};
+use super::triangle::{across, combine, comes_within, Near, Triangle, MEETING, TOLERANCE};
 #[cfg(not(feature = "std"))]
 use crate::real::Real;
 use crate::vector::Vector3;
 
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
 /// it acts by its convex pieces, and it should do so before it matters.
-pub(crate) const REACH: f64 = 1.12;
+pub(crate) const REACH: f64 = 1.08;
 
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
 /// at which triangles meet: clear of what meets it at its border, and still near.
@@ -63,8 +63,7 @@ impl<M: Lists> TrianglePlaces<M> {
             || tree.order.lacks_room()
     }
 
-    /// The triangles within the body's reach along the world axes and in the ball around it, without slivers. The box of a long triangle
-    /// across the axes holds much that is far from the triangle.
+    /// The triangles that come into the body or within its reach, without slivers.
     pub fn gather(
         &mut self,
         body: &Ellipsoid,
@@ -84,8 +83,8 @@ impl<M: Lists> TrianglePlaces<M> {
             low: reach.map(|x| -x),
             high: reach,
         };
-        // No search looks at a place farther away: deepest points are in the ball, and what hides them is before them.
-        let ball = REACH * body.bounding_radius() + 2.0 * INSIDE * meeting;
+        // No search looks at a place farther away: what meets is within a body's size of it, and what hides it is before it.
+        let most = REACH + 2.0 * INSIDE * MEETING;
         for (index, t) in all.enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
@@ -100,19 +99,17 @@ impl<M: Lists> TrianglePlaces<M> {
             }
             let (across, longest) = across(&corners);
             let height = across.dot(corners[0]);
-            if height * height > ball * ball * across.norm_squared() {
+            // Where the body is the unit sphere: a vector across the triangle.
+            let scaled = body.semi_axes.componentwise(body.to_body(across));
+            let square = scaled.norm_squared();
+            if height * height > most * most * square
+                || !comes_within(body, &corners, scaled, height * height / square, most)
+            {
                 continue;
             }
-            let Some(unplaced) = Near::with_normal(index, corners, (across, longest), meeting)
-            else {
-                continue;
-            };
-            let triangle = Near {
-                plane: self.near.len(),
-                ..unplaced
-            };
-            if triangle.has(Vector3::ZERO, ball) {
-                self.near.push(triangle);
+            if let Some(triangle) = Near::with_normal(index, corners, (across, longest), meeting) {
+                let plane = self.near.len();
+                self.near.push(Near { plane, ..triangle });
                 self.boxes.push(extent);
             }
         }
