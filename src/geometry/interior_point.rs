@@ -70,9 +70,56 @@ pub fn normal_towards<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> [f64;
     core::array::from_fn(|k| y[k] / (s + gap(k)))
 }
 
+/// The same for the other place of the surface from which the way to an interior point is shortest among those near it: on the other side of the
+/// thinnest axis. `None` where there is none, which is where the point is near the surface of a body that is hardly thinner along one axis, or near the ends of a
+/// thin one.
+///
+/// `t` is the root nearest to the pole of the thinnest axis between this and the next one. The sum is convex there, so Newton's method from where
+/// that axis alone reaches 1 falls to the root.
+#[cfg_attr(not(feature = "std"), inline(never))]
+pub fn normal_on_other_side<const N: usize>(semi_axes: [f64; N], y: [f64; N]) -> Option<[f64; N]> {
+    let least = (0..N).fold(0, |m, k| if semi_axes[k] < semi_axes[m] { k } else { m });
+    let gap = |k: usize| (semi_axes[k] - semi_axes[least]) * (semi_axes[k] + semi_axes[least]);
+    let narrowest = (0..N)
+        .filter(|k| *k != least)
+        .map(gap)
+        .fold(f64::INFINITY, f64::min);
+    if y[least] == 0.0 {
+        // One of a pair.
+        let mut normal = nearest_normal(semi_axes, y)?;
+        normal[least] = -normal[least];
+        return (normal[least] != 0.0).then_some(normal);
+    }
+    let bottom = |k: usize, s: f64| if k == least { s } else { s + gap(k) };
+    let mut s = -semi_axes[least] * y[least].abs();
+    for _ in 0..200 {
+        if !(s > -narrowest) {
+            return None;
+        }
+        let (mut value, mut slope) = (-1.0, 0.0);
+        for k in 0..N {
+            if y[k] != 0.0 {
+                let bottom = bottom(k, s);
+                let term = (semi_axes[k] * y[k] / bottom).powi(2);
+                value += term;
+                slope -= 2.0 * term / bottom;
+            }
+        }
+        if !(slope > 0.0) {
+            return None;
+        }
+        let step = value / slope;
+        if !(step > 1e-15 * s.abs()) {
+            break;
+        }
+        s -= step;
+    }
+    Some(core::array::from_fn(|k| y[k] / bottom(k, s)))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{nearest_normal, normal_towards};
+    use super::{nearest_normal, normal_on_other_side, normal_towards};
 
     fn depth(a: [f64; 3], y: [f64; 3], n: [f64; 3]) -> f64 {
         let size = n.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -135,5 +182,76 @@ mod tests {
                 "{y:?}"
             );
         }
+    }
+
+    /// Of random points in random bodies each minimum that a search over directions finds is one of both, and each of both is one.
+    #[test]
+    fn both_minima_are_found_and_no_others() {
+        let mut random = crate::geometry::random::Random::new(19);
+        let (mut pairs, mut single) = (0, 0);
+        for _ in 0..300 {
+            let a = [0; 3].map(|_| random.uniform(0.2, 1.0));
+            let direction = random.direction().to_array();
+            let far = random.uniform(0.0, 0.98);
+            let y: [f64; 3] = core::array::from_fn(|k| a[k] * direction[k] * far);
+            let unit = |n: [f64; 3]| {
+                let size = n.iter().map(|c| c * c).sum::<f64>().sqrt();
+                n.map(|c| c / size)
+            };
+            let is_minimum = |n: [f64; 3]| {
+                let n = unit(n);
+                let value = depth(a, y, n);
+                (0..40).all(|k| {
+                    let e = random_direction(k);
+                    depth(a, y, unit(core::array::from_fn(|m| n[m] + 1e-4 * e[m]))) > value - 1e-15
+                })
+            };
+            let first = normal_towards(a, y);
+            assert!(is_minimum(first), "{a:?} {y:?}");
+            let other = normal_on_other_side(a, y);
+            let mut known = vec![unit(first)];
+            if let Some(other) = other {
+                assert!(is_minimum(other), "{a:?} {y:?}");
+                assert!(depth(a, y, other) >= depth(a, y, first) - 1e-14);
+                known.push(unit(other));
+                pairs += 1;
+            } else {
+                single += 1;
+            }
+            // down from many directions
+            for k in 0..12 {
+                let mut n = unit(random_direction(k));
+                let mut step = 0.3;
+                while step > 1e-7 {
+                    let lower = (0..40)
+                        .map(|m| {
+                            let e = random_direction(m);
+                            unit(core::array::from_fn(|c| n[c] + step * e[c]))
+                        })
+                        .min_by(|p, q| depth(a, y, *p).total_cmp(&depth(a, y, *q)))
+                        .unwrap();
+                    if depth(a, y, lower) < depth(a, y, n) {
+                        n = lower;
+                    } else {
+                        step *= 0.6;
+                    }
+                }
+                let value = depth(a, y, n);
+                assert!(
+                    known.iter().any(|q| (depth(a, y, *q) - value).abs() < 1e-6),
+                    "{a:?} {y:?} {n:?} {value} {known:?}"
+                );
+            }
+        }
+        println!("{pairs} with two minima, {single} with one");
+        assert!(pairs > 50 && single > 50);
+    }
+
+    /// Directions all around, the same ones each time.
+    fn random_direction(k: usize) -> [f64; 3] {
+        let z = ((k * 7 + 3) % 40) as f64 / 20.0 - 0.975;
+        let (sin, cos) = (k as f64 * 2.399_963).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        [r * cos, r * sin, z]
     }
 }

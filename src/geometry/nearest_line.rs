@@ -2,7 +2,7 @@
 //! In which direction is the surface of a body nearest to a line?
 
 use super::ellipsoid::Ellipsoid;
-use super::interior_point::{nearest_normal, normal_towards};
+use super::interior_point::{nearest_normal, normal_on_other_side, normal_towards};
 #[cfg(not(feature = "std"))]
 use crate::real::{Functions, Real};
 use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
@@ -13,6 +13,18 @@ use crate::vector::{Symmetric2, Tangent, Vector2, Vector3};
 pub(crate) fn nearest_across(body: &Ellipsoid, y: Vector3, along: Vector3) -> Option<Vector3> {
     let outline = Outline::new(body, along);
     let n = nearest_normal(outline.semi_axes, outline.local(y))?;
+    Some(outline.refined(y, n))
+}
+
+/// The same to the other side of the body, where the way from there is shortest among those near it; of a line that passes through the body.
+#[cfg_attr(not(feature = "std"), inline(never))]
+pub(crate) fn nearest_on_other_side(
+    body: &Ellipsoid,
+    y: Vector3,
+    along: Vector3,
+) -> Option<Vector3> {
+    let outline = Outline::new(body, along);
+    let n = normal_on_other_side(outline.semi_axes, outline.local(y))?;
     Some(outline.refined(y, n))
 }
 

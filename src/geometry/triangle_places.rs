@@ -236,6 +236,20 @@ impl<M: Lists> TrianglePlaces<M> {
         outermost
     }
 
+    /// Whether the body's centre is before one of the triangles that meet at a point and all of them are behind that one: so it is before an edge or a corner
+    /// that stands out towards it, and not on the other side, where a fold stands out.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn stands_out(&self, point: Vector3, meeting: f64) -> bool {
+        let mut stands_out = false;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            stands_out = q.has(point, meeting) && self.is_outermost(q.normal, point, meeting);
+            !stands_out
+        });
+        stands_out
+    }
+
     /// Visits the triangles that pass the middle of an edge.
     pub fn visit_edge(&self, [a, b]: [Vector3; 2], meeting: f64, mut found: impl FnMut(usize)) {
         let place = Extent::about(((a + b) * 0.5).to_array(), meeting);

@@ -73,10 +73,10 @@ use super::convex_corner::Support as CornerSupport;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::fine_folds::FineFolds;
-use super::interior_point::nearest_normal;
+use super::interior_point::{nearest_normal, normal_on_other_side};
 use super::lists::{on_heap, List, Lists, OnHeap};
 use super::mixed_corners::MixedCorner;
-use super::nearest_line::nearest_across;
+use super::nearest_line::{nearest_across, nearest_on_other_side};
 use super::triangle::{Near, MEETING, TOLERANCE};
 use super::triangle_places::{is_within_reach, TrianglePlaces, SAME_PLANE};
 #[cfg(not(feature = "std"))]
@@ -165,6 +165,8 @@ pub(super) struct Candidate {
     over: bool,
     /// One of `near` in its plane, of a face.
     near: usize,
+    /// An edge or a corner by the way to the body's other side: only where nothing that it is a part of is left by a shorter one.
+    is_other: bool,
 }
 
 impl<M: Lists> TriangleSearch<M> {
@@ -428,6 +430,7 @@ impl<M: Lists> TriangleSearch<M> {
                 feature: Feature::Face,
                 over,
                 near: k,
+                is_other: false,
             };
             let place = &mut self.of_plane[t.plane];
             match self.candidates.get_mut(*place) {
@@ -454,25 +457,38 @@ impl<M: Lists> TriangleSearch<M> {
             }
             let length = (b - a).norm();
             let along = (b - a) * (1.0 / length);
-            let Some(n) = nearest_across(body, a, along) else {
+            let Some(nearest) = nearest_across(body, a, along) else {
                 continue;
             };
-            let normal = -n;
-            if normal.dot(c - a) > TOLERANCE * (c - a).norm() {
-                continue;
-            }
-            let support = body.support(n);
-            let penetration = support.h - n.dot(a);
-            if !(penetration > 0.0) {
-                continue;
-            }
-            let place = along.dot(support.point - a);
-            if place < -meeting || place > length + meeting {
-                continue;
-            }
-            let point = a + along * place;
-            if self.places.is_outermost(normal, point, meeting) {
-                self.add_point(normal, point, penetration, Feature::Edge(along), k);
+            let mut ways = [Some(nearest), None];
+            for is_other in [false, true] {
+                if is_other {
+                    ways[1] = nearest_on_other_side(body, a, along);
+                }
+                let Some(n) = ways[usize::from(is_other)] else {
+                    break;
+                };
+                let normal = -n;
+                if normal.dot(c - a) > TOLERANCE * (c - a).norm() {
+                    continue;
+                }
+                let support = body.support(n);
+                let penetration = support.h - n.dot(a);
+                if !(penetration > 0.0) {
+                    break;
+                }
+                let place = along.dot(support.point - a);
+                if place < -meeting || place > length + meeting {
+                    break;
+                }
+                let point = a + along * place;
+                if self.places.is_outermost(normal, point, meeting)
+                    && (!is_other || self.places.stands_out(point, meeting))
+                {
+                    let feature = Feature::Edge(along);
+                    self.add_point(normal, point, penetration, feature, k, is_other);
+                    break;
+                }
             }
         }
     }
@@ -482,21 +498,34 @@ impl<M: Lists> TriangleSearch<M> {
         let t = self.places.near[k];
         for corner in t.corners {
             let local = body.to_body(corner).to_array();
-            let Some(n) = nearest_normal(body.semi_axes.to_array(), local) else {
+            let semi_axes = body.semi_axes.to_array();
+            let Some(nearest) = nearest_normal(semi_axes, local) else {
                 continue;
             };
-            let n = body.to_world(Vector3::from_array(n)).normalised();
-            let normal = -n;
-            let away = t.corners.iter().all(|z| {
-                let way = *z - corner;
-                normal.dot(way) <= TOLERANCE * way.norm()
-            });
-            if !away {
-                continue;
-            }
-            let penetration = body.support(n).h - n.dot(corner);
-            if penetration > 0.0 && self.places.is_outermost(normal, corner, meeting) {
-                self.add_point(normal, corner, penetration, Feature::Corner, k);
+            let mut ways = [Some(nearest), None];
+            for is_other in [false, true] {
+                if is_other {
+                    ways[1] = normal_on_other_side(semi_axes, local);
+                }
+                let Some(n) = ways[usize::from(is_other)] else {
+                    break;
+                };
+                let n = body.to_world(Vector3::from_array(n)).normalised();
+                let normal = -n;
+                let away = t.corners.iter().all(|z| {
+                    let way = *z - corner;
+                    normal.dot(way) <= TOLERANCE * way.norm()
+                });
+                if away
+                    && self.places.is_outermost(normal, corner, meeting)
+                    && (!is_other || self.places.stands_out(corner, meeting))
+                {
+                    let penetration = body.support(n).h - n.dot(corner);
+                    if penetration > 0.0 {
+                        self.add_point(normal, corner, penetration, Feature::Corner, k, is_other);
+                    }
+                    break;
+                }
             }
         }
     }
@@ -556,6 +585,7 @@ impl<M: Lists> TriangleSearch<M> {
                     feature: Feature::Face,
                     over: false,
                     near: k,
+                    is_other: false,
                 });
             }
         }
@@ -569,10 +599,32 @@ impl<M: Lists> TriangleSearch<M> {
         penetration: f64,
         feature: Feature,
         near: usize,
+        is_other: bool,
     ) {
         let triangle = &self.places.near[near];
         let candidate = Candidate::at_point(normal, point, penetration, feature, triangle, near);
-        self.candidates.push(candidate);
+        self.candidates.push(Candidate {
+            is_other,
+            ..candidate
+        });
+    }
+
+    /// Leaves out edges and corners by the way to the body's other side where a plane, an edge or a corner that meets them is left by a shorter way.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn leave_longer_ways(&mut self, reach: f64) {
+        for k in 0..self.candidates.len() {
+            let c = self.candidates[k];
+            let is_shorter = |d: &Candidate| {
+                let apart = d.foot - c.foot;
+                d.triangle != NOTHING
+                    && d.penetration < c.penetration
+                    && (d.plane.normal.dot(apart).abs() <= reach
+                        || c.plane.normal.dot(apart).abs() <= reach)
+            };
+            if c.is_other && self.candidates.iter().any(is_shorter) {
+                self.candidates[k].triangle = NOTHING;
+            }
+        }
     }
 
     /// Leaves one of several candidates for one contact: an edge or a corner beneath the deepest point of a face, or two that
@@ -584,6 +636,7 @@ impl<M: Lists> TriangleSearch<M> {
             return;
         }
         let reach = 3.0 * meeting;
+        self.leave_longer_ways(reach);
         self.candidates
             .sort_with(|a, b| a.foot.x.total_cmp(&b.foot.x).then(a.order(b)));
         for k in 0..self.candidates.len() {
@@ -683,6 +736,7 @@ impl Candidate {
         feature: Feature::Face,
         over: false,
         near: 0,
+        is_other: false,
     };
 
     /// An edge or a corner: `normal` out of the surface, through `point`.
@@ -702,6 +756,7 @@ impl Candidate {
             feature,
             over: true,
             near,
+            is_other: false,
         }
     }
 
