@@ -460,12 +460,13 @@ impl<M: Lists> TriangleSearch<M> {
             let Some(nearest) = nearest_across(body, a, along) else {
                 continue;
             };
-            let mut ways = [Some(nearest), None];
             for is_other in [false, true] {
-                if is_other {
-                    ways[1] = nearest_on_other_side(body, a, along);
-                }
-                let Some(n) = ways[usize::from(is_other)] else {
+                let way = if is_other {
+                    nearest_on_other_side(body, a, along)
+                } else {
+                    Some(nearest)
+                };
+                let Some(n) = way else {
                     break;
                 };
                 let normal = -n;
@@ -502,12 +503,13 @@ impl<M: Lists> TriangleSearch<M> {
             let Some(nearest) = nearest_normal(semi_axes, local) else {
                 continue;
             };
-            let mut ways = [Some(nearest), None];
             for is_other in [false, true] {
-                if is_other {
-                    ways[1] = normal_on_other_side(semi_axes, local);
-                }
-                let Some(n) = ways[usize::from(is_other)] else {
+                let way = if is_other {
+                    normal_on_other_side(semi_axes, local)
+                } else {
+                    Some(nearest)
+                };
+                let Some(n) = way else {
                     break;
                 };
                 let n = body.to_world(Vector3::from_array(n)).normalised();
@@ -1011,6 +1013,70 @@ mod tests {
             assert!(kind == faces || is_either, "{scene}");
             counts[faces - 1] += 1;
         }
+        assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
+    }
+
+    /// Thin bodies that lie across an edge of a cube, up to twice as deep as they are thin: the shortest way out along the normals between both faces. Without
+    /// the way to the other side of the body those were lost of which more than half was past the edge.
+    #[test]
+    fn an_edge_keeps_a_body_that_is_deeper_than_half_of_it() {
+        let mut random = Random::new(43);
+        let mut counts = [0; 3];
+        for k in 0..4000 {
+            let axes = Ellipsoid::new([1.0; 3], random.quaternion()).unwrap().axes;
+            let wall = cube(1 + k % 2, &axes);
+            let thin = random.of_any_size(0.01, 0.2);
+            let mut semi_axes = [0.3 * random.uniform(0.3, 1.0), 0.3, 0.3 * thin];
+            semi_axes.rotate_left(k % 3);
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let edge = axes[0] + axes[1];
+            let normal = |angle: f64| axes[0] * angle.cos() + axes[1] * angle.sin();
+            let at = random.uniform(0.0, 1.57);
+            let least_axis = body.smallest_semi_axis();
+            let deep = random.uniform(0.05, 2.0) * least_axis;
+            let point = edge + axes[2] * random.uniform(-0.3, 0.3);
+            let centre = point - normal(at) * deep - body.support(-normal(at)).point;
+            // The shortest way and where it is between the faces.
+            let way =
+                |angle: f64| body.support(-normal(angle)).h + normal(angle).dot(edge - centre);
+            let parts = 4000;
+            let angle = |m: i32| std::f64::consts::FRAC_PI_2 * f64::from(m) / f64::from(parts);
+            let m = (0..=parts)
+                .min_by(|a, b| way(angle(*a)).total_cmp(&way(angle(*b))))
+                .unwrap();
+            let (mut low, mut high) = (angle((m - 1).max(0)), angle((m + 1).min(parts)));
+            for _ in 0..100 {
+                let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                if way(a) < way(b) {
+                    high = b;
+                } else {
+                    low = a;
+                }
+            }
+            let shortest = way(low).min(way(0.0)).min(way(angle(parts)));
+            let outside = (0..2)
+                .map(|m| axes[m].dot(centre) - 1.0)
+                .fold(f64::MIN, f64::max);
+            // Where the way starts, which of a body that is nearly past and lies aslant is not in it any more.
+            let turned = normal(low);
+            let along = axes[2].dot(body.support(-turned).point + centre);
+            let start = edge + axes[2] * along - centre;
+            let unit = body.inverse_semi_axes.componentwise(body.to_body(start));
+            if !(unit.norm() < 1.0 && outside > 0.01 * least_axis) {
+                continue;
+            }
+            let found = touch(&body, centre, &wall);
+            let scene = format!("{k} {body:?} {centre:?} {shortest}: {found:?}");
+            let depths = found.iter().map(|c| c.penetration);
+            let kept = depths.fold(f64::INFINITY, f64::min);
+            assert!(
+                (kept - shortest).abs() < 1e-9 * body.bounding_radius(),
+                "{scene}"
+            );
+            counts[usize::from(m > 0 && m < parts)] += 1;
+            counts[2] += usize::from(shortest > 0.95 * least_axis);
+        }
+        println!("{counts:?}");
         assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
     }
 
