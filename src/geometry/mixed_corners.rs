@@ -19,8 +19,8 @@ use crate::vector::Vector3;
 /// places. Those of narrow triangles are left to `fine_folds`.
 const MOST: usize = 3;
 
-/// Up to which square of the distance, where the body is the unit sphere, a corner acts by its convex pieces alone, and from which on it does not: within
-/// what is looked at.
+/// Up to which square of its distance, where the body is the unit sphere, a corner may act by its convex pieces alone, and from which on it does not. Outside of
+/// the body the faces, edges and corners of the triangles say nearly the same, so that the part changes where that hardly matters.
 const EFFECT: [f64; 2] = [1.02 * 1.02, REACH * REACH];
 
 /// How deep an edge of the corner is in the body where the corner acts by its convex pieces alone, as a part of how deep the triangles are.
@@ -331,6 +331,10 @@ impl<M: Lists> MixedCorner<M> {
         let mut part = Share::WHOLE;
         if deepest < SHALLOW * depths.most(places, body) {
             let full = depths.of_all(places, body).scaled(SHALLOW);
+            // An edge that rounding alone has put into the body.
+            if !(full.value > 0.0) {
+                return Share::NONE;
+            }
             let mut left = Share::WHOLE;
             self.visit_edges(places, body, apex, |place, _| {
                 let own = depth_of(body, place).over(&full).smoothed();
@@ -587,6 +591,9 @@ impl Depths {
                     let second = depth.times(&depth);
                     sum = sum.plus(&second.times(&second));
                 }
+            }
+            if !(sum.value > 0.0) {
+                return Share::NONE;
             }
             let root = sum.value.sqrt().sqrt();
             Share {

@@ -11,7 +11,7 @@ use crate::real::Real;
 use crate::vector::Vector3;
 
 /// How far around the body triangles are looked at, in its size: where a corner at which convex and concave edges meet comes within,
-/// it acts by its convex pieces, and it should do so before it matters.
+/// it acts by its convex pieces, in a part that grows from 0 there (`mixed_corners`): the nearer, the faster and the stronger that pushes.
 pub(crate) const REACH: f64 = 1.08;
 
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances

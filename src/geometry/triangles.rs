@@ -2,8 +2,9 @@
 //! An ellipsoid and a surface of triangles.
 //!
 //! The surface acts where its distance from the body's deepest reach is a minimum: on a face, if the deepest point lies
-//! over it; on an edge or a corner, if the normal there points away from all triangles that meet at the point. Which
-//! triangles meet is a question of place, not of shared corners: a triangle that passes within `MEETING` of a point
+//! over it; on an edge or a corner, if the normal there points away from all triangles that meet at the point, and where
+//! that of the shortest way out of the body does not, as with more than half of a thin body past an edge, by the way to the
+//! body's other side. Which triangles meet is a question of place, not of shared corners: a triangle that passes within `MEETING` of a point
 //! meets there, whatever mesh it belongs to and wherever its own corners are. So an edge between coplanar triangles, or one
 //! that lies inside another triangle, or at the bottom of a fold, never acts, and a body that lies on any pieces of a
 //! plane touches once. Both sides of a triangle act; the body's centre decides which.
@@ -27,9 +28,9 @@
 //! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
 //! approaches.
 //!
-//! What is not continuous: corners of wide triangles at which convex and concave edges meet, where their pieces act in part only and a face
-//! beyond a fold acts beyond its convex edge too; narrow triangles at angles of more than 15 degrees; and a body whose centre is nearly at an
-//! uneven surface, where a face may be hidden from it by another. An edge that shares the
+//! What is not continuous: corners of wide triangles at which convex and concave edges meet, in few ways, most of them of bodies that lie deeper than a
+//! twentieth of their smallest semi-axis, and where more than three such corners are in the body; narrow triangles at angles of more than 15 degrees; and a
+//! body whose centre is nearly at an uneven surface, where a face may be hidden from it by another. An edge that shares the
 //! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
 //!

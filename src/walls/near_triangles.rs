@@ -4,10 +4,11 @@
 //!
 //! What is kept is right for whatever is in the place, so it does not matter whether a particle has the index that it had.
 
-use super::triangle_contacts::{reach_of_ball, InBall};
+use super::triangle_contacts::{reach_of_ball, InBall, MARGIN};
 use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::flat_place::FlatPlace;
 use crate::geometry::triangle::{Near, Triangle};
+use crate::geometry::triangle_places::REACH;
 use crate::geometry::Plane;
 use crate::vector::Vector3;
 
@@ -90,7 +91,7 @@ impl NearTriangles {
         if let Some(plane) = self.plane_at(particle, centre, radius) {
             return comes_into(plane);
         }
-        let needed = Extent::about(centre.to_array(), reach);
+        let needed = Extent::about(centre.to_array(), radius * (REACH + MARGIN));
         let place = self.places.get(particle);
         // A plane is worth looking for it again.
         if place.is_none_or(|p| p.flat.is_some() || !p.extent.contains(&needed)) {

@@ -12,7 +12,7 @@ use crate::vector::Vector3;
 
 /// A search may ask for a place that is larger than the particle by this share of its radius: twice the margin within which triangles count as
 /// joined ([`place_of`]), for rounding.
-const MARGIN: f64 = 2e-4;
+pub(super) const MARGIN: f64 = 2e-4;
 
 /// The radius in which triangles are looked for by the ball around a particle.
 #[inline(always)]
