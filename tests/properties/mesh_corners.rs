@@ -297,13 +297,16 @@ fn a_grain_passes_a_saddle_without_a_jump() {
     assert!(ways > 400);
 }
 
-/// Fans of 3 to 7 triangles: all convex and all concave ones without a jump, and mixed ones but for a few, more of them where a body lies deep
+/// Fans of 3 to 7 triangles: all convex and all concave ones without a jump, and mixed ones but for a few; some of any kind where a body lies deep
 /// (docs/theory.md says why).
 #[test]
 fn a_grain_passes_any_corner_on_any_way() {
     let laws = laws(&["hertz 1e7 0.3 conservative no"]);
     let mut stream = Stream::new(61);
-    for (depths, cases, allowed) in [(SHALLOW, 1500, [0.005, 0.002]), (DEEP, 400, [0.06, 0.04])] {
+    for (depths, cases, allowed) in [
+        (SHALLOW, 1500, [0.0, 0.005, 0.002]),
+        (DEEP, 400, [0.03, 0.06, 0.04]),
+    ] {
         let mut left: [Vec<f64>; 3] = Default::default();
         for case in 0..cases {
             let steepness = [0.02, 0.1, 0.4][case / 5 % 3];
@@ -327,8 +330,8 @@ fn a_grain_passes_any_corner_on_any_way() {
             shares[1]
         );
         assert!(left.iter().all(|all| all.len() > 30));
-        assert!(shares[0][0] < 0.01 && shares[0][1] < 0.01);
-        assert!(shares[0][2] < allowed[0] && shares[1][2] < allowed[1]);
+        assert!(shares[0][0] <= allowed[0] && shares[0][1] <= allowed[0]);
+        assert!(shares[0][2] < allowed[1] && shares[1][2] < allowed[2]);
     }
 }
 
