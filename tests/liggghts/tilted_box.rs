@@ -7,6 +7,7 @@ use crate::decomposition::{deck, difference};
 use crate::harness::{
     crowd, data, execute, fresh_directory, run_in, Deck, Engine, Frame, Outcome, Scene,
 };
+use crate::shapes::add;
 
 const STEPS: u64 = 300;
 
@@ -47,8 +48,9 @@ fn a_tilted_box_is_the_lattice_that_it_stands_for() {
         stacked.high[axis] *= 2.0;
         for grain in &once.grains {
             let mut copy = grain.clone();
-            for k in 0..3 {
-                copy.position[k] = (copy.position[k] + shift[k]) % stacked.high[k];
+            copy.position = add(copy.position, shift);
+            for (place, high) in copy.position.iter_mut().zip(stacked.high) {
+                *place %= high;
             }
             stacked.grains.push(copy);
         }
