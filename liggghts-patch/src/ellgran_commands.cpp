@@ -10,6 +10,7 @@
 #include "compute_pair_gran_local.h"
 #include "error.h"
 #include "fix.h"
+#include "fix_contact_history_ellgran.h"
 #include "fix_heat_gran_conduction.h"
 #include "fix_insert_stream.h"
 #include "modify.h"
@@ -96,6 +97,10 @@ void ellgran_check_commands(LAMMPS *lmp)
   if (lmp->neighbor->style == MULTI)
     lmp->error->all(FLERR, "surface ellipsoid: 'neighbor ... multi' finds no pairs of grains in this LIGGGHTS, of its own models too; "
                            "use 'neighbor ... bin'");
+  // 2: of a minimisation, as class Update has it
+  if (lmp->update->whichflag == 2)
+    lmp->error->all(FLERR, "surface ellipsoid: 'minimize' follows the energy of contacts, which is zero here as with LIGGGHTS' own models, and would throw "
+                           "grains away; let them come to rest in a run with fix viscous");
   Modify *const modify = lmp->modify;
   for (int k = 0; k < modify->nfix; k++) {
     Fix *const fix = modify->fix[k];
@@ -123,4 +128,18 @@ void ellgran_check_commands(LAMMPS *lmp)
     if (strcmp(compute->style, "pair/gran/local") == 0 || strcmp(compute->style, "wall/gran/local") == 0)
       check_local(lmp, static_cast<ComputePairGranLocal *>(compute));
   }
+}
+
+void ellgran_note_change_of_fixes(LAMMPS *lmp)
+{
+  FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
+  if (fix) fix->note_change_of_fixes();
+}
+
+void ellgran_check_no_setup(LAMMPS *lmp)
+{
+  FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
+  if (fix && fix->fixes_have_changed())
+    lmp->error->all(FLERR, "run ... pre no: fixes were added, given again or removed since the run before was set up, and this one would go on with "
+                           "those of before: leave 'pre no' out");
 }

@@ -12,4 +12,9 @@
 // when a run begins, which is when to call it.
 void ellgran_check_commands(LAMMPS_NS::LAMMPS *lmp);
 
+// LIGGGHTS lists which fix does what when a run is set up. 'run ... pre no' takes the list of the run before, by numbers that mean other fixes, or none,
+// once one was added, given again or removed. LIGGGHTS' own 'modify' and 'run' call these two.
+void ellgran_note_change_of_fixes(LAMMPS_NS::LAMMPS *lmp);
+void ellgran_check_no_setup(LAMMPS_NS::LAMMPS *lmp);
+
 #endif

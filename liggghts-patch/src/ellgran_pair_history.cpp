@@ -11,14 +11,17 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "ellgran_contact.h"
 #include "error.h"
 #include "fix_ellgran_restart_format.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "pair_gran.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
+using LIGGGHTS::ContactModels::EllgranContact;
 
 namespace {
 
@@ -250,6 +253,17 @@ int EllgranPairHistory::unpack_exchange(int particle, double *buffer)
   const int count = FixContactHistory::unpack_exchange(particle, buffer);
   ids_[particle] = static_cast<int>(buffer[count]);
   return count + 1;
+}
+
+// LIGGGHTS packs the particles later.
+void EllgranPairHistory::write_restart(FILE *fp)
+{
+  // 1: of a run, as class Update has it
+  if (update->whichflag == 1) {
+    EllgranContact::write_kept_histories(lmp);
+    pre_exchange();
+  }
+  FixContactHistory::write_restart(fp);
 }
 
 void EllgranPairHistory::unpack_restart(int particle, int place)

@@ -14,6 +14,7 @@
 #ifndef ELLGRAN_PAIR_HISTORY_H
 #define ELLGRAN_PAIR_HISTORY_H
 
+#include <cstdio>
 #include <string>
 
 #include "fix_contact_history.h"
@@ -44,6 +45,7 @@ class EllgranPairHistory : public FixContactHistory {
   virtual void set_arrays(int particle);
   virtual int pack_exchange(int particle, double *buffer);
   virtual int unpack_exchange(int particle, double *buffer);
+  virtual void write_restart(FILE *fp);
   virtual void unpack_restart(int particle, int place);
 
  protected:

@@ -32,7 +32,8 @@ const char *const FIXES[] = {"heat/gran", "heat/gran/conduction", "multicontact/
 
 }
 
-FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), has_run_(false)
+FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) : 
+    Fix(lmp, narg, arg), has_run_(false), fixes_have_changed_(true)
 {
   comm_forward = VALUES_OF_IMAGE;
 }
@@ -112,6 +113,12 @@ void FixContactHistoryEllgran::add(LAMMPS *lmp)
   char id[] = "ellgran_contact_history", group[] = "all", style[] = "contacthistory/ellgran";
   char *words[] = {id, group, style};
   lmp->modify->add_fix(3, words);
+}
+
+FixContactHistoryEllgran *FixContactHistoryEllgran::find(LAMMPS *lmp)
+{
+  const int place = lmp->modify->find_fix(ID);
+  return place >= 0 ? static_cast<FixContactHistoryEllgran *>(lmp->modify->fix[place]) : NULL;
 }
 
 bool FixContactHistoryEllgran::may_keep(LAMMPS *lmp)

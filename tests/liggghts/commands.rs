@@ -247,6 +247,11 @@ const CAPACITY: &str = "fix c all property/global thermalCapacity peratomtype 10
 
 const REFUSED: &[Refused] = &[
     refused(
+        "minimize",
+        &["compute thermo_pe all pe", "minimize 0 1e-8 10 100"],
+        &["minimize", "energy of contacts", "fix viscous"],
+    ),
+    refused(
         "fix particletemplate/sphere",
         &["fix t all particletemplate/sphere 10007 atom_type 1 density constant 2500 radius constant 0.002"],
         &["particletemplate/sphere", "semi-axes", "particletemplate/superquadric"],

@@ -432,3 +432,65 @@ fn a_second_wall_of_meshes() {
     let outcome = attempt_in(&engine, &directory, &pair(), &deck, 1);
     refused("second", &outcome, &["More than one wall of type 'mesh'"]);
 }
+
+/// LIGGGHTS goes on with the numbers that fixes had when the last run was set up: without the check one of these crashes, and others go on with
+/// other fixes or without the new one.
+#[test]
+fn fixes_that_changed_before_a_run_without_setup() {
+    let with = |between: &[&str], last: &str| Deck {
+        fixes: vec![
+            "group first id 1".into(),
+            "group second id 2".into(),
+            "unfix move".into(),
+            "fix one first nve/ellipsoid".into(),
+            "fix two second nve/ellipsoid".into(),
+            "fix weight all gravity 9.81 vector 0 0 -1".into(),
+        ],
+        runs: [&["run 5"], between, &[last]]
+            .concat()
+            .iter()
+            .map(|line| line.to_string())
+            .collect(),
+        ..plain()
+    };
+    let again = "fix weight all gravity 9.81 vector 0 0 -1";
+    let engine = Engine::from_environment();
+    for (name, between) in [
+        ("integrator_gone", &["unfix one"][..]),
+        ("weight_gone", &["unfix weight"]),
+        ("added", &["fix drag all viscous 1e-3"]),
+        ("given_again", &[again]),
+        (
+            "pair_style",
+            &[
+                "pair_style gran model nfd tangential tfd surface ellipsoid",
+                "pair_coeff * *",
+            ],
+        ),
+    ] {
+        refuse(
+            name,
+            with(between, "run 5 pre no"),
+            &["pre no", "fixes were", "leave"],
+        );
+        attempt(
+            &engine,
+            &format!("{name}_set_up"),
+            &pair(),
+            &with(between, "run 5"),
+            1,
+        )
+        .succeeded();
+    }
+    refuse(
+        "every",
+        with(&[], "run 10 pre no every 5 \"unfix weight\""),
+        &["pre no", "fixes were"],
+    );
+    for last in [
+        "run 5 pre no",
+        "run 10 pre no every 5 \"variable nothing equal 1\"",
+    ] {
+        attempt(&engine, "as_they_were", &pair(), &with(&[], last), 1).succeeded();
+    }
+}

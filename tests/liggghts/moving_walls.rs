@@ -3,7 +3,9 @@
 
 use std::fs;
 
+use crate::decomposition::difference;
 use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
+use crate::mesh_ranks::{on_a_sheet, sheet_deck};
 use crate::meshes::sheet;
 use crate::shapes::{about, add, compose, cross, dot, length, rotate, scale, sub, unit, Vector};
 
@@ -226,6 +228,58 @@ fn a_turning_cylinder_drags_along_whatever_its_axis() {
             let apart = length(sub(*other, all[0])) / length(all[0]);
             println!("about another axis: apart by {apart:.1e}");
             assert!(apart < 1e-6);
+        }
+    }
+}
+
+/// Forces see the mesh move when a run begins: one that is split, and one that goes on from a file of the middle of a run.
+#[test]
+fn meshes_move_on_where_a_run_begins() {
+    let engine = Engine::from_environment();
+    let scene = on_a_sheet();
+    let wiggle = "fix m1 all move/mesh mesh sheet wiggle amplitude 0 0 2e-4 period 0.005";
+    let turn = "fix m2 all move/mesh mesh sheet rotate origin 0 0 0 axis 0 0 1 period 0.05";
+    for (name, moves) in [
+        ("wiggle", &[wiggle][..]),
+        ("turn", &[turn]),
+        ("both", &[wiggle, turn]),
+    ] {
+        for before_the_wall in [true, false] {
+            for (ranks, then) in [(1, 1), (1, 2), (2, 1)] {
+                let directory =
+                    fresh_directory(&format!("{name}_{before_the_wall}_{ranks}_{then}"));
+                fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+                let run = |source: &[&str], runs: &[&str], ranks: usize| {
+                    let mut deck = Deck {
+                        integrator: "ellipsoid",
+                        source: source.iter().map(|line| line.to_string()).collect(),
+                        runs: runs.iter().map(|line| line.to_string()).collect(),
+                        ..sheet_deck()
+                    };
+                    let lines = moves.iter().map(|line| line.to_string());
+                    if before_the_wall {
+                        deck.before.extend(lines);
+                    } else {
+                        deck.fixes.extend(lines);
+                    }
+                    run_in(&engine, &directory, &scene, &deck, ranks)
+                };
+                let through = run(&[], &["restart 50 middle.*", "run 200"], ranks);
+                let split = run(&[], &["run 50", "run 150"], ranks);
+                let again = run(&["read_restart middle.50"], &["run 150"], then);
+                let apart = [&split, &again].map(|outcome| {
+                    assert_eq!(outcome.last().step, 200);
+                    difference(outcome.last(), through.last())
+                });
+                println!(
+                    "{name}, before the wall {before_the_wall}, {ranks} ranks, then {then}: apart by {:.1e} split, {:.1e} restarted",
+                    apart[0], apart[1]
+                );
+                assert!(
+                    apart.iter().all(|apart| *apart < 1e-10),
+                    "{name}: {apart:?}"
+                );
+            }
         }
     }
 }

@@ -35,6 +35,40 @@ fn a_restarted_run_goes_on() {
     assert!(apart < 1e-9);
 }
 
+/// A file that LIGGGHTS writes while a run goes on has what contacts remember after the forces of its step, as the velocities in it are of that step.
+#[test]
+fn a_file_of_the_middle_of_a_run_goes_on() {
+    let engine = Engine::from_environment();
+    let scene = crowd(27);
+    for model in [
+        "nfd tangential tfd surface ellipsoid",
+        "nfd tangential tfd rolling_friction cdt surface ellipsoid",
+    ] {
+        for (before, after) in [(1, 1), (2, 2), (2, 1)] {
+            let directory = fresh_directory("middle");
+            let with = |source: &[&str], runs: &[&str]| Deck {
+                model: model.into(),
+                before: vec![
+                    "fix r all property/global coefficientRollingFriction peratomtypepair 1 0.1"
+                        .into(),
+                ],
+                integrator: "ellipsoid",
+                source: source.iter().map(|line| line.to_string()).collect(),
+                runs: runs.iter().map(|line| line.to_string()).collect(),
+                ..deck(300)
+            };
+            let whole = with(&[], &["restart 150 middle.*", "run 300"]);
+            let through = run_in(&engine, &directory, &scene, &whole, before);
+            let rest = with(&["read_restart middle.150"], &["run 150"]);
+            let again = run_in(&engine, &directory, &scene, &rest, after);
+            let apart = difference(again.last(), through.last());
+            println!("{model}, {before} ranks, then {after}: velocities apart by {apart:.1e}");
+            assert_eq!((again.last().step, through.last().step), (300, 300));
+            assert!(apart < 1e-9, "{model}: {apart:e}");
+        }
+    }
+}
+
 /// Grains that slide and roll over the triangles of a mesh, on as many ranks as told before and after the restart.
 #[test]
 fn a_restart_in_the_middle_of_contacts_with_a_mesh() {
