@@ -399,30 +399,46 @@ impl<M: Lists> TriangleSearch<M> {
             let foot = support.point + normal * penetration;
             let over = self.places.boxes[k].overlaps(&Extent::about(foot.to_array(), meeting))
                 && t.has(foot, meeting);
+            let reaches = |q: &Near| q.is_in_section(body, &support, penetration);
             let point = if over {
-                let reaches = |q: &Near| q.is_in_section(body, &support, penetration);
                 let reached = reaches(t)
                     || self
                         .places
                         .near
                         .iter()
                         .any(|q| q.plane == t.plane && reaches(q));
-                if !reached || self.places.is_hidden(k, foot, meeting) {
+                if !reached {
                     continue;
                 }
                 foot
             } else {
-                if is_known || !t.is_in_section(body, &support, penetration) {
+                if is_known || !reaches(t) {
                     continue;
                 }
                 let point = t.nearest_to(body, &support, foot);
-                if !self.places.goes_on_beyond(k, point, foot, meeting)
-                    || self.places.is_hidden(k, point, meeting)
-                {
+                if !self.places.goes_on_beyond(k, point, foot, meeting) {
                     continue;
                 }
                 point
             };
+            if self.places.is_hidden(k, point, meeting) {
+                continue;
+            }
+            // Of a place outside of the body what hides it may be outside, too: a part of the plane that is in it must be seen.
+            let unit = body.inverse_semi_axes.componentwise(body.to_body(point));
+            let is_seen = |m: usize| {
+                let q = &self.places.near[m];
+                q.plane == t.plane
+                    && reaches(q)
+                    && !self.places.is_hidden(
+                        m,
+                        q.nearest_to(body, &support, Vector3::ZERO),
+                        meeting,
+                    )
+            };
+            if unit.norm_squared() > 1.0 && !(0..self.places.near.len()).any(is_seen) {
+                continue;
+            }
             let candidate = Candidate {
                 plane: SupportingPlane { point, normal },
                 foot,
