@@ -342,7 +342,7 @@ fn no_corner_pushes_with_more_than_its_triangles() {
     let laws = laws(&["hertz 1e7 0.3 conservative yes"]);
     let mut stream = Stream::new(97);
     let (mut poses, mut above) = (0, [0; 3]);
-    for case in 0..1200 {
+    for case in 0..600 {
         let steepness = [0.1, 0.4, 1.0][case / 6 % 3];
         let rays = rays(&mut stream, 3 + case % 6, steepness);
         let wall = fan(&rays);
@@ -363,7 +363,7 @@ fn no_corner_pushes_with_more_than_its_triangles() {
         }
     }
     println!("of {poses} poses {above:?} with more than 3, 30 and 1000 times the force of their triangles alone");
-    assert!(poses > 40_000);
+    assert!(poses > 20_000);
     assert!(above[0] * 2000 < poses && above[1] * 10_000 < poses && above[2] == 0);
 }
 
