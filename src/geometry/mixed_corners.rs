@@ -2,6 +2,9 @@
 //! Corners at which convex edges meet concave ones. What lies behind the triangles there is the union of convex pieces, each
 //! the part behind the planes of one triangle and of all that it lies behind; and the body's support by each piece is continuous
 //! as it moves. So are the shares of the supports, whichever the pieces are.
+//!
+//! A corner acts by its pieces as far as its edges are in the body, and by the triangles' own faces, edges and corners for the rest. Whether a triangle bounds
+//! pieces or has one is a matter of the side that it shows the body's centre.
 
 use super::box_tree::Extent;
 use super::convex_corner::{self, Support};

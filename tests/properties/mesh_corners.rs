@@ -335,8 +335,8 @@ fn a_grain_passes_any_corner_on_any_way() {
     }
 }
 
-/// No corner pushes with much more than its triangles do, each by itself. Planes that went on beyond their convex edges pushed with 1000 times as much in
-/// one of some thousands of poses.
+/// No corner pushes with much more than its triangles do, each by itself. Planes that went on beyond their convex edges pushed with many times as much in
+/// rare poses.
 #[test]
 fn no_corner_pushes_with_more_than_its_triangles() {
     let laws = laws(&["hertz 1e7 0.3 conservative yes"]);
