@@ -2,7 +2,7 @@
 //! A step of an engine's ellipsoids under given forces: velocity Verlet.
 
 use super::growing::{given, growing};
-use super::particles::{check_strides, EllgranWorkspace};
+use super::particles::{check_strides, shape_place, EllgranWorkspace};
 use super::status::{
     at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_PARTICLE,
 };
@@ -107,6 +107,19 @@ impl Bodies for Entries<'_> {
                 semi_axes.read_unaligned(),
                 self.quaternion(entry).read_unaligned(),
             ))
+        }
+    }
+
+    #[inline(always)]
+    fn place(&self, k: usize) -> Option<[&f64; 2]> {
+        let entry = (k < self.motion.count).then(|| self.entry(k))??;
+        let offset = entry * self.motion.semi_axes_stride;
+        // SAFETY: as above; nothing writes while `self` is borrowed.
+        unsafe {
+            shape_place(
+                self.motion.semi_axes.byte_add(offset),
+                self.quaternion(entry).cast(),
+            )
         }
     }
 

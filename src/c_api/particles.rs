@@ -9,8 +9,7 @@ use super::status::{
 };
 use crate::contact::ranges::LONGEST_TIME_STEP;
 use crate::contact::{Laws, Step};
-use crate::list::Rotation;
-use crate::list::{ParticleArrays, PreparedBy, Workspace};
+use crate::list::{ParticleArrays, ParticleShapes, PreparedBy, Rotation, Workspace};
 use crate::message::Number;
 use crate::simd::InstructionSet;
 use core::ffi::{c_char, c_void};
@@ -361,13 +360,10 @@ pub(super) unsafe fn prepare(
         contact_masses,
         // SAFETY: `types` is NULL or valid for reads of `count` elements, as `EllgranParticles` demands.
         types: unsafe { slice(p.types, count, "types") }?,
-        shape: |k: usize| {
-            let entry = match shape_indices {
-                None => k,
-                Some(indices) => usize::try_from(indices[k]).ok()?,
-            };
-            // SAFETY: the caller promises an entry for every index that it names.
-            Some(unsafe { shape_entry(p, entry) })
+        shape: Entries {
+            particles: p,
+            indices: shape_indices,
+            count,
         },
         identifier: |k: usize| identifier(p, k),
     };
@@ -401,6 +397,61 @@ pub(super) fn check_strides(semi_axes: usize, quaternions: usize) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Shapes and attitudes of the particles of a call, which are as [`EllgranParticles`] states.
+struct Entries<'a> {
+    particles: &'a EllgranParticles,
+    indices: Option<&'a [i32]>,
+    count: usize,
+}
+
+impl Entries<'_> {
+    #[inline(always)]
+    fn entry(&self, k: usize) -> Option<usize> {
+        match self.indices {
+            None => Some(k),
+            Some(indices) => usize::try_from(indices[k]).ok(),
+        }
+    }
+}
+
+impl ParticleShapes for Entries<'_> {
+    #[inline(always)]
+    fn of(&self, k: usize) -> Option<([f64; 3], [f64; 4])> {
+        let entry = self.entry(k)?;
+        // SAFETY: the caller promises an entry for every index that it names.
+        Some(unsafe { shape_entry(self.particles, entry) })
+    }
+
+    #[inline(always)]
+    fn place(&self, k: usize) -> Option<[&f64; 2]> {
+        let entry = (k < self.count).then(|| self.entry(k))??;
+        let p = self.particles;
+        // SAFETY: the caller promises an entry for every index that it names, and nothing writes while particles are read.
+        unsafe {
+            shape_place(
+                p.semi_axes.byte_add(entry * p.semi_axes_stride),
+                p.quaternions.byte_add(entry * p.quaternions_stride),
+            )
+        }
+    }
+}
+
+/// The first and the last number of a shape, where they are aligned.
+///
+/// # Safety
+/// There are three semi-axes and a quaternion, and nothing writes them during `'a`.
+#[inline(always)]
+pub(super) unsafe fn shape_place<'a>(
+    semi_axes: *const f64,
+    quaternion: *const f64,
+) -> Option<[&'a f64; 2]> {
+    // SAFETY: promised by the caller; what is not aligned is not referred to.
+    unsafe {
+        let last = quaternion.add(3);
+        (semi_axes.is_aligned() && last.is_aligned()).then(|| [&*semi_axes, &*last])
+    }
 }
 
 /// Semi-axes and quaternion of an entry.

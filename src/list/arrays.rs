@@ -8,8 +8,28 @@ use crate::geometry::Ellipsoid;
 use crate::message::Number;
 use crate::vector::Vector3;
 
+/// Shapes and attitudes of an engine's particles. A function of the particle's index is one.
+pub trait ParticleShapes {
+    /// Semi-axes and quaternion `(w, x, y, z)` of a particle; `None` for one that is no ellipsoid.
+    fn of(&self, k: usize) -> Option<([f64; 3], [f64; 4])>;
+
+    /// Numbers that are read for it, the first and the last, where they are known without being read. An engine that sorts its particles leaves
+    /// shapes where they are: they are read in no order that a processor foresees.
+    #[inline(always)]
+    fn place(&self, _: usize) -> Option<[&f64; 2]> {
+        None
+    }
+}
+
+impl<F: Fn(usize) -> Option<([f64; 3], [f64; 4])>> ParticleShapes for F {
+    #[inline(always)]
+    fn of(&self, k: usize) -> Option<([f64; 3], [f64; 4])> {
+        self(k)
+    }
+}
+
 /// Borrowed views of an engine's arrays, local particles first, ghosts after them.
-pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> {
+pub struct ParticleArrays<'a, S: ParticleShapes, I: Fn(usize) -> i64> {
     /// Number of particles that the caller owns; the others are ghosts.
     pub owned: usize,
     /// Centres.
@@ -27,7 +47,7 @@ pub struct ParticleArrays<'a, S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: F
     pub contact_masses: &'a [f64],
     /// Types, counted from 1.
     pub types: &'a [i32],
-    /// Semi-axes and quaternion `(w, x, y, z)` of a particle; `None` for one that is no ellipsoid.
+    /// Their shapes and attitudes.
     pub shape: S,
     /// What to call a particle in a message.
     pub identifier: I,
@@ -71,7 +91,7 @@ fn inverse_contact_mass(mass: Option<&f64>) -> Result<f64, String> {
 /// # Errors
 /// What is wrong with it; then what is in the place is neither of them.
 #[inline(always)]
-pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+pub(super) fn prepare_one<S: ParticleShapes, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
@@ -92,7 +112,7 @@ pub(super) fn prepare_one<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(us
         return Err(format!("type {particle_type} is not between 1 and {types}"));
     }
     particle.particle_type = particle_type as u32;
-    let (semi_axes, quaternion) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let (semi_axes, quaternion) = arrays.shape.of(k).ok_or_else(no_shape)?;
     let body = &mut particle.body;
     *body =
         Ellipsoid::new(semi_axes, quaternion).map_err(|e| describe(e, semi_axes, quaternion))?;

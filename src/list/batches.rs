@@ -266,6 +266,14 @@ impl Batches {
         )
     }
 
+    /// What is remembered of a batch; nothing of one that there is not.
+    #[inline(always)]
+    pub fn numbers_of(&self, batch: usize) -> &[f64] {
+        let length = self.here.length * self.lanes;
+        let at = self.first + batch * length;
+        self.numbers.get(at..at + length).unwrap_or(&[])
+    }
+
     /// Lanes of all batches that hold no pair that touches.
     pub fn idle(&self) -> usize {
         let touching: u32 = self.bits.iter().map(|b| b.touching.count_ones()).sum();

@@ -5,7 +5,7 @@
 //! pair whose bodies a plane separates by more than the margin is left out until one of the particles has moved by half
 //! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
 
-use super::arrays::ParticleArrays;
+use super::arrays::{ParticleArrays, ParticleShapes};
 use super::batches::Batches;
 use super::memory::{reserve, Allocated};
 use super::shapes::same;
@@ -159,7 +159,7 @@ impl Candidates {
 
     /// Whether the margin has shown to be far wider than it should be, so that the candidates are better found anew; it is
     /// then narrower.
-    pub fn should_be_fewer<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn should_be_fewer<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
     ) -> bool {
@@ -178,14 +178,14 @@ impl Candidates {
     }
 
     /// How much of the margin the farthest motion has used up.
-    fn share_used<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    fn share_used<S: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, S, I>,
     ) -> f64 {
         let farthest = self.farthest();
         let mut largest: f64 = 0.0;
         for (k, (x, pose)) in arrays.positions.iter().zip(&self.poses).enumerate() {
-            let Some((_, q)) = (arrays.shape)(k) else {
+            let Some((_, q)) = arrays.shape.of(k) else {
                 continue;
             };
             let (moved, turned) = motion(&pose.0, x, &q);
@@ -201,7 +201,7 @@ impl Candidates {
     }
 
     /// Begins anew for these particles: the margin, and the poses.
-    pub fn begin<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn begin<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         allocated: Allocated,
@@ -215,7 +215,10 @@ impl Candidates {
         let mut sum = 0.0;
         for (k, x) in arrays.positions.iter().enumerate() {
             // They were checked before.
-            let (a, q) = (arrays.shape)(k).unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
+            let (a, q) = arrays
+                .shape
+                .of(k)
+                .unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
             self.shapes.push(a);
             let least = a[0].min(a[1]).min(a[2]);
             sum += least;

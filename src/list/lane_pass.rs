@@ -24,6 +24,10 @@ use core::marker::PhantomData;
 
 /// Batches between the one that is computed and the one whose particles are asked for.
 const AHEAD: usize = 2;
+/// So many particles ahead an engine's forces and torques are asked for.
+const SUMS_AHEAD: usize = 16;
+/// Numbers of a line of the cache.
+const NUMBERS_OF_LINE: usize = 8;
 
 /// See [`find_candidates`].
 struct FindCandidates<'p, 'a, 'b, 'c, K> {
@@ -318,6 +322,9 @@ fn contacts<
     let (batches, participants) = candidates.parts();
     let mut waiting = participants.iter();
     for number in 0..batches.count() {
+        for of_line in batches.numbers_of(number + 1).chunks(NUMBERS_OF_LINE) {
+            registers.prefetch(&of_line[0]);
+        }
         let (i, j, bits, mut numbers) = batches.batch(number);
         if let Some(ahead) = j.get(AHEAD * S::LANES..(AHEAD + 1) * S::LANES) {
             for &k in ahead {
@@ -407,6 +414,12 @@ fn contacts<
         while let Some(&k) = waiting.as_slice().first().filter(|k| **k < whole) {
             add_sum(pass, sums, k as usize);
             waiting.next();
+            if let Some(&ahead) = waiting.as_slice().get(SUMS_AHEAD) {
+                if let Some(force) = pass.accumulators.forces.get(ahead as usize) {
+                    registers.prefetch(&force[0]);
+                    registers.prefetch(&pass.accumulators.torques[ahead as usize][0]);
+                }
+            }
         }
     }
     for &k in waiting {

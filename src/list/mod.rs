@@ -17,7 +17,7 @@ pub(crate) mod shapes;
 mod step_sums;
 pub mod workspace;
 
-pub use arrays::{ParticleArrays, Rotation};
+pub use arrays::{ParticleArrays, ParticleShapes, Rotation};
 pub use contact_records::{ContactRecord, ContactRecords};
 pub use neighbour_list::compute_pairs;
 pub use records::ParticleRecords;

@@ -4,7 +4,7 @@
 //! Particles that follow each other in the engine's arrays are taken a block at a time. A block in which anything looks wrong is
 //! done again particle by particle, which finds out what. Particles that are chosen from anywhere are copied into lines first.
 
-use super::arrays::{prepare_one, ParticleArrays, Rotation};
+use super::arrays::{prepare_one, ParticleArrays, ParticleShapes, Rotation};
 use super::candidates::Candidates;
 use super::records::{prepare_record, Record, Records, Shapes};
 use crate::contact::forces::MotionChange;
@@ -37,8 +37,7 @@ pub(super) struct Prepared {
 }
 
 /// Prepares the particles that take part in the candidates, as long as these hold; or all.
-pub(super) struct Prepare<'p, 'a, A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
-{
+pub(super) struct Prepare<'p, 'a, A: ParticleShapes, I: Fn(usize) -> i64> {
     pub arrays: &'p ParticleArrays<'a, A, I>,
     pub candidates: Option<&'p Candidates>,
     /// Types that there are.
@@ -48,9 +47,7 @@ pub(super) struct Prepare<'p, 'a, A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, 
     pub outcome: &'p mut Prepared,
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
-    for Prepare<'_, '_, A, I>
-{
+impl<A: ParticleShapes, I: Fn(usize) -> i64> Stage for Prepare<'_, '_, A, I> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         // Two copies of the loop, so that scenes without changes of velocities pay nothing for them.
@@ -62,7 +59,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
     }
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
+impl<A: ParticleShapes, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
     #[inline(always)]
     fn prepare<S: Registers, const CHANGES: bool>(mut self, registers: S) {
         let n = self.arrays.positions.len();
@@ -97,11 +94,15 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Prepare<
                     registers.prefetch(&ahead.0[0]);
                 }
             }
+            if let Some(numbers) = arrays.shape.place(k) {
+                registers.prefetch(numbers[0]);
+                registers.prefetch(numbers[1]);
+            }
         }
         let mut lines = [Line([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0]); MOST_LANES];
         let mut has_shape = 0;
         for (lane, line) in lines[..count].iter_mut().enumerate() {
-            if let Some((a, q)) = (arrays.shape)(first + lane) {
+            if let Some((a, q)) = arrays.shape.of(first + lane) {
                 *line = Line([a[0], a[1], a[2], q[0], q[1], q[2], q[3], 1.0]);
                 has_shape |= 1 << lane;
             }
@@ -279,11 +280,7 @@ impl Chunk {
 
     /// One particle more; false for one without a shape, which is not sound.
     #[inline(always)]
-    fn copy<
-        const CHANGES: bool,
-        A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
-        I: Fn(usize) -> i64,
-    >(
+    fn copy<const CHANGES: bool, A: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, A, I>,
         k: usize,
@@ -300,7 +297,7 @@ impl Chunk {
                 &momenta[k]
             }
         };
-        let Some((a, q)) = (arrays.shape)(k) else {
+        let Some((a, q)) = arrays.shape.of(k) else {
             self.sound = false;
             return false;
         };
@@ -331,12 +328,7 @@ impl Chunk {
 }
 
 /// Prepares chosen particles, each of which then is whole by itself.
-pub(super) struct PrepareChosen<
-    'p,
-    'a,
-    A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
-    I: Fn(usize) -> i64,
-> {
+pub(super) struct PrepareChosen<'p, 'a, A: ParticleShapes, I: Fn(usize) -> i64> {
     pub arrays: &'p ParticleArrays<'a, A, I>,
     pub chosen: &'p [usize],
     /// Types that there are.
@@ -347,9 +339,7 @@ pub(super) struct PrepareChosen<
     pub failure: &'p mut Option<(usize, String)>,
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
-    for PrepareChosen<'_, '_, A, I>
-{
+impl<A: ParticleShapes, I: Fn(usize) -> i64> Stage for PrepareChosen<'_, '_, A, I> {
     #[inline(always)]
     fn run<S: Registers>(self, registers: S) {
         if self.arrays.changes.is_empty() {
@@ -360,9 +350,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
     }
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
-    PrepareChosen<'_, '_, A, I>
-{
+impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosen<'_, '_, A, I> {
     #[inline(always)]
     fn prepare<S: Registers, const CHANGES: bool>(self, registers: S) {
         let arrays = self.arrays;
@@ -454,7 +442,7 @@ impl<'a> PreparedForPairs<'a> {
     }
 
     /// Whether they say of a motion what these arrays would.
-    pub fn are_of<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn are_of<A: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, A, I>,
     ) -> bool {
@@ -464,7 +452,7 @@ impl<'a> PreparedForPairs<'a> {
 
     /// The record of a particle, if there is one that has its position and its velocity.
     #[inline(always)]
-    fn record<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    fn record<A: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, A, I>,
         k: usize,
@@ -488,12 +476,7 @@ impl<'a> PreparedForPairs<'a> {
 
 /// Prepares the records of chosen particles, in that order. Where one of them has another shape than the records are made for, nothing is
 /// prepared.
-pub(super) struct PrepareChosenRecords<
-    'p,
-    'a,
-    A: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
-    I: Fn(usize) -> i64,
-> {
+pub(super) struct PrepareChosenRecords<'p, 'a, A: ParticleShapes, I: Fn(usize) -> i64> {
     pub arrays: &'p ParticleArrays<'a, A, I>,
     pub chosen: &'p [usize],
     /// Records of particles that need not be prepared again, of the same form.
@@ -508,9 +491,7 @@ pub(super) struct PrepareChosenRecords<
     pub failure: &'p mut Option<(usize, String)>,
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
-    for PrepareChosenRecords<'_, '_, A, I>
-{
+impl<A: ParticleShapes, I: Fn(usize) -> i64> Stage for PrepareChosenRecords<'_, '_, A, I> {
     #[inline(always)]
     fn run<S: Registers>(mut self, registers: S) {
         if self.arrays.changes.is_empty() {
@@ -521,9 +502,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64> Stage
     }
 }
 
-impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
-    PrepareChosenRecords<'_, '_, A, I>
-{
+impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosenRecords<'_, '_, A, I> {
     #[inline(always)]
     fn prepare<S: Registers, const CHANGES: bool>(&mut self, registers: S) {
         let arrays = self.arrays;
@@ -581,7 +560,7 @@ impl<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>
             );
         if !is_sound {
             let particles = &chunk.particles[..chunk.length];
-            let of_chunk = particles.iter().filter_map(|k| (arrays.shape)(*k));
+            let of_chunk = particles.iter().filter_map(|k| arrays.shape.of(*k));
             let of_chunk = of_chunk.map(|(a, _)| Shapes::of(&a)).max();
             if let Some(of_chunk) = of_chunk.filter(|of_chunk| *of_chunk > r.shapes) {
                 *self.shapes = of_chunk;

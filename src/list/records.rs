@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The particles as the lanes load them, and the simplest closed form that serves all their shapes.
 
-use super::arrays::{no_shape, prepare_one, ParticleArrays};
+use super::arrays::{no_shape, prepare_one, ParticleArrays, ParticleShapes};
 use super::memory::{reserve, Allocated};
 use crate::contact::forces::MotionChange;
 use crate::contact::particle::{describe, Particle};
@@ -34,12 +34,12 @@ impl Shapes {
     }
 
     /// Of all particles. One without a shape, which the preparation refuses, does not count.
-    pub fn of_all<A: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn of_all<A: ParticleShapes, I: Fn(usize) -> i64>(
         arrays: &ParticleArrays<'_, A, I>,
     ) -> Shapes {
         let mut shapes = Shapes::Spheres;
         for k in 0..arrays.positions.len() {
-            if let Some((a, _)) = (arrays.shape)(k) {
+            if let Some((a, _)) = arrays.shape.of(k) {
                 shapes = shapes.max(Shapes::of(&a));
             }
             if shapes == Shapes::Ellipsoids {
@@ -199,7 +199,7 @@ pub(super) struct Records {
 
 impl Records {
     /// For `count` particles of these shapes, of which there are at most `most`.
-    pub fn make_room<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn make_room<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         shapes: Shapes,
@@ -285,7 +285,7 @@ impl ParticleRecords<'_> {
 }
 
 /// One particle for the lanes: its record, what its motion has more at the step, its type, and the inverse of its mass.
-pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+pub(super) fn prepare_record<S: ParticleShapes, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     k: usize,
     types: usize,
@@ -294,7 +294,7 @@ pub(super) fn prepare_record<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn
     let mut p = Particle::NONE;
     prepare_one(arrays, k, types, &mut p)?;
     let x = arrays.positions[k];
-    let (a, q) = (arrays.shape)(k).ok_or_else(no_shape)?;
+    let (a, q) = arrays.shape.of(k).ok_or_else(no_shape)?;
     let q = within_range(q).map_err(|e| describe(e, a, q))?;
     let s = 1.0 / q.iter().map(|q| q * q).sum::<f64>().sqrt();
     let record = Record::new(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What one thread of calls keeps from step to step: particles prepared, candidates, recorded contacts.
 
-use super::arrays::{prepare_one, ParticleArrays};
+use super::arrays::{prepare_one, ParticleArrays, ParticleShapes};
 use super::candidates::Candidates;
 use super::contact_records::ContactRecords;
 use super::memory::{reserve, Allocated};
@@ -180,7 +180,7 @@ impl Workspace {
     /// # Errors
     /// The first particle with a position, velocity, angular velocity or mass out of range ([`crate::contact::ranges`]), a
     /// shape or pose that is none, or a type out of range.
-    pub fn prepare<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn prepare<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
@@ -192,7 +192,7 @@ impl Workspace {
     ///
     /// # Errors
     /// As [`Workspace::prepare`].
-    pub fn prepare_chosen<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn prepare_chosen<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
@@ -221,10 +221,7 @@ impl Workspace {
     ///
     /// # Errors
     /// As [`Workspace::prepare`].
-    pub fn prepare_chosen_records<
-        S: Fn(usize) -> Option<([f64; 3], [f64; 4])>,
-        I: Fn(usize) -> i64,
-    >(
+    pub fn prepare_chosen_records<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
@@ -278,7 +275,7 @@ impl Workspace {
         self.particles.resize(count, Particle::NONE);
     }
 
-    fn prepare_each<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    fn prepare_each<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         types: usize,
@@ -304,7 +301,7 @@ impl Workspace {
     /// # Errors
     /// As [`Workspace::prepare`]. A particle that cannot touch any other is checked for a finite pose in every call, for
     /// the rest when the list changes.
-    pub fn prepare_for_pairs<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+    pub fn prepare_for_pairs<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
         laws: &Laws,
@@ -435,7 +432,7 @@ impl Workspace {
 }
 
 /// The failure, with the name of its particle.
-fn named<S: Fn(usize) -> Option<([f64; 3], [f64; 4])>, I: Fn(usize) -> i64>(
+fn named<S: ParticleShapes, I: Fn(usize) -> i64>(
     arrays: &ParticleArrays<'_, S, I>,
     failure: Option<(usize, String)>,
 ) -> Result<(), ParticleError> {

@@ -10,6 +10,13 @@ use alloc::string::String;
 pub trait Bodies {
     /// Semi-axes and quaternion `(w, x, y, z)`, body to world; `None` for what is no ellipsoid.
     fn shape(&self, k: usize) -> Option<([f64; 3], [f64; 4])>;
+    /// Numbers that are read for it, the first and the last, where they are known without being read. An engine that sorts its bodies leaves
+    /// shapes where they are: they are read in no order that a processor foresees.
+    #[cfg(feature = "std")]
+    #[inline(always)]
+    fn place(&self, _: usize) -> Option<[&f64; 2]> {
+        None
+    }
     /// A new quaternion for a body that has a shape.
     fn turn(&mut self, k: usize, quaternion: [f64; 4]);
 }

@@ -59,6 +59,13 @@ impl<B: Bodies> Stage for Turn<'_, '_, B> {
             // Lanes of the last block that have no body of their own go along with copies of its first.
             let count = S::LANES.min(n - first);
             let moves = self.selection.lanes(first, count);
+            #[cfg(feature = "std")]
+            for k in first + AHEAD..first + AHEAD + count {
+                if let Some(numbers) = self.arrays.bodies.place(k) {
+                    registers.prefetch(numbers[0]);
+                    registers.prefetch(numbers[1]);
+                }
+            }
             if moves != 0 && !self.block(registers, first, count, moves) {
                 return;
             }
@@ -137,6 +144,9 @@ fn over_masses<S: Registers>(
     (mass.constant(time) / mass, inside)
 }
 
+/// So many bodies ahead shapes and attitudes are asked for.
+#[cfg(feature = "std")]
+const AHEAD: usize = 24;
 /// Masses by which lanes divide exactly to rounding, whatever the instruction set; others are left to single bodies.
 const DIVIDED: [f64; 2] = [1e-290, 1e290];
 
