@@ -52,8 +52,8 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "mesh_module_stress_servo.cpp",
             "    getElementProperty<A>(\"v\")->setAll(0.);\n",
         ),
+        ("fix_move_mesh.h", "      private:\n"),
         (
-            "fix_move_mesh.h",
             "fix_move_mesh.cpp",
             "    move_->post_create();\n    // do set-up in case velocity is dumped (called via set-up)\n        v->setAll(0.);\n",
         ),
