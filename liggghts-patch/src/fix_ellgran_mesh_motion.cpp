@@ -8,6 +8,8 @@
 #include "comm.h"
 #include "error.h"
 #include "fix_mesh_surface.h"
+#include "fix_move_mesh.h"
+#include "mesh_mover.h"
 #include "modify.h"
 
 using namespace LAMMPS_NS;
@@ -16,9 +18,10 @@ namespace {
 
 typedef MultiVectorContainer<double, 3, 3> Velocities;
 
-// In restart files: the version of this, the number of triangles, and the values of each.
-const double FORMAT = 1.0;
-const int HEADER = 2, CORNERS = 3, VALUES = 1 + 3 * CORNERS;
+// In restart files: the version of this, the numbers of triangles and of motions, the values of each triangle, and the point of each motion. In
+// version 1 there were no motions.
+const double FORMAT = 2.0;
+const int HEADER_OF_1 = 2, HEADER = 3, CORNERS = 3, VALUES = 1 + 3 * CORNERS;
 
 std::string id_of(const std::string &mesh)
 {
@@ -63,10 +66,31 @@ TriMesh *FixEllgranMeshMotion::mesh() const
   return mesh ? mesh->triMesh() : NULL;
 }
 
+std::vector<FixMoveMesh *> FixEllgranMeshMotion::motions() const
+{
+  std::vector<FixMoveMesh *> found;
+  for (int k = 0; k < modify->nfix; k++) {
+    FixMoveMesh *const motion = dynamic_cast<FixMoveMesh *>(modify->fix[k]);
+    if (motion && motion->fix_mesh_id_ == mesh_) found.push_back(motion);
+  }
+  return found;
+}
+
 // After that of the mesh, which shares out the triangles. Walls compute forces later, in setup.
 void FixEllgranMeshMotion::setup_pre_force(int)
 {
   TriMesh *const triangles = mesh();
+  const std::vector<FixMoveMesh *> moved_by = motions();
+  if (triangles && points_of_file_.size() == 3 * moved_by.size())
+    for (size_t k = 0; k < moved_by.size(); k++) {
+      // LIGGGHTS moves such a point by a way alone: back to zero, and to its place
+      double back[3];
+      moved_by[k]->move_->get_reference_point(back);
+      for (int c = 0; c < 3; c++) back[c] = -back[c];
+      moved_by[k]->move(back);
+      moved_by[k]->move(&points_of_file_[3 * k]);
+    }
+  if (triangles) points_of_file_.clear();
   if (of_file_.empty() || !triangles) return;
   std::map<int, const double *> values;
   for (size_t k = 0; k < of_file_.size(); k += VALUES) values[static_cast<int>(of_file_[k])] = &of_file_[k + 1];
@@ -94,6 +118,12 @@ void FixEllgranMeshMotion::write_restart(FILE *fp)
   }
   // a file that was read and written again without a run
   if (comm->me == 0 && !of_file_.empty()) here = of_file_;
+  std::vector<double> points = points_of_file_;
+  if (points.empty()) {
+    const std::vector<FixMoveMesh *> moved_by = motions();
+    points.resize(3 * moved_by.size());
+    for (size_t k = 0; k < moved_by.size(); k++) moved_by[k]->move_->get_reference_point(&points[3 * k]);
+  }
 
   int count = here.size();
   std::vector<int> counts(comm->nprocs), places(comm->nprocs, 0);
@@ -102,11 +132,12 @@ void FixEllgranMeshMotion::write_restart(FILE *fp)
   std::vector<double> all(comm->me == 0 ? places.back() + counts.back() : 0);
   MPI_Gatherv(here.empty() ? NULL : &here[0], count, MPI_DOUBLE, all.empty() ? NULL : &all[0], &counts[0], &places[0], MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
-  const double header[HEADER] = {FORMAT, static_cast<double>(all.size() / VALUES)};
-  const int size = (HEADER + all.size()) * sizeof(double);
+  const double header[HEADER] = {FORMAT, static_cast<double>(all.size() / VALUES), static_cast<double>(points.size() / 3)};
+  const int size = (HEADER + all.size() + points.size()) * sizeof(double);
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(header, sizeof(double), HEADER, fp);
   if (!all.empty()) fwrite(&all[0], sizeof(double), all.size(), fp);
+  if (!points.empty()) fwrite(&points[0], sizeof(double), points.size(), fp);
 }
 
 void FixEllgranMeshMotion::restart(char *buffer)
@@ -114,5 +145,9 @@ void FixEllgranMeshMotion::restart(char *buffer)
   const double *const values = reinterpret_cast<const double *>(buffer);
   if (values[0] > FORMAT)
     error->fix_error(FLERR, this, "a later release of ellgran wrote the restart file: use that one, or a later one");
-  of_file_.assign(values + HEADER, values + HEADER + static_cast<size_t>(values[1]) * VALUES);
+  const bool has_points = values[0] > 1.0;
+  const double *const triangles = values + (has_points ? HEADER : HEADER_OF_1);
+  const double *const points = triangles + static_cast<size_t>(values[1]) * VALUES;
+  of_file_.assign(triangles, points);
+  if (has_points) points_of_file_.assign(points, points + 3 * static_cast<size_t>(values[2]));
 }

@@ -40,8 +40,10 @@ class FixEllgranMeshMotion : public Fix {
   std::string mesh_;
   bool has_moved_;
   std::vector<double> of_file_;  // of each triangle its ID, and the velocities of its corners
+  std::vector<double> points_of_file_;  // about which the motions turn, in their order, where motions before them have carried these points
 
   TriMesh *mesh() const;
+  std::vector<class FixMoveMesh *> motions() const;
 };
 
 }

@@ -141,6 +141,10 @@ on_heap!(TriangleSearch: contacts places of_plane candidates sections cuts corne
 /// 5 %, the sine, in another direction.
 const SAME_NORMAL: f64 = 0.998_629_534_754_573_9;
 
+/// Two triangles give the penetration of an edge that they share to rounding. What differs by less than this share of the distance at which triangles
+/// meet is as deep: then the first of the triangles stands for the contact, or rounding would choose whose velocity and material it has.
+const SAME_DEPTH: f64 = 1e-5;
+
 /// Triangles of one plane that are looked at each beside each other, at most.
 const MOST_JOINED: usize = 32;
 
@@ -671,7 +675,11 @@ impl<M: Lists> TriangleSearch<M> {
                     && c.plane.normal.dot(d.plane.normal) > SAME_NORMAL
                     && (c.foot - d.foot).norm_squared() <= reach * reach
                 {
-                    let loser = if c.order(&d).is_lt() { other } else { k };
+                    let loser = if c.stands_for(&d, SAME_DEPTH * meeting) {
+                        other
+                    } else {
+                        k
+                    };
                     self.candidates[loser].triangle = NOTHING;
                 }
             }
@@ -779,7 +787,22 @@ impl Candidate {
         }
     }
 
-    /// Which of two candidates for one contact stands for it: the smaller.
+    /// Whether this one stands for a contact of which there is another candidate, as deep as that if within a distance.
+    fn stands_for(&self, other: &Candidate, distance: f64) -> bool {
+        let is_as_deep = (self.penetration - other.penetration).abs() <= distance;
+        let penetration = if is_as_deep {
+            other.penetration
+        } else {
+            self.penetration
+        };
+        let even = Candidate {
+            penetration,
+            ..*self
+        };
+        even.order(other).is_lt()
+    }
+
+    /// What is sorted first of two candidates.
     fn order(&self, other: &Candidate) -> core::cmp::Ordering {
         let rank = |c: &Candidate| match c.feature {
             Feature::Face if c.over => 0,
@@ -902,6 +925,53 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Of the triangles that have an edge or a corner in common the first stands for the contact, whatever rounding makes of their penetrations.
+    #[test]
+    fn rounding_does_not_choose_among_the_triangles_of_an_edge() {
+        let mut random = Random::new(41);
+        let (mut edges, mut corners) = (0, 0);
+        for _ in 0..400 {
+            let turn = Ellipsoid::new([1.0; 3], random.quaternion()).unwrap();
+            let away = random.direction() * 7.0;
+            let at = |x: f64, y: f64, z: f64| turn.to_world(Vector3::new(x, y, z)) + away;
+            // A roof, of which the ridge has a corner that is lower than the straight line by nothing or by a little.
+            let bend = random.uniform(-0.1, 0.1);
+            let (top, front, back) = (at(0.0, bend, 0.0), at(0.0, -3.0, -0.2), at(0.0, 3.1, -0.3));
+            let mut roof = vec![];
+            for (x, [one, other]) in [
+                (-2.9, [[front, top], [top, back]]),
+                (3.3, [[top, front], [back, top]]),
+            ] {
+                let eaves = at(x, 0.2, -1.3);
+                roof.extend([one, other].map(|[a, b]| [a, b, eaves]));
+            }
+            let semi_axes = [0; 3].map(|_| random.uniform(0.3, 1.0));
+            let body = Ellipsoid::new(semi_axes, random.quaternion()).unwrap();
+            let up = turn.to_world(Vector3::new(0.0, 0.0, 1.0));
+            let height = body.support(-up).h - 0.01;
+            let along = random.uniform(-1.0, 1.0);
+            let found = touch(
+                &body,
+                at(0.0, along, -0.08 * along.abs()) + up * height,
+                &roof,
+            );
+            for contact in found {
+                match contact.feature {
+                    Feature::Face => continue,
+                    Feature::Edge(_) => edges += 1,
+                    Feature::Corner => corners += 1,
+                }
+                let first = roof.iter().position(|t| {
+                    Near::new(0, t, contact.point, 0.0)
+                        .unwrap()
+                        .has(Vector3::ZERO, 1e-6)
+                });
+                assert_eq!(Some(contact.triangle), first);
+            }
+        }
+        assert!(edges > 100 && corners > 10, "{edges} {corners}");
     }
 
     #[test]

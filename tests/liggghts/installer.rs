@@ -52,6 +52,7 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "mesh_module_stress_servo.cpp",
             "    getElementProperty<A>(\"v\")->setAll(0.);\n",
         ),
+        ("fix_move_mesh.h", "      private:\n"),
         (
             "fix_move_mesh.cpp",
             "    move_->post_create();\n    // do set-up in case velocity is dumped (called via set-up)\n        v->setAll(0.);\n",
@@ -181,6 +182,7 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "atom_vec_superquadric.cpp",
         "mesh_module_stress_servo.h",
         "mesh_module_stress_servo.cpp",
+        "fix_move_mesh.h",
         "fix_move_mesh.cpp",
         "modify.cpp",
         "run.cpp",

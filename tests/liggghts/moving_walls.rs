@@ -239,8 +239,11 @@ fn meshes_move_on_where_a_run_begins() {
     let scene = on_a_sheet();
     let wiggle = "fix m1 all move/mesh mesh sheet wiggle amplitude 0 0 2e-4 period 0.005";
     let turn = "fix m2 all move/mesh mesh sheet rotate origin 0 0 0 axis 0 0 1 period 0.05";
+    // which carries along the point about which the other turns
+    let away = "fix m0 all move/mesh mesh sheet linear 0.5 0.2 0";
     for (name, moves) in [
-        ("wiggle", &[wiggle][..]),
+        ("carried", &[away, turn][..]),
+        ("wiggle", &[wiggle]),
         ("turn", &[turn]),
         ("both", &[wiggle, turn]),
     ] {
