@@ -264,10 +264,10 @@ fn both_versions_restart_on_a_wall() {
         // Between two materials the history is longer.
         (
             "nfd 1e7 0.2 10 1e3 viscosity memory",
-            "tfd 0.5 material 5e7 0.25 500 300",
+            "tfd 0.5 material 5e6 0.25 50 300",
         ),
         (
-            "nfd 1e7 0.2 10 1e3 viscosity memory",
+            "nfd 4e6 0.2 10 1e3 viscosity memory",
             "tfd 0.5 material rigid",
         ),
     ] {
