@@ -245,9 +245,9 @@ void EllgranGrainMixture::parse_orient(int &iarg, int narg, char **arg)
     require_values("orient align", 3, iarg + 1, narg);
     double direction[3];
     for (int k = 0; k < 3; k++) direction[k] = number("orient align", arg[iarg + 2 + k]);
-    const double length = MathExtra::len3(direction);
+    const double length = std::hypot(direction[0], direction[1], direction[2]);
     if (length == 0.0) error->all(FLERR, "{}: orient align needs a direction other than 0 0 0", caller);
-    MathExtra::scale3(1.0 / length, direction);
+    for (double &component : direction) component /= length;
     orientation = ALIGNED;
     // The shortest rotation that takes the first body axis there; about y where it points the other way.
     quaternion[0] = 1.0 + direction[0];

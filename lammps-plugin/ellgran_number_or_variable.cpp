@@ -19,6 +19,7 @@ void NumberOrVariable::read(LAMMPS *lmp, const std::string &caller, const std::s
   variable.clear();
   if (utils::strmatch(word, "^v_")) {
     variable = word + 2;
+    if (variable.empty()) lmp->error->all(FLERR, "{}: '{}' names no variable", where, word);
     return;
   }
   number = utils::numeric(FLERR, word, false, lmp);

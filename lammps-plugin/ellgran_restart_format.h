@@ -38,9 +38,10 @@ constexpr int WRITER_LENGTH = 32;
 /// | 4 | -4; as version 3; size of EllgranLawParameters, and one, the law of the grains, in as many values as have room for it |
 /// | 5 | -5; as version 3; 1 if a step was made, mean velocity (3) and rate of a motion by variables over it; the law as in version 4 |
 /// | 6 | -6; as version 5 before the law; of a motion by variables or of a region what velocity (3) and rate have more at the step, and by how much they grew over it (3, 1); length of the step that the velocity of the region is of, 0 if none is known; the law as in version 4 |
+/// | 7 | -7; as version 6; the law of the wall's material, in as many values as that of the grains |
 ///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 6;
+constexpr int WALL_FORMAT = 7;
 
 /// The fix behind compute energy/ellipsoid: its global values, all of type double.
 ///

@@ -76,7 +76,7 @@ void quaternion_of(const double *axis, double angle, double *q)
 
 FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg, bool remembers) :
     Fix(lmp, narg, arg), atoms(lmp, CALLER), remembers_here(remembers), law_words(ELLGRAN_INIT(EllgranLawParameters)),
-    has_material(false), laws(nullptr), workspace(nullptr), wall(nullptr), wall_type(1), dimension(-1),
+    wall_words(ELLGRAN_INIT(EllgranLawParameters)), has_material(false), laws(nullptr), workspace(nullptr), wall(nullptr), wall_type(1), dimension(-1),
     plane_slots{-1, -1}, plane_positions{}, is_cylinder(false), is_mesh(false), wiggles(false), shears(false), rotates(false), moves(false), motion_axis(0),
     amplitude(0.0), period(1.0), shear_velocity(0.0), rotation_point{}, rotation_axis{}, varied_displacement{},
     varied_angle(0.0), velocity_now{}, rate_now(0.0), mean_velocity{}, mean_rate(0.0),
@@ -159,14 +159,13 @@ int FixWallGranEllipsoid::parse_law(int narg, char **arg)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
 
   std::size_t of_material = 0;
-  EllgranLawParameters of_wall = ELLGRAN_INIT(EllgranLawParameters);
-  check_words(ellgran_wall_material_parse(&given, narg - 3 - consumed, arg + 3 + consumed, &of_material, &of_wall));
+  check_words(ellgran_wall_material_parse(&given, narg - 3 - consumed, arg + 3 + consumed, &of_material, &wall_words));
   consumed += of_material;
   law_words = given;
   has_material = of_material > 0;
 
   wall_type = atom->ntypes + 1;
-  if (make_laws(given, of_wall, &laws) != ELLGRAN_SUCCESS) error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
+  if (make_laws(given, wall_words, &laws) != ELLGRAN_SUCCESS) error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
   int32_t i = 0, j = 0;
   if (ellgran_laws_create_energy(laws, &i, &j) != ELLGRAN_SUCCESS)
     error->all(FLERR, "{} {}: {}", CALLER, id, ellgran_last_error());
@@ -330,7 +329,7 @@ int FixWallGranEllipsoid::parse_mesh(int iarg, int narg, char **arg)
       require_values("turn", 4, iarg, narg);
       double axis[3];
       for (int k = 0; k < 3; k++) axis[k] = number("turn", arg[iarg + 2 + k]);
-      const double length = std::sqrt(dot(axis, axis));
+      const double length = std::hypot(axis[0], axis[1], axis[2]);
       if (length == 0.0) error->all(FLERR, "{} {}: turn needs an axis other than 0 0 0", CALLER, id);
       for (double &component : axis) component /= length;
       quaternion_of(axis, number("turn", arg[iarg + 1]) * TWO_PI / 360.0, quaternion);
@@ -457,7 +456,7 @@ void FixWallGranEllipsoid::parse_rotate(char **arg)
     rotation_point[k] = number(word, arg[1 + k]);
     rotation_axis[k] = number(word, arg[4 + k]);
   }
-  const double length = std::sqrt(dot(rotation_axis, rotation_axis));
+  const double length = std::hypot(rotation_axis[0], rotation_axis[1], rotation_axis[2]);
   if (!(length > 0.0)) error->all(FLERR, "{} {}: {} needs an axis other than 0 0 0", CALLER, id, word);
   for (double &component : rotation_axis) component /= length;
   if (std::strcmp(word, "omega") == 0) {
@@ -1094,8 +1093,9 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     double *const of_motion = std::copy_n(varied_displacement, 3, values + NUMBER_WITH_REGION);
     of_motion[0] = varied_angle;
     if (servo) servo->pack(of_motion + 1);
-    double law[1 + VALUES_OF_LAW] = {sizeof(law_words)};
+    double law[1 + 2 * VALUES_OF_LAW] = {sizeof(law_words)};
     std::memcpy(law + 1, &law_words, sizeof(law_words));
+    std::memcpy(law + 1 + VALUES_OF_LAW, &wall_words, sizeof(wall_words));
     const double means[NUMBER_OF_MEANS] = {means_are_known ? 1.0 : 0.0, mean_velocity[0], mean_velocity[1], mean_velocity[2], mean_rate};
     double of_step[NUMBER_AT_STEP];
     at_step.pack(of_step);
@@ -1105,7 +1105,7 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
     fwrite(means, sizeof(double), NUMBER_OF_MEANS, fp);
     fwrite(of_step, sizeof(double), NUMBER_AT_STEP, fp);
-    fwrite(law, sizeof(double), 1 + VALUES_OF_LAW, fp);
+    fwrite(law, sizeof(double), 1 + 2 * VALUES_OF_LAW, fp);
   }
 }
 
@@ -1153,7 +1153,7 @@ void FixWallGranEllipsoid::restart(char *buffer)
     at_step.unpack(of_step);
     region_step = of_step[WallVelocityAtStep::NUMBER_OF_STATES];
   }
-  if (format >= 4) compare_with_law_of_file(further);
+  if (format >= 4) compare_with_law_of_file(further, format >= 7);
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];
   friction = values[2];
@@ -1163,7 +1163,7 @@ void FixWallGranEllipsoid::restart(char *buffer)
 /* What contacts remember in the file is read under the law with which it was written, or one under which it means the same. Called before the
    histories are read. */
 
-void FixWallGranEllipsoid::compare_with_law_of_file(const char *buffer)
+void FixWallGranEllipsoid::compare_with_law_of_file(const char *buffer, bool has_law_of_wall)
 {
   double size = 0.0;
   std::memcpy(&size, buffer, sizeof(size));
@@ -1172,10 +1172,21 @@ void FixWallGranEllipsoid::compare_with_law_of_file(const char *buffer)
   if (!(size > sizeof(std::size_t) && size <= own_size))
     error->all(FLERR, "{} {}: the restart file is damaged: a law of {} bytes", CALLER, id, size);
   // An older and shorter struct: the fields that it lacks are zero, as everywhere in the interface.
-  std::memcpy(&of_file, buffer + sizeof(size), static_cast<std::size_t>(size));
+  const auto bytes = static_cast<std::size_t>(size);
+  std::memcpy(&of_file, buffer + sizeof(size), bytes);
   of_file.size = own_size;
+  // Between two materials a contact may remember more than within one. Older files do not have that of the wall: it is the one that the fix has now.
+  EllgranLawParameters of_wall = has_material ? wall_words : of_file;
+  if (has_law_of_wall) {
+    const std::size_t values = (bytes + sizeof(double) - 1) / sizeof(double);
+    of_wall = ELLGRAN_INIT(EllgranLawParameters);
+    std::memcpy(&of_wall, buffer + (1 + values) * sizeof(double), bytes);
+    of_wall.size = own_size;
+  }
   EllgranLaws *before = nullptr;
-  if (make_laws(of_file, of_file, &before) != ELLGRAN_SUCCESS)
+  const int32_t status = make_laws(of_file, of_wall, &before);
+  // The wall's present material need not go with the law of an older file.
+  if (status != ELLGRAN_SUCCESS && (has_law_of_wall || make_laws(of_file, of_file, &before) != ELLGRAN_SUCCESS))
     error->all(FLERR, "{} {}: the restart file is damaged: {}", CALLER, id, ellgran_last_error());
   histories_are_of_other_law = histories_length > 0 && ellgran_laws_history_length(before) > 0 && ellgran_laws_read_histories_of(laws, before) == 0;
   ellgran_laws_free(before);

@@ -80,6 +80,7 @@ class FixWallGranEllipsoid : public Fix {
   EllgranAtoms atoms;
   bool remembers_here;
   EllgranLawParameters law_words;    // the law of the grains, which is that of the wall unless it has a material of its own
+  EllgranLawParameters wall_words;    // that of the wall's material
   bool has_material;
   bool histories_are_of_other_law = false;    // what a restart file has of contacts means nothing under this law
   EllgranLaws *laws;
@@ -194,7 +195,7 @@ class FixWallGranEllipsoid : public Fix {
 
   int parse_law(int narg, char **arg);
   int32_t make_laws(const EllgranLawParameters &of_grains, const EllgranLawParameters &of_wall, EllgranLaws **made) const;
-  void compare_with_law_of_file(const char *buffer);
+  void compare_with_law_of_file(const char *buffer, bool has_law_of_wall);
   int parse_wall(int iarg, int narg, char **arg);
   int parse_planes(int iarg, int narg, char **arg);
   int parse_cylinder(int iarg, int narg, char **arg);

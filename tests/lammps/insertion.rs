@@ -581,6 +581,12 @@ fn both_versions_shapes_sizes_and_orientations_are_distributed_as_asked() {
         .iter()
         .all(|g| length(sub(axis(g, 0), [-1.0, 0.0, 0.0])) < 1e-12));
 
+    // A direction has any length.
+    let grains = made("far", "shape one 0.02 0.01 0.01 orient align 0 1e300 0");
+    assert!(grains
+        .iter()
+        .all(|g| length(sub(axis(g, 0), [0.0, 1.0, 0.0])) < 1e-12));
+
     let grains = made("given", "shape one 0.02 0.01 0.005 orient quat 2 2 0 0");
     let half = 0.5f64.sqrt();
     assert!(grains.iter().all(|g| g

@@ -581,6 +581,18 @@ fn both_versions_walls() {
             &["velocity variable v_nowhere does not exist"],
         ),
         (
+            "hertz 1e7 0.3 zplane -5 NULL velocity 0 0 v_",
+            &["velocity", "'v_' names no variable"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL omega 0 0 0 0 0 1 v_",
+            &["omega", "'v_' names no variable"],
+        ),
+        (
+            "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 v_ 1",
+            &["servo target", "'v_' names no variable"],
+        ),
+        (
             "hertz 1e7 0.3 zplane -5 NULL servo 0 0 1 5",
             &["'servo' needs 5 values"],
         ),

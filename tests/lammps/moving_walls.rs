@@ -158,6 +158,28 @@ fn both_versions_a_turning_drum_is_the_same_in_all_words_and_on_all_ranks() {
     }
 }
 
+/// An axis is a direction, also where the square of its length is no number.
+#[test]
+fn both_versions_an_axis_has_any_length() {
+    let engine = Engine::from_environment();
+    let turned = |length: &str| {
+        let rotate = format!("rotate 0 0 0 {length} 0 0 {PERIOD}");
+        let walls = [format!(
+            "fix shell all wall/gran/ellipsoid {LAW} xcylinder 0.03 {rotate}"
+        )];
+        run(&engine, "drum_axis", &load(), &deck(&walls, 1500), 1)
+    };
+    let expected = turned("1");
+    assert!(aside(expected.last()).abs() > 1e-5);
+    for length in ["1e300", "1e-200"] {
+        assert_eq!(
+            largest_difference(turned(length).last(), expected.last()),
+            (0.0, 0.0),
+            "{length}"
+        );
+    }
+}
+
 #[test]
 fn both_versions_a_turning_drum_goes_on_after_a_restart() {
     let engine = Engine::from_environment();

@@ -261,6 +261,15 @@ fn both_versions_restart_on_a_wall() {
         ("hertz 1e7 0.3", "mindlin 0.5"),
         ("hertz 1e7 0.3", "tfd 0.5"),
         ("nfd 1e7 0.2 10 1e3 viscosity memory", "tfd 0.5"),
+        // Between two materials the history is longer.
+        (
+            "nfd 1e7 0.2 10 1e3 viscosity memory",
+            "tfd 0.5 material 5e6 0.25 50 300",
+        ),
+        (
+            "nfd 4e6 0.2 10 1e3 viscosity memory",
+            "tfd 0.5 material rigid",
+        ),
     ] {
         let law = format!("{normal} tangential {tangential}");
         let wall = |runs: &[&str]| Deck {
