@@ -2,7 +2,7 @@
 //! A step of an engine's ellipsoids under given forces: velocity Verlet.
 
 use super::growing::{given, growing};
-use super::particles::{check_strides, shape_place, EllgranWorkspace};
+use super::particles::{check_strides, entry_of, shape_place, EllgranWorkspace};
 use super::status::{
     at_border, required, slice, slice_mut, Failure, ELLGRAN_ERROR_ARGUMENT, ELLGRAN_ERROR_PARTICLE,
 };
@@ -77,14 +77,6 @@ struct Entries<'a> {
 }
 
 impl Entries<'_> {
-    #[inline(always)]
-    fn entry(&self, k: usize) -> Option<usize> {
-        match self.indices {
-            None => Some(k),
-            Some(indices) => usize::try_from(indices[k]).ok(),
-        }
-    }
-
     /// # Safety
     /// There is such an entry.
     #[inline(always)]
@@ -98,7 +90,7 @@ impl Entries<'_> {
 impl Bodies for Entries<'_> {
     #[inline(always)]
     fn shape(&self, k: usize) -> Option<([f64; 3], [f64; 4])> {
-        let entry = self.entry(k)?;
+        let entry = entry_of(self.indices, k)?;
         let offset = entry * self.motion.semi_axes_stride;
         // SAFETY: by the contract of `EllgranMotion` there is an entry for every index that is named.
         unsafe {
@@ -112,7 +104,7 @@ impl Bodies for Entries<'_> {
 
     #[inline(always)]
     fn place(&self, k: usize) -> Option<[&f64; 2]> {
-        let entry = (k < self.motion.count).then(|| self.entry(k))??;
+        let entry = (k < self.motion.count).then(|| entry_of(self.indices, k))??;
         let offset = entry * self.motion.semi_axes_stride;
         // SAFETY: as above; nothing writes while `self` is borrowed.
         unsafe {
@@ -125,7 +117,7 @@ impl Bodies for Entries<'_> {
 
     #[inline(always)]
     fn turn(&mut self, k: usize, quaternion: [f64; 4]) {
-        if let Some(entry) = self.entry(k) {
+        if let Some(entry) = entry_of(self.indices, k) {
             // SAFETY: as above; nothing else of this call refers to the quaternions.
             unsafe { self.quaternion(entry).write_unaligned(quaternion) }
         }

@@ -406,27 +406,26 @@ struct Entries<'a> {
     count: usize,
 }
 
-impl Entries<'_> {
-    #[inline(always)]
-    fn entry(&self, k: usize) -> Option<usize> {
-        match self.indices {
-            None => Some(k),
-            Some(indices) => usize::try_from(indices[k]).ok(),
-        }
+/// The entry of a particle's or a body's shape: that of its index, or its own number where there are no indices; none where the index is negative.
+#[inline(always)]
+pub(super) fn entry_of(indices: Option<&[i32]>, k: usize) -> Option<usize> {
+    match indices {
+        None => Some(k),
+        Some(indices) => usize::try_from(indices[k]).ok(),
     }
 }
 
 impl ParticleShapes for Entries<'_> {
     #[inline(always)]
     fn of(&self, k: usize) -> Option<([f64; 3], [f64; 4])> {
-        let entry = self.entry(k)?;
+        let entry = entry_of(self.indices, k)?;
         // SAFETY: the caller promises an entry for every index that it names.
         Some(unsafe { shape_entry(self.particles, entry) })
     }
 
     #[inline(always)]
     fn place(&self, k: usize) -> Option<[&f64; 2]> {
-        let entry = (k < self.count).then(|| self.entry(k))??;
+        let entry = (k < self.count).then(|| entry_of(self.indices, k))??;
         let p = self.particles;
         // SAFETY: the caller promises an entry for every index that it names, and nothing writes while particles are read.
         unsafe {
