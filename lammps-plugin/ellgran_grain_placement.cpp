@@ -9,6 +9,7 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "irregular.h"
 #include "math_extra.h"
 #include "modify.h"
 #include "region.h"
@@ -570,5 +571,13 @@ void EllgranGrainPlacement::end_creation(bigint count, bigint last_tag)
   if (atom->map_style != Atom::MAP_NONE) {
     atom->map_init();
     atom->map_set();
+  }
+  // A box that shrinks around its particles has other bounds with the new ones. What follows hands particles to neighbouring ranks alone, and
+  // loses those that now belong to ranks farther away, the particles that were there before too.
+  if (domain->nonperiodic == 2) {
+    domain->pbc();
+    domain->reset_box();
+    Irregular irregular(lmp);
+    irregular.migrate_atoms(1);
   }
 }

@@ -429,6 +429,44 @@ fn both_versions_the_number_of_ranks_changes_no_bit() {
     }
 }
 
+/// New grains far above a heap: the box that shrinks around all of them gives the heap to other ranks, not only to neighbouring ones.
+#[test]
+fn both_versions_no_grain_is_lost_in_a_box_that_shrinks() {
+    let engine = Engine::from_environment();
+    let words = "shape one 0.006 0.004 0.004 dens 2000 2000";
+    for (boundary, created) in [("p p s", "middle"), ("p p s", "low"), ("f f m", "low")] {
+        let deck = head(&engine, "ellipsoid", boundary, [0.04, 0.04, 0.2])
+            .replace("create_box", "processors 1 1 *\ncreate_box")
+            + &format!(
+                "region low block 0 0.04 0 0.04 0 0.02
+region middle block 0 0.04 0 0.04 0.1 0.15
+region top block 0 0.04 0 0.04 0.16 0.19
+create_ellipsoids 1 3 region {created} number 30 {words}
+thermo_modify lost ignore
+run 5
+fix gravity all gravity 9.81 vector 0 0 -1
+fix floor all wall/gran/ellipsoid {LAW} zplane 0 NULL
+fix pour all pour/ellipsoid 60 1 5 region top {words} vol 0.05 50 vel 0 0 0 0 -2
+thermo_style custom step atoms f_pour
+thermo_modify lost ignore
+"
+            )
+            + &dump(1400)
+            + "run 1400\n";
+        for ranks in [1, 4] {
+            let name = format!("insertion_shrinking_{ranks}");
+            let (output, _, grains) = run(&engine, &name, &deck, ranks);
+            let poured = thermo_rows(&output).pop().unwrap()["f_pour"];
+            println!(
+                "boundary {boundary}, {ranks} ranks: 30 and {poured} inserted, {} left",
+                grains.len()
+            );
+            assert!(poured >= 30.0);
+            assert_eq!(grains.len() as f64, 30.0 + poured);
+        }
+    }
+}
+
 #[test]
 fn both_versions_a_restart_goes_on_with_the_insertion() {
     let engine = Engine::from_environment();
