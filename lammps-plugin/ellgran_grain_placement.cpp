@@ -573,9 +573,9 @@ void EllgranGrainPlacement::end_creation(bigint count, bigint last_tag)
     atom->map_set();
   }
   // A box that shrinks around its particles has other bounds with the new ones. What follows hands particles to neighbouring ranks alone, and
-  // loses those that now belong to ranks farther away, the particles that were there before too.
+  // loses those that now belong to ranks farther away, the particles that were there before too. It also wraps those beyond a periodic boundary,
+  // which go from the last rank to the first then.
   if (domain->nonperiodic == 2) {
-    domain->pbc();
     domain->reset_box();
     Irregular irregular(lmp);
     irregular.migrate_atoms(1);
