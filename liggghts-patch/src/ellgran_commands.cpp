@@ -12,7 +12,6 @@
 #include "fix.h"
 #include "fix_contact_history_ellgran.h"
 #include "fix_heat_gran_conduction.h"
-#include "fix_insert_stream.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
@@ -71,14 +70,6 @@ struct Conduction : public FixHeatGranCond {
   static bool is_constant(FixHeatGranCond *fix) { return fix->*(&Conduction::area_calculation_mode_) == 1; }
 };
 
-struct Stream : public FixInsertStream {
-  static bool has_omega(FixInsertStream *fix)
-  {
-    const double *const omega = fix->*(&Stream::omega_insert);
-    return omega[0] != 0.0 || omega[1] != 0.0 || omega[2] != 0.0;
-  }
-};
-
 void check_local(LAMMPS *lmp, ComputePairGranLocal *compute)
 {
   if (compute->offset_ms_id1() >= 0 && lmp->modify->n_fixes_style("multisphere") == 0)
@@ -111,10 +102,6 @@ void ellgran_check_commands(LAMMPS *lmp)
       snprintf(message, sizeof(message), "surface ellipsoid: fix %s (move) carries ellipsoids and does not turn them", fix->id);
       lmp->error->warning(FLERR, message);
     }
-    FixInsertStream *const stream = dynamic_cast<FixInsertStream *>(fix);
-    if (stream && Stream::has_omega(stream))
-      refuse(lmp, "fix", fix->id, fix->style,
-             "releases superquadrics with no angular momentum: 'omega' would be lost; leave it out, or use insert/rate/region");
     FixHeatGranCond *const conduction = dynamic_cast<FixHeatGranCond *>(fix);
     if (conduction && !Conduction::is_constant(conduction))
       refuse(lmp, "fix", fix->id, fix->style,

@@ -488,7 +488,15 @@ void FixWallGranEllipsoid::act(EllgranContact &model, size_t index)
   vectorCopy3D(atom->f[i], force_before);
   vectorCopy3D(atom->torque[i], torque_before);
   const bool tells = cwl_ && addflag_ && (atom->mask[i] & cwl_->groupbit);
+  double branch[3];
+  vectorCopy3D(sidata.delta, branch);
+  const bool first_of_stresses = store_force_contact_stress_ && fix_wallforce_contact_stress_->has_partner(i, number) < 0;
   impl->compute_force(this, sidata, true, contact.velocity, fix_mesh, mesh_index, mesh, triangle);
+  // the contact model moves it along a mesh for the torque on that, and stresses are of the contact point
+  if (first_of_stresses) {
+    const int stored = fix_wallforce_contact_stress_->has_partner(i, number);
+    if (stored >= 0) vectorCopy3D(branch, fix_wallforce_contact_stress_->contacthistory(i, stored) + 3);
+  }
   if (place >= 0) store_again(i, place, force_before, torque_before);
   if (tells) ellgran_write_geometry(cwl_, row_++, model.geometry_report());
 }

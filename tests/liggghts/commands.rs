@@ -267,18 +267,6 @@ const REFUSED: &[Refused] = &[
         &["particletemplate/multiplespheres", "semi-axes"],
     ),
     refused("fix multisphere", &["fix t all multisphere"], &["multisphere", "ellipsoids"]),
-    Refused {
-        before: &["fix face all mesh/surface/planar file gate.stl type 1"],
-        ..refused(
-            "fix insert/stream with omega",
-            &[
-                TEMPLATE,
-                DISTRIBUTION,
-                "fix ins all insert/stream seed 32452843 distributiontemplate pd nparticles 40 particlerate 1000000 overlapcheck yes orientation random vel constant 0 0 0.5 omega constant 0 0 100 insertion_face face extrude_length 0.02",
-            ],
-            &["insert/stream", "omega", "insert/rate/region"],
-        )
-    },
     refused("write_data", &["write_data grains.data"], &["write_data", "write_restart"]),
     refused("run_style respa", &["run_style respa 2 2"], &["run_style verlet", "respa"]),
     refused("neighbor multi", &["neighbor 0.001 multi"], &["neighbor ... multi", "bin"]),

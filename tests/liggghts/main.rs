@@ -27,6 +27,7 @@ mod deleted_grains;
 mod elastic_collision;
 mod examples;
 mod golden_pairs;
+mod insertion;
 mod installer;
 mod kept_histories;
 mod local_output;

@@ -127,6 +127,73 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
     }
 }
 
+/// A torque of rolling friction is no part of the stress: the same grains have that of a plane beside a mesh of it.
+#[test]
+fn stresses_beside_a_mesh_are_those_beside_its_plane() {
+    let grain = |x: f64, axes: Vector, turn: f64| {
+        Grain {
+            density: 2500.0,
+            ..Grain::new(axes, [x, 0.0113, axes[2] - 2e-5]).turned(about([0.0, 0.0, 1.0], turn))
+        }
+        .moving([0.3, 0.1, -0.05])
+        .spinning([30.0, 50.0, 5.0])
+    };
+    let scene = Scene {
+        low: [-0.07, -0.07, -0.02],
+        high: [0.07, 0.07, 0.03],
+        ..Scene::open(
+            1.0,
+            vec![
+                grain(0.0, [6e-3, 4e-3, 3e-3], 0.4),
+                grain(0.02, [4e-3; 3], 0.0),
+                grain(-0.02, [3e-3, 5e-3, 4e-3], 1.1),
+            ],
+        )
+    };
+    for model in [
+        "nfd tangential tfd surface ellipsoid",
+        "hertz tangential history rolling_friction cdt surface ellipsoid",
+    ] {
+        let [plane, mesh] = [
+            "primitive type 1 zplane 0.0",
+            "mesh n_meshes 1 meshes sheet",
+        ]
+        .map(|wall| {
+            let deck = Deck {
+                model: model.into(),
+                before: vec![
+                    "fix sheet all mesh/surface file sheet.stl type 1".into(),
+                    "fix c1 all property/global coefficientRollingFriction peratomtypepair 1 0.3".into(),
+                ],
+                fixes: vec![
+                    "fix continuum all continuum/weighted kernel_radius 0.012 kernel_type Wendland compute stress".into(),
+                    format!("fix wall all wall/gran/ellipsoid model {model} {wall}"),
+                    "dump stress all custom 20 stress id f_stressTensor_[1] f_stressTensor_[5] f_stressTensor_[9] f_stressTensor_[3]".into(),
+                    "dump_modify stress sort id format \"%d %.17g %.17g %.17g %.17g\"".into(),
+                ],
+                steps: 20,
+                ..Deck::new(ELASTIC, 0.5)
+            };
+            let name = format!("stress {} {}", &model[..4], &wall[..4]).replace(' ', "_");
+            let outcome = on_a_mesh(&name, &scene, &deck, 1);
+            last_rows(&outcome.directory.join("stress"))
+        });
+        let largest = plane
+            .iter()
+            .flat_map(|row| row[1..].iter())
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let worst = plane
+            .iter()
+            .zip(&mesh)
+            .flat_map(|(a, b)| a[1..].iter().zip(&b[1..]))
+            .fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        println!("{model}: stresses apart by {worst:.1e} of {largest:.3e}");
+        assert!(plane.len() == 3 && mesh.len() == 3 && largest > 1.0);
+        // the same contacts: rounding
+        assert!(worst < 1e-9 * largest);
+    }
+}
+
 /// Forces and torques by the number of the triangle (0 for a primitive wall), out of a restart file: the one place where LIGGGHTS
 /// shows what `store_force_contact` keeps. A record is its length, the number of entries, and for each the triangle and six numbers.
 fn stored(file: &std::path::Path) -> Vec<(i64, [f64; 6])> {
