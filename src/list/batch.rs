@@ -209,7 +209,7 @@ pub(super) fn run<
         search(registers, &i.body, &j.body, d, start)
     };
     let Some(found) = found else {
-        return all_apart::<S, FRICTION>(registers, bits, numbers);
+        return none_touches::<S, FRICTION>(registers, bits, numbers, 0);
     };
     let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
     let (factors, beyond) = factors::<S, K>(
@@ -223,6 +223,17 @@ pub(super) fn run<
     if RECORD && numbers.layout.torques.is_some() {
         let twisted = registers.mask(with_twisted_springs(batch.laws));
         hard = registers.or(hard, registers.and_not(twisted, found.separated));
+        let present = registers.mask(u32::from(bits.present));
+        let hard = registers.bits(registers.and(hard, present));
+        let apart = registers.bits(registers.and(found.separated, present));
+        // All that touch are for the scalar path: nothing of the law would be used.
+        if (hard | apart) == u32::from(bits.present) {
+            if let Some(at) = numbers.layout.normal {
+                let of_hard = registers.mask(hard);
+                put_vector(numbers, at, select3(of_hard, start, found.normal));
+            }
+            return none_touches::<S, FRICTION>(registers, bits, numbers, hard);
+        }
     }
     let constants = constants_of(registers, batch.laws, common.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
@@ -680,35 +691,49 @@ fn tally<S: Registers>(
     }
 }
 
-/// No pair touches: no tangential part any more.
+/// No pair touches, but for those that are `hard`: no tangential part any more of the others.
 #[inline(always)]
-fn all_apart<S: Registers, const FRICTION: bool>(
+fn none_touches<S: Registers, const FRICTION: bool>(
     registers: S,
     bits: LaneBits,
     numbers: &mut Numbers<'_>,
+    hard: u32,
 ) -> Left {
     if let Some(at) = numbers.layout.memory {
-        if FRICTION && bits.touching != 0 {
-            let zero = Lanes::splat(registers, 0.0);
-            put_vector(numbers, at, Vector3::new(zero, zero, zero));
-            if let Some(at) = numbers.layout.energy {
-                put_number(numbers, at, zero);
+        if FRICTION && u32::from(bits.touching) & !hard != 0 {
+            let layout = numbers.layout;
+            forget(registers, numbers, at, 3, hard);
+            if let Some(at) = layout.energy {
+                forget(registers, numbers, at, 1, hard);
             }
-            if let Some(at) = numbers.layout.rests {
-                for k in 0..numbers.layout.rest_count {
-                    put_number(numbers, at + k, zero);
-                }
+            if let Some(at) = layout.rests {
+                forget(registers, numbers, at, layout.rest_count, hard);
             }
-            if let Some(at) = numbers.layout.springs {
-                for k in 0..SPRING_NUMBERS {
-                    put_number(numbers, at + k, zero);
-                }
+            if let Some(at) = layout.springs {
+                forget(registers, numbers, at, SPRING_NUMBERS, hard);
             }
         }
     }
-    Left {
-        touching: 0,
-        hard: 0,
+    Left { touching: 0, hard }
+}
+
+/// Makes zero of some numbers of the pairs that are not `hard`.
+#[inline(always)]
+fn forget<S: Registers>(
+    registers: S,
+    numbers: &mut Numbers<'_>,
+    first: usize,
+    count: usize,
+    hard: u32,
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    for k in first..first + count {
+        let kept = if hard == 0 {
+            zero
+        } else {
+            Lanes::select(registers.mask(hard), number(registers, numbers, k), zero)
+        };
+        put_number(numbers, k, kept);
     }
 }
 
