@@ -28,7 +28,10 @@ pub(super) struct Batch<'a> {
     /// First particles and second ones, by lane.
     pub i: &'a [u32],
     pub j: &'a [u32],
+    /// The laws of the lanes, where there are several or contacts are recorded.
     pub laws: &'a [&'a PairLaw; MOST_LANES],
+    /// The law of all lanes, where they have one.
+    pub only_law: Option<&'a PairLaw>,
     /// Inverse of the effective mass, where a law reads masses.
     pub inverse_effective_mass: &'a [f64; MOST_LANES],
 }
@@ -40,8 +43,6 @@ pub(super) struct Common<'a> {
     pub remembers_normals: bool,
     /// Time over which the history advances.
     pub time: f64,
-    /// The law, where there is only one.
-    pub only_law: Option<&'a PairLaw>,
     /// What velocities and angular velocities of the particles have more at the step; empty where that is not known.
     pub changes: &'a [Line],
     /// The time step, where forces see velocities of the step.
@@ -191,7 +192,7 @@ pub(super) fn run<
     tallies: &mut BatchTallies,
     lines: &mut BatchRecords,
 ) -> Left {
-    let kinds = match common.only_law {
+    let kinds = match batch.only_law {
         Some(law) => &law.kinds,
         None => &batch.laws[0].kinds,
     };
@@ -235,7 +236,7 @@ pub(super) fn run<
             return none_touches::<S, FRICTION>(registers, bits, numbers, hard);
         }
     }
-    let constants = constants_of(registers, batch.laws, common.only_law);
+    let constants = constants_of(registers, batch.laws, batch.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
         mass_of_inverse(Lanes::load(registers, batch.inverse_effective_mass))
     } else {
