@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -73,6 +74,39 @@ const AtomVecEllipsoid *ellipsoid_style(AtomVec *avec)
     for (int k = 0; k < hybrid->nstyles; k++)
       if (const auto *vec = dynamic_cast<AtomVecEllipsoid *>(hybrid->styles[k])) return vec;
   return nullptr;
+}
+
+// Of so many atoms one may have its shape far from that of the atom before it: the few that have come or gone since the last sorting.
+constexpr int TOLERABLE_JUMPS = 8;
+
+// Puts the entries of the owned atoms in the order of these, where neighbours in one array are no neighbours in the other.
+template <class Entry> void sort_entries(Entry *entries, int *index_of_atom, int atoms)
+{
+  int jumps = 0, before = 0;
+  for (int i = 0; i < atoms; i++) {
+    if (index_of_atom[i] < 0) continue;
+    if (std::abs(index_of_atom[i] - before) > 1) jumps++;
+    before = index_of_atom[i];
+  }
+  if (jumps <= atoms / TOLERABLE_JUMPS) return;
+  int place = 0;
+  for (int i = 0; i < atoms; i++) {
+    const int index = index_of_atom[i];
+    if (index < 0) continue;
+    if (index != place) {
+      index_of_atom[entries[place].ilocal] = index;
+      index_of_atom[i] = place;
+      std::swap(entries[place], entries[index]);
+    }
+    place++;
+  }
+}
+
+template <class Vec> void sort_all_entries(Vec *vec, bool super, int *index_of_atom, int atoms)
+{
+  if constexpr (HasSuper<Vec>::value)
+    if (super) return sort_entries(vec->bonus_super, index_of_atom, atoms);
+  sort_entries(vec->bonus, index_of_atom, atoms);
 }
 
 // Densities of two grains of one scene that differ by this factor are a mistake.
@@ -387,6 +421,12 @@ EllgranParticles EllgranAtoms::view() const
   particles.forces = rows(atom->f);
   particles.torques = rows(atom->torque);
   return particles;
+}
+
+void EllgranAtoms::sort_shapes() const
+{
+  auto *vec = const_cast<AtomVecEllipsoid *>(ellipsoid_style(atom->avec));
+  if (vec && !lmp->kokkos) sort_all_entries(vec, uses_super(atom, vec), atom->ellipsoid, atom->nlocal);
 }
 
 EllgranBody EllgranAtoms::body(int i, double contact_mass, const double *velocity,

@@ -51,6 +51,10 @@ class EllgranAtoms : protected Pointers {
   /// Pointers to the arrays as they are now (they move when LAMMPS migrates atoms).
   [[nodiscard]] EllgranParticles view() const;
 
+  /// Puts shapes and attitudes in the order of the owned atoms. LAMMPS sorts atoms by place in space, but not these, so that each
+  /// access to one would go anywhere in memory. Leaves KOKKOS' copies alone.
+  void sort_shapes() const;
+
   /// Semi-axes, mass and type of the atoms at `indices`, `SHAPE_SIZE` doubles each, into `buffer`; 0 for what has no shape.
   void pack_shapes(int n, const int *indices, double *buffer) const;
 

@@ -215,6 +215,7 @@ void PairGranEllipsoid::compute(int eflag, int vflag)
   if (neighbor->ago == 0) {
     // A fix may have added atoms.
     atoms.require_shapes(~0);
+    atoms.sort_shapes();
     refresh_body_masses();
   } else if (grains_may_differ) {
     // Ghosts were given theirs when the list was built.

@@ -313,3 +313,21 @@ impl Laws {
         self.features
     }
 }
+
+#[cfg(feature = "std")]
+impl Laws {
+    /// Where the law between two types, counted from 1, stands among all; [`Laws::at`] gives it.
+    #[inline(always)]
+    pub(crate) fn index(&self, type_i: u32, type_j: u32) -> u32 {
+        (type_i - 1) * self.types as u32 + (type_j - 1)
+    }
+
+    /// The law that stands there.
+    ///
+    /// # Panics
+    /// For a place that [`Laws::index`] has not given.
+    #[inline(always)]
+    pub(crate) fn at(&self, index: u32) -> &PairLaw {
+        &self.table[index as usize]
+    }
+}

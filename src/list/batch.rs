@@ -28,7 +28,10 @@ pub(super) struct Batch<'a> {
     /// First particles and second ones, by lane.
     pub i: &'a [u32],
     pub j: &'a [u32],
+    /// The laws of the lanes, where there are several or contacts are recorded.
     pub laws: &'a [&'a PairLaw; MOST_LANES],
+    /// The law of all lanes, where they have one.
+    pub only_law: Option<&'a PairLaw>,
     /// Inverse of the effective mass, where a law reads masses.
     pub inverse_effective_mass: &'a [f64; MOST_LANES],
 }
@@ -40,8 +43,6 @@ pub(super) struct Common<'a> {
     pub remembers_normals: bool,
     /// Time over which the history advances.
     pub time: f64,
-    /// The law, where there is only one.
-    pub only_law: Option<&'a PairLaw>,
     /// What velocities and angular velocities of the particles have more at the step; empty where that is not known.
     pub changes: &'a [Line],
     /// The time step, where forces see velocities of the step.
@@ -191,7 +192,7 @@ pub(super) fn run<
     tallies: &mut BatchTallies,
     lines: &mut BatchRecords,
 ) -> Left {
-    let kinds = match common.only_law {
+    let kinds = match batch.only_law {
         Some(law) => &law.kinds,
         None => &batch.laws[0].kinds,
     };
@@ -209,7 +210,7 @@ pub(super) fn run<
         search(registers, &i.body, &j.body, d, start)
     };
     let Some(found) = found else {
-        return all_apart::<S, FRICTION>(registers, bits, numbers);
+        return none_touches::<S, FRICTION>(registers, bits, numbers, 0);
     };
     let curvature = relative_curvature_matrix(found.weingarten_i, found.weingarten_j);
     let (factors, beyond) = factors::<S, K>(
@@ -223,8 +224,19 @@ pub(super) fn run<
     if RECORD && numbers.layout.torques.is_some() {
         let twisted = registers.mask(with_twisted_springs(batch.laws));
         hard = registers.or(hard, registers.and_not(twisted, found.separated));
+        let present = registers.mask(u32::from(bits.present));
+        let hard = registers.bits(registers.and(hard, present));
+        let apart = registers.bits(registers.and(found.separated, present));
+        // All that touch are for the scalar path: nothing of the law would be used.
+        if (hard | apart) == u32::from(bits.present) {
+            if let Some(at) = numbers.layout.normal {
+                let of_hard = registers.mask(hard);
+                put_vector(numbers, at, select3(of_hard, start, found.normal));
+            }
+            return none_touches::<S, FRICTION>(registers, bits, numbers, hard);
+        }
     }
-    let constants = constants_of(registers, batch.laws, common.only_law);
+    let constants = constants_of(registers, batch.laws, batch.only_law);
     let effective_mass = if RATE && kinds.normal.restitution {
         mass_of_inverse(Lanes::load(registers, batch.inverse_effective_mass))
     } else {
@@ -680,35 +692,49 @@ fn tally<S: Registers>(
     }
 }
 
-/// No pair touches: no tangential part any more.
+/// No pair touches, but for those that are `hard`: no tangential part any more of the others.
 #[inline(always)]
-fn all_apart<S: Registers, const FRICTION: bool>(
+fn none_touches<S: Registers, const FRICTION: bool>(
     registers: S,
     bits: LaneBits,
     numbers: &mut Numbers<'_>,
+    hard: u32,
 ) -> Left {
     if let Some(at) = numbers.layout.memory {
-        if FRICTION && bits.touching != 0 {
-            let zero = Lanes::splat(registers, 0.0);
-            put_vector(numbers, at, Vector3::new(zero, zero, zero));
-            if let Some(at) = numbers.layout.energy {
-                put_number(numbers, at, zero);
+        if FRICTION && u32::from(bits.touching) & !hard != 0 {
+            let layout = numbers.layout;
+            forget(registers, numbers, at, 3, hard);
+            if let Some(at) = layout.energy {
+                forget(registers, numbers, at, 1, hard);
             }
-            if let Some(at) = numbers.layout.rests {
-                for k in 0..numbers.layout.rest_count {
-                    put_number(numbers, at + k, zero);
-                }
+            if let Some(at) = layout.rests {
+                forget(registers, numbers, at, layout.rest_count, hard);
             }
-            if let Some(at) = numbers.layout.springs {
-                for k in 0..SPRING_NUMBERS {
-                    put_number(numbers, at + k, zero);
-                }
+            if let Some(at) = layout.springs {
+                forget(registers, numbers, at, SPRING_NUMBERS, hard);
             }
         }
     }
-    Left {
-        touching: 0,
-        hard: 0,
+    Left { touching: 0, hard }
+}
+
+/// Makes zero of some numbers of the pairs that are not `hard`.
+#[inline(always)]
+fn forget<S: Registers>(
+    registers: S,
+    numbers: &mut Numbers<'_>,
+    first: usize,
+    count: usize,
+    hard: u32,
+) {
+    let zero = Lanes::splat(registers, 0.0);
+    for k in first..first + count {
+        let kept = if hard == 0 {
+            zero
+        } else {
+            Lanes::select(registers.mask(hard), number(registers, numbers, k), zero)
+        };
+        put_number(numbers, k, kept);
     }
 }
 

@@ -23,7 +23,12 @@ pub(super) struct Candidate {
     pub entry: u32,
     /// Its neighbour.
     pub j: u32,
+    /// Where its law stands among all laws.
+    pub law: u32,
 }
+
+/// In the place of a law where the pairs of a batch have several.
+const SEVERAL: u32 = u32::MAX;
 
 /// Which lanes of a batch hold a pair, and which of these touch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,7 +48,11 @@ pub(super) struct Batches {
     i: Vec<u32>,
     j: Vec<u32>,
     entries: Vec<u32>,
+    /// Where their laws stand among all: a step looks up no types, which would be anywhere in memory.
+    laws: Vec<u32>,
     bits: Vec<LaneBits>,
+    /// For each batch the law of all its pairs, or [`SEVERAL`].
+    common_laws: Vec<u32>,
     /// For each batch the least particle that a later one adds to.
     later: Vec<u32>,
     /// Numbers of each pair that are remembered here: those of the engine's layout, and always the normal of a pair that
@@ -69,7 +78,9 @@ impl Default for Batches {
             i: Vec::new(),
             j: Vec::new(),
             entries: Vec::new(),
+            laws: Vec::new(),
             bits: Vec::new(),
+            common_laws: Vec::new(),
             later: Vec::new(),
             here: none,
             there: none,
@@ -93,7 +104,9 @@ impl Batches {
         self.i.clear();
         self.j.clear();
         self.entries.clear();
+        self.laws.clear();
         self.bits.clear();
+        self.common_laws.clear();
         self.later.clear();
         self.numbers.clear();
         self.align();
@@ -106,15 +119,26 @@ impl Batches {
         reserve(&mut self.i, batches * self.lanes, self.allocated);
         reserve(&mut self.j, batches * self.lanes, self.allocated);
         reserve(&mut self.entries, batches * self.lanes, self.allocated);
+        reserve(&mut self.laws, batches * self.lanes, self.allocated);
         reserve(&mut self.bits, batches, self.allocated);
+        reserve(&mut self.common_laws, batches, self.allocated);
         reserve(&mut self.later, batches, self.allocated);
         let numbers = LINE + batches * self.here.length * self.lanes;
         reserve(&mut self.numbers, numbers, self.allocated);
         self.align();
     }
 
-    /// Once all pairs are there: which sums are whole after which batch.
+    /// Once all pairs are there: which sums are whole after which batch, and which batch has one law.
     pub fn end(&mut self) {
+        let of_batches = self.laws.chunks(self.lanes);
+        self.common_laws.extend(of_batches.map(|laws| {
+            let same = laws.iter().all(|law| *law == laws[0]);
+            if same {
+                laws[0]
+            } else {
+                SEVERAL
+            }
+        }));
         self.later.resize(self.bits.len(), u32::MAX);
         let mut least = u32::MAX;
         for (batch, later) in self.later.iter_mut().enumerate().rev() {
@@ -167,6 +191,7 @@ impl Batches {
             self.i.resize(lanes, pair.i);
             self.j.resize(lanes, pair.j);
             self.entries.resize(lanes, pair.entry);
+            self.laws.resize(lanes, pair.law);
             let length = self.numbers.len() + self.here.length * self.lanes;
             reserve(&mut self.numbers, length, self.allocated);
             self.numbers.resize(length, 0.0);
@@ -176,6 +201,7 @@ impl Batches {
         };
         let at = batch * self.lanes + lane;
         (self.i[at], self.j[at], self.entries[at]) = (pair.i, pair.j, pair.entry);
+        self.laws[at] = pair.law;
         let bits = &mut self.bits[batch];
         bits.present |= 1 << lane;
         bits.touching |= u16::from(touching) << lane;
@@ -226,6 +252,7 @@ impl Batches {
             i: self.i[at],
             entry: self.entries[at],
             j: self.j[at],
+            law: self.laws[at],
         }
     }
 
@@ -264,6 +291,19 @@ impl Batches {
                 numbers: &mut self.numbers[at..at + length],
             },
         )
+    }
+
+    /// Where the law of all pairs of a batch stands, if they have one.
+    #[inline(always)]
+    pub fn common_law(&self, batch: usize) -> Option<u32> {
+        let law = self.common_laws[batch];
+        (law != SEVERAL).then_some(law)
+    }
+
+    /// Where the laws of the lanes of a batch stand.
+    #[inline(always)]
+    pub fn laws_of(&self, batch: usize) -> &[u32] {
+        &self.laws[batch * self.lanes..(batch + 1) * self.lanes]
     }
 
     /// What is remembered of a batch; nothing of one that there is not.
@@ -346,7 +386,9 @@ impl Batches {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (self.i.capacity() + self.j.capacity() + self.entries.capacity()) * size_of::<u32>()
+        let of_pairs =
+            self.i.capacity() + self.j.capacity() + self.entries.capacity() + self.laws.capacity();
+        (of_pairs + self.common_laws.capacity()) * size_of::<u32>()
             + self.bits.capacity() * size_of::<LaneBits>()
             + self.later.capacity() * size_of::<u32>()
             + self.numbers.capacity() * size_of::<f64>()

@@ -98,6 +98,7 @@ impl<'a> Pending<'a> {
             entry: 0,
             i: 0,
             j: 0,
+            law: 0,
         };
         Pending {
             i: [any; MOST_LANES],
@@ -246,6 +247,7 @@ fn find_candidates<S: Registers, K: Kind>(
                 entry: entry as u32,
                 i: central as u32,
                 j: other as u32,
+                law: laws.index(types[central], types[other]),
             };
             let history = history
                 .get(entry * length..(entry + 1) * length)
@@ -256,12 +258,12 @@ fn find_candidates<S: Registers, K: Kind>(
             pending.push(pair, (i, j), touched, history, layout.normal);
             looked_at += 1;
             if pending.count == S::LANES {
-                settle::<S, K>(registers, &mut pending, laws, types, candidates);
+                settle::<S, K>(registers, &mut pending, laws, candidates);
             }
         }
     }
     if pending.count > 0 {
-        settle::<S, K>(registers, &mut pending, laws, types, candidates);
+        settle::<S, K>(registers, &mut pending, laws, candidates);
     }
     candidates.end(listed, looked_at);
     Ok(())
@@ -294,11 +296,9 @@ fn contacts<
     let shapes = *shapes;
     let records = &records[..];
     let laws = pass.laws;
-    let one_type = laws.types() == 1;
     let common = Common {
         remembers_normals: pass.layout.normal.is_some(),
         time: pass.step.elapsed(),
-        only_law: one_type.then(|| laws.get(1, 1)),
         changes,
         begin_time: of_step.then_some(pass.step.time_step),
         tally: pass.tallies.is_some(),
@@ -325,6 +325,17 @@ fn contacts<
         for of_line in batches.numbers_of(number + 1).chunks(NUMBERS_OF_LINE) {
             registers.prefetch(&of_line[0]);
         }
+        let only_law = batches.common_law(number).map(|law| laws.at(law));
+        match only_law {
+            // Those that record look each law up.
+            Some(law) if RECORD => batch_laws = [law; MOST_LANES],
+            Some(_) => {}
+            None => {
+                for (own, law) in batch_laws.iter_mut().zip(batches.laws_of(number)) {
+                    *own = laws.at(*law);
+                }
+            }
+        }
         let (i, j, bits, mut numbers) = batches.batch(number);
         if let Some(ahead) = j.get(AHEAD * S::LANES..(AHEAD + 1) * S::LANES) {
             for &k in ahead {
@@ -338,12 +349,6 @@ fn contacts<
             }
         }
         let j = &j[..S::LANES];
-        if !one_type {
-            for k in 0..S::LANES {
-                let (i, j) = (types[i[k] as usize], types[j[k] as usize]);
-                batch_laws[k] = laws.get(i as usize, j as usize);
-            }
-        }
         if !inverse_masses.is_empty() {
             for k in 0..S::LANES {
                 inverse_effective_mass[k] =
@@ -355,6 +360,7 @@ fn contacts<
             i,
             j,
             laws: &batch_laws,
+            only_law,
             inverse_effective_mass: &inverse_effective_mass,
         };
         let last = (RECORD && laws.features().resistance)
@@ -632,7 +638,6 @@ fn settle<S: Registers, K: Kind>(
     registers: S,
     pending: &mut Pending<'_>,
     laws: &Laws,
-    types: &[u32],
     candidates: &mut Candidates,
 ) {
     let apart = if K::SPHERES {
@@ -649,12 +654,6 @@ fn settle<S: Registers, K: Kind>(
         } = &mut *pending;
         separated_by::<S, K>(registers, i, j, start, candidates.margin, *stay) & !*stay
     };
-    let law = |pair: &Candidate| {
-        laws.get(
-            types[pair.i as usize] as usize,
-            types[pair.j as usize] as usize,
-        )
-    };
     let batches = &mut candidates.batches;
     for k in 0..pending.count {
         if apart >> k & 1 != 0 {
@@ -666,7 +665,7 @@ fn settle<S: Registers, K: Kind>(
         let other_kinds = laws.types() > 1
             && batches
                 .last()
-                .is_some_and(|last| law(&last).kinds != law(&pair).kinds);
+                .is_some_and(|last| laws.at(last.law).kinds != laws.at(pair.law).kinds);
         let touched = pending.stay >> k & 1 != 0;
         let history = &pending.history[k];
         batches.push(pair, touched, history, [x, y, z], other_kinds);

@@ -200,6 +200,77 @@ fn rebuilt_lists_and_atom_styles_do_not_change_the_motion() {
     }
 }
 
+/// The pair style puts shapes in memory in the order of the atoms, which LAMMPS sorts by place: each grain keeps its own, also where others are
+/// deleted from among them.
+#[test]
+fn both_versions_each_grain_keeps_its_shape_where_shapes_are_sorted() {
+    const COUNT: usize = 216;
+    let engine = Engine::from_environment();
+    let mut scene = crowd(COUNT);
+    // Identifiers that say nothing of the place: 85 and 216 have no common factor.
+    let ordered = scene.grains.clone();
+    for (k, grain) in scene.grains.iter_mut().enumerate() {
+        *grain = ordered[k * 85 % COUNT].clone();
+        grain.semi_axes = grain.semi_axes.map(|a| a * (1.0 - 1e-4 * k as f64));
+    }
+    let dump = |name: &str| {
+        format!("write_dump all custom {name} id c_shape[*] modify sort id format float %.17g")
+    };
+    for (style, ranks) in [
+        ("ellipsoid", 1),
+        ("ellipsoid", 4),
+        ("ellipsoid superellipsoid", 1),
+        ("ellipsoid superellipsoid", 4),
+    ] {
+        let deck = Deck {
+            atom_style: style.into(),
+            runs: vec![
+                "compute shape all property/atom shapex shapey shapez quatw quati quatj quatk"
+                    .into(),
+                "run 0".into(),
+                dump("all_shapes"),
+                "group gone id 3:216:7".into(),
+                "delete_atoms group gone compress no".into(),
+                "run 0".into(),
+                dump("fewer_shapes"),
+            ],
+            ..Deck::new(LAW)
+        };
+        let outcome = run(&engine, "sorted_shapes", &scene, &deck, ranks);
+        for (name, left) in [("all_shapes", COUNT), ("fewer_shapes", COUNT - 31)] {
+            let text = std::fs::read_to_string(outcome.directory.join(name)).unwrap();
+            let rows: Vec<Vec<f64>> = text
+                .lines()
+                .skip(9)
+                .map(|line| {
+                    line.split_whitespace()
+                        .map(|x| x.parse().unwrap())
+                        .collect()
+                })
+                .collect();
+            assert_eq!(rows.len(), left, "{style}, {ranks} ranks: {name}");
+            for row in rows {
+                let grain = &scene.grains[row[0] as usize - 1];
+                for k in 0..3 {
+                    // LAMMPS has diameters of what it was given as diameters.
+                    let error = (row[1 + k] - 2.0 * grain.semi_axes[k]).abs();
+                    assert!(
+                        error < 1e-15,
+                        "{style}, {ranks} ranks, {name}: {row:?}, {grain:?}"
+                    );
+                }
+                for k in 0..4 {
+                    let error = (row[4 + k] - grain.quaternion[k]).abs();
+                    assert!(
+                        error < 1e-15,
+                        "{style}, {ranks} ranks, {name}: {row:?}, {grain:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// After many steps with remembered normals the forces are those that a fresh search finds.
 #[test]
 fn both_versions_remembered_normals_give_the_forces_of_a_fresh_search() {
