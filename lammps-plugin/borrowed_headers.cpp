@@ -16,6 +16,7 @@
 #include "domain.h"
 #include "fix_neigh_history.h"
 #include "force.h"
+#include "irregular.h"
 #include "lammps.h"
 #include "library.h"
 #include "modify.h"
@@ -212,6 +213,16 @@ void check_respa(LAMMPS *lmp)
   lammps_command(lmp, "run_style verlet");
 }
 
+// The plugin makes one of its own, of the size that the headers say.
+void check_irregular(LAMMPS *lmp)
+{
+  const int before = allocation_count;
+  lammps_command(lmp, "displace_atoms all move 0 0 0 units box");
+  bool found = false;
+  for (int k = before; k < allocation_count; k++) found |= allocations[k % REMEMBERED].size == sizeof(Irregular);
+  compare("displace_atoms makes an object of the size of Irregular", found, true);
+}
+
 }    // namespace
 
 void *operator new(std::size_t size)
@@ -248,6 +259,7 @@ int main()
 
   check_regions(lmp);
   check_respa(lmp);
+  check_irregular(lmp);
 
   const int length = 3;
   lammps_command(handle, "fix history all NEIGH_HISTORY 3");

@@ -21,6 +21,7 @@ const BORROWED: &[&str] = &[
     "atom_vec_hybrid.h",
     "fix_neigh_history.h",
     "integrate.h",
+    "irregular.h",
     "my_page.h",
     "region_block.h",
     "region_cone.h",
