@@ -50,6 +50,15 @@ fn storing_does_not_change_the_motion() {
     }
 }
 
+/// In a box around a floor at z = 0.
+fn on_the_floor(grains: Vec<Grain>) -> Scene {
+    Scene {
+        low: [-0.07, -0.07, -0.02],
+        high: [0.07, 0.07, 0.03],
+        ..Scene::open(1.0, grains)
+    }
+}
+
 /// fix continuum/weighted reads what the pairs and the walls store.
 #[test]
 fn stresses_of_spheres_as_in_the_engines_own_words() {
@@ -57,18 +66,11 @@ fn stresses_of_spheres_as_in_the_engines_own_words() {
         density: 2500.0,
         ..Grain::sphere(5e-3, [x, 0.0113, z])
     };
-    let scene = Scene {
-        low: [-0.07, -0.07, -0.02],
-        high: [0.07, 0.07, 0.03],
-        ..Scene::open(
-            1.0,
-            vec![
-                sphere(0.0, 4.98e-3),
-                sphere(0.006, 0.0128),
-                sphere(0.03, 4.99e-3),
-            ],
-        )
-    };
+    let scene = on_the_floor(vec![
+        sphere(0.0, 4.98e-3),
+        sphere(0.006, 0.0128),
+        sphere(0.03, 4.99e-3),
+    ]);
     for wall in [
         "primitive type 1 zplane 0.0",
         "mesh n_meshes 1 meshes sheet",
@@ -138,18 +140,11 @@ fn stresses_beside_a_mesh_are_those_beside_its_plane() {
         .moving([0.3, 0.1, -0.05])
         .spinning([30.0, 50.0, 5.0])
     };
-    let scene = Scene {
-        low: [-0.07, -0.07, -0.02],
-        high: [0.07, 0.07, 0.03],
-        ..Scene::open(
-            1.0,
-            vec![
-                grain(0.0, [6e-3, 4e-3, 3e-3], 0.4),
-                grain(0.02, [4e-3; 3], 0.0),
-                grain(-0.02, [3e-3, 5e-3, 4e-3], 1.1),
-            ],
-        )
-    };
+    let scene = on_the_floor(vec![
+        grain(0.0, [6e-3, 4e-3, 3e-3], 0.4),
+        grain(0.02, [4e-3; 3], 0.0),
+        grain(-0.02, [3e-3, 5e-3, 4e-3], 1.1),
+    ]);
     for model in [
         "nfd tangential tfd surface ellipsoid",
         "hertz tangential history rolling_friction cdt surface ellipsoid",
