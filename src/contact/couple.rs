@@ -28,8 +28,8 @@ pub(crate) struct TurningContact {
     pub stiffness: f64,
     /// Angular velocities of `i` and `j` at the half step, world frame.
     pub omega: [Vector3; 2],
-    /// What these have more at the step.
-    pub omega_change: [Vector3; 2],
+    /// What the angular velocity of `j` relative to `i` has more at the step.
+    pub omega_change: Vector3,
     /// Torque on `i` about the normal that springs of partial slip make: what the twist makes of it, and the viscous part.
     pub torque_of_springs: [f64; 2],
 }
@@ -51,10 +51,7 @@ impl TurningContact {
             normal_force: f.normal_force,
             stiffness: f.stiffness,
             omega: [x.i.omega, x.j.omega],
-            omega_change: x
-                .changes
-                .unwrap_or([MotionChange::NONE; 2])
-                .map(|change| change.omega),
+            omega_change: x.change.unwrap_or(MotionChange::NONE).omega,
             torque_of_springs: [f.frictional_couple, f.viscous_couple].map(|c| c.dot(x.normal)),
         }
     }
@@ -239,10 +236,8 @@ pub(crate) fn couple(
     let spin = (0.5 * elapsed * (wi + wj).dot(n)).clamp(-10.0, 10.0);
     let half_turn = (before.cross(n) + n * spin) * 0.5;
     let at_half_step = relative + half_turn.cross(relative);
-    let [ci, cj] = c.omega_change;
-    let has_change = [ci, cj].iter().any(|change| change.norm_squared() > 0.0);
-    let at_step = if has_change {
-        relative + (ci - cj)
+    let at_step = if c.omega_change.norm_squared() > 0.0 {
+        relative - c.omega_change
     } else {
         at_half_step
     };

@@ -85,6 +85,24 @@ impl MotionChange {
         velocity: Vector3::ZERO,
         omega: Vector3::ZERO,
     };
+
+    /// Of `j` relative to `i`, whose own changes these are: as the motion of one rigid body, `velocity` that of its point at the centre of
+    /// `i`, from which `d` leads to where `j` has its own velocity.
+    #[inline(always)]
+    pub fn between([i, j]: [MotionChange; 2], d: Vector3) -> MotionChange {
+        MotionChange {
+            velocity: j.velocity - i.velocity - j.omega.cross(d),
+            omega: j.omega - i.omega,
+        }
+    }
+}
+
+impl<T: Real> MotionChange<T> {
+    /// The change of the velocity of the point at `r` from where `velocity` is given.
+    #[inline(always)]
+    pub fn at(&self, r: Vector3<T>) -> Vector3<T> {
+        self.velocity + self.omega.cross(r)
+    }
 }
 
 /// A touching pair: geometry and motion.
@@ -105,9 +123,10 @@ pub struct Contact<T: Real = f64> {
     /// `(W_i + W_j - delta I)^-1`, where it is known and the contact is less than half as deep as the smallest radius of
     /// curvature.
     pub inverse_hessian: Option<Symmetric2<T>>,
-    /// Of `i` and `j`, where velocities of the step are known beside those of the half step, which `i` and `j` hold: viscous
-    /// forces take them. Else the velocities of the half step serve for all.
-    pub changes: Option<[MotionChange<T>; 2]>,
+    /// What the motion of `j` relative to `i` has more at the step, as [`MotionChange::between`] has it, where velocities of the step are
+    /// known beside those of the half step, which `i` and `j` hold: viscous forces take them. Else the velocities of the half step serve
+    /// for all.
+    pub change: Option<MotionChange<T>>,
     /// The time step, where viscous forces are to have the impulse of a contact that began within it (`force/contact_begin.rs`):
     /// where velocities are those of the step.
     pub begin_time: Option<T>,
@@ -130,7 +149,7 @@ impl<T: Real> Contact<T> {
             j,
             effective_mass,
             inverse_hessian: None,
-            changes: None,
+            change: None,
             begin_time: None,
         }
     }
@@ -368,14 +387,6 @@ impl<T: Real> InFrame<T> {
     fn cross_subtract(self, a: Self, b: Self) -> Self {
         a.cross_add(self, b)
     }
-    /// Componentwise.
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        InFrame {
-            tangential: self.tangential + other.tangential,
-            normal: self.normal + other.normal,
-        }
-    }
     /// `self + s (direction, along)`.
     #[inline(always)]
     fn plus(self, s: T, (direction, along): (Vector2<T>, T)) -> Self {
@@ -426,37 +437,12 @@ impl<T: Real> Motion<T> {
     /// At the half step.
     #[inline(always)]
     fn of<const WALL: bool>(x: &Contact<T>) -> Self {
-        Self::with::<WALL>(x, x.j.velocity - x.i.velocity, x.i.omega, x.j.omega)
-    }
-
-    /// At the step, where it is known.
-    #[inline(always)]
-    fn at_step<const WALL: bool>(&self, x: &Contact<T>) -> Self {
-        let Some([i, j]) = &x.changes else {
-            return *self;
-        };
-        let change = Self::with::<WALL>(x, j.velocity - i.velocity, i.omega, j.omega);
-        Motion {
-            relative: self.relative.add(change.relative),
-            omega_i: self.omega_i.add(change.omega_i),
-            omega_j: self.omega_j.add(change.omega_j),
-            rate: self.rate + change.rate,
-        }
-    }
-
-    #[inline(always)]
-    fn with<const WALL: bool>(
-        x: &Contact<T>,
-        relative: Vector3<T>,
-        omega_i: Vector3<T>,
-        omega_j: Vector3<T>,
-    ) -> Self {
-        let relative = InFrame::of(relative, x);
-        let omega_i = InFrame::of(omega_i, x);
+        let relative = InFrame::of(x.j.velocity - x.i.velocity, x);
+        let omega_i = InFrame::of(x.i.omega, x);
         let omega_j = if WALL {
             InFrame::none(x.penetration.constant(0.0))
         } else {
-            InFrame::of(omega_j, x)
+            InFrame::of(x.j.omega, x)
         };
         // Any point between the witnesses has the same velocity along n: they lie on one line along n.
         let approach = area(omega_i.tangential, x.i.witness) - relative.normal;
@@ -646,9 +632,24 @@ impl<T: Real> Turn<T> {
 /// The time of the step for which the bodies touched: a contact that began within it has slid only since then.
 #[inline(always)]
 fn time_in_contact<T: Real>(x: &Contact<T>, motion: &Motion<T>, remembered: &Remembered<T>) -> T {
+    let zero = x.penetration.constant(0.0);
+    // Few contacts are new in a step. Lanes that do not touch have a penetration of 1e-300: they would all look new.
+    let new = T::select(remembered.continued, zero, x.penetration);
+    if !zero.any(zero.constant(1e-290).less(new)) {
+        return remembered.time;
+    }
     let approach = motion.rate.max(x.penetration.constant(1e-300));
     let since = (x.penetration / approach).min(remembered.time);
     T::select(remembered.continued, remembered.time, since)
+}
+
+/// The contact point from the centre of `i`, for the share of the penetration that is of `i`.
+#[inline(always)]
+fn arm_of_contact_point<T: Real>(x: &Contact<T>, share: T) -> InFrame<T> {
+    InFrame {
+        tangential: x.i.witness,
+        normal: x.i.h - share,
+    }
 }
 
 /// The relative error that rounding leaves in the penetration, which is a small difference of lengths, and so in the normal force.
@@ -826,8 +827,15 @@ pub fn contact_forces<
     } else {
         Motion::none(zero)
     };
-    let at_step = motion.at_step::<WALL>(x);
-    let rate = at_step.rate;
+    // Of the velocity of j relative to i at the contact point.
+    let change = match &x.change {
+        Some(change) if RATE => {
+            let arm = arm_of_contact_point(x, x.penetration * c.share_i).to_world(x);
+            InFrame::of(change.at(arm), x)
+        }
+        _ => InFrame::none(zero),
+    };
+    let rate = motion.rate - change.normal;
     let viscous_rate = match x.begin_time {
         // By the rate at the step, which is the same where a run goes on from it.
         Some(time) => rate * begin_factor(kinds.normal.begin(), x.penetration, rate, time),
@@ -874,10 +882,7 @@ pub fn contact_forces<
 
     // The contact point from either centre; from that of j, its tangential part is minus the witness.
     let share = x.penetration * c.share_i;
-    let r_i = InFrame {
-        tangential: x.i.witness,
-        normal: x.i.h - share,
-    };
+    let r_i = arm_of_contact_point(x, share);
     let r_j = InFrame {
         tangential: x.j.witness * -zero.constant(1.0),
         normal: x.penetration - share - x.j.h,
@@ -915,8 +920,8 @@ pub fn contact_forces<
     if FRICTION && kinds.tangential.any() {
         let turn = Turn::of(x, &motion, remembered);
         let velocity = turn.velocity_at_half_step::<WALL>(&motion, r_i, r_j);
-        let velocity_at_step = if x.changes.is_some() {
-            at_step.tangential_velocity::<WALL>(r_i, r_j)
+        let velocity_at_step = if x.change.is_some() {
+            motion.tangential_velocity::<WALL>(r_i, r_j) + change.tangential
         } else {
             velocity
         };
@@ -936,7 +941,12 @@ pub fn contact_forces<
         // A run that starts evaluates its first forces with no time passing, perhaps with other velocities than the
         // step before.
         let passes = zero.less(remembered.time);
-        let rounding = rounding_of_penetration::<T, WALL>(x);
+        let stands = T::select(passes, zero, zero.constant(1.0));
+        let rounding = if zero.any(zero.less(stands)) {
+            rounding_of_penetration::<T, WALL>(x)
+        } else {
+            zero
+        };
         let of_normal = (normal.force, normal.stiffness, rounding);
         let memory = turn.carry(x, remembered.memory);
         let t: TangentialForce<T> = match springs {
@@ -952,10 +962,13 @@ pub fn contact_forces<
                 }
                 let turn = if B::TWISTS {
                     let twisting = turn.twisting_at_half_step(&motion);
-                    let at_step = if x.changes.is_some() {
-                        at_step.omega_i.normal - at_step.omega_j.normal
-                    } else {
-                        twisting
+                    let at_step = match &x.change {
+                        Some(change) => {
+                            motion.omega_i.normal
+                                - motion.omega_j.normal
+                                - x.normal.dot(change.omega)
+                        }
+                        None => twisting,
                     };
                     [twisting * time, at_step]
                 } else {

@@ -90,16 +90,19 @@ fn surface(body: &Particle, support: &Support, tangent: &Tangent) -> Surface {
 #[doc(hidden)]
 #[inline(always)]
 pub fn contact_of(found: &ContactSearch, i: &Particle, j: &Particle) -> Contact {
-    let changes = match (i.change, j.change) {
+    let change = match (i.change, j.change) {
         (None, None) => None,
-        (i, j) => Some([i, j].map(|change| change.unwrap_or(MotionChange::NONE))),
+        (of_i, of_j) => {
+            let changes = [of_i, of_j].map(|change| change.unwrap_or(MotionChange::NONE));
+            Some(MotionChange::between(changes, j.position - i.position))
+        }
     };
     let surfaces = [
         surface(i, &found.support_i, &found.tangent),
         surface(j, &found.support_j, &found.tangent),
     ];
     Contact {
-        changes,
+        change,
         ..Contact::new(
             (found.normal, found.tangent),
             found.penetration,
@@ -129,7 +132,9 @@ pub fn contact_with_wall(
         ..MotionChange::NONE
     };
     Contact {
-        changes: i.change.map(|change| [change, of_wall]),
+        change: i
+            .change
+            .map(|change| MotionChange::between([change, of_wall], Vector3::ZERO)),
         ..Contact::new(
             (normal, tangent),
             penetration,
@@ -253,7 +258,7 @@ pub fn through_law<
 ) -> ContactForces {
     let remembered = recall(layout, history, touched, step, x.normal, before);
     let x = &Contact {
-        begin_time: x.changes.map(|_| step.time_step),
+        begin_time: x.change.map(|_| step.time_step),
         ..*x
     };
     let mut springs = layout.springs_of(history);

@@ -257,7 +257,7 @@ impl StagedContact {
         law.kinds.tangential.law = Tangential::None;
         let x = Contact {
             effective_mass,
-            begin_time: self.x.changes.map(|_| time_step),
+            begin_time: self.x.change.map(|_| time_step),
             ..self.x
         };
         let nothing = Remembered::nothing(false, x.normal);
@@ -331,7 +331,7 @@ impl StagedContact {
         }
         let x = Contact {
             effective_mass,
-            begin_time: self.x.changes.map(|_| step.time_step),
+            begin_time: self.x.change.map(|_| step.time_step),
             ..self.x
         };
         let known = history.touched && history.normal.is_unit();

@@ -508,11 +508,10 @@ impl<S: Registers, B: ConvexBody<Lanes<S>>> PlacedAtSurface<S, B> {
             at.effective_mass,
         );
         if let Some(change) = at.change {
-            let none = MotionChange {
-                velocity: null,
-                omega: null,
-            };
-            contact.changes = Some([change, none]);
+            contact.change = Some(MotionChange {
+                velocity: -change.velocity,
+                omega: -change.omega,
+            });
             contact.begin_time = Some(Lanes::splat(registers, step.time_step));
         }
         let forces = contact_forces::<Lanes<S>, NoBed, true, true, true, true>(

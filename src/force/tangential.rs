@@ -179,15 +179,16 @@ impl TangentialKinds {
         if !self.law.needs_material() || matches!(self.displacement, Displacement::Total) {
             return one;
         }
-        let before = ((penetration - way) / penetration).max(zero);
-        let before = match self.displacement {
-            Displacement::Rescaled | Displacement::Hysteretic => before.min(one),
+        // The root of the penetration before over that now; the law has the inverse root anyway.
+        let inverse_root = penetration.max(one * 1e-300).reciprocal_sqrt();
+        let s = (penetration - way).max(zero).sqrt() * inverse_root;
+        let s = match self.displacement {
+            Displacement::Rescaled | Displacement::Hysteretic => s.min(one),
             // Where the step ends the contact the force has vanished.
-            _ => before.min(one * 1e6),
+            _ => s.min(one * 1e3),
         };
-        // The mean of the root of d from `before` to 1: 2/3 (1 - s^3)/(1 - s^2), s the root of `before`.
-        let s = before * before.max(one * 1e-290).reciprocal_sqrt();
-        (one + s + before) / (one + s) * (2.0 / 3.0)
+        // The mean of the root from s^2 to 1: 2/3 (1 - s^3)/(1 - s^2).
+        (s + (one + s).reciprocal()) * (2.0 / 3.0)
     }
     /// How the viscous force of a contact begins.
     #[inline(always)]

@@ -43,7 +43,7 @@ pub(super) struct Common<'a> {
     pub remembers_normals: bool,
     /// Time over which the history advances.
     pub time: f64,
-    /// What velocities and angular velocities of the particles have more at the step; empty where that is not known.
+    /// What the motions of the particles have more at the step ([`super::records::line_of_change`]); empty where that is not known.
     pub changes: &'a [Line],
     /// The time step, where forces see velocities of the step.
     pub begin_time: Option<f64>,
@@ -251,10 +251,12 @@ pub(super) fn run<
         }
         // An elastic law reads the velocities of the half step alone, but a record has the rate of the step.
         if FRICTION && (viscous || RECORD) && !common.changes.is_empty() {
-            x.changes = Some([
-                change(registers, &records_of!(common.changes, batch.i, S::LANES)),
-                change(registers, &records_of!(common.changes, batch.j, S::LANES)),
-            ]);
+            x.change = Some(relative_change(
+                registers,
+                &records_of!(common.changes, batch.i, S::LANES),
+                &records_of!(common.changes, batch.j, S::LANES),
+                i.centre,
+            ));
         }
     }
     let remembered = if FRICTION {
@@ -370,13 +372,25 @@ fn contact_of<S: Registers, K: Kind>(
     }
 }
 
-/// What the motions of particles have more at the step.
+/// What the motions of `j` relative to `i` have more at the step, the velocities at these centres of `i`.
 #[inline(always)]
-fn change<S: Registers>(registers: S, changes: &[&Line; MOST_LANES]) -> MotionChange<Lanes<S>> {
-    let c = Lanes::all(registers, registers.columns(changes));
-    MotionChange {
+fn relative_change<S: Registers>(
+    registers: S,
+    changes_i: &[&Line; MOST_LANES],
+    changes_j: &[&Line; MOST_LANES],
+    centre: Vector3<Lanes<S>>,
+) -> MotionChange<Lanes<S>> {
+    let c = Lanes::all(
+        registers,
+        registers.column_differences(changes_j, changes_i),
+    );
+    let at_origin = MotionChange {
         velocity: Vector3::new(c[0], c[1], c[2]),
         omega: Vector3::new(c[3], c[4], c[5]),
+    };
+    MotionChange {
+        velocity: at_origin.at(centre),
+        ..at_origin
     }
 }
 

@@ -181,7 +181,7 @@ pub(super) fn turning_contact(lane: usize, lines: &BatchRecords) -> TurningConta
         normal_force: number(0, 6),
         stiffness: number(5, 3),
         omega: [Vector3::ZERO; 2],
-        omega_change: [Vector3::ZERO; 2],
+        omega_change: Vector3::ZERO,
         // Springs that resist a twist are not in lanes.
         torque_of_springs: [0.0; 2],
     }

@@ -560,7 +560,7 @@ fn resist(
         turning.omega = [wi, wj];
         turning.rate = approach(turning.normal, [arm, arm - d], [vi, vj], [wi, wj]);
         if single.of_step {
-            turning.omega_change = [i, j].map(|k| single.change(k).omega);
+            turning.omega_change = single.change(j).omega - single.change(i).omega;
         }
         let before = match &last.normals {
             Some(normals) => normals[lane],

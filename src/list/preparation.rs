@@ -217,7 +217,8 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
         put(registers, finished[0], &mut lines[0]);
         put(registers, finished[1], &mut lines[1]);
         if CHANGES {
-            put(registers, finished[2], &mut lines[2]);
+            let change = at_origin(finished[2], Vector3::new(x[0], x[1], x[2]));
+            put(registers, change, &mut lines[2]);
         }
         let [poses, motions, changes] = lines;
         (registers.bits(sound), poses, motions, changes)
@@ -369,7 +370,7 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosen<'_, '_, A, I> {
             chunk.repeat_first(S::LANES);
             let masses = &chunk.masses;
             let is_sound = chunk.sound
-                && finish::<S, CHANGES>(
+                && finish::<S, CHANGES, false>(
                     registers,
                     &mut chunk.lines,
                     masses,
@@ -551,7 +552,7 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosenRecords<'_, '_, A, I> 
         chunk.repeat_first(S::LANES);
         let from_momenta = matches!(arrays.rotation, Rotation::Momentum(..));
         let is_sound = chunk.sound
-            && finish::<S, CHANGES>(
+            && finish::<S, CHANGES, true>(
                 registers,
                 &mut chunk.lines,
                 &chunk.masses,
@@ -682,9 +683,9 @@ struct Raw<S: Registers> {
     change: [[Lanes<S>; 3]; 2],
 }
 
-/// Makes records of copies of the engine's numbers; whether all of them can be.
+/// Makes records of copies of the engine's numbers; whether all of them can be. What motions have more is that of the centres, or `AT_ORIGIN`.
 #[inline(always)]
-fn finish<S: Registers, const CHANGES: bool>(
+fn finish<S: Registers, const CHANGES: bool, const AT_ORIGIN: bool>(
     registers: S,
     lines: &mut [[Line; MOST_LANES]; 3],
     masses: &[f64; MOST_LANES],
@@ -710,7 +711,11 @@ fn finish<S: Registers, const CHANGES: bool>(
     put(registers, finished[0], &mut lines[0]);
     put(registers, finished[1], &mut lines[1]);
     if CHANGES {
-        put(registers, finished[2], &mut lines[2]);
+        let mut change = finished[2];
+        if AT_ORIGIN {
+            change = at_origin(change, Vector3::new(raw.x[0], raw.x[1], raw.x[2]));
+        }
+        put(registers, change, &mut lines[2]);
     }
     true
 }
@@ -783,7 +788,7 @@ fn finished<S: Registers, const CHANGES: bool>(
             [
                 [x[0], x[1], x[2], q[0], q[1], q[2], q[3], a[0]],
                 [a[1], a[2], v[0], v[1], v[2], omega.x, omega.y, omega.z],
-                line_of_change(change, w),
+                columns_of_change(change, w),
             ],
         );
     }
@@ -830,14 +835,32 @@ fn finished<S: Registers, const CHANGES: bool>(
                 polar.reciprocal(),
                 equatorial.reciprocal(),
             ],
-            line_of_change(change, w),
+            columns_of_change(change, w),
         ],
     )
 }
 
-/// Columns of what motions have more at the step.
+/// Columns of what motions have more at the step: of the velocity and the angular velocity.
 #[inline(always)]
-fn line_of_change<S: Registers>([v, _]: [[Lanes<S>; 3]; 2], w: Vector3<Lanes<S>>) -> [Lanes<S>; 8] {
+fn columns_of_change<S: Registers>(
+    [v, _]: [[Lanes<S>; 3]; 2],
+    w: Vector3<Lanes<S>>,
+) -> [Lanes<S>; 8] {
     let zero = v[0].constant(0.0);
     [v[0], v[1], v[2], w.x, w.y, w.z, zero, zero]
+}
+
+/// The same as records have it ([`super::records::line_of_change`]).
+#[inline(always)]
+fn at_origin<S: Registers>(
+    [x, y, z, a, b, c, ..]: [Lanes<S>; 8],
+    position: Vector3<Lanes<S>>,
+) -> [Lanes<S>; 8] {
+    let change = MotionChange {
+        velocity: Vector3::new(x, y, z),
+        omega: Vector3::new(a, b, c),
+    };
+    let v = change.at(-position);
+    let zero = x.constant(0.0);
+    [v.x, v.y, v.z, a, b, c, zero, zero]
 }

@@ -186,8 +186,8 @@ pub(super) struct Records {
     pub types: Vec<u32>,
     /// Empty where no law reads masses.
     pub inverse_masses: Vec<f64>,
-    /// What velocity and angular velocity at the step have more than those of the records, which are then those of the half
-    /// step; empty where nobody asks for the latter.
+    /// What the motions at the step have more than those of the records, which are then those of the half step ([`line_of_change`]); empty
+    /// where nobody asks for the latter.
     pub changes: Vec<Line>,
     /// Whether forces see velocities of the step.
     pub of_step: bool,
@@ -277,9 +277,13 @@ impl ParticleRecords<'_> {
     /// What the motion of a particle has more at the step.
     pub(super) fn change(&self, k: usize) -> MotionChange {
         let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
-        MotionChange {
+        let at_origin = MotionChange {
             velocity: Vector3::new(x, y, z),
             omega: Vector3::new(a, b, c),
+        };
+        MotionChange {
+            velocity: at_origin.at(self.records[k].position()),
+            ..at_origin
         }
     }
 }
@@ -305,10 +309,14 @@ pub(super) fn prepare_record<S: ParticleShapes, I: Fn(usize) -> i64>(
         p.velocity.to_array(),
         p.omega,
     );
-    let MotionChange {
-        velocity: v,
-        omega: w,
-    } = p.change.unwrap_or(MotionChange::NONE);
-    let change = Line([v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0]);
+    let change = line_of_change(p.change.unwrap_or(MotionChange::NONE), p.position);
     Ok((record, change, p.particle_type, p.inverse_mass))
+}
+
+/// What the motion of a particle at `position` has more at the step, as the lanes load it: as of a rigid body in space, the velocity of its point
+/// at the origin of coordinates, then the angular velocity. The difference of two lines is then the relative motion of two particles. Rounding
+/// is that of the coordinates, which positions have anyway.
+pub(super) fn line_of_change(change: MotionChange, position: Vector3) -> Line {
+    let (v, w) = (change.at(-position), change.omega);
+    Line([v.x, v.y, v.z, w.x, w.y, w.z, 0.0, 0.0])
 }

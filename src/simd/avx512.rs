@@ -188,6 +188,26 @@ impl Registers for pulp::x86::V4 {
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
     #[inline(always)]
+    fn column_differences(self, lines: &[&Line], others: &[&Line]) -> [Self::Vector; 8] {
+        macro_rules! row {
+            ($k:literal) => {
+                self.subtract(pulp::cast(lines[$k].0), pulp::cast(others[$k].0))
+            };
+        }
+        let rows = [
+            row!(0),
+            row!(1),
+            row!(2),
+            row!(3),
+            row!(4),
+            row!(5),
+            row!(6),
+            row!(7),
+        ];
+        let (c0, c1, c2, c3, c4, c5, c6, c7) = transposed_eight!(self.avx512f, rows);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+    #[inline(always)]
     fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
         let rows = transposed_eight!(self.avx512f, c);
         lines[0].0 = pulp::cast(rows.0);

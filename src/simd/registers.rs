@@ -88,6 +88,21 @@ pub trait Registers: Copy {
     fn mantissa_and_exponent(self, a: Self::Vector) -> (Self::Vector, Self::Vector);
     /// Entry `k` of the first lines, for `k` from 0 to 7.
     fn columns(self, lines: &[&Line]) -> [Self::Vector; 8];
+    /// Entry `k` of the first lines less that of the first `others`, for `k` from 0 to 5; the last two are nothing to rely on.
+    #[inline(always)]
+    fn column_differences(self, lines: &[&Line], others: &[&Line]) -> [Self::Vector; 8] {
+        let (a, b) = (self.columns(lines), self.columns(others));
+        [
+            self.subtract(a[0], b[0]),
+            self.subtract(a[1], b[1]),
+            self.subtract(a[2], b[2]),
+            self.subtract(a[3], b[3]),
+            self.subtract(a[4], b[4]),
+            self.subtract(a[5], b[5]),
+            a[6],
+            a[7],
+        ]
+    }
     /// Brings the cache line of a number closer, if the machine can be told so.
     fn prefetch(self, number: &f64);
     /// The reverse: entry `k` of the first lines is register `k`.

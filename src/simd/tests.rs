@@ -122,6 +122,19 @@ impl Stage for Check {
                 assert_eq!(*number, (10 * lane + entry) as f64);
             }
         }
+        let mut others = [Line::ZERO; MOST_LANES];
+        for (k, line) in others.iter_mut().enumerate() {
+            line.0 = core::array::from_fn(|entry| ((k + 3) * (entry + 7)) as f64);
+        }
+        let other_refs: [&Line; MOST_LANES] = core::array::from_fn(|k| &others[k]);
+        let differences = registers.column_differences(&refs, &other_refs);
+        for (entry, column) in differences.into_iter().take(6).enumerate() {
+            let mut line = [0.0; MOST_LANES];
+            registers.store(column, &mut line);
+            for lane in 0..S::LANES {
+                assert_eq!(line[lane], lines[lane].0[entry] - others[lane].0[entry]);
+            }
+        }
         let mut back = [Line::ZERO; MOST_LANES];
         registers.lines(columns, &mut back);
         assert_eq!(back[..S::LANES], lines[..S::LANES]);

@@ -100,6 +100,23 @@ impl<S: Registers> Registers for Twice<S> {
         ]
     }
     #[inline(always)]
+    fn column_differences(self, lines: &[&Line], others: &[&Line]) -> [Self::Vector; 8] {
+        let a = self.0.column_differences(lines, others);
+        let b = self
+            .0
+            .column_differences(&lines[S::LANES..], &others[S::LANES..]);
+        [
+            [a[0], b[0]],
+            [a[1], b[1]],
+            [a[2], b[2]],
+            [a[3], b[3]],
+            [a[4], b[4]],
+            [a[5], b[5]],
+            [a[6], b[6]],
+            [a[7], b[7]],
+        ]
+    }
+    #[inline(always)]
     fn lines(self, c: [Self::Vector; 8], lines: &mut [Line]) {
         self.0.lines(side!(c, 0), lines);
         self.0.lines(side!(c, 1), &mut lines[S::LANES..]);

@@ -554,7 +554,7 @@ impl AddForces<'_, '_, '_> {
         let mut seen = SeenFromWall {
             velocity: side.velocity - splat(registers, input.motion.velocity),
             omega: side.omega,
-            change: change_of(registers, input, batch.contacts),
+            change: change_of(registers, input, batch.contacts, side.centre),
         };
         let spins = SURFACES && input.motion.spins();
         if spins && !input.motion.along_itself {
@@ -902,6 +902,7 @@ fn change_of<S: Registers>(
     registers: S,
     input: &RecordsInput<'_>,
     contacts: &[LoneContact],
+    centre: Vector3<Lanes<S>>,
 ) -> Option<MotionChange<Lanes<S>>> {
     let near = &input.near;
     if !near.of_step {
@@ -922,6 +923,7 @@ fn change_of<S: Registers>(
         let c = Lanes::all(registers, registers.columns(&changes));
         own.velocity = Vector3::new(c[0], c[1], c[2]);
         own.omega = Vector3::new(c[3], c[4], c[5]);
+        own.velocity = own.at(centre);
     }
     own.velocity = own.velocity - splat(registers, input.motion.velocity_change);
     Some(own)

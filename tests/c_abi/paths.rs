@@ -143,6 +143,31 @@ fn velocities_of_the_step_with_every_law() {
     seen.check(160 * decks.len());
 }
 
+/// What motions have more at the step is summed up about the origin of coordinates in lanes: far from it rounding is that of coordinates, of
+/// which a hundred thousand radii leave eleven digits of a radius.
+#[test]
+fn velocities_of_the_step_far_from_the_origin() {
+    let decks = combinations();
+    let mut seen = Seen::default();
+    for decks in decks.iter().step_by(5) {
+        let mut bodies = random_bodies(5);
+        for body in &mut bodies {
+            for (x, far) in body.position.iter_mut().zip([1e5, -2e5, 3e5]) {
+                *x += far;
+            }
+            body.velocities_of_step = 1;
+            body.velocity_change = body.velocity.map(|v| 0.1 * v);
+            body.angular_velocity_change = body.angular_velocity.map(|w| -0.2 * w);
+        }
+        Comparison {
+            wider: 1e5,
+            ..Comparison::new(decks, bodies)
+        }
+        .run(&mut seen);
+    }
+    seen.check(160 * decks.len() / 5);
+}
+
 #[test]
 fn the_groups_above_are_all_combinations() {
     assert_eq!(combinations().len(), 60 + 60 + 120 + 180 + 180 + 24);

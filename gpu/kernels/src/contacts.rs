@@ -371,8 +371,11 @@ fn contact_of<K: Kind>(
         j: surface(j, body_b, &found.support_j, found.weingarten_j),
         effective_mass: effective_mass(scene.inverse_mass(i), scene.inverse_mass(j)),
         inverse_hessian: Some(matrix_of(found.inverse_hessian)),
-        changes: match (scene.change(law, i), scene.change(law, j)) {
-            (Some(i), Some(j)) => Some([i, j]),
+        change: match (scene.change(law, i), scene.change(law, j)) {
+            (Some(of_i), Some(of_j)) => {
+                let d = scene.grains[j].centre() - scene.grains[i].centre();
+                Some(MotionChange::between([of_i, of_j], d))
+            }
             _ => None,
         },
         begin_time: None,
