@@ -30,6 +30,9 @@ struct Bounds {
     /// Square of that correction. It mends normal, witnesses and penetration; the curvature is left off by about this share,
     /// times the square of the aspect ratio at most.
     largest_correction: f64,
+    /// A first step may be bent (see [`minimise`]) and be the last where its sixth power times the fourth power of the aspect ratio is less than
+    /// this, the square of what it leaves.
+    bent: f64,
     /// What a determinant must be of the square of its trace, at least, for a Hessian that is safely positive.
     definite: f64,
     /// The same for a proof of the global minimum.
@@ -44,6 +47,7 @@ impl Bounds {
     const DOUBLE: Bounds = Bounds {
         settled: 1e-30,
         largest_correction: 1e-26,
+        bent: 1e-28,
         definite: 1e-11,
         proof: 1e-12,
         rise: 1e-13,
@@ -54,6 +58,8 @@ impl Bounds {
     const SINGLE: Bounds = Bounds {
         settled: 1e-8,
         largest_correction: 1e-8,
+        // A step that is short enough would leave the range of these numbers.
+        bent: 0.0,
         definite: 1e-5,
         proof: 1e-5,
         rise: 2e-6,
@@ -227,7 +233,8 @@ fn search_to<const LAST_STEP: bool, S: Registers, B: ConvexBody<Lanes<S>>>(
     if registers.all(apart) {
         return None;
     }
-    let (y, mut hard, active) = minimise(registers, &model, at, apart);
+    let extremes = [i.extreme_semi_axes(), j.extreme_semi_axes()];
+    let (y, mut hard, active) = minimise(registers, &model, at, apart, extremes);
     // Whatever is still active did not converge.
     hard = registers.or(hard, active);
     let n = (start + base.vector(y)) * (y.dot(y) + 1.0).reciprocal_sqrt();
@@ -369,14 +376,19 @@ pub fn in_more_digits<S: Registers, B: ConvexBody<Lanes<S>>>(
 }
 
 /// Newton's method over the tangent plane: where it ends, the lanes in which it leads astray, and those in which it has not
-/// ended. Lanes `apart` do not take part.
+/// ended. Lanes `apart` do not take part. `extremes` are the largest and the smallest semi-axis of both bodies.
+///
+/// The normal of the last step is close: mostly one step is the last once it is bent, as the third derivatives at its beginning say (the method of
+/// Chebyshev), and what it leaves goes with its third power, times the square of the aspect ratio at most.
 #[inline(always)]
 fn minimise<S: Registers>(
     registers: S,
     model: &TangentModel<Lanes<S>>,
     mut at: TangentPoint<Lanes<S>>,
     apart: S::Mask,
+    extremes: [[Lanes<S>; 2]; 2],
 ) -> (Vector2<Lanes<S>>, S::Mask, S::Mask) {
+    let bounds = Bounds::of::<S>();
     let zero = Lanes::splat(registers, 0.0);
     let one = Lanes::splat(registers, 1.0);
     let mut y = Vector2::new(zero, zero);
@@ -393,8 +405,23 @@ fn minimise<S: Registers>(
             Lanes::select(active, y.u + change.u, y.u),
             Lanes::select(active, y.v + change.v, y.v),
         );
-        let moving = (last * last * Bounds::of::<S>().settled).less(square * square * square);
+        let cube = square * square * square;
+        let moving = (last * last * bounds.settled).less(cube);
         active = registers.and(active, moving);
+        if step == 0 && bounds.bent > 0.0 && registers.any(active) {
+            let [i, j] = extremes;
+            let short = registers.and(
+                is_short(cube, i, bounds.bent),
+                is_short(cube, j, bounds.bent),
+            );
+            let bend = solved(&at, model.bend_at_base(y));
+            let bent = registers.and(active, short);
+            y = Vector2::new(
+                Lanes::select(bent, y.u + bend.u, y.u),
+                Lanes::select(bent, y.v + bend.v, y.v),
+            );
+            active = registers.and_not(active, bent);
+        }
         last = square;
         step += 1;
         if registers.none(active) || step == NEWTON_STEPS {
@@ -403,6 +430,24 @@ fn minimise<S: Registers>(
         at = model.at(y);
     }
     (y, hard, active)
+}
+
+/// Where the sixth power of a step is short for a body with these extreme semi-axes.
+#[inline(always)]
+fn is_short<S: Registers>(
+    cube: Lanes<S>,
+    [most, least]: [Lanes<S>; 2],
+    bound: f64,
+) -> <Lanes<S> as Real>::Mask {
+    let (most, least) = (most * most, least * least);
+    (cube * (most * most)).less(least * least * bound)
+}
+
+/// Minus the inverse of the Hessian times a vector.
+#[inline(always)]
+fn solved<T: Real>(at: &TangentPoint<T>, v: Vector2<T>) -> Vector2<T> {
+    let minus_inverse = at.hessian.determinant().reciprocal() * -at.value.constant(1.0);
+    at.hessian.adjugate().apply(v) * minus_inverse
 }
 
 /// Where an ellipsoid inside the Minkowski sum proves the minimum to be the global one.
@@ -502,4 +547,150 @@ pub(crate) fn select3<S: Registers>(
         Lanes::select(mask, a.y, b.y),
         Lanes::select(mask, a.z, b.z),
     )
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::geometry::random::Random;
+    use crate::geometry::Ellipsoid;
+    use crate::simd::{InstructionSet, Stage, MOST_LANES};
+
+    /// Two bodies that touch with this normal, from the centre of `i` to that of `j`.
+    struct Touching {
+        i: Ellipsoid,
+        j: Ellipsoid,
+        d: Vector3,
+        normal: Vector3,
+        aspect_ratio: f64,
+    }
+
+    fn touching(random: &mut Random, most_slender: f64) -> Touching {
+        let mut body = || {
+            let long = random.of_any_size(1.0, most_slender);
+            let wide =
+                [1.0, random.uniform(1.0, long)][usize::from(random.uniform(0.0, 1.0) > 0.5)];
+            let axes =
+                [[long, wide, 1.0], [1.0, long, long]][usize::from(random.uniform(0.0, 1.0) > 0.7)];
+            (Ellipsoid::new(axes, random.quaternion()).unwrap(), long)
+        };
+        let ((i, a), (j, b)) = (body(), body());
+        let normal = random.direction();
+        let aspect_ratio = f64::max(a, b);
+        // Far from half the smallest radius of curvature.
+        let penetration = 1e-3 / aspect_ratio;
+        let d = i.support(normal).point + j.support(normal).point - normal * penetration;
+        Touching {
+            i,
+            j,
+            d,
+            normal,
+            aspect_ratio,
+        }
+    }
+
+    fn splat3<S: Registers>(registers: S, v: Vector3) -> Vector3<Lanes<S>> {
+        crate::contact::vectors_in_lanes::splat(registers, v)
+    }
+
+    fn splat_body<S: Registers>(registers: S, body: &Ellipsoid) -> Ellipsoid<Lanes<S>> {
+        Ellipsoid {
+            axes: body.axes.map(|axis| splat3(registers, axis)),
+            semi_axes: splat3(registers, body.semi_axes),
+            inverse_semi_axes: splat3(registers, body.inverse_semi_axes),
+        }
+    }
+
+    /// Searches from normals that are off by an angle, in as many directions as there are lanes: how many lanes are hard, and the largest error of
+    /// the normals of the others.
+    struct FromAside<'a> {
+        pair: &'a Touching,
+        angle: f64,
+        hard: &'a mut u32,
+        error: &'a mut f64,
+    }
+
+    impl Stage for FromAside<'_> {
+        fn run<S: Registers>(self, registers: S) {
+            let FromAside { pair, angle, .. } = self;
+            let tangent = Tangent::new(pair.normal);
+            let mut starts = [[0.0; MOST_LANES]; 3];
+            for lane in 0..S::LANES {
+                let (sin, cos) =
+                    (0.3 + std::f64::consts::TAU * lane as f64 / S::LANES as f64).sin_cos();
+                let aside = tangent.vector(Vector2::new(cos, sin)) * angle;
+                let start = (pair.normal + aside).normalised().to_array();
+                for (row, x) in starts.iter_mut().zip(start) {
+                    row[lane] = x;
+                }
+            }
+            let [x, y, z] = [0, 1, 2].map(|k| Lanes::load(registers, &starts[k]));
+            let (i, j) = (
+                splat_body(registers, &pair.i),
+                splat_body(registers, &pair.j),
+            );
+            let d = splat3(registers, pair.d);
+            let found = search(registers, &i, &j, d, Vector3::new(x, y, z)).expect("they touch");
+            assert_eq!(registers.bits(found.separated), 0);
+            let hard = registers.bits(found.hard);
+            *self.hard = hard.count_ones();
+            let normal = [found.normal.x, found.normal.y, found.normal.z].map(|x| {
+                let mut line = [0.0; MOST_LANES];
+                x.store(&mut line);
+                line
+            });
+            *self.error = (0..S::LANES)
+                .filter(|lane| hard >> lane & 1 == 0)
+                .map(|lane| {
+                    (Vector3::new(normal[0][lane], normal[1][lane], normal[2][lane]) - pair.normal)
+                        .norm()
+                })
+                .fold(0.0, f64::max);
+        }
+    }
+
+    /// A first step as long as one that is bent may be, and ones that are a little longer and much shorter: as exact as from the normal itself, and
+    /// none for the scalar path.
+    #[test]
+    fn one_bent_step_is_enough() {
+        let mut random = Random::new(20);
+        for most_slender in [1.2, 3.0, 30.0, 300.0] {
+            for _ in 0..400 {
+                let pair = touching(&mut random, most_slender);
+                let square = pair.aspect_ratio * pair.aspect_ratio;
+                let longest = (Bounds::DOUBLE.bent / (square * square)).powf(1.0 / 6.0);
+                for set in InstructionSet::ALL
+                    .into_iter()
+                    .filter(|set| set.is_available())
+                {
+                    let mut from = |angle: f64| {
+                        let (mut hard, mut error) = (0, 0.0);
+                        set.run(FromAside {
+                            pair: &pair,
+                            angle,
+                            hard: &mut hard,
+                            error: &mut error,
+                        });
+                        (hard, error)
+                    };
+                    let (_, rounding) = from(0.0);
+                    for share in [0.01, 0.3, 0.99, 1.01, 3.0] {
+                        let (hard, error) = from(share * longest);
+                        // Of more slender ones rounding alone makes some.
+                        assert!(
+                            hard == 0 || most_slender > 30.0,
+                            "aspect ratio {}",
+                            pair.aspect_ratio
+                        );
+                        let allowed = 4.0 * rounding + 1e-15 * square;
+                        assert!(
+                            error <= allowed,
+                            "aspect ratio {}, {share} of the longest: {error:e}, {rounding:e}",
+                            pair.aspect_ratio
+                        );
+                    }
+                }
+            }
+        }
+    }
 }

@@ -21,7 +21,7 @@ pub(crate) mod mixed_corners;
 pub(crate) mod nearest_line;
 pub mod plane;
 #[cfg(test)]
-mod random;
+pub(crate) mod random;
 pub(crate) mod share;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Random numbers of the tests of this module, the same in each run.
+//! Random numbers of the tests inside the library, the same in each run.
 
 use crate::vector::Vector3;
 
 /// A linear congruential generator (Knuth's constants).
-pub(super) struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     pub fn new(seed: u64) -> Self {

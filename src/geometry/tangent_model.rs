@@ -68,6 +68,13 @@ impl<T: Real> TangentModel<T> {
         }
     }
 
+    /// Half the second derivative of the gradient at the base, twice along `y`: by what the gradient differs from its tangent there, up to
+    /// the third order, where `y` is Newton's step from the base.
+    #[inline(always)]
+    pub fn bend_at_base(&self, y: Vector2<T>) -> Vector2<T> {
+        bend_of_body(&self.i, y) + bend_of_body(&self.j, y)
+    }
+
     /// At `y`.
     #[inline(always)]
     pub fn at(&self, y: Vector2<T>) -> TangentPoint<T> {
@@ -103,6 +110,17 @@ fn body_at<T: Real>(body: &SquaredSupport<T>, y: Vector2<T>) -> (T, Vector2<T>, 
 #[inline(always)]
 fn body_at_base<T: Real>(body: &SquaredSupport<T>) -> (T, Vector2<T>, Symmetric2<T>) {
     root(body, body.constant, body.linear)
+}
+
+/// The same of the support function of one body: with its gradient `g` and Hessian `H`, `-(2 (g.y) H y + (y.H y) g)/(2 h)`.
+#[inline(always)]
+fn bend_of_body<T: Real>(body: &SquaredSupport<T>, y: Vector2<T>) -> Vector2<T> {
+    let (_, gradient, hessian) = body_at_base(body);
+    let turned = hessian.apply(y);
+    let minus = body.constant.reciprocal_sqrt() * -body.constant.constant(1.0);
+    let along = gradient.dot(y) * minus;
+    let across = turned.dot(y) * minus * 0.5;
+    turned.scale_add(along, gradient * across)
 }
 
 #[inline(always)]
@@ -157,6 +175,25 @@ mod tests {
                 assert!((gradient / rho - difference).abs() < 1e-9, "{y:?}");
             }
         }
+        // Along Newton's step from the base, whose length decides, the gradient is known up to the third order.
+        let at_base = model.at_base();
+        let inverse = at_base.hessian.adjugate() * (1.0 / at_base.hessian.determinant());
+        let newton = inverse.apply(at_base.gradient) * -1.0;
+        let left = |share: f64| {
+            // The same bodies, with a gradient at the base that is shorter by this.
+            let shorter = TangentModel {
+                across: model.across + at_base.gradient * (1.0 - share),
+                ..model
+            };
+            let y = newton * share;
+            let gradient = shorter.at(y).gradient - shorter.bend_at_base(y);
+            gradient.dot(gradient).sqrt()
+        };
+        let [large, small] = [left(1e-2), left(1e-3)];
+        assert!(
+            large > 0.0 && small < 1.5e-3 * large && small > 0.5e-3 * large,
+            "{large:e} {small:e}"
+        );
         // Newton's method ends where the gradient does; there the Hessian is the gradient's derivative.
         let mut y = Vector2::new(0.1, -0.1);
         for _ in 0..60 {
