@@ -296,6 +296,9 @@ void PairGranEllipsoid::add_forces()
   if (contact_mass_differs) particles.contact_masses = contact_masses.data();
   EllgranNeighbourList neighbours = view_list();
   neighbours.record_contacts = has_contacts_of(update->ntimestep) ? 1 : 0;
+  positions_of_contacts.clear();
+  if (neighbours.record_contacts && particles.count > 0)
+    positions_of_contacts.assign(particles.positions, particles.positions + 3 * particles.count);
 
   EllgranStep step = ELLGRAN_INIT(EllgranStep);
   step.time_step = update->dt;
@@ -433,8 +436,15 @@ void PairGranEllipsoid::unpack_reverse_comm(int n, int *indices, double *buffer)
   }
 }
 
-void PairGranEllipsoid::add_to_grain_sums(const EllgranParticles &particles, double *sums) const
+/* Grains may have been moved since the forces were computed: 'fix deform' changes the box at the end of a step. */
+
+void PairGranEllipsoid::add_to_grain_sums(const EllgranParticles &present, double *sums) const
 {
+  EllgranParticles particles = present;
+  if (positions_of_contacts.size() != 3 * particles.count)
+    error->one(FLERR, "{}: atoms have come or gone since the contacts of this step were recorded: {} were there, and {} are there now", CALLER,
+               positions_of_contacts.size() / 3, particles.count);
+  particles.positions = positions_of_contacts.data();
   if (ellgran_add_recorded_to_grain_sums(workspace, &particles, force->newton_pair, sums) != ELLGRAN_SUCCESS)
     error->one(FLERR, "{}: {}", CALLER, ellgran_last_error());
 }
@@ -1382,7 +1392,7 @@ double PairGranEllipsoid::memory_usage()
 {
   double bytes = Pair::memory_usage();
   bytes += static_cast<double>(body_mass.capacity() + contact_masses.capacity()) * sizeof(double);
-  bytes += static_cast<double>(inelastic_loads.capacity()) * sizeof(double);
+  bytes += static_cast<double>(inelastic_loads.capacity() + positions_of_contacts.capacity()) * sizeof(double);
   const Evaluation &e = evaluation;
   bytes += static_cast<double>(e.positions.capacity() + e.velocities.capacity() + e.angular_momenta.capacity() + e.changes.capacity() +
                                e.history.capacity()) * sizeof(double);

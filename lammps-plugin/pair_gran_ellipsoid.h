@@ -63,7 +63,7 @@ class PairGranEllipsoid : public Pair {
   /// Whether the contacts of this step were recorded, and what they add to the sums of each atom, ghosts included
   /// (`ellgran_add_recorded_to_grain_sums`); not for a rank without atoms.
   [[nodiscard]] bool has_contacts_of(bigint step) const { return step == step_of_contacts; }
-  void add_to_grain_sums(const EllgranParticles &particles, double *sums) const;
+  void add_to_grain_sums(const EllgranParticles &present, double *sums) const;
 
   /// The workspace with what was prepared for the forces of this step, if they have been computed here (`prepared_by` of
   /// EllgranParticles); else nullptr.
@@ -131,6 +131,7 @@ class PairGranEllipsoid : public Pair {
   // Whether a compute may ask for the contacts of a step, and the last step in which one did and they were recorded
   bool contacts_wanted;
   bigint step_of_contacts;
+  std::vector<double> positions_of_contacts;    // those with which they were recorded
 
   bigint atoms_in_file = 0;    // of a restart file that was read; 0: none was
   int listed;    // atoms and images when the neighbour list was built

@@ -41,9 +41,13 @@ pub struct BodyArrays<'a, B: Bodies> {
     pub extrapolation: Option<Extrapolation<'a>>,
 }
 
+/// An acceleration has turned against the one before where their product is below minus this part of the sum of their squares. Where one
+/// of the two is nothing but rounding, as the torque of a contact of a smooth sphere, its sign is chance, and decides nothing.
+pub(super) const REVERSAL: f64 = 1e-8;
+
 /// What takes velocities and angular momenta from the half step to the end of the step, where the next forces are computed:
 /// from the present accelerations `a` and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
-/// step to that one; nothing where `a` has turned against `a'`.
+/// step to that one; nothing where `a` has turned against `a'` by more than [`REVERSAL`].
 ///
 /// The forces then depend on velocities that are right to the second order, and the step stays explicit. The velocities
 /// with which the bodies move, and without such forces the motion itself, are those of velocity Verlet. An overdamped mode

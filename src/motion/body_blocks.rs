@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A step of blocks of bodies in lanes, or of one body after the other: what the lanes cannot do exactly to rounding is left to single bodies.
 
-use super::bodies::{Bodies, BodyArrays, Extrapolation, MotionError, Refusal, Selection};
+use super::bodies::{Bodies, BodyArrays, Extrapolation, MotionError, Refusal, Selection, REVERSAL};
 use super::free_rotation::{
     body_velocity, half_angles, of_a_sphere, of_revolution, of_three_moments, Quaternion,
     LARGEST_EXPANDED_TURN, LARGEST_HALF_ANGLE,
@@ -427,7 +427,10 @@ fn extrapolated<S: Registers>(
     let (mut changes, mut found) = (velocities, velocities);
     for k in 0..2 {
         before[k] = Vector3::select(known, before[k], loads[k]);
-        let steady = Lanes::select(loads[k].dot(before[k]).less(zero), zero, factors[k]);
+        let rounding =
+            (loads[k].norm_squared() + before[k].norm_squared()) * zero.constant(REVERSAL);
+        let turned = loads[k].dot(before[k]).less(zero - rounding);
+        let steady = Lanes::select(turned, zero, factors[k]);
         let load = (loads[k] - before[k]).scale_add(ratio, loads[k]);
         changes[k] = load * steady;
         found[k] = velocities[k] + changes[k];

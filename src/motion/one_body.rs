@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A step of one body: kicks and free motion, its angular velocity, and what must hold for it to be moved.
 
-use super::bodies::{Bodies, BodyArrays, Refusal};
+use super::bodies::{Bodies, BodyArrays, Refusal, REVERSAL};
 use super::free_rotation::{
     body_velocity, half_angles, of_revolution_by_any_angle, of_three_moments, LARGEST_EXPANDED_TURN,
 };
@@ -110,9 +110,16 @@ fn extrapolate<B: Bodies>(arrays: &mut BodyArrays<'_, B>, k: usize, half: f64) {
         extrapolation.step_ratio
     };
     let dot = |a: &[f64], b: &[f64]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let steady = |same_way: f64, factor: f64| if same_way < 0.0 { 0.0 } else { factor };
-    let over_mass = steady(dot(f, &before[..3]), over_mass);
-    let half = steady(dot(t, &before[3..]), half);
+    let steady = |now: &[f64], before: &[f64], factor: f64| {
+        let rounding = REVERSAL * (dot(now, now) + dot(before, before));
+        if dot(now, before) < -rounding {
+            0.0
+        } else {
+            factor
+        }
+    };
+    let over_mass = steady(f, &before[..3], over_mass);
+    let half = steady(t, &before[3..], half);
     for axis in 0..3 {
         let force = f[axis] + ratio * (f[axis] - before[axis]);
         let torque = t[axis] + ratio * (t[axis] - before[3 + axis]);

@@ -370,3 +370,37 @@ fn both_versions_a_box_that_changes_in_no_time_has_no_velocity() {
         }
     }
 }
+
+/// `fix deform` moves grains and images at the end of a step: `compute contact/ellipsoid/atom` takes the lever arms that the forces had. Both
+/// sums are over the same contacts; only the order in which they are added differs.
+#[test]
+fn both_versions_grain_stresses_are_those_before_the_box_was_changed() {
+    let engine = Engine::from_environment();
+    let scene = at_rest();
+    for remap in ["x", "none"] {
+        for (ranks, newton) in [(1, true), (1, false), (2, true)] {
+            let deck = Deck {
+                newton,
+                time_step: TIME_STEP,
+                steps: STEPS,
+                thermo_every: STEPS / 2,
+                fixes: vec![
+                    format!("fix flow all deform {} x erate -10 remap {remap}", STEPS / 2),
+                    "compute stress all stress/atom NULL pair".into(),
+                    "compute grains all contact/ellipsoid/atom".into(),
+                    "compute sum all reduce sum c_stress[1] c_stress[2] c_stress[3] c_grains[9] c_grains[10] c_grains[11]".into(),
+                ],
+                thermo_columns: "step c_sum[*]".into(),
+                ..Deck::new(LAW)
+            };
+            let outcome = run(&engine, "grain_stress", &scene, &deck, ranks);
+            let mut worst = 0.0f64;
+            for row in outcome.thermo() {
+                let of = |first: usize| [0, 1, 2].map(|k| row[&format!("c_sum[{}]", first + k)]);
+                worst = worst.max(length(sub(of(1), of(4))) / length(of(1)));
+            }
+            println!("remap {remap}, {ranks} ranks, newton {newton}: off by {worst:.1e}");
+            assert!(worst < 1e-10, "{worst:.1e}");
+        }
+    }
+}

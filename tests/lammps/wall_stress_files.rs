@@ -140,3 +140,70 @@ fn both_versions_forces_on_triangles_add_up_to_that_of_the_wall() {
         assert!(!directory.join("floor.10.vtk").exists());
     }
 }
+
+/// A point turned about an axis of any length through the origin, after Rodrigues.
+fn turned(point: Vector, axis: Vector, angle: f64) -> Vector {
+    let largest = axis.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+    let n = unit(axis.map(|a| a / largest));
+    let (sine, cosine) = angle.sin_cos();
+    let across = cross(n, point);
+    std::array::from_fn(|k| {
+        cosine * point[k] + sine * across[k] + (1.0 - cosine) * dot(n, point) * n[k]
+    })
+}
+
+/// Triangles stand where scale, *turn* and *move*, and then *omega* or *rotate* and *velocity*, put them, in closed form. Axes of any length.
+#[test]
+fn both_versions_triangles_stand_where_turn_and_omega_put_them() {
+    let engine = Engine::from_environment();
+    let scene = Scene::open(3.0, vec![Grain::new([0.1, 0.06, 0.05], [2.0, 2.0, 2.0])]);
+    let (time_step, every) = (1e-4, 150);
+    let (centre, shift, speed) = ([0.1, 0.2, -0.3], [0.25, -0.5, 0.125], [0.1, 0.0, -0.2]);
+    let all = |v: Vector| v.map(|x| format!("{x:e}")).join(" ");
+    let flat = square(2, 0.0, 2);
+    for size in [1.0, 1e300, 1e-300] {
+        for (direction, motion, rate) in [
+            ([1.0, -2.0, 2.0], "omega", -7.5),
+            ([0.0, 0.3, 1.0], "rotate", 0.5),
+        ] {
+            let axis = scale(size, direction);
+            let deck = Deck {
+                fixes: vec![format!(
+                    "fix fan all wall/gran/ellipsoid {LAW} mesh fan.stl scale 0.25 turn 33 {} move {} velocity {} {motion} {} {} {rate} vtk {every} fan.*.vtk",
+                    all(axis), all(shift), all(speed), all(centre), all(axis)
+                )],
+                time_step,
+                steps: 2 * every,
+                ..Deck::new(LAW)
+            };
+            let directory = fresh_directory("turned_triangles");
+            fs::write(directory.join("fan.stl"), binary(&flat)).unwrap();
+            attempt_in(&engine, directory.clone(), &scene, &deck, 1).succeeded();
+            let mut worst = 0.0f64;
+            for step in [0, every, 2 * every] {
+                let time = time_step * step as f64;
+                let angle = match motion {
+                    "omega" => rate * time,
+                    _ => 2.0 * std::f64::consts::PI * time / rate,
+                };
+                let file = read(&directory.join(format!("fan.{step}.vtk")));
+                assert_eq!(file.triangles.len(), flat.len());
+                for (found, given) in file.triangles.iter().zip(&flat) {
+                    for (found, given) in found.iter().zip(given) {
+                        // STL files have single precision.
+                        let corner = given.map(|x| 0.25 * f64::from(x as f32));
+                        let placed =
+                            crate::shapes::add(turned(corner, axis, 33f64.to_radians()), shift);
+                        let carried = crate::shapes::add(
+                            turned(sub(placed, centre), axis, angle),
+                            crate::shapes::add(centre, scale(time, speed)),
+                        );
+                        worst = worst.max(length(sub(*found, carried)));
+                    }
+                }
+            }
+            println!("{motion}, axis of {size:e}: off by {worst:.1e}");
+            assert!(worst < 1e-14, "{motion}: {worst:e}");
+        }
+    }
+}
