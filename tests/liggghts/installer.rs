@@ -77,6 +77,7 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "replicate.cpp",
             "        error->all(FLERR,\"Replicate command before simulation box is defined\");\n",
         ),
+        ("fix_ave_euler.cpp", "  nevery = exec_every_;\n"),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -197,6 +198,7 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "domain.cpp",
         "fix_insert_stream.cpp",
         "replicate.cpp",
+        "fix_ave_euler.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];
