@@ -71,7 +71,7 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ),
         (
             "fix_insert_stream.cpp",
-            "                vectorCopy3D(omega_toInsert,omega[i]);\n                vectorZeroize3D(omega[i]);\n",
+            "                vectorCopy3D(omega_toInsert,omega[i]);\n                vectorZeroize3D(omega[i]);\n            change_ratio = dt_old / dt;\n            a = static_cast<double>(static_cast<int>(change_ratio*(b)));\n",
         ),
         (
             "replicate.cpp",
