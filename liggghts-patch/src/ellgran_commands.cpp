@@ -45,6 +45,7 @@ const Refusal FIXES[] = {
     {"nve/sphere", NO_ROTATION},
     {"buoyancy", BOUNDING_SPHERE},
     {"massflow/mesh/sieve", BOUNDING_SPHERE},
+    {"spring/rg", "takes masses of types, which LIGGGHTS' grains have not, and crashes, beside its own spheres too"},
     {"multicontact/halfspace", "needs surface multicontact, which knows spheres alone"},
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <set>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "ellgran_contact.h"
 #include "error.h"
 #include "fix_ellgran_restart_format.h"
@@ -19,6 +21,7 @@
 #include "neighbor.h"
 #include "pair_gran.h"
 #include "update.h"
+#include "vector_liggghts.h"
 
 using namespace LAMMPS_NS;
 using LIGGGHTS::ContactModels::EllgranContact;
@@ -157,8 +160,16 @@ void EllgranPairHistory::setup_pre_exchange()
 {
   FixContactHistory::setup_pre_exchange();
   has_run_ = true;
+  refuse_ids_twice();
   // 'write_restart' has no list built.
   follow_new_ids();
+}
+
+// 'replicate' puts copies where the list of the last run has images.
+void EllgranPairHistory::post_run()
+{
+  EllgranContact::write_kept_histories(lmp);
+  pre_exchange();
 }
 
 void EllgranPairHistory::setup_pre_neighbor()
@@ -199,23 +210,124 @@ void EllgranPairHistory::follow_new_ids()
 
   std::map<int, int> renumbered;
   std::set<int> given;
+  int copied = 0;  // whether several particles are remembered under one ID
   for (size_t k = 0; k < all.size(); k += 2) {
-    if (all[k] != 0) renumbered[all[k]] = all[k + 1];
+    if (all[k] != 0 && !renumbered.insert(std::make_pair(all[k], all[k + 1])).second) copied = 1;
     given.insert(all[k + 1]);
+  }
+  for (int i = 0; i < atom->nlocal; i++)
+    if (ids_[i] == tag[i] && renumbered.count(tag[i])) copied = 1;
+  int any_copied = 0;
+  MPI_Allreduce(&copied, &any_copied, 1, MPI_INT, MPI_MAX, world);
+  Candidates candidates;
+  if (any_copied) {
+    find_candidates(renumbered, candidates);
+    own_histories();
   }
   for (int i = 0; i < atom->nlocal; i++) {
     int kept = 0;
     for (int k = 0; k < npartner_[i]; k++) {
-      const std::map<int, int>::const_iterator found = renumbered.find(partner_[i][k]);
+      const int partner = partner_[i][k];
+      const std::map<int, int>::const_iterator found = renumbered.find(partner);
       // An ID that another particle has now, and that none has given up, is that of a particle that is gone.
-      if (found == renumbered.end() && given.count(partner_[i][k])) continue;
-      partner_[i][kept] = (found == renumbered.end()) ? partner_[i][k] : found->second;
+      if (found == renumbered.end() && given.count(partner)) continue;
+      const Candidates::const_iterator several = candidates.find(partner);
+      if (several != candidates.end())
+        partner_[i][kept] = nearest(several->second, atom->x[i]);
+      else
+        partner_[i][kept] = (found == renumbered.end()) ? partner : found->second;
       if (kept != k) vectorCopyN(contacthistory(i, k), contacthistory(i, kept), dnum_);
       kept++;
     }
     npartner_[i] = kept;
-    ids_[i] = tag[i];
   }
+  std::copy(tag, tag + atom->nlocal, ids_);
+}
+
+// The particles that are remembered under each of the IDs that 'renumbered' begins with, of all processors.
+void EllgranPairHistory::find_candidates(const std::map<int, int> &renumbered, Candidates &candidates)
+{
+  std::vector<double> own;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!renumbered.count(ids_[i])) continue;
+    own.push_back(ids_[i]);
+    own.push_back(atom->tag[i]);
+    own.insert(own.end(), atom->x[i], atom->x[i] + 3);
+  }
+  int here = own.size();
+  std::vector<int> counts(comm->nprocs), places(comm->nprocs, 0);
+  MPI_Allgather(&here, 1, MPI_INT, &counts[0], 1, MPI_INT, world);
+  for (int k = 1; k < comm->nprocs; k++) places[k] = places[k - 1] + counts[k - 1];
+  std::vector<double> all(places.back() + counts.back());
+  MPI_Allgatherv(own.empty() ? NULL : &own[0], here, MPI_DOUBLE, &all[0], &counts[0], &places[0], MPI_DOUBLE, world);
+  for (size_t k = 0; k < all.size(); k += 5) {
+    Candidate candidate;
+    candidate.id = static_cast<int>(all[k + 1]);
+    std::copy(&all[k + 2], &all[k + 2] + 3, candidate.position);
+    candidates[static_cast<int>(all[k])].push_back(candidate);
+  }
+}
+
+// The contact goes on with the one that it is with: the other ones are a box, or what 'replicate' calls offset, away.
+int EllgranPairHistory::nearest(const std::vector<Candidate> &candidates, const double *position)
+{
+  int id = 0;
+  double least = 0.0;
+  for (size_t k = 0; k < candidates.size(); k++) {
+    double apart[3];
+    vectorSubtract3D(candidates[k].position, position, apart);
+    domain->minimum_image(apart);
+    const double distance = vectorMag3DSquared(apart);
+    if (id != 0 && distance >= least) continue;
+    id = candidates[k].id;
+    least = distance;
+  }
+  return id;
+}
+
+// Copies share the memory of their originals, which are to remember other partners.
+void EllgranPairHistory::own_histories()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int count = npartner_[i];
+    if (ids_[i] == atom->tag[i] || count == 0) continue;
+    const int *const partners = partner_[i];
+    const double *const histories = contacthistory_[i];
+    partner_[i] = ipage_->get(count);
+    contacthistory_[i] = dpage_->get(count * dnum_);
+    if (!partner_[i] || !contacthistory_[i]) error->one(FLERR, "Contact history overflow, boost neigh_modify one");
+    std::copy(partners, partners + count, partner_[i]);
+    std::copy(histories, histories + count * dnum_, contacthistory_[i]);
+  }
+}
+
+// Two particles of one ID would mix up their friction.
+void EllgranPairHistory::refuse_ids_twice()
+{
+  // Each processor looks at the IDs of one remainder.
+  const int processors = comm->nprocs;
+  std::vector<int> to(processors, 0), from(processors), places(processors, 0), places_from(processors, 0);
+  for (int i = 0; i < atom->nlocal; i++) to[std::abs(atom->tag[i]) % processors]++;
+  MPI_Alltoall(&to[0], 1, MPI_INT, &from[0], 1, MPI_INT, world);
+  for (int k = 1; k < processors; k++) {
+    places[k] = places[k - 1] + to[k - 1];
+    places_from[k] = places_from[k - 1] + from[k - 1];
+  }
+  std::vector<int> sent(atom->nlocal + 1), ids(places_from.back() + from.back() + 1), next(places);
+  for (int i = 0; i < atom->nlocal; i++) sent[next[std::abs(atom->tag[i]) % processors]++] = atom->tag[i];
+  MPI_Alltoallv(&sent[0], &to[0], &places[0], MPI_INT, &ids[0], &from[0], &places_from[0], MPI_INT, world);
+  ids.pop_back();
+  std::sort(ids.begin(), ids.end());
+  const std::vector<int>::const_iterator found = std::adjacent_find(ids.begin(), ids.end());
+  int twice = found == ids.end() ? 0 : *found, particle = 0;
+  MPI_Allreduce(&twice, &particle, 1, MPI_INT, MPI_MAX, world);
+  if (particle == 0) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "pair_style gran: two particles have the ID %d, by which contacts are remembered. (LIGGGHTS' replicate gives copies IDs of other particles on "
+           "more than one processor, and where IDs have gaps.)",
+           particle);
+  error->all(FLERR, message);
 }
 
 double EllgranPairHistory::memory_usage()

@@ -123,6 +123,7 @@ FixWallGranEllipsoid::FixWallGranEllipsoid(LAMMPS *lmp, int narg, char **arg) :
     error->fix_error(FLERR, this,
                      "takes one 'primitive' or one 'mesh', and more are given: use a fix for each, or several 'shape' after one "
                      "'primitive type N', or 'n_meshes'");
+  refuse_meshes_named_twice();
   if (primitiveWall_)
     add_primitive(narg, arg);
   else {
@@ -154,6 +155,16 @@ void FixWallGranEllipsoid::check(int32_t status) const
   char message[1200];
   snprintf(message, sizeof(message), "ellgran: %s", ellgran_last_error());
   error->one(FLERR, message);
+}
+
+// Under LIGGGHTS' own models such a mesh acts twice. Here triangles that lie on one another are one.
+void FixWallGranEllipsoid::refuse_meshes_named_twice() const
+{
+  for (int m = 0; m < n_FixMesh_; m++) {
+    if (std::find(FixMesh_list_, FixMesh_list_ + m, FixMesh_list_[m]) == FixMesh_list_ + m) continue;
+    const std::string message = std::string("mesh '") + FixMesh_list_[m]->id + "' is named twice among 'meshes'";
+    error->fix_error(FLERR, const_cast<FixWallGranEllipsoid *>(this), message.c_str());
+  }
 }
 
 // The words after 'primitive' were read and checked by fix wall/gran, which keeps them to itself.

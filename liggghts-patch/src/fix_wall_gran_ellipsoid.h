@@ -104,6 +104,7 @@ class FixWallGranEllipsoid : public FixWallGran {
 
   void check(int32_t status) const;
   void read_older_histories();
+  void refuse_meshes_named_twice() const;
   void add_primitive(int narg, char **arg);
   void add_shape(const char *style, const double *parameters);
   void check_periodicity() const;

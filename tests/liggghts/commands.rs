@@ -137,8 +137,14 @@ const WORKS: &[Works] = &[
     works(
         "fix ave/euler",
         &["fix f all ave/euler nevery 10 cell_size_relative 8 parallel no"],
-        "",
+        // LIGGGHTS itself divided by zero where they are written
+        "f_f[1][4] f_f[1][7]",
     ),
+    works("fix drag", &["fix f all drag 0 0 0 1e-3 1e-4"], ""),
+    works("fix aveforce", &["fix f all aveforce 1e-4 NULL NULL"], ""),
+    works("fix lineforce", &["group one id 3", "fix f one lineforce 1 1 0"], ""),
+    works("fix planeforce", &["group one id 3", "fix f one planeforce 0 0 1"], ""),
+    works("fix spring/self", &["fix f all spring/self 5"], ""),
     works("fix print", &["fix f all print 50 \"step\""], ""),
     works(
         "fix property/atom",
@@ -277,6 +283,11 @@ const REFUSED: &[Refused] = &[
         "fix adapt with diameter",
         &["variable d equal 0.002", "fix t all adapt 1 atom diameter v_d"],
         &["particle", "bounding radius", "shape"],
+    ),
+    refused(
+        "fix spring/rg",
+        &["fix t all spring/rg 1 0.02"],
+        &["spring/rg", "masses of types"],
     ),
     refused(
         "fix buoyancy",

@@ -2,13 +2,30 @@
 //! Are grains that `fix insert/stream` holds back and releases what LIGGGHTS' own spheres are?
 
 use std::fs;
+use std::path::Path;
 
-use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene};
+use crate::harness::{fresh_directory, run_in, Deck, Engine, Grain, Outcome, Scene, ELASTIC};
 use crate::meshes::sheet;
 use crate::shapes::{length, sub};
 
 /// Four spheres that fly up into a stream of spheres, which is held until it passes a square at z = 3 cm.
 fn stream(ours: bool, omega: &str, ranks: usize) -> Outcome {
+    let words = if omega.is_empty() {
+        "at_rest"
+    } else {
+        "spinning"
+    };
+    let directory = fresh_directory(&format!("stream_{ours}_{words}_{ranks}"));
+    stream_in(&directory, ours, omega, ranks, |_| {})
+}
+
+fn stream_in(
+    directory: &Path,
+    ours: bool,
+    omega: &str,
+    ranks: usize,
+    change: impl Fn(&mut Deck),
+) -> Outcome {
     let bullets = [
         [0.0113, 0.0071],
         [-0.0127, 0.0083],
@@ -36,7 +53,7 @@ fn stream(ours: bool, omega: &str, ranks: usize) -> Outcome {
             "sphere 15485863 atom_type 1 density constant 2500 radius constant 0.003",
         )
     };
-    let deck = Deck {
+    let mut deck = Deck {
         model: format!("nfd tangential tfd surface {}", if ours { "ellipsoid" } else { "default" }),
         atom_style: style.into(),
         before: vec!["fix face all mesh/surface/planar file gate.stl type 1".into()],
@@ -52,25 +69,14 @@ fn stream(ours: bool, omega: &str, ranks: usize) -> Outcome {
         steps: 600,
         ..Deck::new([1e7, 0.3, 50.0, 50.0], 0.5)
     };
-    let words = if omega.is_empty() {
-        "at_rest"
-    } else {
-        "spinning"
-    };
-    let directory = fresh_directory(&format!("stream_{style}_{words}_{ranks}"));
+    change(&mut deck);
     // the square at the height of the gate
     fs::write(
         directory.join("gate.stl"),
         sheet(1).replace(" 0\n", " 3e-2\n"),
     )
     .unwrap();
-    run_in(
-        &Engine::from_environment(),
-        &directory,
-        &scene,
-        &deck,
-        ranks,
-    )
+    run_in(&Engine::from_environment(), directory, &scene, &deck, ranks)
 }
 
 #[test]
@@ -106,6 +112,48 @@ fn a_stream_holds_and_releases_spheres_as_the_engines_own() {
             assert!(released > 0 && hit > 0);
             // LIGGGHTS places a superquadric by a bounding radius that is larger than a sphere's by 1e-4
             assert!(spins < 1e-3 * largest && velocities < 1e-2);
+        }
+    }
+}
+
+/// LIGGGHTS itself released them one step earlier, and those of the file's step it neither held nor released.
+#[test]
+fn a_stream_goes_on_from_a_restart_file() {
+    let gravity = "fix g all gravity 9.81 vector 0 0 -1";
+    for ours in [true, false] {
+        let end = |source: &[&str], runs: &[&str], ranks: usize| {
+            let directory = fresh_directory("restarted").parent().unwrap().join("files");
+            fs::create_dir_all(&directory).unwrap();
+            let outcome = stream_in(&directory, ours, "omega constant 30 0 100", ranks, |deck| {
+                deck.source = source.iter().map(|word| (*word).to_string()).collect();
+                // whose forces do not depend on velocities, those of the half step among them
+                deck.materials = vec![ELASTIC];
+                // before the insertion, which looks for it
+                deck.before.push(format!("timestep {:e}", deck.time_step));
+                deck.fixes.push(gravity.into());
+                deck.runs = runs.iter().map(|word| (*word).to_string()).collect();
+            });
+            outcome.last().clone()
+        };
+        // Grains come in the first step, and the first of them is hit after 50: LIGGGHTS moves those that are hit where a run begins.
+        for (steps, ranks) in [(1, 1), (50, 1), (50, 2)] {
+            let whole = end(&[], &["run 600"], ranks);
+            let released = (whole.states[4..].iter()).filter(|s| s.position[2] < 0.0295);
+            assert!(released.count() > 10);
+            assert!(whole.states.len() > 50);
+            let (first, later) = (format!("run {steps}"), format!("run {}", 600 - steps));
+            end(&[], &[&first, "write_restart file"], ranks);
+            let rest = end(&["read_restart file"], &[&later], ranks);
+            assert_eq!(rest.states.len(), whole.states.len());
+            let pairs = || rest.states.iter().zip(&whole.states);
+            let velocities = pairs().fold(0.0f64, |m, (a, b)| {
+                m.max(length(sub(a.velocity, b.velocity)))
+            });
+            let places = pairs().fold(0.0f64, |m, (a, b)| {
+                m.max(length(sub(a.position, b.position)))
+            });
+            println!("ours {ours}, file of step {steps}, {ranks} ranks: velocities apart by {velocities:.1e}, places by {places:.1e}");
+            assert!(velocities < 1e-8 && places < 1e-10);
         }
     }
 }

@@ -71,8 +71,13 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ),
         (
             "fix_insert_stream.cpp",
-            "                vectorCopy3D(omega_toInsert,omega[i]);\n                vectorZeroize3D(omega[i]);\n",
+            "                vectorCopy3D(omega_toInsert,omega[i]);\n                vectorZeroize3D(omega[i]);\n            change_ratio = dt_old / dt;\n            a = static_cast<double>(static_cast<int>(change_ratio*(b)));\n",
         ),
+        (
+            "replicate.cpp",
+            "        error->all(FLERR,\"Replicate command before simulation box is defined\");\n",
+        ),
+        ("fix_ave_euler.cpp", "  nevery = exec_every_;\n"),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -192,6 +197,8 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "run.cpp",
         "domain.cpp",
         "fix_insert_stream.cpp",
+        "replicate.cpp",
+        "fix_ave_euler.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];

@@ -41,6 +41,7 @@ mod misuse;
 mod moving_walls;
 mod pages;
 mod pair_loops;
+mod replicated;
 mod restart;
 mod restart_files;
 mod rolling;

@@ -410,6 +410,37 @@ fn two_walls_in_one_fix() {
     attempt_in(&engine, &directory, &pair(), &deck, 1).succeeded();
 }
 
+/// It would act once, where it acts twice under LIGGGHTS' own models.
+#[test]
+fn a_mesh_that_is_named_twice() {
+    let engine = Engine::from_environment();
+    for (meshes, words) in [
+        ("2 meshes sheet sheet", Some("mesh 'sheet' is named twice")),
+        (
+            "3 meshes other sheet other",
+            Some("mesh 'other' is named twice"),
+        ),
+        ("2 meshes sheet other", None),
+    ] {
+        let directory = fresh_directory("named_twice");
+        fs::write(directory.join("sheet.stl"), sheet(2)).unwrap();
+        let deck = Deck {
+            before: ["sheet", "other"]
+                .map(|id| {
+                    format!("fix {id} all mesh/surface file sheet.stl type 1 move 0. 0. -0.05")
+                })
+                .to_vec(),
+            walls: vec![format!("mesh n_meshes {meshes}")],
+            ..plain()
+        };
+        let outcome = attempt_in(&engine, &directory, &pair(), &deck, 1);
+        match words {
+            Some(words) => refused(meshes, &outcome, &[words]),
+            None => drop(outcome.succeeded()),
+        }
+    }
+}
+
 /// LIGGGHTS' own rule, on which the search for the contacts with meshes rests.
 #[test]
 fn a_second_wall_of_meshes() {

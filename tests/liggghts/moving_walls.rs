@@ -286,3 +286,60 @@ fn meshes_move_on_where_a_run_begins() {
         }
     }
 }
+
+/// A restart file with what the fix of a moving mesh wrote in its format 1: without the points of motions.
+fn in_format_1(file: &[u8]) -> Vec<u8> {
+    let number = |at: usize| f64::from_le_bytes(file[at..at + 8].try_into().unwrap());
+    let begins = |at: &usize| {
+        let size = i32::from_le_bytes(file[*at..*at + 4].try_into().unwrap());
+        let [format, triangles, points] = [4, 12, 20].map(|k| number(at + k));
+        let values = 3.0 + 10.0 * triangles + 3.0 * points;
+        format == 2.0 && triangles > 0.0 && points > 0.0 && f64::from(size) == 8.0 * values
+    };
+    let places: Vec<usize> = (0..file.len() - 28).filter(begins).collect();
+    let [at] = places[..] else {
+        panic!("{} places", places.len())
+    };
+    let triangles = at + 28;
+    let points = triangles + 80 * number(at + 12) as usize;
+    let size = (16 + points - triangles) as i32;
+    [
+        &file[..at],
+        &size.to_le_bytes(),
+        &1f64.to_le_bytes(),
+        &file[at + 12..at + 20],
+        &file[triangles..points],
+        &file[points + 24 * number(at + 20) as usize..],
+    ]
+    .concat()
+}
+
+/// Nothing carries the point of this mesh along, which files of format 1 do not have.
+#[test]
+fn meshes_move_on_from_files_of_format_1() {
+    let engine = Engine::from_environment();
+    let scene = on_a_sheet();
+    let directory = fresh_directory("format_1");
+    fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+    let run = |source: &[&str], runs: &[&str], ranks: usize| {
+        let mut deck = Deck {
+            integrator: "ellipsoid",
+            source: source.iter().map(|line| line.to_string()).collect(),
+            runs: runs.iter().map(|line| line.to_string()).collect(),
+            ..sheet_deck()
+        };
+        deck.fixes.push(
+            "fix m2 all move/mesh mesh sheet rotate origin 0 0 0 axis 0 0 1 period 0.05".into(),
+        );
+        run_in(&engine, &directory, &scene, &deck, ranks)
+    };
+    let through = run(&[], &["restart 50 middle.*", "run 200"], 1);
+    let file = fs::read(directory.join("middle.50")).unwrap();
+    fs::write(directory.join("older"), in_format_1(&file)).unwrap();
+    for ranks in [1, 2] {
+        let again = run(&["read_restart older"], &["run 150"], ranks);
+        let apart = difference(again.last(), through.last());
+        println!("{ranks} ranks: apart by {apart:.1e}");
+        assert!(apart < 1e-10, "{apart:e}");
+    }
+}
