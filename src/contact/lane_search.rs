@@ -663,7 +663,7 @@ mod tests {
                     .into_iter()
                     .filter(|set| set.is_available())
                 {
-                    let mut from = |angle: f64| {
+                    let from = |angle: f64| {
                         let (mut hard, mut error) = (0, 0.0);
                         set.run(FromAside {
                             pair: &pair,
