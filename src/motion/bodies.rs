@@ -47,7 +47,7 @@ pub(super) const REVERSAL: f64 = 1e-8;
 
 /// What takes velocities and angular momenta from the half step to the end of the step, where the next forces are computed:
 /// from the present accelerations `a` and `a'` of the step before, half a step of `a + r (a - a')` with `r` the ratio of this
-/// step to that one; nothing where `a` has turned against `a'` by more than [`REVERSAL`].
+/// step to that one; nothing where `a` has turned against `a'` by more than rounding.
 ///
 /// The forces then depend on velocities that are right to the second order, and the step stays explicit. The velocities
 /// with which the bodies move, and without such forces the motion itself, are those of velocity Verlet. An overdamped mode
