@@ -97,7 +97,7 @@ fn grains_of_one_id_are_refused() {
     let gap = ["group gone id 3", "delete_atoms group gone compress no"].map(String::from);
     for (what, between, ranks) in [
         ("ranks", vec![copies.clone()], 2),
-        ("gap", [&gap[..], &[copies.clone()]].concat(), 1),
+        ("gap", [&gap[..], std::slice::from_ref(&copies)].concat(), 1),
     ] {
         let deck = deck(
             "nfd tangential tfd surface ellipsoid",
