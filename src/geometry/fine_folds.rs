@@ -7,13 +7,14 @@ use super::ellipsoid::Ellipsoid;
 use super::facet_shares::Share;
 use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{sides, Near};
-use super::triangle_places::TrianglePlaces;
+use super::triangle_places::{is_on_line, TrianglePlaces};
 #[cfg(not(feature = "std"))]
 use crate::real::Real;
 use crate::vector::Vector3;
+use core::cmp::Ordering;
 
-/// The height of a narrow triangle, in radii of the ball around the body, at most. Of wider ones few edges and corners are within reach at
-/// once.
+/// The width of a narrow flat piece (`flat_pieces`), in radii of the ball around the body, at most. Of wider ones few edges and corners are within
+/// reach at once.
 const NARROW: f64 = 0.5;
 
 /// Cosine of 15 degrees. Where the normals of two faces differ by more, a body that touches their edge is so deep in the planes of both that their
@@ -28,19 +29,24 @@ const SHARP: f64 = core::f64::consts::FRAC_1_SQRT_2;
 /// (`triangle_places::REACH`).
 const EFFECT: [f64; 2] = [1.02, 1.04];
 
-/// The edges of narrow triangles that are within reach of one body.
+/// The edges of narrow flat pieces that are within reach of one body.
 pub(super) struct FineFolds<M: Lists = OnHeap> {
     /// What the convex edges of a plane leave, and the concave ones; by the planes of the triangles.
     left: M::List<[Share; 2]>,
     edges: M::List<Edge>,
+    sharp: M::List<Edge>,
 }
 
-on_heap!(FineFolds: left edges);
+on_heap!(FineFolds: left edges sharp);
 
+/// An edge within reach: a part of one, where triangles divide it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Edge {
     ends: [Vector3; 2],
+    /// How far along it the place nearest to the body is, and where that is in the frame in which the body is the unit sphere.
+    nearest: (f64, Vector3),
+    /// Of the triangle of which it is a side.
     plane: usize,
     convex: bool,
 }
@@ -49,17 +55,48 @@ impl Edge {
     /// Of no triangle.
     pub(super) const NONE: Edge = Edge {
         ends: [Vector3::ZERO; 2],
+        nearest: (0.0, Vector3::ZERO),
         plane: 0,
         convex: false,
     };
+
+    /// Whether another is a part of the same edge of the same plane.
+    fn is_one_with(&self, other: &Edge) -> bool {
+        self.convex == other.convex
+            && self.plane == other.plane
+            && other.ends.iter().all(|&p| is_on_line(p, self.ends))
+    }
+
+    /// By planes, and from the nearest to the body on.
+    fn order(&self, other: &Edge) -> Ordering {
+        let square = |e: &Edge| e.nearest.1.norm_squared();
+        let nearer = || square(self).total_cmp(&square(other));
+        self.plane.cmp(&other.plane).then_with(nearer)
+    }
+}
+
+/// What edges in their order leave, each with its plane. Of an edge of several parts the nearest one counts: it has the body's distance from all of them.
+fn each_once<'e>(body: &'e Ellipsoid, edges: &'e [Edge]) -> impl Iterator<Item = (&'e Edge, Share)> {
+    edges.iter().enumerate().filter_map(|(own, edge)| {
+        let mut nearer = edges[..own].iter().rev();
+        let is_part = nearer
+            .by_ref()
+            .take_while(|e| e.plane == edge.plane)
+            .any(|e| e.is_one_with(edge));
+        (!is_part).then(|| (edge, fade(body, edge)))
+    })
 }
 
 impl<'m> FineFolds<InRoom<'m>> {
     /// In room of somebody's.
-    pub(super) fn in_room(left: &'m mut [[Share; 2]], edges: &'m mut [Edge]) -> Self {
+    pub(super) fn in_room(
+        left: &'m mut [[Share; 2]],
+        [edges, sharp]: [&'m mut [Edge]; 2],
+    ) -> Self {
         FineFolds {
             left: Lent::new(left),
             edges: Lent::new(edges),
+            sharp: Lent::new(sharp),
         }
     }
 }
@@ -67,20 +104,35 @@ impl<'m> FineFolds<InRoom<'m>> {
 impl<M: Lists> FineFolds<M> {
     /// Whether something did not fit.
     pub(super) fn lacks_room(&self) -> bool {
-        self.left.lacks_room() || self.edges.lacks_room()
+        self.left.lacks_room() || self.edges.lacks_room() || self.sharp.lacks_room()
     }
 
     /// The part in which edges, corners and whole faces act, with its gradients: 1 far from such faces, 0 where a convex and a
-    /// concave edge of one are in the body.
+    /// concave edge of one are in the body. `width` says how wide the flat piece is of which a triangle is a part, by the triangle's index.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    pub fn rest(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
+    pub fn rest(
+        &mut self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        meeting: f64,
+        width: &impl Fn(usize) -> f64,
+    ) -> Share {
         let near = &places.near;
         self.edges.clear();
         if near.iter().all(|t| t.plane == near[0].plane) {
             return Share::WHOLE;
         }
+        self.find_edges(places, body, meeting, width);
+        let is_convex = |e: &Edge| e.convex;
+        if self.edges.iter().all(is_convex) || !self.edges.iter().any(is_convex) {
+            return Share::WHOLE;
+        }
         self.left.set_all(near.len(), [Share::WHOLE; 2]);
-        self.act(places, body, meeting);
+        self.edges.sort_with(Edge::order);
+        for (edge, own) in each_once(body, &self.edges) {
+            let left = &mut self.left[edge.plane][usize::from(!edge.convex)];
+            *left = left.times(&own);
+        }
         let mut rest = Share::WHOLE;
         for [convex, concave] in self.left.iter() {
             if convex.value < 1.0 && concave.value < 1.0 {
@@ -93,15 +145,21 @@ impl<M: Lists> FineFolds<M> {
         }
         let part = rest
             .complement()
-            .times(&far_from_sharp(places, body, meeting));
+            .times(&self.far_from_sharp(places, body, meeting));
         part.complement()
     }
 
-    /// What the edges of narrow triangles leave.
+    /// The edges of narrow flat pieces at small angles that are within reach.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    fn act(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) {
+    fn find_edges(
+        &mut self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        meeting: f64,
+        width: &impl Fn(usize) -> f64,
+    ) {
         let near = &places.near;
-        let width = NARROW * body.bounding_radius();
+        let narrow = NARROW * body.bounding_radius();
         for t in near.iter() {
             let unit = t
                 .corners
@@ -111,7 +169,8 @@ impl<M: Lists> FineFolds<M> {
                 let Some(nearest) = nearest_within_effect(unit[m], unit[next]) else {
                     continue;
                 };
-                if t.height() > width {
+                // No piece is narrower than a triangle of it.
+                if t.height() > narrow || width(t.index) > narrow {
                     break;
                 }
                 let ends = [t.corners[m], t.corners[next]];
@@ -127,10 +186,9 @@ impl<M: Lists> FineFolds<M> {
                 });
                 for (kind, convex) in [(0, true), (1, false)] {
                     if kinds[kind] {
-                        let left = &mut self.left[t.plane];
-                        left[kind] = left[kind].times(&fade(body, ends, nearest));
                         self.edges.push(Edge {
                             ends,
+                            nearest,
                             plane: t.plane,
                             convex,
                         });
@@ -141,45 +199,67 @@ impl<M: Lists> FineFolds<M> {
     }
 
     /// Whether a convex and a concave edge of one narrow face meet at a corner; after [`FineFolds::rest`].
-    pub fn meet_at(&self, corner: Vector3) -> bool {
-        let ends_there = |e: &&Edge| e.ends.contains(&corner);
+    pub fn meet_at(&self, places: &TrianglePlaces<M>, corner: Vector3) -> bool {
+        let has_corner = |plane: usize| {
+            let mut own = places.near.iter().filter(|t| t.plane == plane);
+            own.any(|t| t.corners.contains(&corner))
+        };
+        // With all of its parts.
+        let ends_there = |e: &&Edge| {
+            e.ends.contains(&corner) || is_on_line(corner, e.ends) && has_corner(e.plane)
+        };
         let is_other = |e: &Edge, q: &Edge| e.convex != q.convex && e.plane == q.plane;
         self.edges
             .iter()
             .filter(ends_there)
             .any(|e| self.edges.iter().filter(ends_there).any(|q| is_other(e, q)))
     }
-}
 
-/// 1 where no sharp edge is within reach, 0 where one is in the body.
-#[cfg_attr(not(feature = "std"), inline(never))]
-fn far_from_sharp<M: Lists>(places: &TrianglePlaces<M>, body: &Ellipsoid, meeting: f64) -> Share {
-    let near = &places.near;
-    let mut far = Share::WHOLE;
-    for (k, t) in near.iter().enumerate() {
-        let unit = t
-            .corners
-            .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
-        for m in 0..3 {
-            let next = (m + 1) % 3;
-            let Some(nearest) = nearest_within_effect(unit[m], unit[next]) else {
-                continue;
-            };
-            let ends = [t.corners[m], t.corners[next]];
-            let mut is_sharp = false;
-            places.visit_edge(ends, meeting, |other| {
-                let q = &near[other];
-                if other != k && has_edge(q, ends) {
-                    let behind = sides(t.normal, ends[0], &q.corners)[1];
-                    is_sharp |= behind && t.normal.dot(q.normal) < SHARP;
+    /// 1 where no sharp edge is within reach, 0 where one is in the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn far_from_sharp(
+        &mut self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        meeting: f64,
+    ) -> Share {
+        let near = &places.near;
+        self.sharp.clear();
+        for (k, t) in near.iter().enumerate() {
+            let unit = t
+                .corners
+                .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
+            for m in 0..3 {
+                let next = (m + 1) % 3;
+                let Some(nearest) = nearest_within_effect(unit[m], unit[next]) else {
+                    continue;
+                };
+                let ends = [t.corners[m], t.corners[next]];
+                let mut is_sharp = false;
+                places.visit_edge(ends, meeting, |other| {
+                    let q = &near[other];
+                    if other != k && has_edge(q, ends) {
+                        let behind = sides(t.normal, ends[0], &q.corners)[1];
+                        is_sharp |= behind && t.normal.dot(q.normal) < SHARP;
+                    }
+                });
+                if is_sharp {
+                    self.sharp.push(Edge {
+                        ends,
+                        nearest,
+                        plane: t.plane,
+                        convex: true,
+                    });
                 }
-            });
-            if is_sharp {
-                far = far.times(&fade(body, ends, nearest));
             }
         }
+        let mut far = Share::WHOLE;
+        self.sharp.sort_with(Edge::order);
+        for (_, own) in each_once(body, &self.sharp) {
+            far = far.times(&own);
+        }
+        far
     }
-    far
 }
 
 fn has_edge(t: &Near, ends: [Vector3; 2]) -> bool {
@@ -195,9 +275,10 @@ fn nearest_within_effect(from: Vector3, to: Vector3) -> Option<(f64, Vector3)> {
     (nearest.norm_squared() < EFFECT[1]).then_some((place, nearest))
 }
 
-/// What an edge leaves, from 0 where it has all its effect to 1 where it has none; with its place nearest to the body.
+/// What an edge leaves, from 0 where it has all its effect to 1 where it has none.
 #[cfg_attr(not(feature = "std"), inline(never))]
-fn fade(body: &Ellipsoid, [from, to]: [Vector3; 2], (place, nearest): (f64, Vector3)) -> Share {
+fn fade(body: &Ellipsoid, edge: &Edge) -> Share {
+    let ([from, to], (place, nearest)) = (edge.ends, edge.nearest);
     let width = EFFECT[1] - EFFECT[0];
     let t = ((nearest.norm_squared() - EFFECT[0]) / width).max(0.0);
     let slope = 6.0 * t * (1.0 - t) / width;
@@ -212,6 +293,7 @@ fn fade(body: &Ellipsoid, [from, to]: [Vector3; 2], (place, nearest): (f64, Vect
 
 #[cfg(test)]
 mod tests {
+    use super::super::flat_pieces::widths;
     use super::super::triangle::{Triangle, MEETING};
     use super::*;
     use crate::geometry::random::Random;
@@ -245,14 +327,19 @@ mod tests {
         ]
     }
 
-    fn rest(body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) -> (Share, FineFolds) {
+    fn rest(
+        body: &Ellipsoid,
+        centre: Vector3,
+        triangles: &[Triangle],
+    ) -> (Share, FineFolds, TrianglePlaces) {
         let meeting = MEETING * body.smallest_semi_axis();
         let mut places = TrianglePlaces::default();
         places.gather(body, centre, triangles.iter().copied(), meeting);
         places.join_planes(body.bounding_radius(), meeting);
         let mut fine = FineFolds::default();
-        let share = fine.rest(&places, body, meeting);
-        (share, fine)
+        let widths = widths(triangles);
+        let share = fine.rest(&places, body, meeting, &|index| widths[index]);
+        (share, fine, places)
     }
 
     fn ball() -> Ellipsoid {
@@ -278,7 +365,7 @@ mod tests {
             let centre = Vector3::new(x, 0.3, (distance * distance - x * x).sqrt());
             let squares = [x, x - width].map(|x| x * x + centre.z * centre.z);
             let expected = 1.0 - (1.0 - left(squares[0])) * (1.0 - left(squares[1]));
-            let (found, _) = rest(&ball(), centre, &wall);
+            let (found, ..) = rest(&ball(), centre, &wall);
             assert!(
                 (found.value - expected).abs() < 1e-11,
                 "{found:?} {expected}"
@@ -426,13 +513,13 @@ mod tests {
         };
         let centre = Vector3::new(0.01, 0.02, 0.98);
         let saddle = fan(&|k| if k % 4 == 0 { 0.01 } else { -0.005 });
-        let (share, fine) = rest(&ball(), centre, &saddle);
+        let (share, fine, places) = rest(&ball(), centre, &saddle);
         assert_eq!(share.value, 0.0);
-        assert!(fine.meet_at(-centre));
-        assert!(!fine.meet_at(saddle[1][1] - centre));
+        assert!(fine.meet_at(&places, -centre));
+        assert!(!fine.meet_at(&places, saddle[1][1] - centre));
         let bowl = fan(&|_| 0.01);
-        let (share, fine) = rest(&ball(), centre, &bowl);
+        let (share, fine, places) = rest(&ball(), centre, &bowl);
         assert_eq!(share.value, 1.0);
-        assert!(!fine.meet_at(-centre));
+        assert!(!fine.meet_at(&places, -centre));
     }
 }

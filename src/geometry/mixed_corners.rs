@@ -115,11 +115,15 @@ pub(super) struct MixedCorner<M: Lists = OnHeap> {
     /// Those of one piece: which bounds, and their normals out of it.
     members: M::List<usize>,
     normals: M::List<Vector3>,
+    /// How deep the flat pieces are in the body, by the planes of the triangles.
+    depths: M::List<Share>,
+    /// Whether a flat piece has more than one triangle.
+    is_divided: bool,
     /// Those within reach.
     pub reached: Reached,
 }
 
-on_heap!(MixedCorner: meeting bounds pieces members normals reached);
+on_heap!(MixedCorner: meeting bounds pieces members normals depths is_divided reached);
 
 /// A plane of triangles that meet at a corner.
 #[derive(Clone, Copy, Debug)]
@@ -165,6 +169,7 @@ impl<'m> MixedCorner<InRoom<'m>> {
         bounds: &'m mut [Bound],
         pieces: &'m mut [Piece],
         normals: &'m mut [Vector3],
+        depths: &'m mut [Share],
     ) -> Self {
         MixedCorner {
             meeting: Lent::new(meeting),
@@ -172,6 +177,8 @@ impl<'m> MixedCorner<InRoom<'m>> {
             pieces: Lent::new(pieces),
             members: Lent::new(members),
             normals: Lent::new(normals),
+            depths: Lent::new(depths),
+            is_divided: false,
             reached: Reached::NONE,
         }
     }
@@ -239,6 +246,7 @@ impl<M: Lists> MixedCorner<M> {
             || self.pieces.lacks_room()
             || self.members.lacks_room()
             || self.normals.lacks_room()
+            || self.depths.lacks_room()
     }
 
     /// Finds the corners within reach of the body.
@@ -255,6 +263,7 @@ impl<M: Lists> MixedCorner<M> {
         if near.iter().all(|t| t.plane == near[0].plane) {
             return;
         }
+        self.is_divided = near.iter().enumerate().any(|(k, t)| t.plane != k);
         let ball = EFFECT[1] * body.bounding_radius() * body.bounding_radius();
         let mut depths = Depths::default();
         for k in 0..near.len() {
@@ -271,12 +280,16 @@ impl<M: Lists> MixedCorner<M> {
                 if self.meet(places, apex, meeting, is_other) {
                     continue;
                 }
+                let planes = self.meeting.iter().map(|&q| near[q].plane);
+                if planes.clone().all(|plane| plane == near[k].plane) {
+                    continue;
+                }
                 let mut deepest = 0.0f64;
                 self.visit_edges(places, body, apex, |_, depth| {
                     deepest = depth;
                     depth
                 });
-                if !(deepest > 0.0) || fine.meet_at(apex) || !self.is_mixed(places, apex, meeting) {
+                if !(deepest > 0.0) || fine.meet_at(places, apex) || !self.is_mixed(places, apex, meeting) {
                     continue;
                 }
                 let part = self.part(places, body, apex, square, deepest, &mut depths);
@@ -288,7 +301,7 @@ impl<M: Lists> MixedCorner<M> {
     }
 
     /// Visits the edges that end at the corner whose triangles were found last: the deepest place of each in the body, and how deep it is. Only such as
-    /// are deeper than 0, and than what `found` returned last.
+    /// are deeper than 0, and than what `found` returned last. An edge that triangles divide is visited as a whole.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn visit_edges(
         &self,
@@ -306,7 +319,11 @@ impl<M: Lists> MixedCorner<M> {
                 continue;
             }
             for &end in t.corners.iter().filter(|p| **p != apex) {
-                let way = unit(end) - from;
+                let whole = match self.is_divided {
+                    true => places.end_of_side(t.plane, [apex, end]),
+                    false => end,
+                };
+                let way = unit(whole) - from;
                 let place = (-from.dot(way) / way.norm_squared()).clamp(0.0, 1.0);
                 let depth = 1.0 - (from + way * place).norm_squared();
                 let continues = |&q: &usize| {
@@ -314,7 +331,7 @@ impl<M: Lists> MixedCorner<M> {
                     q.plane == t.plane && t.is_continued_by(q, apex, end)
                 };
                 if depth > least && !self.meeting.iter().any(continues) {
-                    least = found(apex + (end - apex) * place, depth);
+                    least = found(apex + (whole - apex) * place, depth);
                 }
             }
         }
@@ -323,7 +340,7 @@ impl<M: Lists> MixedCorner<M> {
     /// The part in which the corner gathered last acts by its convex pieces: not where a body lies on one of its faces alone, which then is a plane.
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn part(
-        &self,
+        &mut self,
         places: &TrianglePlaces<M>,
         body: &Ellipsoid,
         apex: Vector3,
@@ -333,7 +350,7 @@ impl<M: Lists> MixedCorner<M> {
     ) -> Share {
         let mut part = Share::WHOLE;
         if deepest < SHALLOW * depths.most(places, body) {
-            let full = depths.of_all(places, body).scaled(SHALLOW);
+            let full = depths.of_all(places, body, &mut self.depths).scaled(SHALLOW);
             // An edge that rounding alone has put into the body.
             if !(full.value > 0.0) {
                 return Share::NONE;
@@ -583,17 +600,27 @@ impl Depths {
         })
     }
 
-    /// About that of the deepest, with an even slope where another becomes the deepest.
-    fn of_all<M: Lists>(&mut self, places: &TrianglePlaces<M>, body: &Ellipsoid) -> Share {
+    /// About that of the deepest, with an even slope where another becomes the deepest. A flat piece counts once, however many triangles it has.
+    fn of_all<M: Lists>(
+        &mut self,
+        places: &TrianglePlaces<M>,
+        body: &Ellipsoid,
+        of_pieces: &mut M::List<Share>,
+    ) -> Share {
         *self.of_all.get_or_insert_with(|| {
-            let mut sum = Share::NONE;
+            of_pieces.set_all(places.near.len(), Share::NONE);
             for t in places.near.iter() {
                 let support = body.support(-t.normal);
                 let depth = depth_of(body, t.nearest_to(body, &support, Vector3::ZERO));
-                if depth.value > 0.0 {
-                    let second = depth.times(&depth);
-                    sum = sum.plus(&second.times(&second));
+                let piece = &mut of_pieces[t.plane];
+                if depth.value > piece.value {
+                    *piece = depth;
                 }
+            }
+            let mut sum = Share::NONE;
+            for depth in of_pieces.iter().filter(|depth| depth.value > 0.0) {
+                let second = depth.times(depth);
+                sum = sum.plus(&second.times(&second));
             }
             if !(sum.value > 0.0) {
                 return Share::NONE;

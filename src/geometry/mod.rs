@@ -13,6 +13,8 @@ pub mod ellipsoid;
 pub mod facet_shares;
 pub(crate) mod fine_folds;
 #[cfg(feature = "std")]
+pub(crate) mod flat_pieces;
+#[cfg(feature = "std")]
 pub(crate) mod flat_place;
 pub(crate) mod global_minimum;
 pub(crate) mod interior_point;
@@ -23,6 +25,8 @@ pub mod plane;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod share;
+#[cfg(feature = "std")]
+pub(crate) mod shared_edges;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]
 pub mod small_motion;

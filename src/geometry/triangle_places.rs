@@ -250,6 +250,21 @@ impl<M: Lists> TrianglePlaces<M> {
         stands_out
     }
 
+    /// Where a side of a flat piece ends that begins at a corner with this part of it, as far as triangles of the plane are near.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn end_of_side(&self, plane: usize, [from, to]: [Vector3; 2]) -> Vector3 {
+        let mut end = to;
+        for t in self.near.iter().filter(|t| t.plane == plane) {
+            for corner in t.corners {
+                let is_farther = (corner - end).dot(to - from) > 0.0;
+                if is_farther && is_on_line(corner, [from, to]) {
+                    end = corner;
+                }
+            }
+        }
+        end
+    }
+
     /// Visits the triangles that pass the middle of an edge.
     pub fn visit_edge(&self, [a, b]: [Vector3; 2], meeting: f64, mut found: impl FnMut(usize)) {
         let place = Extent::about(((a + b) * 0.5).to_array(), meeting);
@@ -282,6 +297,13 @@ fn first_of(near: &mut [Near], mut k: usize) -> usize {
         k = next;
     }
     k
+}
+
+/// Whether a point is on the line through two others, up to rounding.
+pub(super) fn is_on_line(point: Vector3, [from, to]: [Vector3; 2]) -> bool {
+    let (way, own) = (to - from, point - from);
+    let longest = way.norm_squared().max(own.norm_squared());
+    own.cross(way).norm_squared() <= SAME_PLANE * SAME_PLANE * way.norm_squared() * longest
 }
 
 /// Whether a way between two points, in the frame in which the body is the unit sphere, comes into the body or close to it.

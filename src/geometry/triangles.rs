@@ -74,6 +74,8 @@ use super::convex_corner::Support as CornerSupport;
 use super::ellipsoid::{Ellipsoid, Support};
 use super::facet_shares::{share, Section, Share, ShareMemory, SupportingPlane};
 use super::fine_folds::FineFolds;
+#[cfg(feature = "std")]
+use super::flat_pieces;
 use super::interior_point::{nearest_normal, normal_on_other_side};
 use super::lists::{on_heap, List, Lists, OnHeap};
 use super::mixed_corners::MixedCorner;
@@ -181,17 +183,23 @@ impl<M: Lists> TriangleSearch<M> {
     }
 
     /// Finds the contacts of a body with centre `centre`. The triangles are all those near the body: an edge at which one is
-    /// missing counts as a free edge. A triangle with a corner that is not finite is left out.
+    /// missing counts as a free edge. A triangle with a corner that is not finite is left out. Of a flat piece of the surface that goes on beyond
+    /// what is near, the triangles to a distance of the body's largest semi-axis belong to them: its width decides how the edges of a narrow one act.
+    #[cfg(feature = "std")]
     pub fn touch(&mut self, body: &Ellipsoid, centre: Vector3, triangles: &[Triangle]) {
-        self.touch_each(body, centre, triangles.iter().copied());
+        let widths = core::cell::OnceCell::new();
+        let width = |index: usize| widths.get_or_init(|| flat_pieces::widths(triangles))[index];
+        self.touch_each(body, centre, triangles.iter().copied(), width);
     }
 
-    /// The same of triangles one after the other.
+    /// The same of triangles one after the other, and how wide the flat piece is of which each is a part ([`super::flat_pieces`]), by its number
+    /// among them.
     pub(crate) fn touch_each(
         &mut self,
         body: &Ellipsoid,
         centre: Vector3,
         triangles: impl Iterator<Item = Triangle>,
+        width: impl Fn(usize) -> f64,
     ) {
         self.contacts.clear();
         self.candidates.clear();
@@ -204,16 +212,22 @@ impl<M: Lists> TriangleSearch<M> {
             alone.point = alone.point + centre;
             self.contacts.push(alone);
         } else if (self.places.near.iter()).any(|t| body.support(-t.normal).h > t.distance) {
-            self.all_contacts(body, centre, meeting);
+            self.all_contacts(body, centre, meeting, &width);
         }
     }
 
     /// The contacts with the triangles that are near.
     #[cfg_attr(not(feature = "std"), inline(never))]
-    fn all_contacts(&mut self, body: &Ellipsoid, centre: Vector3, meeting: f64) {
+    fn all_contacts(
+        &mut self,
+        body: &Ellipsoid,
+        centre: Vector3,
+        meeting: f64,
+        width: &impl Fn(usize) -> f64,
+    ) {
         self.places.join_planes(body.bounding_radius(), meeting);
         self.covered.clear();
-        let rest = self.fine.rest(&self.places, body, meeting);
+        let rest = self.fine.rest(&self.places, body, meeting, width);
         if rest.value < 1.0 {
             self.covered_faces(body, meeting, &rest.complement());
         }
@@ -877,10 +891,11 @@ mod tests {
                 search.touch(&body, centre, &sheet);
                 let found = search.contacts().to_vec();
                 let meeting = MEETING * body.smallest_semi_axis();
+                let widths = flat_pieces::widths(&sheet);
                 quick += usize::from(search.lone_face(&body, meeting).is_some());
                 search.contacts.clear();
                 search.candidates.clear();
-                search.all_contacts(&body, centre, meeting);
+                search.all_contacts(&body, centre, meeting, &|k| widths[k]);
                 let others = search.contacts().to_vec();
                 touching += usize::from(!others.is_empty());
                 assert_eq!(
@@ -1310,7 +1325,8 @@ mod tests {
         let mut search = TriangleSearch::default();
         search.touch(&ball(), centre, &wall);
         let meeting = MEETING;
-        let rest = search.fine.rest(&search.places, &ball(), meeting);
+        let widths = flat_pieces::widths(&wall);
+        let rest = (search.fine).rest(&search.places, &ball(), meeting, &|k| widths[k]);
         assert!(rest.value > 0.1 && rest.value < 0.9, "{rest:?}");
         let [found] = search.contacts() else {
             panic!("{:?}", search.contacts());

@@ -6,9 +6,11 @@ use super::mesh::{check_corners, touch_near, REMEMBERED};
 use super::shape::{Ball, Found, Grain, Search, Shape};
 use crate::contact::ranges::LARGEST_VELOCITY;
 use crate::contact::staged::WallSurface;
+use crate::geometry::flat_pieces;
 use crate::geometry::triangles::{barycentric_weights, Triangle};
 use crate::message::Numbers;
 use crate::vector::Vector3;
+use std::sync::OnceLock;
 
 /// The triangles of a step. Its memory is kept from step to step.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +23,47 @@ pub struct LentTriangles {
     /// Where the list of each particle begins in `near`, and at last where the last one ends.
     starts: Vec<usize>,
     near: Vec<u32>,
+    /// Found when a particle first asks; kept while the triangles move as one body.
+    widths: OnceLock<Widths>,
+}
+
+/// How wide the flat piece is of which each triangle is a part.
+#[derive(Clone, Debug)]
+struct Widths {
+    of_triangles: Vec<f64>,
+    /// Of each triangle; what a motion of all leaves as it is.
+    sizes: Vec<[f64; 4]>,
+}
+
+/// By this share of its largest one the sizes of a triangle may change by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The squares of the sides of a triangle, and of the way to it from the one before.
+fn sizes(corners: &[Triangle]) -> impl Iterator<Item = [f64; 4]> + '_ {
+    let mut last = corners.first().map_or(Vector3::ZERO, |t| t[0]);
+    corners.iter().map(move |&[a, b, c]| {
+        let ways = [b - a, c - b, a - c, a - last];
+        last = a;
+        ways.map(Vector3::norm_squared)
+    })
+}
+
+impl Widths {
+    fn of(corners: &[Triangle]) -> Self {
+        Widths {
+            of_triangles: flat_pieces::widths(corners),
+            sizes: sizes(corners).collect(),
+        }
+    }
+
+    fn are_of(&self, corners: &[Triangle]) -> bool {
+        let equal = |own: &[f64; 4], other: [f64; 4]| {
+            let largest = own.iter().fold(0.0f64, |m, x| m.max(*x));
+            (own.iter().zip(other)).all(|(x, y)| (x - y).abs() <= ROUNDING * largest)
+        };
+        self.sizes.len() == corners.len()
+            && (self.sizes.iter().zip(sizes(corners))).all(|(own, other)| equal(own, other))
+    }
 }
 
 impl LentTriangles {
@@ -55,6 +98,10 @@ impl LentTriangles {
         self.near.clear();
         self.near.extend_from_slice(near);
         let checked = self.check();
+        let widths = self.widths.get();
+        if widths.is_some_and(|w| checked.is_err() || !w.are_of(&self.corners)) {
+            self.widths.take();
+        }
         if checked.is_err() {
             self.starts.clear();
         }
@@ -106,7 +153,12 @@ impl Shape for LentTriangles {
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
         search.near.clear();
         search.near.extend_from_slice(self.near(grain.particle));
-        touch_near(grain, &self.corners, search, &mut |surface, triangle| {
+        let corners = &self.corners;
+        let width = |triangle: usize| {
+            let widths = self.widths.get_or_init(|| Widths::of(corners));
+            widths.of_triangles[triangle]
+        };
+        touch_near(grain, corners, width, search, &mut |surface, triangle| {
             let [velocity, velocity_change] = [&self.velocities, &self.changes].map(|all| {
                 all.get(triangle).map_or(Vector3::ZERO, |v| {
                     let [a, b, c] = barycentric_weights(&self.corners[triangle], surface.point);

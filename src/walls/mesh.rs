@@ -6,6 +6,7 @@ use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
 use super::triangle_contacts::{place_of, surface};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::geometry::box_tree::{BoxTree, Extent};
+use crate::geometry::flat_pieces;
 use crate::geometry::triangles::Triangle;
 use crate::geometry::Plane;
 use crate::message::Numbers;
@@ -17,6 +18,8 @@ pub struct Mesh {
     pub(super) triangles: Vec<Triangle>,
     pub(super) boxes: Vec<Extent>,
     pub(super) tree: BoxTree,
+    /// How wide the flat piece is of which each triangle is a part.
+    pub(super) widths: Vec<f64>,
     /// Of the particles that were looked at.
     near: NearTriangles,
 }
@@ -40,10 +43,12 @@ impl Mesh {
         let boxes: Vec<Extent> = triangles.iter().map(around).collect();
         let mut tree = BoxTree::default();
         tree.build(&boxes);
+        let widths = flat_pieces::widths(&triangles);
         Ok(Mesh {
             triangles,
             boxes,
             tree,
+            widths,
             near: NearTriangles::default(),
         })
     }
@@ -94,19 +99,19 @@ pub(super) fn around(triangle: &Triangle) -> Extent {
     }
 }
 
-/// The contacts of a particle with the triangles that `search.near` names, and which of them stands for each.
+/// The contacts of a particle with the triangles that `search.near` names, and which of them stands for each. `width` is that of the flat piece of
+/// which a triangle is a part.
 pub(super) fn touch_near(
     grain: &Grain<'_>,
     triangles: &[Triangle],
+    width: impl Fn(usize) -> f64,
     search: &mut Search,
     found: &mut Found<'_>,
 ) {
-    search.corners.clear();
-    let near = search.near.iter().map(|t| triangles[*t as usize]);
-    search.corners.extend(near);
-    search
-        .triangles
-        .touch(grain.body, grain.centre, &search.corners);
+    let near = &search.near;
+    let corners = near.iter().map(|t| triangles[*t as usize]);
+    let width = |k: usize| width(near[k] as usize);
+    (search.triangles).touch_each(grain.body, grain.centre, corners, width);
     for contact in search.triangles.contacts() {
         found(&surface(contact), search.near[contact.triangle] as usize);
     }
@@ -168,7 +173,8 @@ impl Shape for Mesh {
             search.near.sort_unstable();
         }
         if !search.near.is_empty() {
-            touch_near(grain, &self.triangles, search, found);
+            let width = |triangle: usize| self.widths[triangle];
+            touch_near(grain, &self.triangles, width, search, found);
         }
     }
 

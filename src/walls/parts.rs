@@ -39,6 +39,8 @@ pub struct OwnParts {
     pub triangles: Vec<Triangle>,
     /// Of each triangle.
     pub boxes: Vec<Extent>,
+    /// How wide the flat piece is of which each triangle is a part.
+    pub widths: Vec<f64>,
     /// Of the trees of all meshes.
     pub nodes: Vec<Node>,
     /// Those of the triangles that belong to a node, by their numbers within the mesh.
@@ -55,6 +57,8 @@ pub struct Parts<'a> {
     pub triangles: &'a [Triangle],
     /// See [`OwnParts`].
     pub boxes: &'a [Extent],
+    /// See [`OwnParts`].
+    pub widths: &'a [f64],
     /// See [`OwnParts`].
     pub nodes: &'a [Node],
     /// See [`OwnParts`].
@@ -115,6 +119,7 @@ pub(super) struct SearchInRoom<'m> {
 struct OnePart<'a> {
     triangles: &'a [Triangle],
     boxes: &'a [Extent],
+    widths: &'a [f64],
     nodes: &'a [Node],
     order: &'a [usize],
 }
@@ -127,6 +132,7 @@ impl<'a> Parts<'a> {
         OnePart {
             triangles: &self.triangles[from..to],
             boxes: &self.boxes[from..to],
+            widths: &self.widths[from..to],
             nodes: &self.nodes[first..end],
             order: &self.order[from..to],
         }
@@ -176,8 +182,10 @@ impl SearchInRoom<'_> {
         });
         // in the order of the triangles, whatever the tree is
         near.sort();
+        let near = &*near;
         let corners = near.iter().map(|&k| part.triangles[k as usize]);
-        self.triangles.touch_each(grain.body, grain.centre, corners);
+        let width = |k: usize| part.widths[near[k] as usize];
+        (self.triangles).touch_each(grain.body, grain.centre, corners, width);
         self.triangles.contacts()
     }
 

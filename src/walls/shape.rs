@@ -319,8 +319,6 @@ pub struct Search {
     pub triangles: TriangleSearch,
     /// Triangles near a body, by their index in the mesh.
     pub near: Vec<u32>,
-    /// Their corners.
-    pub corners: Vec<Triangle>,
 }
 
 /// A cylinder or a cone between two planes across its axis, without its ends.

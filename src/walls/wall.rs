@@ -298,6 +298,7 @@ impl Wall {
             let (triangle, node) = (all.triangles.len() as u64, all.nodes.len() as u64);
             all.triangles.extend_from_slice(&mesh.triangles);
             all.boxes.extend_from_slice(&mesh.boxes);
+            all.widths.extend_from_slice(&mesh.widths);
             all.nodes.extend_from_slice(&mesh.tree.nodes);
             all.order.extend_from_slice(&mesh.tree.order);
             let triangles = [triangle, all.triangles.len() as u64];

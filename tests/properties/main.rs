@@ -19,6 +19,7 @@ mod gap;
 mod global_minimum;
 mod lone_contacts;
 mod mesh_corners;
+mod mesh_divisions;
 mod momentum;
 mod near_walls;
 mod passivity;

@@ -368,7 +368,7 @@ fn no_corner_pushes_with_more_than_its_triangles() {
 }
 
 /// A surface of squares about the origin, each as two triangles by either diagonal, with corners that are off their places by a fifth of a square.
-fn surface(
+pub fn surface(
     stream: &mut Stream,
     squares: usize,
     size: f64,
@@ -397,7 +397,7 @@ fn surface(
 }
 
 /// The body over a place, so high that its energy is that on a plane at this depth.
-fn loaded(laws: &Laws, b: Body, wall: &[Triangle], depth: f64) -> Body {
+pub fn loaded(laws: &Laws, b: Body, wall: &[Triangle], depth: f64) -> Body {
     let energy = |b: &Body, wall: &[Triangle]| on_triangles(laws, b, wall).energy;
     let i = prepare_body(&b, None).unwrap();
     let h = i.body.support(point(0.0, 0.0, -1.0)).h;

@@ -174,6 +174,7 @@ struct PartsOnDevice {
     parts: Buffer<Part>,
     triangles: Buffer<Triangle>,
     boxes: Buffer<Extent>,
+    widths: Buffer<f64>,
     nodes: Buffer<Node>,
     order: Buffer<usize>,
 }
@@ -196,6 +197,7 @@ impl PartsOnDevice {
             parts: copied(device, &own.parts, stream)?,
             triangles: copied(device, &own.triangles, stream)?,
             boxes: copied(device, &own.boxes, stream)?,
+            widths: copied(device, &own.widths, stream)?,
             nodes: copied(device, &own.nodes, stream)?,
             order: copied(device, &own.order, stream)?,
         };
@@ -208,6 +210,7 @@ impl PartsOnDevice {
         self.parts.bytes()
             + self.triangles.bytes()
             + self.boxes.bytes()
+            + self.widths.bytes()
             + self.nodes.bytes()
             + self.order.bytes()
     }
@@ -1131,6 +1134,7 @@ impl Scene {
                     parts: parts.parts.all(),
                     triangles: parts.triangles.all(),
                     boxes: parts.boxes.all(),
+                    widths: parts.widths.all(),
                     nodes: parts.nodes.all(),
                     order: parts.order.all(),
                     motion: WallMotion::from(motion),

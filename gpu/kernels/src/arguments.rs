@@ -343,6 +343,8 @@ pub struct MeshArguments<M: Memory> {
     pub triangles: M::Shared<Triangle>,
     /// Of each triangle.
     pub boxes: M::Shared<Extent>,
+    /// How wide the flat piece is of which each triangle is a part.
+    pub widths: M::Shared<f64>,
     /// Of the trees of all meshes.
     pub nodes: M::Shared<Node>,
     /// Those of the triangles that belong to a node.

@@ -22,6 +22,7 @@ macro_rules! mesh_of {
                 parts: $arguments.parts.all(),
                 triangles: $arguments.triangles.all(),
                 boxes: $arguments.boxes.all(),
+                widths: $arguments.widths.all(),
                 nodes: $arguments.nodes.all(),
                 order: $arguments.order.all(),
             },

@@ -19,6 +19,7 @@ fn lent(own: &OwnParts) -> Parts<'_> {
         parts: &own.parts,
         triangles: &own.triangles,
         boxes: &own.boxes,
+        widths: &own.widths,
         nodes: &own.nodes,
         order: &own.order,
     }
