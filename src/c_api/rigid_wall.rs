@@ -17,14 +17,15 @@ use super::tallies::{
 };
 use crate::contact::ranges::{self, LARGEST_COORDINATE, LARGEST_VELOCITY};
 use crate::contact::Laws;
+use crate::geometry::triangles::Triangle;
 use crate::list::{PreparedBy, Workspace};
 use crate::message::{Number, Numbers};
 use crate::tallies::Tallies;
 use crate::vector::Vector3;
 use crate::walls::{
-    compute_wall, compute_wall_in_lanes, shape_has_axis, stl, write_triangle_loads, End, Mesh,
-    Motion, PeriodicBox, RecordsInput, ShapeParameters, ShapeWords, Side, TriangleLoad, Wall,
-    WallError, WallInput, WallOutput, WrongHistory,
+    compute_wall, compute_wall_in_lanes, flatten_triangles, shape_has_axis, stl,
+    write_triangle_loads, End, Mesh, Motion, PeriodicBox, RecordsInput, ShapeParameters,
+    ShapeWords, Side, TriangleLoad, Wall, WallError, WallInput, WallOutput, WrongHistory,
 };
 use core::ffi::c_char;
 use core::ffi::CStr;
@@ -413,6 +414,38 @@ pub unsafe extern "C" fn ellgran_wall_add_triangles(
     })
 }
 
+/// Makes flat pieces of triangles flat again whose corners were rounded, as they are read from a file of few digits; [`ellgran_wall_add_stl`] does so
+/// itself. Each edge between many triangles of a plane is a fold after rounding, and at such folds between convex and concave edges a grain is pushed by the
+/// wrong ones. `corners` is [count][3][3], and changed: corners move by about the rounding, and where planes meet at small angles by up to a
+/// twentieth of an edge along them; equal ones stay equal. Nothing is done to corners of more than nine decimal digits. The largest motion goes to
+/// `largest_motion`, which may be NULL; 0 if there is none. The call allocates: it belongs to a set-up.
+///
+/// # Safety
+/// The pointers are NULL or valid; `corners` has `count * 9` doubles.
+#[no_mangle]
+pub unsafe extern "C" fn ellgran_flatten_triangles(
+    count: usize,
+    corners: *mut f64,
+    largest_motion: *mut f64,
+) -> i32 {
+    at_border("ellgran_flatten_triangles", || {
+        // SAFETY: `corners` is NULL or valid for reads and writes of `count` elements, by this function's safety section.
+        let corners = unsafe { slice_mut(corners.cast::<[[f64; 3]; 3]>(), count, "corners") }?;
+        let mut triangles: Vec<Triangle> = (corners.iter())
+            .map(|t| t.map(Vector3::from_array))
+            .collect();
+        let largest = flatten_triangles(&mut triangles).map_err(wrong)?;
+        for (own, flat) in corners.iter_mut().zip(triangles) {
+            *own = flat.map(Vector3::to_array);
+        }
+        // SAFETY: `largest_motion` is NULL or valid for writes, by this function's safety section.
+        if let Some(place) = unsafe { largest_motion.as_mut() } {
+            *place = largest;
+        }
+        Ok(())
+    })
+}
+
 /// Adds a block along the axes of the wall from without, one part: its faces, edges and corners act as those of triangles. A particle whose centre is in the
 /// block, or that is so deep in it that no face, edge or corner by itself acts, is pressed out the shortest way. `low` and `high` are [3].
 ///
@@ -437,7 +470,7 @@ pub unsafe extern "C" fn ellgran_wall_add_block(
 
 /// Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
 /// `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
-/// precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+/// precision, also in ASCII, and flat pieces are made flat as by [`ellgran_flatten_triangles`]. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
 ///
 /// # Safety
 /// The pointers are NULL or valid; `path` ends with NUL.

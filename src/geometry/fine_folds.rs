@@ -76,7 +76,10 @@ impl Edge {
 }
 
 /// What edges in their order leave, each with its plane. Of an edge of several parts the nearest one counts: it has the body's distance from all of them.
-fn each_once<'e>(body: &'e Ellipsoid, edges: &'e [Edge]) -> impl Iterator<Item = (&'e Edge, Share)> {
+fn each_once<'e>(
+    body: &'e Ellipsoid,
+    edges: &'e [Edge],
+) -> impl Iterator<Item = (&'e Edge, Share)> {
     edges.iter().enumerate().filter_map(|(own, edge)| {
         let mut nearer = edges[..own].iter().rev();
         let is_part = nearer
@@ -89,10 +92,7 @@ fn each_once<'e>(body: &'e Ellipsoid, edges: &'e [Edge]) -> impl Iterator<Item =
 
 impl<'m> FineFolds<InRoom<'m>> {
     /// In room of somebody's.
-    pub(super) fn in_room(
-        left: &'m mut [[Share; 2]],
-        [edges, sharp]: [&'m mut [Edge]; 2],
-    ) -> Self {
+    pub(super) fn in_room(left: &'m mut [[Share; 2]], [edges, sharp]: [&'m mut [Edge]; 2]) -> Self {
         FineFolds {
             left: Lent::new(left),
             edges: Lent::new(edges),

@@ -101,7 +101,8 @@ fn convex_hull(mut points: Vec<Vector2>) -> Vec<Vector2> {
     for half in 0..2 {
         let from = hull.len();
         for &p in &points {
-            while hull.len() > from + 1 && turn(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
+            while hull.len() > from + 1
+                && turn(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0.0
             {
                 hull.pop();
             }

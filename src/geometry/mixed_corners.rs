@@ -289,7 +289,10 @@ impl<M: Lists> MixedCorner<M> {
                     deepest = depth;
                     depth
                 });
-                if !(deepest > 0.0) || fine.meet_at(places, apex) || !self.is_mixed(places, apex, meeting) {
+                if !(deepest > 0.0)
+                    || fine.meet_at(places, apex)
+                    || !self.is_mixed(places, apex, meeting)
+                {
                     continue;
                 }
                 let part = self.part(places, body, apex, square, deepest, &mut depths);
@@ -350,7 +353,9 @@ impl<M: Lists> MixedCorner<M> {
     ) -> Share {
         let mut part = Share::WHOLE;
         if deepest < SHALLOW * depths.most(places, body) {
-            let full = depths.of_all(places, body, &mut self.depths).scaled(SHALLOW);
+            let full = depths
+                .of_all(places, body, &mut self.depths)
+                .scaled(SHALLOW);
             // An edge that rounding alone has put into the body.
             if !(full.value > 0.0) {
                 return Share::NONE;

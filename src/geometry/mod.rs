@@ -24,6 +24,8 @@ pub(crate) mod nearest_line;
 pub mod plane;
 #[cfg(test)]
 pub(crate) mod random;
+#[cfg(feature = "std")]
+pub(crate) mod rounded_corners;
 pub(crate) mod share;
 #[cfg(feature = "std")]
 pub(crate) mod shared_edges;

@@ -7,6 +7,7 @@ use super::triangle_contacts::{place_of, surface};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::flat_pieces;
+use crate::geometry::rounded_corners;
 use crate::geometry::triangles::Triangle;
 use crate::geometry::Plane;
 use crate::message::Numbers;
@@ -67,6 +68,19 @@ impl Mesh {
         });
         has
     }
+}
+
+/// Moves the corners of flat pieces of triangles back to their planes where they were rounded to few digits, as in a file, and returns the
+/// largest way that one moved ([`rounded_corners`]).
+///
+/// # Errors
+/// A corner that is not finite or too far away; then nothing is changed.
+pub fn flatten_triangles(triangles: &mut [Triangle]) -> Result<f64, String> {
+    check_corners(triangles)?;
+    Ok(match rounded_corners::rounding(triangles) {
+        Some(rounding) => rounded_corners::flatten(triangles, rounding),
+        None => 0.0,
+    })
 }
 
 /// Whether all corners are finite and not too far away.

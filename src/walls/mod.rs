@@ -77,7 +77,7 @@ pub use lane_pass::{compute_wall_in_lanes, RecordsInput};
 #[cfg(feature = "std")]
 pub use lent_triangles::LentTriangles;
 #[cfg(feature = "std")]
-pub use mesh::Mesh;
+pub use mesh::{flatten_triangles, Mesh};
 pub use motion::Motion;
 #[cfg(feature = "std")]
 pub use one_plane::{geometry_with_plane, one_contact_with_plane, MovingPlane};

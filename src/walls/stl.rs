@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Triangles from STL files, binary or ASCII.
 
+use super::mesh::flatten_triangles;
 use crate::geometry::triangles::Triangle;
 use crate::vector::Vector3;
 use std::fs;
@@ -11,7 +12,7 @@ use std::path::Path;
 const HEAD: usize = 84;
 
 /// Reads the triangles of a file; which of the two forms it has is seen from its content. Normals in it are not used, and all solids of
-/// an ASCII file count.
+/// an ASCII file count. Flat pieces of many triangles, which rounding of the corners has left uneven, are flat again.
 ///
 /// # Errors
 /// Names the file and what is wrong.
@@ -21,7 +22,7 @@ pub fn read(path: &Path) -> Result<Vec<Triangle>, String> {
     let mut file = Cursor::new(one_solid(bytes));
     let not_stl = |e: std::io::Error| fail(format!("not an STL file, or cut short: {e}"));
     let triangles = stl_io::create_stl_reader(&mut file).map_err(not_stl)?;
-    triangles
+    let triangles: Result<Vec<Triangle>, String> = triangles
         .map(|triangle| {
             let triangle = triangle.map_err(not_stl)?;
             Ok(triangle.vertices.map(|v| {
@@ -29,7 +30,10 @@ pub fn read(path: &Path) -> Result<Vec<Triangle>, String> {
                 Vector3::new(x.into(), y.into(), z.into())
             }))
         })
-        .collect()
+        .collect();
+    let mut triangles = triangles?;
+    flatten_triangles(&mut triangles).map_err(fail)?;
+    Ok(triangles)
 }
 
 /// The file as `stl_io` wants it: that takes each file which begins with "solid" for ASCII, stops behind the first solid of one, and

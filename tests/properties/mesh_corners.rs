@@ -396,8 +396,8 @@ pub fn surface(
         .collect()
 }
 
-/// The body over a place, so high that its energy is that on a plane at this depth.
-pub fn loaded(laws: &Laws, b: Body, wall: &[Triangle], depth: f64) -> Body {
+/// The body over a place of a surface about z = 0 that is so high at most, so high that its energy is that on a plane at this depth.
+pub fn loaded(laws: &Laws, b: Body, wall: &[Triangle], highest: f64, depth: f64) -> Body {
     let energy = |b: &Body, wall: &[Triangle]| on_triangles(laws, b, wall).energy;
     let i = prepare_body(&b, None).unwrap();
     let h = i.body.support(point(0.0, 0.0, -1.0)).h;
@@ -412,7 +412,7 @@ pub fn loaded(laws: &Laws, b: Body, wall: &[Triangle], depth: f64) -> Body {
         point(0.0, 18.0, 0.0),
     ];
     let whole = energy(&at(h - depth), &[plane]);
-    let (mut low, mut high) = (h - 0.1, h + 0.1);
+    let (mut low, mut high) = (h - highest, h + highest);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
         if energy(&at(middle), wall) > whole {
@@ -450,7 +450,7 @@ fn passed_surfaces(
         let [from, to, middle] = [0, 1, 2].map(|_| {
             let [x, y] = [0, 1].map(|_| stream.uniform(-reach, reach));
             let b = body(axes, Vector::new(x - s.x, y - s.y, 0.0), turn);
-            loaded(&laws, b, &wall, depth)
+            loaded(&laws, b, &wall, 0.1, depth)
         });
         let way = Way {
             from,
@@ -562,7 +562,7 @@ fn force_and_torque_at_a_fine_saddle_are_the_gradient_of_one_energy() {
             (corner.clone(), [r * cos, r * sin])
         };
         let at = body(axes, Vector::new(place[0] - s.x, place[1] - s.y, 0.0), turn);
-        let b = loaded(&laws, at, &wall, depth);
+        let b = loaded(&laws, at, &wall, 0.1, depth);
         let now = on_triangles(&laws, &b, &wall);
         parts += usize::from(now.contacts > 1);
         let h = 2e-3 * depth;
