@@ -2421,6 +2421,20 @@ int32_t ellgran_wall_add_triangles(struct EllgranWall *wall,
                                    const double *corners);
 
 /*
+ Makes flat pieces of triangles flat again whose corners were rounded, as they are read from a file of few digits; [`ellgran_wall_add_stl`] does so
+ itself. Each edge between many triangles of a plane is a fold after rounding, and at such folds between convex and concave edges a grain is pushed by the
+ wrong ones. `corners` is [count][3][3], and changed: corners move by about the rounding, and where planes meet at small angles by up to a
+ twentieth of an edge along them; equal ones stay equal. Nothing is done to corners of more than nine decimal digits. The largest motion goes to
+ `largest_motion`, which may be NULL; 0 if there is none. The call allocates: it belongs to a set-up.
+
+ # Safety
+ The pointers are NULL or valid; `corners` has `count * 9` doubles.
+ */
+int32_t ellgran_flatten_triangles(size_t count,
+                                  double *corners,
+                                  double *largest_motion);
+
+/*
  Adds a block along the axes of the wall from without, one part: its faces, edges and corners act as those of triangles. A particle whose centre is in the
  block, or that is so deep in it that no face, edge or corner by itself acts, is pressed out the shortest way. `low` and `high` are [3].
 
@@ -2434,7 +2448,7 @@ int32_t ellgran_wall_add_block(struct EllgranWall *wall,
 /*
  Adds the triangles of an STL file, binary or ASCII, as `ellgran_wall_add_triangles` does. They are scaled by `scale`, turned by
  `quaternion` (w, x, y, z) about the file's origin, and moved by `translation`; both may be NULL. Coordinates in the file have single
- precision, also in ASCII. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
+ precision, also in ASCII, and flat pieces are made flat as by [`ellgran_flatten_triangles`]. The number of triangles goes to `triangle_count`, which may be NULL. The call reads a file and allocates: it belongs to a set-up.
 
  # Safety
  The pointers are NULL or valid; `path` ends with NUL.

@@ -87,6 +87,13 @@ fn add_triangles(u: &mut Bytes, wall: &Wall) -> arbitrary::Result<()> {
             triangles.push(corner);
         }
     }
+    if u.arbitrary()? {
+        let mut largest = 0.0;
+        // SAFETY: three corners for each triangle.
+        succeeded(unsafe {
+            ellgran_flatten_triangles(count, triangles.as_mut_ptr().cast(), &mut largest)
+        });
+    }
     show("triangles", &triangles);
     // SAFETY: three corners for each triangle.
     succeeded(unsafe { ellgran_wall_add_triangles(wall.0, count, triangles.as_ptr().cast()) });

@@ -531,6 +531,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "ellgran_wall_add_shape": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_add_shape_words": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_add_triangles": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]),
+    "ellgran_flatten_triangles": (ctypes.c_int32, [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_add_block": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_add_stl": (ctypes.c_int32, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]),
     "ellgran_wall_part_count": (ctypes.c_size_t, [ctypes.c_void_p]),

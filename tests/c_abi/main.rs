@@ -13,6 +13,7 @@ mod emulator;
 mod engine_walls;
 mod errors;
 mod extreme_values;
+mod flat_pieces;
 #[allow(dead_code)]
 #[path = "../support/shapes.rs"]
 mod formulas;
