@@ -9,38 +9,16 @@ use ellgran::c_api::engine_walls::*;
 use ellgran::c_api::rigid_wall::*;
 use ellgran::c_api::status::*;
 
+use crate::hills::{divided, grains_on, hills, Triangle};
 use crate::scene::*;
 
 const LAW: &str = "hertz 1e4 0.3 conservative no";
 
-type Triangle = [[f64; 3]; 3];
+const SIZE: f64 = 0.4;
 
-/// A hilly floor of triangles about 0.4 wide, each a flat piece, with convex and concave edges.
+/// A floor in the numbers of a file.
 fn floor() -> Vec<Triangle> {
-    let at = |i: i32, j: i32| {
-        let height = 0.03 * f64::from((7 * i + 11 * j + 3 * i * j).rem_euclid(5) - 2) - 0.95;
-        [0.4 * f64::from(i), 0.4 * f64::from(j), height]
-    };
-    (-4..4)
-        .flat_map(|i| (-4..4).map(move |j| (i, j)))
-        .flat_map(|(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
-}
-
-/// Each triangle as four, in single precision.
-fn divided(triangles: &[Triangle]) -> Vec<Triangle> {
-    let middle = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|k| f64::from((0.5 * (a[k] + b[k])) as f32))
-    };
-    (triangles.iter())
-        .flat_map(|&[a, b, c]| {
-            let [p, q, r] = [middle(a, b), middle(b, c), middle(c, a)];
-            [[a, p, r], [p, b, q], [r, q, c], [p, q, r]]
-        })
-        .collect()
+    in_single_precision(&hills(8, SIZE, 0.03))
 }
 
 fn in_single_precision(triangles: &[Triangle]) -> Vec<Triangle> {
@@ -71,18 +49,14 @@ fn wall_of_file(name: &str, triangles: &[Triangle]) -> WallHandle {
     wall
 }
 
-/// Grains over the floor, by so much away from it.
+/// Grains on the floor where it is so much higher.
 fn grains(higher: f64) -> Vec<EllgranBody> {
-    (0..40)
-        .map(|k| {
-            let mut body = sphere_at(0.031 * f64::from(k) - 0.6);
-            body.position[1] = 0.4 * f64::from(k * 7 % 11) / 11.0 - 0.2;
-            body.position[2] = 0.05 * f64::from(k * 3 % 7) / 7.0 - 0.02 + higher;
-            if k % 2 == 1 {
-                body.semi_axes = [1.0, 0.8, 0.93];
-            }
-            body.identifier = k.into();
-            body
+    (grains_on(SIZE).into_iter().zip(0..))
+        .map(|((semi_axes, [x, y, z]), identifier)| EllgranBody {
+            semi_axes,
+            position: [x, y, z + higher],
+            identifier,
+            ..sphere_at(0.0)
         })
         .collect()
 }
@@ -125,10 +99,10 @@ fn are_equal(found: &[[f64; 3]], expected: &[[f64; 3]], tolerance: f64) {
     }
 }
 
-/// The file of four times as many triangles is the same wall.
+/// The file of sixteen times as many triangles is the same wall.
 #[test]
 fn a_file_of_divided_triangles_is_the_same_wall() {
-    let floor = in_single_precision(&floor());
+    let floor = floor();
     let whole = forces(&wall_of_file("whole", &floor), &grains(0.0));
     let fine = forces(&wall_of_file("fine", &divided(&floor)), &grains(0.0));
     are_equal(&fine, &whole, 1e-6);
@@ -137,8 +111,8 @@ fn a_file_of_divided_triangles_is_the_same_wall() {
 /// Triangles that an engine lends, moved as a whole from call to call, and then others in their place.
 #[test]
 fn lent_triangles_are_the_wall_of_all_of_them() {
-    let floor = in_single_precision(&floor());
-    let mut fine = divided(&floor);
+    let floor = floor();
+    let mut fine = in_single_precision(&divided(&floor));
     let mut largest = 0.0;
     // SAFETY: nine doubles for each triangle.
     ok(unsafe { ellgran_flatten_triangles(fine.len(), fine.as_mut_ptr().cast(), &mut largest) });

@@ -19,6 +19,8 @@ mod flat_pieces;
 mod formulas;
 mod friction;
 mod growing;
+#[path = "../support/hills.rs"]
+mod hills;
 mod instruction_sets;
 mod kept_history;
 mod list_changes;

@@ -8,6 +8,8 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
+#[path = "../support/hills.rs"]
+mod hills;
 
 use engines::shapes;
 

@@ -8,6 +8,8 @@
 #[path = "../support/engines/mod.rs"]
 mod engines;
 mod harness;
+#[path = "../support/hills.rs"]
+mod hills;
 #[allow(dead_code)]
 #[path = "../lammps/harness.rs"]
 mod lammps;

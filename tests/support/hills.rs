@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A hilly floor of triangles, each a flat piece, with convex and concave edges, and the same floor in many more triangles.
+
+pub type Triangle = [[f64; 3]; 3];
+
+/// Squares of this size about the origin, each of two triangles, so many in a row, with corners that are up to twice this height off the plane z = 0.
+pub fn hills(row: i32, size: f64, height: f64) -> Vec<Triangle> {
+    let half = row / 2;
+    let at = |i: i32, j: i32| {
+        let steps = (7 * i + 11 * j + 3 * i * j).rem_euclid(5) - 2;
+        [
+            size * f64::from(i),
+            size * f64::from(j),
+            height * f64::from(steps),
+        ]
+    };
+    (-half..row - half)
+        .flat_map(|i| (-half..row - half).map(move |j| (i, j)))
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect()
+}
+
+/// Each triangle as sixteen.
+pub fn divided(triangles: &[Triangle]) -> Vec<Triangle> {
+    let middle =
+        |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (a[k] + b[k])) };
+    let in_four = |t: &Triangle| {
+        let [a, b, c] = *t;
+        let [p, q, r] = [middle(a, b), middle(b, c), middle(c, a)];
+        [[a, p, r], [p, b, q], [r, q, c], [p, q, r]]
+    };
+    let four: Vec<Triangle> = triangles.iter().flat_map(in_four).collect();
+    four.iter().flat_map(in_four).collect()
+}
+
+/// Grains on the floor, as their semi-axes, and where they are: spheres of a radius of 2.5 squares, and ellipsoids within them.
+pub fn grains_on(size: f64) -> Vec<([f64; 3], [f64; 3])> {
+    (0..40)
+        .map(|k| {
+            let radius = 2.5 * size;
+            let axes = match k % 2 {
+                0 => [radius; 3],
+                _ => [radius, 0.8 * radius, 0.93 * radius],
+            };
+            let x = size * (0.078 * f64::from(k) - 1.5);
+            let y = size * (f64::from(k * 7 % 11) / 11.0 - 0.5);
+            let z = axes[2] + size * (0.12 * f64::from(k * 3 % 7) / 7.0 - 0.1);
+            (axes, [x, y, z])
+        })
+        .collect()
+}
