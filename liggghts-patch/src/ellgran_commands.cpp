@@ -121,13 +121,23 @@ void ellgran_check_commands(LAMMPS *lmp)
 void ellgran_note_change_of_fixes(LAMMPS *lmp)
 {
   FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
-  if (fix) fix->note_change_of_fixes();
+  if (fix) fix->note_change("fixes");
+}
+
+void ellgran_note_change_of_computes(LAMMPS *lmp)
+{
+  FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
+  if (fix) fix->note_change("computes");
 }
 
 void ellgran_check_no_setup(LAMMPS *lmp)
 {
-  FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
-  if (fix && fix->fixes_have_changed())
-    lmp->error->all(FLERR, "run ... pre no: fixes were added, given again or removed since the run before was set up, and this one would go on with "
-                           "those of before: leave 'pre no' out");
+  const FixContactHistoryEllgran *const fix = FixContactHistoryEllgran::find(lmp);
+  if (!fix || !fix->what_has_changed()) return;
+  char message[300];
+  snprintf(message, sizeof(message),
+           "run ... pre no: %s were added, given again or removed since the run before was set up, and this one would go on with those of "
+           "before: leave 'pre no' out",
+           fix->what_has_changed());
+  lmp->error->all(FLERR, message);
 }

@@ -13,8 +13,10 @@
 void ellgran_check_commands(LAMMPS_NS::LAMMPS *lmp);
 
 // LIGGGHTS lists which fix does what when a run is set up. 'run ... pre no' takes the list of the run before, by numbers that mean other fixes, or none,
-// once one was added, given again or removed. LIGGGHTS' own 'modify' and 'run' call these two.
+// once one was added, given again or removed. Of computes it keeps addresses, and leaves new ones without their beginning. LIGGGHTS' own 'modify' and
+// 'run' call these three.
 void ellgran_note_change_of_fixes(LAMMPS_NS::LAMMPS *lmp);
+void ellgran_note_change_of_computes(LAMMPS_NS::LAMMPS *lmp);
 void ellgran_check_no_setup(LAMMPS_NS::LAMMPS *lmp);
 
 #endif

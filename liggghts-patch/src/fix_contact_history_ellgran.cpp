@@ -33,7 +33,7 @@ const char *const FIXES[] = {"heat/gran", "heat/gran/conduction", "multicontact/
 }
 
 FixContactHistoryEllgran::FixContactHistoryEllgran(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), has_run_(false), fixes_have_changed_(true)
+    Fix(lmp, narg, arg), has_run_(false), changed_("fixes")
 {
   comm_forward = VALUES_OF_IMAGE;
 }

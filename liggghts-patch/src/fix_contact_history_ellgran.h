@@ -29,7 +29,7 @@ class FixContactHistoryEllgran : public Fix {
   virtual int setmask();
   virtual void init();
   virtual void pre_exchange() { write(); }
-  virtual void setup(int) { fixes_have_changed_ = false; }
+  virtual void setup(int) { changed_ = NULL; }
   virtual void post_run();
   virtual void pre_force(int);
   virtual int pack_comm(int count, int *particles, double *buffer, int, int *);
@@ -40,9 +40,9 @@ class FixContactHistoryEllgran : public Fix {
   // NULL if there is none.
   static FixContactHistoryEllgran *find(class LAMMPS *lmp);
 
-  // since a run was set up
-  void note_change_of_fixes() { fixes_have_changed_ = true; }
-  bool fixes_have_changed() const { return fixes_have_changed_; }
+  // since a run was set up: "fixes" or "computes", NULL for nothing
+  void note_change(const char *what) { changed_ = what; }
+  const char *what_has_changed() const { return changed_; }
 
   // Whether histories may stay in the library: this fix comes before fix contacthistory, and nothing else reads them in a step.
   static bool may_keep(class LAMMPS *lmp);
@@ -51,7 +51,7 @@ class FixContactHistoryEllgran : public Fix {
   void write();
 
   bool has_run_;
-  bool fixes_have_changed_;
+  const char *changed_;
 };
 
 }

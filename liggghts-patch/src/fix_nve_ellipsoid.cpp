@@ -330,23 +330,36 @@ void FixNVEEllipsoid::pre_force(int)
   comm->forward_comm_fix(this);
 }
 
-// Angular velocities are linear in angular momenta.
+// Angular velocities are linear in angular momenta. Piece by piece, since what a piece takes stays in the nearest cache, and all at once it does not.
 void FixNVEEllipsoid::find_motion_changes()
 {
-  EllgranMotion grains = motion(step_bits_);
+  const EllgranMotion grains = motion(step_bits_);
   if (grains.count == 0) return;
-  const int count = atom->nlocal;
-  momenta_.resize(3 * static_cast<size_t>(count));
-  angular_velocities_.assign(momenta_.size(), 0.0);
-  for (int i = 0; i < count; i++)
-    for (int k = 0; k < 3; k++) momenta_[3 * static_cast<size_t>(i) + k] = changes_[i][3 + k];
-  grains.angular_momenta = &momenta_[0];
-  check(ellgran_angular_velocities(workspace_, &grains, &angular_velocities_[0]));
-  for (int i = 0; i < count; i++)
-    for (int k = 0; k < 3; k++) {
-      motion_changes_[i][k] = changes_[i][k];
-      motion_changes_[i][3 + k] = angular_velocities_[3 * static_cast<size_t>(i) + k];
+  const size_t PIECE = 128, count = atom->nlocal;
+  double momenta[3 * PIECE], spins[3 * PIECE];
+  for (size_t first = 0; first < count; first += PIECE) {
+    const size_t here = std::min(PIECE, count - first);
+    for (size_t i = 0; i < here; i++)
+      for (int k = 0; k < 3; k++) momenta[3 * i + k] = changes_[first + i][3 + k];
+    // of those that this fix does not move
+    std::fill_n(spins, 3 * here, 0.0);
+    if (first < grains.count) {
+      EllgranMotion piece = grains;
+      piece.count = std::min(PIECE, grains.count - first);
+      piece.angular_momenta = momenta;
+      piece.masses += first;
+      piece.semi_axes += 3 * first;
+      piece.quaternions += 4 * first;
+      piece.masks += first;
+      piece.identifiers = atom->tag + first;
+      check(ellgran_angular_velocities(workspace_, &piece, spins));
     }
+    for (size_t i = 0; i < here; i++)
+      for (int k = 0; k < 3; k++) {
+        motion_changes_[first + i][k] = changes_[first + i][k];
+        motion_changes_[first + i][3 + k] = spins[3 * i + k];
+      }
+  }
 }
 
 void FixNVEEllipsoid::lend_velocities(LAMMPS *lmp, EllgranParticles &particles)

@@ -663,6 +663,8 @@ void FixWallGranEllipsoid::lend_triangles()
       if (particles[n] < nlocal) lists_[next[particles[n]]++] = k;
   }
 
+  refuse_turning_images();
+
   EllgranLentTriangles triangles = ELLGRAN_INIT(EllgranLentTriangles);
   triangles.count = near_.size();
   triangles.particle_count = nlocal;
@@ -673,6 +675,55 @@ void FixWallGranEllipsoid::lend_triangles()
   }
   if (!lists_.empty()) triangles.near = &lists_[0];
   check(ellgran_wall_lend_triangles(wall_, &triangles));
+}
+
+// Whether a point is outside of the box in a periodic dimension.
+bool FixWallGranEllipsoid::is_across(int dimension, const double *point) const
+{
+  if (!domain->periodicity[dimension]) return false;
+  double in_box[3];
+  vectorCopy3D(point, in_box);
+  if (domain->triclinic) domain->x2lamda(in_box, in_box);
+  const double low = domain->triclinic ? 0.0 : domain->boxlo[dimension], high = domain->triclinic ? 1.0 : domain->boxhi[dimension];
+  const double rounding = 1e-9 * (high - low);
+  return in_box[dimension] < low - rounding || in_box[dimension] > high + rounding;
+}
+
+// LIGGGHTS turns images of a mesh, and triangles that it has put to the other side of the box, about the axis of the mesh itself and not about the
+// image of that axis. Until lists are built anew such images are not where they should be, such triangles never again.
+void FixWallGranEllipsoid::refuse_turning_images() const
+{
+  if (domain->xperiodic + domain->yperiodic + domain->zperiodic == 0) return;
+  const double edges[3][3] = {
+      {domain->xprd, 0.0, 0.0}, {domain->xy, domain->yprd, 0.0}, {domain->xz, domain->yz, domain->zprd}};
+  for (size_t k = 0; k < near_.size(); k++) {
+    if (!FixMesh_list_[near_[k].mesh]->triMesh()->isRotating()) continue;
+    const double *const corners = &corners_[9 * k], *const velocities = &velocities_[9 * k];
+    double sides[2][3], changes[2][3], normal[3];
+    for (int s = 0; s < 2; s++) {
+      vectorSubtract3D(corners + 3 * (s + 1), corners, sides[s]);
+      vectorSubtract3D(velocities + 3 * (s + 1), velocities, changes[s]);
+    }
+    vectorCross3D(sides[0], sides[1], normal);
+    const double square = vectorMag3DSquared(normal);
+    if (!(square > 0.0)) continue;
+    // the angular velocity with which all three corners move as they do
+    const double along[3] = {vectorDot3D(changes[1], normal), -vectorDot3D(changes[0], normal), vectorDot3D(changes[0], sides[1])};
+    double spin[3];
+    for (int c = 0; c < 3; c++) spin[c] = (along[0] * sides[0][c] + along[1] * sides[1][c] + along[2] * normal[c]) / square;
+    for (int dimension = 0; dimension < 3; dimension++) {
+      double apart[3];
+      vectorCross3D(spin, edges[dimension], apart);
+      if (!(vectorMag3D(apart) > 1e-6 * vectorMag3D(spin) * vectorMag3D(edges[dimension]))) continue;
+      if (!is_across(dimension, corners) && !is_across(dimension, corners + 3) && !is_across(dimension, corners + 6)) continue;
+      char message[400];
+      snprintf(message, sizeof(message),
+               "fix %s (%s): mesh %s turns, and reaches across the periodic boundary in %c, where LIGGGHTS turns its images about the axis of the "
+               "mesh itself, and they are not where they should be: use 'boundary' with f, s or m in that dimension, or an axis along it",
+               id, style, FixMesh_list_[near_[k].mesh]->id, "xyz"[dimension]);
+      error->one(FLERR, message);
+    }
+  }
 }
 
 void FixWallGranEllipsoid::post_force_mesh(int)

@@ -109,6 +109,8 @@ class FixWallGranEllipsoid : public FixWallGran {
   void add_shape(const char *style, const double *parameters);
   void check_periodicity() const;
   void lend_triangles();
+  void refuse_turning_images() const;
+  bool is_across(int dimension, const double *point) const;
   EllgranWallMotion motion_of_primitive() const;
   void act(const EllgranWallMotion *motion);
   bool takes_one_call(const LIGGGHTS::ContactModels::EllgranContact &model, const EllgranLaws *laws) const;

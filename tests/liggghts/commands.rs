@@ -125,6 +125,17 @@ const WORKS: &[Works] = &[
     ),
     works("compute msd", &["compute x all msd"], "c_x[4]"),
     works("compute pe", &["compute x all pe"], "c_x"),
+    works(
+        "fix property/global given again",
+        &[
+            "run 60",
+            "unfix coefficientFriction",
+            "fix coefficientFriction all property/global coefficientFriction peratomtypepair 1 0.1",
+            "unfix youngsModulus",
+            "fix youngsModulus all property/global youngsModulus peratomtype 3e6",
+        ],
+        "",
+    ),
     works("fix gravity", &["fix g all gravity 5 vector 1 0 -1"], ""),
     works("fix freeze", &["group cold id 1", "fix f cold freeze"], ""),
     works("fix viscous", &["fix f all viscous 1e-3"], ""),
@@ -279,6 +290,11 @@ const REFUSED: &[Refused] = &[
     refused("fix rigid", &["fix t all rigid single"], &["rigid", "ellipsoids"]),
     refused("fix nve/sphere", &["unfix move", "fix t all nve/sphere"], &["nve/sphere"]),
     refused("fix nve/asphere", &["unfix move", "fix t all nve/asphere"], &["nve/asphere"]),
+    refused(
+        "fix adapt with pair",
+        &["variable e equal 1e6", "fix t all adapt 1 pair gran youngsModulus * * v_e"],
+        &["Fix adapt pair style param not supported"],
+    ),
     refused(
         "fix adapt with diameter",
         &["variable d equal 0.002", "fix t all adapt 1 atom diameter v_d"],

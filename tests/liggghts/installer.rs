@@ -59,7 +59,7 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ),
         (
             "modify.cpp",
-            "  fix[ifix]->post_create_pre_restart(); \n  fix[ifix]->post_create(); \n  nfix--;\n",
+            "  fix[ifix]->post_create_pre_restart(); \n  fix[ifix]->post_create(); \n  nfix--;\n  compute[ncompute-1]->post_create(); \n  ncompute--;\n",
         ),
         (
             "run.cpp",
@@ -75,7 +75,11 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
         ),
         (
             "replicate.cpp",
-            "        error->all(FLERR,\"Replicate command before simulation box is defined\");\n",
+            "        error->all(FLERR,\"Replicate command before simulation box is defined\");\n    x[l][0] += i*size_x;\n    x[l][1] += j*size_y;\n    x[l][2] += k*size_z;\n",
+        ),
+        (
+            "fix_wall_gran_base.h",
+            "    if(wg->heattransfer_flag())\n       wg->addHeatFlux(mesh);\n",
         ),
         ("fix_ave_euler.cpp", "  nevery = exec_every_;\n"),
         ("dump_mesh_vtk.h", "class A;\n"),
@@ -198,6 +202,7 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "domain.cpp",
         "fix_insert_stream.cpp",
         "replicate.cpp",
+        "fix_wall_gran_base.h",
         "fix_ave_euler.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",

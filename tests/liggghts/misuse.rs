@@ -513,6 +513,18 @@ fn fixes_that_changed_before_a_run_without_setup() {
         )
         .succeeded();
     }
+    // LIGGGHTS itself goes on with the memory of a compute that is gone, and leaves a new one without its beginning.
+    let stress = "compute stress all stress/atom";
+    refuse(
+        "compute_added",
+        with(&[stress], "run 5 pre no"),
+        &["pre no", "computes were", "leave"],
+    );
+    refuse(
+        "compute_gone",
+        with(&[stress, "run 5", "uncompute stress"], "run 5 pre no"),
+        &["pre no", "computes were", "leave"],
+    );
     refuse(
         "every",
         with(&[], "run 10 pre no every 5 \"unfix weight\""),

@@ -12,7 +12,13 @@ use crate::shapes::add;
 const STEPS: u64 = 300;
 
 /// `scene` in a box with these tilts xy, xz, yz.
-fn tilted(engine: &Engine, scene: &Scene, deck: &Deck, tilt: [f64; 3], ranks: usize) -> Outcome {
+fn in_tilted_box(
+    engine: &Engine,
+    scene: &Scene,
+    deck: &Deck,
+    tilt: [f64; 3],
+    ranks: usize,
+) -> Outcome {
     let directory = fresh_directory("tilted");
     let [xy, xz, yz] = tilt;
     let text = data(scene, "superquadric").replace(
@@ -22,8 +28,14 @@ fn tilted(engine: &Engine, scene: &Scene, deck: &Deck, tilt: [f64; 3], ranks: us
     fs::write(directory.join("scene.data"), text).unwrap();
     let text = deck.text(scene, "scene.data", "frames");
     let (success, output) = execute(engine, &directory, &text, ranks);
-    let first = Outcome::read(directory.clone(), success, output).succeeded();
-    assert!(first.output.contains("triclinic box"));
+    let outcome = Outcome::read(directory, success, output).succeeded();
+    assert!(outcome.output.contains("triclinic box"));
+    outcome
+}
+
+/// The second half of it, from a restart file and on another number of ranks.
+fn tilted(engine: &Engine, scene: &Scene, deck: &Deck, tilt: [f64; 3], ranks: usize) -> Outcome {
+    let directory = in_tilted_box(engine, scene, deck, tilt, ranks).directory;
     let rest = Deck {
         source: vec!["read_restart half".into()],
         runs: vec![format!("run {}", STEPS / 2)],
@@ -77,6 +89,44 @@ fn a_tilted_box_is_the_lattice_that_it_stands_for() {
             println!("tilt {tilt:?}, {ranks} ranks, then another number: velocities apart by {apart:.1e}");
             assert_eq!(outcome.last().step, STEPS);
             assert!(apart < 1e-9);
+        }
+    }
+}
+
+/// `replicate` itself put copies where those of an upright box are.
+#[test]
+fn copies_of_a_tilted_box_go_on_as_the_box_alone() {
+    let engine = Engine::from_environment();
+    let scene = crowd(27);
+    let [x, y, z] = scene.high;
+    let runs = |between: &[String]| {
+        let half = [format!("run {}", STEPS / 2)];
+        [&half[..], between, &half[..]].concat()
+    };
+    for (tilt, [nx, ny, nz]) in [
+        ([-0.4 * x, 0.0, 0.0], [2, 2, 1]),
+        ([0.0, 0.4 * x, 0.0], [2, 1, 2]),
+        ([0.3 * x, -0.2 * x, 0.4 * y], [2, 2, 2]),
+    ] {
+        let end = |between: &[String]| {
+            let deck = Deck {
+                runs: runs(between),
+                ..deck(STEPS)
+            };
+            let outcome = in_tilted_box(&engine, &scene, &deck, tilt, 1);
+            outcome.last().clone()
+        };
+        let alone = end(&[]);
+        let mut copies = end(&[format!(
+            "replicate {nx} {ny} {nz} offset {x} {y} {z} shift 0 0 0"
+        )]);
+        assert_eq!(copies.states.len(), nx * ny * nz * scene.grains.len());
+        while !copies.states.is_empty() {
+            let rest = copies.states.split_off(scene.grains.len());
+            let apart = difference(&copies, &alone);
+            println!("tilt {tilt:?}: velocities of a copy apart by {apart:.1e}");
+            assert!(apart < 1e-9, "tilt {tilt:?}: {apart:e}");
+            copies.states = rest;
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::harness::{fresh_directory, last_rows, run_in, Deck, Engine};
+use crate::harness::{fresh_directory, last_rows, run_in, Deck, Engine, Grain, Scene, ELASTIC};
 use crate::mesh_ranks::{on_a_sheet, sheet_deck, WEIGHT};
 use crate::meshes::sheet;
 use crate::shapes::{add, cross, length, sub, Vector};
@@ -93,6 +93,58 @@ fn contacts_with_a_mesh_one_by_one() {
             println!("{ranks} ranks, grain {}: force off by {force:.1e}", k + 1);
             assert!(force < 1e-2 && contact[2].abs() < 1e-9);
             assert!(length(sub(vector(&contact[3..]), state.position)) < 1e-6);
+        }
+    }
+}
+
+/// LIGGGHTS had walls warm spheres within a hundredth of their radius, which models that look at contacts before they begin ask it to look at, and by
+/// the root of an area below zero.
+#[test]
+fn a_wall_warms_what_it_touches_alone() {
+    let engine = Engine::from_environment();
+    let warmed = |wall: &str, area: &str, height: f64| {
+        let ball = Grain {
+            density: 2500.0,
+            ..Grain::sphere(5e-3, [1e-3, 2e-3, height])
+        };
+        let deck = Deck {
+            model: "nfd tangential tfd surface default".into(),
+            atom_style: "sphere".into(),
+            wall_fix: "wall/gran".into(),
+            walls: vec![format!("{wall} {area}")],
+            before: [
+                "fix k all property/global thermalConductivity peratomtype 50.",
+                "fix c all property/global thermalCapacity peratomtype 0.01",
+                "fix sheet all mesh/surface file sheet.stl type 1 temperature 500.",
+            ]
+            .map(String::from)
+            .to_vec(),
+            fixes: [
+                "fix heat all heat/gran/conduction initial_temperature 300.",
+                "compute warmest all reduce max f_Temp",
+            ]
+            .map(String::from)
+            .to_vec(),
+            time_step: 1e-7,
+            steps: 20,
+            thermo: "step c_warmest".into(),
+            ..Deck::new(ELASTIC, 0.5)
+        };
+        let directory = fresh_directory("warm");
+        fs::write(directory.join("sheet.stl"), sheet(8)).unwrap();
+        let outcome = run_in(&engine, &directory, &Scene::open(0.2, vec![ball]), &deck, 1);
+        outcome.thermo().last().unwrap()["warmest"] - 300.0
+    };
+    for wall in [
+        "primitive type 1 zplane 0.0 temperature 500.",
+        "mesh n_meshes 1 meshes sheet",
+    ] {
+        for area in ["", "contact_area constant 1e-6"] {
+            let apart = warmed(wall, area, 5.02e-3);
+            let touching = warmed(wall, area, 4.99e-3);
+            println!("{wall} {area}: warmer by {apart:.3}, touching by {touching:.3}");
+            assert_eq!(apart, 0.0, "{wall} {area}");
+            assert!(touching > 0.1, "{wall} {area}: {touching}");
         }
     }
 }
