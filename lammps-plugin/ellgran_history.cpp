@@ -202,7 +202,8 @@ void FixEllgranHistory::unpack_restart(int i, int nth)
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   const int without_type = FixNeighHistory::size_restart(i);
   const bool has_type = static_cast<int>(*extra) > without_type;
-  ids_at_end[i] = 0;
+  // The partners in the file have the IDs that atoms have now: 'reset_atoms id' may follow before the first run.
+  ids_at_end[i] = atom->tag[i];
   types_at_end[i] = has_type ? static_cast<int>(extra[without_type]) : 0;
 }
 
