@@ -4,6 +4,7 @@
 
 #include "ellgran_contact_sources.h"
 #include "ellgran_energy_balance.h"
+#include "ellgran_history.h"
 #include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
@@ -1051,35 +1052,40 @@ int FixWallGranEllipsoid::unpack_exchange(int nlocal, double *buffer)
 int FixWallGranEllipsoid::size_restart(int i)
 {
   if (histories_length == 0) return 0;
-  return 2 + static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
+  return 3 + static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
 }
 
 int FixWallGranEllipsoid::maxsize_restart()
 {
-  return (histories_length == 0) ? 0 : 2 + histories_length;
+  return (histories_length == 0) ? 0 : 3 + histories_length;
 }
 
 int FixWallGranEllipsoid::pack_restart(int i, double *buffer)
 {
   if (histories_length == 0) return 0;
-  buffer[0] = 1 + pack_exchange(i, buffer + 1);
-  return static_cast<int>(buffer[0]);
+  const int packed = pack_exchange(i, buffer + 1);
+  buffer[1 + packed] = ubuf(atom->tag[i]).d;
+  buffer[0] = 2 + packed;
+  return 2 + packed;
 }
 
 void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 {
   if (histories_length == 0) return;
+  double *extra = atom->extra[nlocal];
+  for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
+  const int length = static_cast<int>(extra[0]) - (has_ids_of_file ? 1 : 0);
+  if (has_ids_of_file && length > 0)
+    require_atom_of_file(lmp, std::string(CALLER) + " " + id, nlocal, static_cast<tagint>(ubuf(extra[length]).i));
   if (histories_are_of_other_law || wall_turns_back) {
     FixWallGranEllipsoid::set_arrays(nlocal);
     return;
   }
-  double *extra = atom->extra[nlocal];
-  for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
-  const int used = static_cast<int>(extra[0]) - 2;
+  const int used = length - 2;
   if (used < 0 || used > histories_length || extra[1] != used)
     error->one(FLERR,
                "{} {}: the restart file keeps other values per contact: give the fix the law and the wall that it had, or "
-               "another ID",
+               "another ID; if atoms were added since read_restart, give it before them",
                CALLER, id);
   unpack_exchange(nlocal, extra + 1);
 }
@@ -1191,6 +1197,7 @@ void FixWallGranEllipsoid::restart(char *buffer)
     further += sizeof(of_step);
     region_step = of_step[WallVelocityAtStep::NUMBER_OF_STATES];
   }
+  has_ids_of_file = format >= 8;
   MotionWords words = motion_words();    // files of older versions are taken to have the present ones
   if (format >= 8) {
     std::memcpy(words.data(), further, sizeof(words));

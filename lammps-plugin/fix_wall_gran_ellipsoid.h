@@ -82,6 +82,7 @@ class FixWallGranEllipsoid : public Fix {
   EllgranLawParameters law_words;    // the law of the grains, which is that of the wall unless it has a material of its own
   EllgranLawParameters wall_words;    // that of the wall's material
   bool has_material;
+  bool has_ids_of_file = false;    // what a restart file has of an atom ends with its ID
   bool histories_are_of_other_law = false;    // what a restart file has of contacts means nothing under this law
   EllgranLaws *laws;
   EllgranWorkspace *workspace;

@@ -12,6 +12,7 @@ mod harness;
 use engines::shapes;
 
 mod accelerating_walls;
+mod after_reading;
 mod changing_box;
 mod closed_forms;
 mod conservation;
