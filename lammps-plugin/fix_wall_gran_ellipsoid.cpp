@@ -540,8 +540,15 @@ void FixWallGranEllipsoid::init()
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
   rotation_rate.require_variable(lmp);
   if (servo) servo->require_variables();
-  if ((wiggles || moves || rotates || servo) && input->command && std::strcmp(input->command, "rerun") == 0)
-    error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
+  if (input->command && std::strcmp(input->command, "rerun") == 0) {
+    if (wiggles || moves || rotates || servo)
+      error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
+    if (histories_length > 0)
+      error->all(FLERR,
+                 "{} {}: 'rerun' cannot be used with a wall whose law remembers contacts, as friction does: their histories are not in a dump: write "
+                 "restart files ('restart N frame.*'), and 'read_restart' and 'run 0' each",
+                 CALLER, id);
+  }
   place_step_velocity_fix();
   sums_energies = energies_wanted();
   check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));

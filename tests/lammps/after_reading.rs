@@ -296,7 +296,7 @@ fn both_versions_a_wall_with_another_motion_after_reading_is_not_displaced() {
         let mut fixes = floor(after);
         fixes.insert(0, variable.into());
         let again = deck("read_restart half.restart", &fixes, &[column, &half, show]);
-        let outcome = attempt_in(&engine, directory, &scene, &again, 2).succeeded();
+        let outcome = attempt_in(&engine, directory, &scene, &again, 1).succeeded();
         let at = place(&outcome.output);
         let what = format!("'{before}', then '{after}'");
         println!("{what}: {at:?}, expected {expected:e}");
