@@ -164,6 +164,42 @@ fn both_versions_atoms_that_are_not_those_of_the_file_are_refused() {
     }
 }
 
+/// Under `pair_style hybrid`, given again, the style does not know how many atoms the file has: their IDs tell.
+#[test]
+fn both_versions_atoms_deleted_under_hybrid_are_found_by_their_ids() {
+    let engine = Engine::from_environment();
+    let pair = [
+        "pair_style hybrid/overlay gran/ellipsoid zero 0.01".to_string(),
+        format!("pair_coeff * * gran/ellipsoid {LAW}"),
+        "pair_coeff * * zero".into(),
+    ];
+    let half = format!("run {HALF}");
+    let directory = fresh_directory("deleted_under_hybrid");
+    let mut first = deck("", &[], &[&half, "write_restart half.restart"]);
+    first.pair = pair.to_vec();
+    attempt_in(&engine, directory.clone(), &crowd(64), &first, 1).succeeded();
+    for (before, fits) in [("", false), ("run 0", true)] {
+        let delete = [
+            "group gone id 2",
+            "delete_atoms group gone compress no",
+            "run 1",
+        ];
+        let runs: Vec<&str> = [before]
+            .into_iter()
+            .chain(delete)
+            .filter(|r| !r.is_empty())
+            .collect();
+        let mut again = deck("read_restart half.restart", &[], &runs);
+        again.pair = pair.to_vec();
+        let outcome = attempt_in(&engine, directory.clone(), &crowd(64), &again, 1);
+        assert_eq!(outcome.success, fits, "{}", last_lines(&outcome.output));
+        assert_eq!(
+            outcome.output.contains("or deleted, since read_restart"),
+            !fits
+        );
+    }
+}
+
 /// One small grain in a corner of the box, where none of the crowd is.
 fn scene_of_one(scene: &Scene) -> Scene {
     let mut one = scene.clone();
