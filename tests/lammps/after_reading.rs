@@ -37,10 +37,9 @@ fn middle(
 ) -> (PathBuf, Outcome) {
     let directory = fresh_directory(name);
     let half = format!("run {HALF}");
-    let dump = format!(
-        "write_dump all custom half.dump id type x y z vx vy vz ix iy iz modify format float %.17g"
-    );
-    let mut runs = vec![half.as_str(), "write_restart half.restart", &dump];
+    let dump =
+        "write_dump all custom half.dump id type x y z vx vy vz ix iy iz modify format float %.17g";
+    let mut runs = vec![half.as_str(), "write_restart half.restart", dump];
     runs.extend(then);
     runs.push(&half);
     let outcome = attempt_in(engine, directory.clone(), scene, &deck("", fixes, &runs), 1);
