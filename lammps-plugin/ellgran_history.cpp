@@ -19,6 +19,15 @@
 
 using namespace LAMMPS_NS;
 
+void LAMMPS_NS::require_atom_of_file(LAMMPS *lmp, const std::string &caller, int i, tagint of_file)
+{
+  if (lmp->atom->tag[i] == of_file) return;
+  lmp->error->one(FLERR,
+                  "{}: atoms were moved between processors, or deleted, since read_restart (by read_dump or delete_atoms), and LAMMPS gives particle "
+                  "{} what the file remembers of the contacts of particle {}: say 'run 0' after read_restart and the fixes, before that command",
+                  caller, lmp->atom->tag[i], of_file);
+}
+
 FixEllgranHistory::FixEllgranHistory(LAMMPS *lmp, int narg, char **arg) :
     FixNeighHistory(lmp, narg, arg), tells_contacts_apart(false), list_is_current(false), ids_at_end(nullptr), types_at_end(nullptr), room_for_ids(0), round(-1)
 {
@@ -185,14 +194,15 @@ int FixEllgranHistory::unpack_exchange(int i, double *buffer)
   return n + 2;
 }
 
-/* The type stands behind what the base class reads, which takes no notice of it: earlier releases read these files. */
+/* Type and ID stand behind what the base class reads, which takes no notice of them: earlier releases read these files. */
 
 int FixEllgranHistory::pack_restart(int i, double *buffer)
 {
   const int n = FixNeighHistory::pack_restart(i, buffer);
   buffer[n] = (types_at_end[i] != 0) ? types_at_end[i] : atom->type[i];
-  buffer[0] = n + 1;
-  return n + 1;
+  buffer[n + 1] = ubuf(atom->tag[i]).d;
+  buffer[0] = n + 2;
+  return n + 2;
 }
 
 void FixEllgranHistory::unpack_restart(int i, int nth)
@@ -202,18 +212,21 @@ void FixEllgranHistory::unpack_restart(int i, int nth)
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   const int without_type = FixNeighHistory::size_restart(i);
   const bool has_type = static_cast<int>(*extra) > without_type;
-  ids_at_end[i] = 0;
+  if (static_cast<int>(*extra) > without_type + 1)
+    require_atom_of_file(lmp, "Pair gran/ellipsoid", i, static_cast<tagint>(ubuf(extra[without_type + 1]).i));
+  // The partners in the file have the IDs that atoms have now: 'reset_atoms id' may follow before the first run.
+  ids_at_end[i] = atom->tag[i];
   types_at_end[i] = has_type ? static_cast<int>(extra[without_type]) : 0;
 }
 
 int FixEllgranHistory::size_restart(int i)
 {
-  return FixNeighHistory::size_restart(i) + 1;
+  return FixNeighHistory::size_restart(i) + 2;
 }
 
 int FixEllgranHistory::maxsize_restart()
 {
-  return FixNeighHistory::maxsize_restart() + 1;
+  return FixNeighHistory::maxsize_restart() + 2;
 }
 
 void FixEllgranHistory::pre_exchange()

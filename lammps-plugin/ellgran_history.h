@@ -15,6 +15,10 @@
 
 namespace LAMMPS_NS {
 
+/// Stops with a message that begins with `caller` if what the restart file holds of the atom with ID `of_file` is given to the local atom `i`
+/// that is another one: LAMMPS does not move it with the atoms until the first run.
+void require_atom_of_file(class LAMMPS *lmp, const std::string &caller, int i, tagint of_file);
+
 /// When a run ends, history moves from the neighbour list to the atoms. `write_restart` then moves atoms between
 /// processors and renumbers ghosts, so that the list of the last run points to other atoms, and the base class
 /// reads it all the same: contacts across processors and periodic boundaries are lost or mixed up. Here the

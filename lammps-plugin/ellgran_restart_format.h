@@ -21,8 +21,8 @@ namespace EllgranRestart {
 ///
 /// The first two parts of version 2 stay what they are in all later versions.
 ///
-/// Of an atom: as LAMMPS' fix NEIGH_HISTORY has it, and behind it the type under whose law its contacts remember what they do. Files of earlier
-/// builds end before the type, and these read those that have it.
+/// Of an atom: as LAMMPS' fix NEIGH_HISTORY has it, and behind it the type under whose law its contacts remember what they do, and its ID.
+/// Files of earlier builds end before the type or before the ID, and these read those that have them.
 constexpr int PAIR_MARK_1 = 0x324c4547;
 constexpr int PAIR_MARK = 0x524c4547;
 constexpr int PAIR_FORMAT = 2;
@@ -39,9 +39,10 @@ constexpr int WRITER_LENGTH = 32;
 /// | 5 | -5; as version 3; 1 if a step was made, mean velocity (3) and rate of a motion by variables over it; the law as in version 4 |
 /// | 6 | -6; as version 5 before the law; of a motion by variables or of a region what velocity (3) and rate have more at the step, and by how much they grew over it (3, 1); length of the step that the velocity of the region is of, 0 if none is known; the law as in version 4 |
 /// | 7 | -7; as version 6; the law of the wall's material, in as many values as that of the grains |
+/// | 8 | -8; as version 7 before the laws; the words of the motion: kinds (wiggle 1, velocity 2, rotation 4, added), whether it turns, whether it is by variables, of *wiggle* dimension, amplitude, period, of a constant *velocity* (3), of a rotation point (3), axis (3) and constant rate, whether there is a servo, its direction (3); the laws as in version 7. Of an atom its ID behind what its contacts remember |
 ///
 /// The first value of every later version is minus that version.
-constexpr int WALL_FORMAT = 7;
+constexpr int WALL_FORMAT = 8;
 
 /// The fix behind compute energy/ellipsoid: its global values, all of type double.
 ///

@@ -378,8 +378,10 @@ void FixNVEEllipsoid::unpack_restart(int nlocal, int nth)
   double *extra = atom->extra[nlocal];
   for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
   if (static_cast<int>(extra[0]) != 1 + STATE)
-    error->one(FLERR, "Fix nve/ellipsoid: the restart file is damaged: {} values of an atom where there are {}", extra[0],
-               1 + STATE);
+    error->one(FLERR,
+               "Fix nve/ellipsoid: the restart file has {} values of an atom where there are {}: atoms were added since read_restart, before "
+               "this fix was given, or the file is damaged",
+               extra[0], 1 + STATE);
   unpack_exchange(nlocal, extra + 1);
 }
 

@@ -4,6 +4,7 @@
 
 #include "ellgran_contact_sources.h"
 #include "ellgran_energy_balance.h"
+#include "ellgran_history.h"
 #include "ellgran_kokkos.h"
 #include "ellgran_refusals.h"
 #include "ellgran_restart_format.h"
@@ -57,6 +58,9 @@ constexpr int NUMBER_WITH_REGION = 9;
 constexpr int NUMBER_OF_STATES = NUMBER_WITH_REGION + 4 + WallServo::NUMBER_OF_STATES;
 constexpr int NUMBER_OF_MEANS = 5;
 constexpr int NUMBER_AT_STEP = WallVelocityAtStep::NUMBER_OF_STATES + 1;
+
+// Words of a motion that are the same to rounding
+constexpr double SAME_WORDS = 1e-9;
 constexpr int VALUES_OF_LAW = (sizeof(EllgranLawParameters) + sizeof(double) - 1) / sizeof(double);
 
 double dot(const double *a, const double *b)
@@ -536,8 +540,15 @@ void FixWallGranEllipsoid::init()
   for (const NumberOrVariable &component : velocity) component.require_variable(lmp);
   rotation_rate.require_variable(lmp);
   if (servo) servo->require_variables();
-  if ((wiggles || moves || rotates || servo) && input->command && std::strcmp(input->command, "rerun") == 0)
-    error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
+  if (input->command && std::strcmp(input->command, "rerun") == 0) {
+    if (wiggles || moves || rotates || servo)
+      error->all(FLERR, "{} {}: 'rerun' cannot be used with a moving wall, whose position is not in a dump", CALLER, id);
+    if (histories_length > 0)
+      error->all(FLERR,
+                 "{} {}: 'rerun' cannot be used with a wall whose law remembers contacts, as friction does: their histories are not in a dump: write "
+                 "restart files ('restart N frame.*'), and 'read_restart' and 'run 0' each",
+                 CALLER, id);
+  }
   place_step_velocity_fix();
   sums_energies = energies_wanted();
   check(ellgran_wall_keep_inelastic_loads(wall, sums_energies ? 1 : 0));
@@ -1048,37 +1059,87 @@ int FixWallGranEllipsoid::unpack_exchange(int nlocal, double *buffer)
 int FixWallGranEllipsoid::size_restart(int i)
 {
   if (histories_length == 0) return 0;
-  return 2 + static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
+  return 3 + static_cast<int>(ellgran_wall_histories_used(wall, laws, contact_histories[i]));
 }
 
 int FixWallGranEllipsoid::maxsize_restart()
 {
-  return (histories_length == 0) ? 0 : 2 + histories_length;
+  return (histories_length == 0) ? 0 : 3 + histories_length;
 }
 
 int FixWallGranEllipsoid::pack_restart(int i, double *buffer)
 {
   if (histories_length == 0) return 0;
-  buffer[0] = 1 + pack_exchange(i, buffer + 1);
-  return static_cast<int>(buffer[0]);
+  const int packed = pack_exchange(i, buffer + 1);
+  buffer[1 + packed] = ubuf(atom->tag[i]).d;
+  buffer[0] = 2 + packed;
+  return 2 + packed;
 }
 
 void FixWallGranEllipsoid::unpack_restart(int nlocal, int nth)
 {
   if (histories_length == 0) return;
-  if (histories_are_of_other_law) {
+  double *extra = atom->extra[nlocal];
+  for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
+  const int length = static_cast<int>(extra[0]) - (has_ids_of_file ? 1 : 0);
+  if (has_ids_of_file && length > 0)
+    require_atom_of_file(lmp, std::string(CALLER) + " " + id, nlocal, static_cast<tagint>(ubuf(extra[length]).i));
+  if (histories_are_of_other_law || wall_turns_back) {
     FixWallGranEllipsoid::set_arrays(nlocal);
     return;
   }
-  double *extra = atom->extra[nlocal];
-  for (int k = 0; k < nth; k++) extra += static_cast<int>(*extra);
-  const int used = static_cast<int>(extra[0]) - 2;
+  const int used = length - 2;
   if (used < 0 || used > histories_length || extra[1] != used)
     error->one(FLERR,
                "{} {}: the restart file keeps other values per contact: give the fix the law and the wall that it had, or "
-               "another ID",
+               "another ID; if atoms were added since read_restart, give it before them",
                CALLER, id);
   unpack_exchange(nlocal, extra + 1);
+}
+
+/* What says where the wall is after some time; of a motion by variables its way is summed up, whatever they are. */
+
+FixWallGranEllipsoid::MotionWords FixWallGranEllipsoid::motion_words() const
+{
+  MotionWords words = {};
+  words[MOVES_BY_WORDS] = (wiggles ? 1.0 : 0.0) + (moves ? 2.0 : 0.0) + (rotates ? 4.0 : 0.0);
+  words[TURNS] = rotates ? 1.0 : 0.0;
+  words[VARIES] = varies() ? 1.0 : 0.0;
+  if (wiggles) {
+    words[WIGGLE] = motion_axis;
+    words[WIGGLE + 1] = amplitude;
+    words[WIGGLE + 2] = period;
+  }
+  if (moves && !varies())
+    for (int k = 0; k < 3; k++) words[CONSTANT_VELOCITY + k] = velocity[k].constant();
+  if (rotates) {
+    std::copy_n(rotation_point, 3, words.data() + ROTATION_POINT);
+    std::copy_n(rotation_axis, 3, words.data() + ROTATION_AXIS);
+    if (!varies()) words[CONSTANT_RATE] = rotation_rate.constant();
+  }
+  if (servo) {
+    words[HAS_SERVO] = 1.0;
+    std::copy_n(servo->direction(), 3, words.data() + SERVO_DIRECTION);
+  }
+  return words;
+}
+
+bool FixWallGranEllipsoid::has_motion_of(const MotionWords &words) const
+{
+  return has_words(words, 0, HAS_SERVO);
+}
+
+bool FixWallGranEllipsoid::has_servo_of(const MotionWords &words) const
+{
+  return has_words(words, HAS_SERVO, NUMBER_OF_WORDS);
+}
+
+bool FixWallGranEllipsoid::has_words(const MotionWords &words, int first, int last) const
+{
+  const MotionWords mine = motion_words();
+  for (int k = first; k < last; k++)
+    if (!(std::fabs(mine[k] - words[k]) <= SAME_WORDS * std::max(std::fabs(mine[k]), std::fabs(words[k])))) return false;
+  return true;
 }
 
 void FixWallGranEllipsoid::write_restart(FILE *fp)
@@ -1100,11 +1161,13 @@ void FixWallGranEllipsoid::write_restart(FILE *fp)
     double of_step[NUMBER_AT_STEP];
     at_step.pack(of_step);
     of_step[WallVelocityAtStep::NUMBER_OF_STATES] = region_step;
-    const int size = sizeof(values) + sizeof(means) + sizeof(of_step) + sizeof(law);
+    const MotionWords words = motion_words();
+    const int size = sizeof(values) + sizeof(means) + sizeof(of_step) + sizeof(words) + sizeof(law);
     fwrite(&size, sizeof(int), 1, fp);
     fwrite(values, sizeof(double), NUMBER_OF_STATES, fp);
     fwrite(means, sizeof(double), NUMBER_OF_MEANS, fp);
     fwrite(of_step, sizeof(double), NUMBER_AT_STEP, fp);
+    fwrite(words.data(), sizeof(double), words.size(), fp);
     fwrite(law, sizeof(double), 1 + 2 * VALUES_OF_LAW, fp);
   }
 }
@@ -1125,34 +1188,50 @@ void FixWallGranEllipsoid::restart(char *buffer)
     std::memcpy(values, buffer + sizeof(mark), ((has_motion ? NUMBER_OF_STATES : NUMBER_WITH_REGION) - 1) * sizeof(double));
   else
     std::memcpy(values, buffer, 4 * sizeof(double));
-  time_then = values[1];
   step_then = last_step = update->ntimestep;
   if (has_region) {
     std::copy_n(values + 4, 3, region_velocity);
     region_rate = values[7];
   }
-  if (has_motion) {
-    const double *const of_motion = values + NUMBER_WITH_REGION - 1;
-    std::copy_n(of_motion, 3, varied_displacement);
-    varied_angle = of_motion[3];
-    if (servo) servo->unpack(of_motion + 4);
-  }
   const char *further = buffer + NUMBER_OF_STATES * sizeof(double);
+  double means[NUMBER_OF_MEANS] = {}, of_step[NUMBER_AT_STEP] = {};
   if (format >= 5) {
-    double means[NUMBER_OF_MEANS];
     std::memcpy(means, further, sizeof(means));
     further += sizeof(means);
+  }
+  if (format >= 6) {
+    std::memcpy(of_step, further, sizeof(of_step));
+    further += sizeof(of_step);
+    region_step = of_step[WallVelocityAtStep::NUMBER_OF_STATES];
+  }
+  has_ids_of_file = format >= 8;
+  MotionWords words = motion_words();    // files of older versions are taken to have the present ones
+  if (format >= 8) {
+    std::memcpy(words.data(), further, sizeof(words));
+    further += sizeof(words);
+  }
+  const bool goes_on = has_motion_of(words), servo_goes_on = has_servo_of(words);
+  if (goes_on) {
+    time_then = values[1];
+    if (has_motion) {
+      const double *const of_motion = values + NUMBER_WITH_REGION - 1;
+      std::copy_n(of_motion, 3, varied_displacement);
+      varied_angle = of_motion[3];
+    }
     means_are_known = means[0] != 0.0;
     std::copy_n(means + 1, 3, mean_velocity);
     mean_rate = means[4];
+    if (format >= 6) at_step.unpack(of_step);
   }
-  if (format >= 6) {
-    double of_step[NUMBER_AT_STEP];
-    std::memcpy(of_step, further, sizeof(of_step));
-    further += sizeof(of_step);
-    at_step.unpack(of_step);
-    region_step = of_step[WallVelocityAtStep::NUMBER_OF_STATES];
-  }
+  if (servo && servo_goes_on && has_motion) servo->unpack(values + NUMBER_WITH_REGION - 1 + 4);
+  const bool was_moved = !goes_on && (words[MOVES_BY_WORDS] != 0.0 && values[1] > 0.0);
+  // What contacts remember is in the frame of the wall, which turns back.
+  wall_turns_back = was_moved && words[TURNS] != 0.0;
+  if ((was_moved || (!servo_goes_on && words[HAS_SERVO] != 0.0)) && comm->me == 0)
+    error->warning(FLERR,
+                   "{} {}: the wall of the restart file had another motion, of which nothing goes on: the wall begins where the words of this fix "
+                   "place it{}",
+                   CALLER, id, wall_turns_back ? ", and contacts that exist start with no tangential displacement" : "");
   if (format >= 4) compare_with_law_of_file(further, format >= 7);
   if (comm->me != 0) return;
   tallies.viscous_dissipation = values[0];

@@ -82,6 +82,7 @@ class FixWallGranEllipsoid : public Fix {
   EllgranLawParameters law_words;    // the law of the grains, which is that of the wall unless it has a material of its own
   EllgranLawParameters wall_words;    // that of the wall's material
   bool has_material;
+  bool has_ids_of_file = false;    // what a restart file has of an atom ends with its ID
   bool histories_are_of_other_law = false;    // what a restart file has of contacts means nothing under this law
   EllgranLaws *laws;
   EllgranWorkspace *workspace;
@@ -108,6 +109,22 @@ class FixWallGranEllipsoid : public Fix {
   NumberOrVariable velocity[3], rotation_rate;
   double rotation_point[3], rotation_axis[3];
   std::unique_ptr<WallServo> servo;    // nullptr: none
+  bool wall_turns_back = false;        // a restart file has the wall turned by another motion, of which nothing goes on
+  // As a restart file has them
+  enum {
+    MOVES_BY_WORDS,
+    TURNS,
+    VARIES,
+    WIGGLE,
+    CONSTANT_VELOCITY = WIGGLE + 3,
+    ROTATION_POINT = CONSTANT_VELOCITY + 3,
+    ROTATION_AXIS = ROTATION_POINT + 3,
+    CONSTANT_RATE = ROTATION_AXIS + 3,
+    HAS_SERVO,
+    SERVO_DIRECTION,
+    NUMBER_OF_WORDS = SERVO_DIRECTION + 3
+  };
+  using MotionWords = std::array<double, NUMBER_OF_WORDS>;
 
   // Motion by variables: how far it went, the present values, and the mean ones over the last step
   double varied_displacement[3], varied_angle;
@@ -207,6 +224,10 @@ class FixWallGranEllipsoid : public Fix {
   void parse_shear(char **arg);
   void parse_rotate(char **arg);
   void parse_triangle_file(char **arg);
+  [[nodiscard]] MotionWords motion_words() const;
+  [[nodiscard]] bool has_motion_of(const MotionWords &words) const;
+  [[nodiscard]] bool has_servo_of(const MotionWords &words) const;
+  [[nodiscard]] bool has_words(const MotionWords &words, int first, int last) const;
   void check_servo() const;
   [[nodiscard]] double number(const char *keyword, const char *word) const;
   void require_values(const char *keyword, int count, int iarg, int narg) const;

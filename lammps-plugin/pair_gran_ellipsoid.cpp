@@ -32,6 +32,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -577,7 +578,7 @@ void PairGranEllipsoid::init_style()
     error->all(FLERR,
                "{} requires the velocities of ghost atoms: add 'comm_modify vel yes' to the input",
                CALLER);
-  refuse_deletion_after_reading();
+  refuse_other_atoms_after_reading();
   atoms.require_shapes(~0);
   atoms.count_ellipsoids();
   warn_of_masses();
@@ -611,15 +612,16 @@ void PairGranEllipsoid::init_style()
   if (fix_history) fix_history->use_bit_flag = by_size ? 1 : 0;
 }
 
-/* LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes. */
+/* LAMMPS moves the last atom to the place of one that it deletes, and not what the file has of it for fixes; of one that is added it has nothing. */
 
-void PairGranEllipsoid::refuse_deletion_after_reading() const
+void PairGranEllipsoid::refuse_other_atoms_after_reading() const
 {
-  if (modify->nfix_restart_peratom > 0 && atom->natoms < atoms_in_file)
-    error->all(FLERR,
-               "{}: {} atoms were deleted since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
-               "after read_restart and the fixes, before them",
-               CALLER, atoms_in_file - atom->natoms);
+  if (modify->nfix_restart_peratom == 0 || atoms_in_file == 0 || atom->natoms == atoms_in_file) return;
+  const bigint gone = atoms_in_file - atom->natoms;
+  error->all(FLERR,
+             "{}: {} atoms were {} since read_restart, and LAMMPS gives what the file remembers of contacts to other ones: say 'run 0' "
+             "after read_restart and the fixes, before them",
+             CALLER, std::abs(gone), (gone > 0) ? "deleted" : "added");
 }
 
 double PairGranEllipsoid::init_one(int i, int j)

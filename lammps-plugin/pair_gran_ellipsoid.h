@@ -184,7 +184,7 @@ class PairGranEllipsoid : public Pair {
   void place_history_fix();
   [[nodiscard]] bool means_something_else(int before, int now);
   virtual class FixEllgranHistory *make_history_fix(const std::string &id);
-  void refuse_deletion_after_reading() const;
+  void refuse_other_atoms_after_reading() const;
   void refuse_what_cannot_work();
   void require_settings() const;
   void place_step_velocity_fix();

@@ -292,7 +292,7 @@ void PairGranEllipsoidDevice::init_style()
   require_settings();
   end_of_run.set_up_since = true;
   refuse_what_the_gpu_has_not();
-  refuse_deletion_after_reading();
+  refuse_other_atoms_after_reading();
   motion = nullptr;
   for (auto *fix : modify->get_fix_list())
     if (auto *found = dynamic_cast<FixNVEEllipsoidDevice *>(fix)) motion = found;

@@ -14,6 +14,7 @@ mod hills;
 use engines::shapes;
 
 mod accelerating_walls;
+mod after_reading;
 mod changing_box;
 mod closed_forms;
 mod conservation;

@@ -3,7 +3,7 @@
 
 use crate::decomposition::LAW;
 use crate::golden_pairs::{read_pairs, ASPECT_10, ASPECT_100};
-use crate::harness::{crowd, last_rows, run, Deck, Engine, Scene};
+use crate::harness::{attempt_in, crowd, last_rows, run, Deck, Engine, Grain, Scene};
 use crate::shapes::{dot, length, scale, sub, Vector};
 
 /// `compute pair/local` and thermo output of golden pairs, through `single()`.
@@ -240,6 +240,64 @@ fn both_versions_pair_local_shows_the_forces_that_acted() {
             for power in &powers {
                 for k in 0..2 {
                     assert!((power[k] - powers[0][k]).abs() < 1e-6 * size, "{law}");
+                }
+            }
+        }
+    }
+}
+
+/// A dump has all that frictionless spheres are; what contacts remember is not in it, those with walls neither.
+#[test]
+fn both_versions_a_rerun_shows_the_forces_of_the_run_or_is_refused() {
+    let engine = Engine::from_environment();
+    let grains = (0..6).map(|k| {
+        let place = [0.9 * f64::from(k % 2), 1.1 * f64::from(k / 2), 0.48];
+        Grain::sphere(0.5, place).moving([0.3, -0.2, -0.5])
+    });
+    let mut scene = Scene::open(10.0, grains.collect());
+    scene.boundary = "f f f".into();
+    let deck = |wall: &str, runs: &[&str]| Deck {
+        time_step: 1e-4,
+        steps: 50,
+        dump_every: 10,
+        fixes: vec![format!(
+            "fix floor all wall/gran/ellipsoid {wall} zplane 0 NULL"
+        )],
+        runs: runs.iter().map(|r| r.to_string()).collect(),
+        ..Deck::new("hertz 1e7 0.3")
+    };
+    let plain = "hertz 1e7 0.3";
+    let friction = "hertz 1e7 0.3 tangential mindlin 0.5";
+    let first = [
+        "dump a all custom 10 all.dump id x y z vx vy vz",
+        "dump_modify a format float %.17g first yes",
+        "run 50",
+    ];
+    for (wall, words) in [(plain, None), (friction, Some("'rerun' cannot be used"))] {
+        let run = run(&engine, "rerun_spheres", &scene, &deck(wall, &first), 1);
+        let again = deck(wall, &["rerun all.dump dump x y z vx vy vz"]);
+        let outcome = attempt_in(&engine, run.directory.clone(), &scene, &again, 1);
+        if let Some(words) = words {
+            assert!(!outcome.success && outcome.output.contains(words), "{wall}");
+            continue;
+        }
+        let outcome = outcome.succeeded();
+        assert_eq!((outcome.frames.len(), run.frames.len()), (6, 6));
+        for (one, other) in run.frames.iter().zip(&outcome.frames) {
+            assert_eq!(one.step, other.step);
+            let largest = one
+                .states
+                .iter()
+                .flat_map(|s| s.force)
+                .fold(0.0, |a: f64, f| a.max(f.abs()));
+            assert!(largest > 1.0);
+            for (a, b) in one.states.iter().zip(&other.states) {
+                for k in 0..3 {
+                    assert!(
+                        (a.force[k] - b.force[k]).abs() < 1e-9 * largest,
+                        "step {}",
+                        one.step
+                    );
                 }
             }
         }

@@ -55,7 +55,8 @@ fn both_versions_restart_files_of_older_versions_are_read() {
             "lammps_format_4",
             "lammps_format_5",
             "lammps_format_6",
-            "lammps_format_7"
+            "lammps_format_7",
+            "lammps_format_8"
         ]
     );
     for name in names {
@@ -111,7 +112,7 @@ fn both_versions_restart_files_of_newer_versions_are_refused() {
             &[
                 "fix wall/gran/ellipsoid floor",
                 "format version 9",
-                "1 to 7",
+                "1 to 8",
             ],
         ),
         (
