@@ -47,7 +47,7 @@ void ellgran_mesh_file_ends(LAMMPS *lmp)
 {
   reads = false;
   if (lines.empty()) return;
-  if (ellgran_flatten_triangles(lines.size(), &corners[0], NULL) != ELLGRAN_OK) lmp->error->all(FLERR, ellgran_last_error());
+  if (ellgran_flatten_triangles(lines.size(), &corners[0], NULL) != 0) lmp->error->all(FLERR, ellgran_last_error());
 }
 
 double *ellgran_mesh_file_next(int &line)

@@ -41,7 +41,7 @@ fn visit_floors(
     let mut stream = Stream::new(seed);
     for size in [0.15, 0.3, 0.45, 0.7, 1.0, 2.0, 4.0] {
         for rough in [0.02, 0.1, 0.4] {
-            for case in 0..8 {
+            for case in 0..5 {
                 let axes = match case % 2 {
                     0 => [1.0; 3],
                     _ => stream.semi_axes(5.0),
