@@ -71,7 +71,24 @@ impl Mesh {
 }
 
 /// Moves the corners of flat pieces of triangles back to their planes where they were rounded to few digits, as in a file, and returns the
-/// largest way that one moved ([`rounded_corners`]).
+/// largest way that one moved. Corners that are equal stay equal. Of numbers of more than nine decimal digits nothing is known, and nothing moves
+/// (docs/theory.md, section 9: rounded corners).
+///
+/// ```
+/// use ellgran::vector::Vector3;
+/// use ellgran::walls::flatten_triangles;
+///
+/// // A square as four triangles about its middle, which the digits of a file have put a little too high.
+/// let corner = |x: f64, y: f64| Vector3::new(x, y, 0.0);
+/// let middle = Vector3::new(0.5, 0.5, 1e-7);
+/// let around = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+/// let mut square = [0, 1, 2, 3].map(|k| [around[k], around[(k + 1) % 4], middle]);
+/// let moved = flatten_triangles(&mut square)?;
+/// assert!(moved > 1e-8 && moved < 2e-7);
+/// let height = |p: Vector3| (p - square[0][0]).dot((square[0][1] - square[0][0]).cross(square[1][1] - square[0][0]));
+/// assert!(square.iter().flatten().all(|p| height(*p).abs() < 1e-13));
+/// # Ok::<(), String>(())
+/// ```
 ///
 /// # Errors
 /// A corner that is not finite or too far away; then nothing is changed.

@@ -326,8 +326,8 @@ mod tests {
             .filter_map(|file| Some((*file, fs::metadata(root().join(file)).ok()?.len())))
             .collect();
         let bytes: u64 = large.iter().map(|(_, bytes)| bytes).sum();
-        // Text is compressed to less than a third.
-        assert!(bytes < 3 * LARGEST_CRATE, "{bytes} bytes: {large:?}");
+        // Text is compressed to two sevenths and less; `cargo xtask release` looks at the compressed crate.
+        assert!(2 * bytes < 7 * LARGEST_CRATE, "{bytes} bytes: {large:?}");
     }
 
     #[test]
