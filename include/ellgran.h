@@ -591,7 +591,8 @@ typedef struct EllgranLentTriangles {
   const size_t *near_starts;
   /*
    Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
-   free. The order in each list is that in which contacts are found.
+   free. The order in each list is that in which contacts are found. Of a flat piece that goes on, those to a distance of the largest semi-axis
+   are to be lent to one particle at least: how wide it is is taken from all that are lent.
    */
   const uint32_t *near;
   /*

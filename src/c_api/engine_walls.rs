@@ -29,7 +29,8 @@ pub struct EllgranLentTriangles {
     /// [particle_count + 1]: where in `near` the list of a particle begins; the last is the length of `near`.
     pub near_starts: *const usize,
     /// Indices of triangles: all that a particle may touch, and those that meet them, since an edge whose other triangle is missing counts as
-    /// free. The order in each list is that in which contacts are found.
+    /// free. The order in each list is that in which contacts are found. Of a flat piece that goes on, those to a distance of the largest semi-axis
+    /// are to be lent to one particle at least: how wide it is is taken from all that are lent.
     pub near: *const u32,
     /// [count][3][3]: what the velocities of the corners at the step have more than `velocities`, up to 1e25, read where particles come with
     /// `velocity_changes`; NULL where they are the same.

@@ -111,6 +111,7 @@ impl Lammps {
     ) -> Result<String> {
         let directory = tempfile::tempdir()?;
         fs::write(directory.path().join(deck), text_of(deck)?)?;
+        let plugin = copy_into(directory.path(), &self.plugin)?;
         let mut command = match ranks {
             1 => on_one_core(self.taskset.as_deref(), &self.binary),
             _ => {
@@ -127,7 +128,7 @@ impl Lammps {
             .env("OMP_NUM_THREADS", "1")
             .args(["-nocite", "-log", "none", "-in", deck])
             .args(["-var", "plugin"])
-            .arg(&self.plugin);
+            .arg(&plugin);
         match instruction_set {
             Some(set) => command.env("ELLGRAN_INSTRUCTION_SET", set),
             None => command.env_remove("ELLGRAN_INSTRUCTION_SET"),
@@ -165,6 +166,15 @@ pub fn text_of(deck: &str) -> Result<&'static str> {
         .iter()
         .find_map(|(name, text)| (*name == deck).then_some(*text))
         .with_context(|| format!("no {deck} in examples/lammps/bench"))
+}
+
+/// Where the pages of a file lie in memory changes the time of the code in it by several per cent, the same in each run for as long as they lie there. With
+/// a copy for each run the median is over such places.
+pub fn copy_into(directory: &Path, file: &Path) -> Result<PathBuf> {
+    let name = file.file_name().context("no file")?;
+    let copy = directory.join(name);
+    fs::copy(file, &copy).with_context(|| format!("{} cannot be copied", file.display()))?;
+    Ok(copy)
 }
 
 fn help(binary: &Path) -> Result<String> {

@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{bail, Context, Result};
 
 use super::contender::Model;
-use super::lammps_run::{on_one_core, path_word, Timing};
+use super::lammps_run::{copy_into, on_one_core, path_word, Timing};
 use crate::liggghts::{self, Optimisation};
 use crate::packed_grains::PackedGrains;
 use crate::process::{find_program, output_of};
@@ -86,7 +86,8 @@ impl Liggghts {
     ) -> Result<Timing> {
         let deck = workspace::root().join("examples/liggghts/bench/run.lig");
         let directory = tempfile::tempdir()?;
-        let mut command = on_one_core(self.taskset.as_deref(), self.binary(optimisation)?);
+        let binary = copy_into(directory.path(), self.binary(optimisation)?)?;
+        let mut command = on_one_core(self.taskset.as_deref(), &binary);
         command
             .current_dir(directory.path())
             .args(["-log", "none", "-in"])

@@ -380,7 +380,8 @@ fn head(choice: &Choice) -> String {
         text += &format!("- {line}\n");
     }
     text += "\nTimes of one rank are processor times; after ± half the distance between the smallest and the largest of the \
-             runs, for kernels the median absolute deviation.\n";
+             runs, for kernels the median absolute deviation. Each run has its own copy of the plugin, or of LIGGGHTS: where its pages lie in memory \
+             changes times.\n";
     text
 }
 
