@@ -24,12 +24,12 @@
 //! alone feels its plane.
 //!
 //! Of a surface of many narrow triangles that is shaped as a saddle, or uneven, nearly all corners are of that kind, and a body has many of them within its
-//! contact. Where a narrow triangle has a convex and a concave edge at small angles within reach, and no sharp edge is, the faces alone act, each by
+//! contact. Where a narrow flat piece, of one triangle or more, has a convex and a concave edge at small angles within reach, and no sharp edge is, the faces alone act, each by
 //! the part of its section that its own triangles cover (`fine_folds`). These parts sum to the whole, so the surface acts once, as the curved one that it
 //! approaches.
 //!
 //! What is not continuous: corners of wide triangles at which convex and concave edges meet, in few ways, most of them of bodies that lie deeper than a
-//! twentieth of their smallest semi-axis, and where more than three such corners are in the body; narrow triangles at angles of more than 15 degrees; and a
+//! twentieth of their smallest semi-axis, and where more than three such corners are in the body; narrow pieces at angles of more than 15 degrees; and a
 //! body whose centre is nearly at an uneven surface, where a face may be hidden from it by another. An edge that shares the
 //! overlap with something else is taken to hold its normal in
 //! the gradient of the shares: the force is continuous for that, but not exactly the gradient of the energy.
