@@ -138,19 +138,22 @@ fn both_versions_atoms_that_are_not_those_of_the_file_are_refused() {
             .filter(|r| !r.is_empty())
             .collect();
         let again = deck("read_restart half.restart", &[], &runs);
-        let outcome = attempt_in(&engine, directory.clone(), &scene, &again, ranks);
+        let run = || attempt_in(&engine, directory.clone(), &scene, &again, ranks);
         let what = format!("{before} {command} on {ranks} ranks");
         match words {
             Some(words) => {
-                assert!(!outcome.success, "{what}");
-                assert!(
-                    outcome.output.contains(words),
-                    "{what}: {}",
-                    last_lines(&outcome.output)
-                );
-                assert!(outcome.output.contains("say 'run 0'"), "{what}");
+                // What a rank writes just before it ends all others can be lost on its way through mpirun.
+                let mut last = String::new();
+                let is_said = (0..3).any(|_| {
+                    let outcome = run();
+                    assert!(!outcome.success, "{what}");
+                    last = last_lines(&outcome.output);
+                    outcome.output.contains(words) && outcome.output.contains("say 'run 0'")
+                });
+                assert!(is_said, "{what}: {last}");
             }
             None => {
+                let outcome = run();
                 assert!(outcome.success, "{what}: {}", last_lines(&outcome.output));
                 if command == add {
                     continue;

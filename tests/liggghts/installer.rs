@@ -82,6 +82,10 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "    if(wg->heattransfer_flag())\n       wg->addHeatFlux(mesh);\n",
         ),
         ("fix_ave_euler.cpp", "  nevery = exec_every_;\n"),
+        (
+            "input_mesh_tri.cpp",
+            "  verbose_ = verbose;\n  if(nonlammps_file) fclose(nonlammps_file);\n            fclose(nonlammps_file);\n    double **nodeTmp = create<double>(nodeTmp,3,3);\n",
+        ),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -204,6 +208,7 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "replicate.cpp",
         "fix_wall_gran_base.h",
         "fix_ave_euler.cpp",
+        "input_mesh_tri.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];
