@@ -198,8 +198,8 @@ A wall of which a part is triangles takes two kernels, in one call:
 
 - The first finds the grains that are near the wall, by the host's tree of boxes. They are listed in the order in which threads come to them, which changes no result: \
 each grain's loads are its own.
-- The second takes one of these grains a thread, 8192 at a time, with the search of the host. Its lists are in memory that is set aside before, up to 60 kB a thread: for 32 \
-triangles near the grain, and 48 faces, edges and corners that support it. It is started once more for grains that need more room, 128 at a time, up to 0.6 MB each.
+- The second takes one of these grains a thread, 8192 at a time, with the search of the host. Its lists are in memory that is set aside before, 74 kB a thread: for 32 \
+triangles near the grain, and 48 faces, edges and corners that support it. It is started once more for grains that need more room, 128 at a time, 0.97 MB each.
 - A grain that is near more than 512 triangles of one wall, or that 512 faces, edges and corners support, is an error of `ellgran_gpu_check` that names it. \
 Nothing that did not fit is left out of a result.
 - Such memory is set aside once a scene, 0.6 GB for 8192 owned grains or more, when a wall with triangles is added and with new lists. Of each contact 8 are remembered a mesh, as on the host.

@@ -259,3 +259,10 @@ fn lent_triangles_are_refused() {
     wall.lent_triangles();
     assert_eq!(wall.parts_with_triangles().unwrap_err(), 1);
 }
+
+/// As docs/gpu.md has it.
+#[test]
+fn how_much_memory_a_search_takes() {
+    assert_eq!(size_of::<SmallRoom>().div_ceil(1000), 74);
+    assert_eq!(size_of::<LargeRoom>().div_ceil(10_000), 97);
+}
