@@ -202,7 +202,7 @@ each grain's loads are its own.
 triangles near the grain, and 48 faces, edges and corners that support it. It is started once more for grains that need more room, 128 at a time, 0.97 MB each.
 - A grain that is near more than 512 triangles of one wall, or that 512 faces, edges and corners support, is an error of `ellgran_gpu_check` that names it. \
 Nothing that did not fit is left out of a result.
-- Such memory is set aside once a scene, 0.6 GB for 8192 owned grains or more, when a wall with triangles is added and with new lists. Of each contact 8 are remembered a mesh, as on the host.
+- Such memory is set aside once a scene, 0.7 GB for 8192 owned grains or more, when a wall with triangles is added and with new lists. Of each contact 8 are remembered a mesh, as on the host.
 
 `cargo test -p ellgran-kernels` compares loads and histories with those of the walls of the host, at rest and in motion, to 1e-12 of the largest; \
 `cargo test -p ellgran-gpu` does so through the C interface, over a new list.
