@@ -13,7 +13,7 @@ const EXACT: f64 = 1e-13;
 
 /// Sine of the least angle between planes at which their line, or a line and a plane at which their point is found. Corners would move far along
 /// planes that meet at less.
-const LEAST_ANGLE: f64 = 5e-3;
+const LEAST_ANGLE: f64 = 1e-3;
 
 /// A corner is in a plane that is not yet fitted to it if it is no farther from it than so many times the rounding.
 const NEAR: f64 = 2.0;
