@@ -62,7 +62,7 @@ fn visit_floors(
     }
 }
 
-/// Where convex and concave edges meet, a division by four or sixteen changed the force by up to its half: the width of the triangles, and
+/// Where convex and concave edges meet, a division by four or sixteen changed the force by a large part of it: the width of the triangles, and
 /// how much of an edge was a triangle's side, decided how they act.
 #[test]
 fn a_finer_division_changes_nothing() {
@@ -81,7 +81,7 @@ fn a_finer_division_changes_nothing() {
 }
 
 /// The same in single precision, as in an STL file: each edge between the small triangles is a fold then, and where such folds met the edges of the
-/// surface the force was up to 66 times too large.
+/// surface the force could be many times too large.
 #[test]
 fn rounding_of_a_fine_division_changes_nothing() {
     let (mut worst, mut count) = (0.0f64, 0);
