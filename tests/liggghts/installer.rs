@@ -86,6 +86,10 @@ fn tree(name: &str, version: &str) -> std::path::PathBuf {
             "input_mesh_tri.cpp",
             "  verbose_ = verbose;\n  if(nonlammps_file) fclose(nonlammps_file);\n            fclose(nonlammps_file);\n    double **nodeTmp = create<double>(nodeTmp,3,3);\n",
         ),
+        (
+            "error.cpp",
+            "void Error::all(int a)\n{\n  MPI_Abort(world,1);\n}\nvoid Error::one(int a)\n{\n  if (screen) a;\n  MPI_Abort(world,1);\n}\n",
+        ),
         ("dump_mesh_vtk.h", "class A;\n"),
         ("dump_mesh_vtk.cpp", "int a;\n"),
         (
@@ -209,6 +213,7 @@ fn what_a_user_changed_since_stays_and_our_lines_go() {
         "fix_wall_gran_base.h",
         "fix_ave_euler.cpp",
         "input_mesh_tri.cpp",
+        "error.cpp",
         "MAKE/Makefile.auto",
         "style_contact_model_user.whitelist",
     ];

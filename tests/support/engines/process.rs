@@ -10,6 +10,10 @@ use std::time::{Duration, Instant};
 /// Ten times what the longest run takes on a machine with nothing else to do.
 const TIME_LIMIT: Duration = Duration::from_secs(300);
 
+/// Lets a rank write into a file of its own. What a rank writes just before it ends all others can be lost on its way through the launcher.
+const INTO_ITS_OWN_FILE: &str =
+    r#"exec "$@" >"rank.${PMI_RANK:-${OMPI_COMM_WORLD_RANK:-$$}}" 2>&1"#;
+
 /// The path that `variable` of the environment names; `hint` says what else gives it.
 pub fn from_environment(variable: &str, hint: &str) -> PathBuf {
     std::env::var_os(variable)
@@ -43,6 +47,9 @@ pub fn execute(
     ranks: usize,
 ) -> (bool, String) {
     fs::write(directory.join("in.deck"), deck).unwrap();
+    for file in files_of_ranks(directory) {
+        fs::remove_file(file).unwrap();
+    }
     // ranks that wait keep a core busy: one run on several ranks at a time
     static SEVERAL_RANKS: Mutex<()> = Mutex::new(());
     let _alone = (ranks > 1).then(|| SEVERAL_RANKS.lock().unwrap_or_else(|e| e.into_inner()));
@@ -50,7 +57,9 @@ pub fn execute(
         Command::new(program)
     } else {
         let mut command = Command::new(mpirun);
-        command.arg("-n").arg(ranks.to_string()).arg(program);
+        command.arg("-n").arg(ranks.to_string());
+        command.args(["sh", "-c", INTO_ITS_OWN_FILE, "sh"]);
+        command.arg(program);
         command
     };
     let output = fs::File::create(directory.join("output")).unwrap();
@@ -87,7 +96,10 @@ pub fn execute(
             },
         ));
     };
-    let text = String::from_utf8_lossy(&fs::read(directory.join("output")).unwrap()).into_owned();
+    let text: String = std::iter::once(directory.join("output"))
+        .chain(files_of_ranks(directory))
+        .map(|file| String::from_utf8_lossy(&fs::read(file).unwrap()).into_owned())
+        .collect();
     match status {
         // Launchers of several ranks turn the signal of one into a status above 128.
         Some(status) if status.code().is_none_or(|code| code > 128) => panic!(
@@ -104,6 +116,17 @@ pub fn execute(
             last_lines(&text)
         ),
     }
+}
+
+/// What the ranks of the last run in this directory wrote, rank after rank.
+fn files_of_ranks(directory: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.file_stem().is_some_and(|stem| stem == "rank"))
+        .collect();
+    files.sort();
+    files
 }
 
 /// The environment of a program that starts several ranks, or is one.
