@@ -76,8 +76,9 @@ impl Bounds {
     }
 }
 
-/// Bits of the pairs that a plane separates by more than `margin`: the one of their start normal `n`, or one of those that
-/// `IMPROVEMENTS` steps lead to; and the normals with the widest gaps. No steps are taken for the pairs of `stay` alone.
+/// Bits of the pairs that a plane separates by more than `margin`, also once `j` has gone the way `closing` relative to `i`: the plane of
+/// their start normal `n`, or one of those that `IMPROVEMENTS` steps lead to; and the normals with the widest gaps. No steps are taken for
+/// the pairs of `stay` alone.
 #[inline(always)]
 pub fn separating_planes<S: Registers, B: ConvexBody<Lanes<S>>>(
     registers: S,
@@ -85,11 +86,10 @@ pub fn separating_planes<S: Registers, B: ConvexBody<Lanes<S>>>(
     j: &B,
     d: Vector3<Lanes<S>>,
     mut n: Vector3<Lanes<S>>,
-    margin: f64,
+    (margin, closing): (Lanes<S>, Vector3<Lanes<S>>),
     stay: u32,
 ) -> (u32, Vector3<Lanes<S>>) {
     let zero = Lanes::splat(registers, 0.0);
-    let margin = Lanes::splat(registers, margin);
     let mut apart = 0;
     let mut open = (1u32 << S::LANES) - 1;
     let mut best = n;
@@ -97,7 +97,7 @@ pub fn separating_planes<S: Registers, B: ConvexBody<Lanes<S>>>(
     for left in (0..=IMPROVEMENTS).rev() {
         let ((h_i, point_i), (h_j, point_j)) = (i.support_in_world(n), j.support_in_world(n));
         let gap = n.dot(d) - h_i - h_j;
-        apart |= registers.bits(margin.less(gap));
+        apart |= registers.bits(margin.less(gap + n.dot(closing).min(zero)));
         best = select3(widest.less(gap), n, best);
         widest = widest.max(gap);
         open &= !(apart | stay);

@@ -138,22 +138,24 @@ fn starts<S: Registers>(
     select3(is_unit, n, towards)
 }
 
-/// Bits of the pairs that a plane separates by more than `margin`. `lines` begin with a normal to look at first; one that is no
-/// unit vector stands for the direction between the centres. Leaves there the normals with the widest gaps. No others are
-/// looked at for the pairs of `stay` alone.
+/// Bits of the pairs that a plane separates by more than a margin, also once `j` has gone a way relative to `i`: `bounds` begin with that
+/// way and the margin. `lines` begin with a normal to look at first; one that is no unit vector stands for the direction between the
+/// centres. Leaves there the normals with the widest gaps. No others are looked at for the pairs of `stay` alone.
 #[inline(always)]
 pub(super) fn separated_by<S: Registers, K: Kind>(
     registers: S,
     i: &[&Record; MOST_LANES],
     j: &[&Record; MOST_LANES],
     lines: &mut [Line; MOST_LANES],
-    margin: f64,
+    bounds: &[Line; MOST_LANES],
     stay: u32,
 ) -> u32 {
     let (i, j) = (K::load(registers, i), K::load(registers, j));
     let d = j.centre - i.centre;
     let n = starts(registers, lines, d);
-    let (apart, best) = separating_planes(registers, &i.body, &j.body, d, n, margin, stay);
+    let b = Lanes::all(registers, registers.columns(&lines!(bounds)));
+    let bounds = (b[3], Vector3::new(b[0], b[1], b[2]));
+    let (apart, best) = separating_planes(registers, &i.body, &j.body, d, n, bounds, stay);
     let zero = Lanes::splat(registers, 0.0);
     put(
         registers,

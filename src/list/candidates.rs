@@ -1,35 +1,43 @@
-// SPDX-License-Identifier: MIT OR Apache-2.0
-//! The pairs of an engine's list that may touch before the particles have moved by a given length.
+//! The pairs of an engine's list that may touch while the particles move about as they do now.
 //!
-//! An engine's list holds every pair whose bounding spheres come near; of elongated grains few of these ever touch. A
-//! pair whose bodies a plane separates by more than the margin is left out until one of the particles has moved by half
-//! of it, or the list changes. That decides which pairs are looked at, never what a pair's force is.
+//! An engine's list holds every pair whose bounding spheres come near; of elongated grains few of these ever touch. Each particle is
+//! expected to go on with its velocity for some steps, and is allowed to be elsewhere by a length of its own: fast ones among fast ones by
+//! much, those of a bed at rest or of one that moves as a whole by little. A pair whose bodies a plane separates, whatever they do of
+//! that, is left out until the steps are over, one of the particles is found where it is not allowed to be, or the list changes. That
+//! decides which pairs are looked at, never what a pair's force is.
 
 use super::arrays::{ParticleArrays, ParticleShapes};
 use super::batches::Batches;
 use super::memory::{reserve, Allocated};
+use super::records::{Record, Shapes};
 use super::shapes::same;
-use crate::geometry::small_motion::{
-    allowed_turn, allowed_turn_per_margin, allowed_way, way_and_turn,
-};
+use crate::geometry::small_motion::{allowed_turn, allowed_turn_per_margin, way_and_turn};
 use crate::real::Real;
-use crate::simd::{components, lines, Lanes, Line, Registers, MOST_LANES};
+use crate::simd::{lines, Lanes, Line, Registers, MOST_LANES};
+use crate::vector::Vector3;
 
-/// The margin in units of the mean smallest semi-axis: where it begins, and within which it follows the motion.
-const FIRST_MARGIN: f64 = 0.01;
-const SMALLEST_MARGIN: f64 = 0.001;
-const LARGEST_MARGIN: f64 = 0.2;
-/// By how much it changes at most at once.
-const LARGEST_CHANGE: f64 = 4.0;
+/// Steps that are expected at first, and at most.
+const FIRST_HORIZON: f64 = 8.0;
+const LONGEST_HORIZON: f64 = 1e3;
+/// What is allowed at first, in steps with the largest velocity relative to a neighbour, and within which it follows the motion.
+const FIRST_ALLOWANCE: f64 = 4.0;
+const ALLOWANCES: [f64; 2] = [0.25, 1e3];
+/// The least velocity for which a particle is allowed anything, in mean smallest semi-axes a step.
+const LEAST_VELOCITY: f64 = 2e-6;
+/// The largest way that it is allowed, in mean smallest semi-axes.
+const LARGEST_WAY: f64 = 0.1;
+/// By how much horizon and allowance change at most at once.
+const LARGEST_CHANGE: f64 = 2.0;
+/// How much more is allowed than the farthest motion needed.
+const SPARE: f64 = 1.3;
 
 /// What it costs to find the candidates, in units of a candidate's computation: per pair of the list, per pair whose
-/// bounding spheres come near, and per particle. Only their sum was measured, once (12 units a grain in a dense packing of
-/// aspect ratio 2); how it divides is a guess. The best margin is flat: it goes with the root of the cost.
-const COST_OF_LISTED: f64 = 0.25;
-const COST_OF_NEAR: f64 = 0.75;
-const COST_OF_PARTICLE: f64 = 2.0;
+/// bounding spheres come near, and per particle.
+const COST_OF_LISTED: f64 = 0.15;
+const COST_OF_NEAR: f64 = 0.45;
+const COST_OF_PARTICLE: f64 = 1.0;
 
-/// Candidates, and the poses for which they were found.
+/// Candidates, and the motions for which they were found.
 #[derive(Debug, Default)]
 pub(super) struct Candidates {
     pub batches: Batches,
@@ -40,21 +48,48 @@ pub(super) struct Candidates {
     takes_part: Vec<bool>,
     /// Position, quaternion as the engine has it, square of the change of the quaternion that is allowed.
     poses: Vec<Line>,
-    /// Semi-axes.
-    shapes: Vec<[f64; 3]>,
-    /// Length, the same for all pairs.
-    pub margin: f64,
-    /// In units of the mean smallest semi-axis; 0 before the first time.
-    relative_margin: f64,
+    /// Semi-axes, the way that is expected in a step, square of the way that the particle may be elsewhere, and by how much its
+    /// support function may then be another.
+    motions: Vec<Line>,
+    /// Mean of the smallest semi-axes.
+    size: f64,
+    /// Steps that are expected; 0 before the first time.
+    horizon: f64,
+    /// See [`FIRST_ALLOWANCE`].
+    allowance: f64,
     /// Steps since the candidates were found.
     steps: u32,
-    /// When to look again whether the margin is too wide.
-    next_look: u32,
+    /// The last of them.
+    last: u32,
     /// Lanes that were computed for nothing in the first of them.
     idle: f64,
     /// What finding them cost, in units of a lane's computation.
     cost: f64,
     valid: bool,
+}
+
+/// What a pair may do while the candidates hold.
+#[derive(Clone, Copy)]
+pub(super) struct Bound {
+    /// The way of the second particle relative to the first that is expected.
+    closing: Vector3,
+    /// By how much more the bodies may come nearer.
+    margin: f64,
+}
+
+impl Bound {
+    /// By how much the bodies come nearer at most.
+    #[inline(always)]
+    pub fn farthest(&self) -> f64 {
+        self.margin + self.closing.norm_squared().sqrt()
+    }
+
+    /// As the lanes load it.
+    #[inline(always)]
+    pub fn line(&self) -> Line {
+        let c = self.closing;
+        Line([c.x, c.y, c.z, self.margin, 0.0, 0.0, 0.0, 0.0])
+    }
 }
 
 impl Candidates {
@@ -83,8 +118,7 @@ impl Candidates {
         self.batches.bytes()
             + self.participants.capacity() * core::mem::size_of::<u32>()
             + self.takes_part.capacity()
-            + self.poses.capacity() * core::mem::size_of::<Line>()
-            + self.shapes.capacity() * core::mem::size_of::<[f64; 3]>()
+            + (self.poses.capacity() + self.motions.capacity()) * core::mem::size_of::<Line>()
     }
 
     /// Whether there are candidates for as many particles.
@@ -92,8 +126,8 @@ impl Candidates {
         self.valid && self.poses.len() == count
     }
 
-    /// Of the particles from `first` on: those that have the same shape and have moved by no more than half of the margin since the
-    /// candidates were found, and those that take part in a candidate. `shapes` are semi-axes, quaternion and anything.
+    /// Of the particles from `first` on: those that have the same shape and are where they are allowed to be, and those that take part in a
+    /// candidate. `shapes` are semi-axes, quaternion and anything.
     #[inline(always)]
     pub fn hold_for<S: Registers>(
         &self,
@@ -103,21 +137,19 @@ impl Candidates {
         x: [Lanes<S>; 3],
         shapes: &[Lanes<S>; 8],
     ) -> (u32, u32) {
-        let poses = &self.poses[first..];
-        let mut last = [Line::ZERO; MOST_LANES];
-        let p = if let Some(poses) = poses.first_chunk::<MOST_LANES>() {
-            registers.columns(&lines!(poses))
-        } else {
-            last[..count].copy_from_slice(&poses[..count]);
-            registers.columns(&lines!(&last))
-        };
-        let p = Lanes::all(registers, p);
-        let a = components(registers, &self.shapes[first..], count);
+        let p = lines_from(registers, &self.poses[first..], count);
+        let m = lines_from(registers, &self.motions[first..], count);
+        let a = [m[0], m[1], m[2]];
+        let steps = Lanes::splat(registers, f64::from(self.steps));
+        let expected = [
+            m[3].multiply_add(steps, p[0]),
+            m[4].multiply_add(steps, p[1]),
+            m[5].multiply_add(steps, p[2]),
+        ];
         let q = [shapes[3], shapes[4], shapes[5], shapes[6]];
-        let (moved, turned) = way_and_turn([p[0], p[1], p[2]], x, [p[3], p[4], p[5], p[6]], q);
+        let (moved, turned) = way_and_turn(expected, x, [p[3], p[4], p[5], p[6]], q);
         // Not a number holds for nothing.
-        let farthest = moved.constant(self.farthest());
-        let near = registers.and(moved.less(farthest), turned.less(p[7]));
+        let near = registers.and(moved.less(m[6]), turned.less(p[7]));
         let same = registers.and(
             same(registers, shapes[0], a[0]),
             registers.and(
@@ -132,75 +164,69 @@ impl Candidates {
         (registers.bits(registers.and(near, same)), take_part)
     }
 
-    /// One step more with these candidates.
-    pub fn count_step(&mut self) {
+    /// One step more with these candidates; whether they are for it.
+    pub fn count_step(&mut self) -> bool {
         self.steps = self.steps.saturating_add(1);
         if self.steps == 1 {
             self.idle = self.batches.idle() as f64;
-            self.next_look = if self.relative_margin > SMALLEST_MARGIN {
-                (2.0 * self.cost / self.idle.max(1.0)) as u32 + 1
-            } else {
-                u32::MAX
-            };
+            // Beyond twice the best number of steps, those are fewer that are expected next.
+            let enough = (2.0 * self.cost / self.idle.max(1.0)) as u32;
+            self.last = (self.horizon as u32).min(enough).max(1);
         }
+        self.steps <= self.last
     }
 
-    /// Lets the margin follow the motion, which has used up this share of it since the candidates were found.
+    /// How much longer it would pay to go on than these candidates did.
     ///
-    /// A wider margin lets more pairs in that do not touch, in proportion, and lasts longer, in proportion: together they
+    /// More steps and more freedom let more pairs in that do not touch, in proportion, and last longer, in proportion: together they
     /// cost least where the candidates cost as much to find as those pairs do while they last.
-    pub fn adapt(&mut self, share: f64) {
+    fn best_change(&self) -> f64 {
         let lanes = self.idle.max(1.0) * f64::from(self.steps.max(1));
-        let best = (self.cost * share / lanes).sqrt();
-        self.relative_margin = (self.relative_margin
-            * best.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE))
-        .clamp(SMALLEST_MARGIN, LARGEST_MARGIN);
+        let best = (self.cost / lanes).sqrt();
+        best.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE)
     }
 
-    /// Whether the margin has shown to be far wider than it should be, so that the candidates are better found anew; it is
-    /// then narrower.
-    pub fn should_be_fewer<S: ParticleShapes, I: Fn(usize) -> i64>(
+    fn adapt(&mut self, horizon: f64, allowance: f64) {
+        self.horizon = horizon.clamp(1.0, LONGEST_HORIZON);
+        self.allowance = allowance.clamp(ALLOWANCES[0], ALLOWANCES[1]);
+    }
+
+    /// Lets horizon and allowance follow the motion, all of which were as expected to the end.
+    pub fn adapt_at_end<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
-    ) -> bool {
-        if self.steps < self.next_look {
-            return false;
-        }
-        let before = self.relative_margin;
-        let share = self.share_used(arrays);
-        self.adapt(share);
-        if self.relative_margin < 0.5 * before {
-            return true;
-        }
-        self.relative_margin = before;
-        self.next_look = self.steps.saturating_mul(2);
-        false
+    ) {
+        let best = self.best_change();
+        let needed = (SPARE * self.share_used(arrays)).clamp(1.0 / LARGEST_CHANGE, 1.0);
+        self.adapt(f64::from(self.steps) * best, self.allowance * needed);
     }
 
-    /// How much of the margin the farthest motion has used up.
+    /// The same where a particle has left the place that it was allowed.
+    pub fn adapt_when_left(&mut self) {
+        let best = self.best_change();
+        self.adapt(f64::from(self.steps), self.allowance * best);
+    }
+
+    /// How much of what they are allowed the farthest motion has used up.
     fn share_used<S: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, S, I>,
     ) -> f64 {
-        let farthest = self.farthest();
+        let steps = f64::from(self.steps);
         let mut largest: f64 = 0.0;
         for (k, (x, pose)) in arrays.positions.iter().zip(&self.poses).enumerate() {
             let Some((_, q)) = arrays.shape.of(k) else {
                 continue;
             };
-            let (moved, turned) = motion(&pose.0, x, &q);
-            largest = largest.max(moved / farthest).max(turned / pose.0[7]);
+            let (p, m) = (&pose.0, &self.motions[k].0);
+            let expected = [0, 1, 2].map(|c| p[c] + steps * m[3 + c]);
+            let (moved, turned) = way_and_turn(expected, *x, [p[3], p[4], p[5], p[6]], q);
+            largest = largest.max(moved / m[6]).max(turned / p[7]);
         }
         largest.min(1.0).sqrt()
     }
 
-    /// Square of the way that a particle may move.
-    #[inline(always)]
-    fn farthest(&self) -> f64 {
-        allowed_way(self.margin)
-    }
-
-    /// Begins anew for these particles: the margin, and the poses.
+    /// Begins anew for these particles, where they are.
     pub fn begin<S: ParticleShapes, I: Fn(usize) -> i64>(
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
@@ -208,10 +234,10 @@ impl Candidates {
     ) {
         self.valid = false;
         self.batches.allocated = allocated;
-        self.poses.clear();
-        reserve(&mut self.poses, arrays.positions.len(), allocated);
-        self.shapes.clear();
-        self.shapes.reserve(arrays.positions.len());
+        for lines in [&mut self.poses, &mut self.motions] {
+            lines.clear();
+            reserve(lines, arrays.positions.len(), allocated);
+        }
         let mut sum = 0.0;
         for (k, x) in arrays.positions.iter().enumerate() {
             // They were checked before.
@@ -219,9 +245,9 @@ impl Candidates {
                 .shape
                 .of(k)
                 .unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
-            self.shapes.push(a);
-            let least = a[0].min(a[1]).min(a[2]);
-            sum += least;
+            sum += a[0].min(a[1]).min(a[2]);
+            self.motions
+                .push(Line([a[0], a[1], a[2], 0.0, 0.0, 0.0, 0.0, 0.0]));
             self.poses.push(Line([
                 x[0],
                 x[1],
@@ -233,14 +259,70 @@ impl Candidates {
                 allowed_turn_per_margin(a, q),
             ]));
         }
-        if self.relative_margin == 0.0 {
-            self.relative_margin = FIRST_MARGIN;
+        if self.horizon == 0.0 {
+            (self.horizon, self.allowance) = (FIRST_HORIZON, FIRST_ALLOWANCE);
         }
+        // A whole number, as the steps are.
+        self.horizon = self.horizon.floor();
         self.steps = 0;
-        self.margin = self.relative_margin * sum / arrays.positions.len().max(1) as f64;
-        let square = self.margin * self.margin;
-        for pose in &mut self.poses {
-            pose.0[7] = allowed_turn(pose.0[7], square, &pose.0[3..7]);
+        self.size = sum / arrays.positions.len().max(1) as f64;
+    }
+
+    /// The motions that are expected of the particles, in steps of this time.
+    pub fn expect(&mut self, records: &[Record], shapes: Shapes, time_step: f64) {
+        for (record, motion) in records.iter().zip(&mut self.motions) {
+            let [v, omega] = record.velocities(shapes);
+            let [a, b, c, x, y, z, turn, largest] = &mut motion.0;
+            let way = v * time_step;
+            (*x, *y, *z) = (way.x, way.y, way.z);
+            // The support function of a body that turns by an angle changes by at most the angle times this.
+            let spread = a.max(*b).max(*c) - a.min(*b).min(*c);
+            *turn = omega.norm_squared().sqrt() * (time_step * spread).abs();
+            *largest = 0.0;
+        }
+    }
+
+    /// Of a particle and its neighbours, the largest velocity of one relative to the other.
+    #[inline(always)]
+    pub fn meet(&mut self, particle: usize, others: impl Iterator<Item = usize>) {
+        let Some(Line([_, _, _, x, y, z, _, largest])) = self.motions.get(particle).copied() else {
+            return;
+        };
+        let mut own = largest;
+        for other in others {
+            if let Some(Line([_, _, _, u, v, w, _, largest])) = self.motions.get_mut(other) {
+                let (u, v, w) = (*u - x, *v - y, *w - z);
+                let square = u * u + v * v + w * w;
+                *largest = largest.max(square);
+                own = own.max(square);
+            }
+        }
+        self.motions[particle].0[7] = own;
+    }
+
+    /// Allows each particle to be elsewhere than expected by some steps with that velocity, and to turn as it does.
+    pub fn allow(&mut self) {
+        let least = LEAST_VELOCITY * self.size;
+        let most = LARGEST_WAY * self.size;
+        for (pose, motion) in self.poses.iter_mut().zip(&mut self.motions) {
+            let Line([_, _, _, _, _, _, turn, largest]) = *motion;
+            let way = (self.allowance * (least + largest.sqrt())).min(most);
+            let turn = self.horizon * turn + way;
+            let quarter = 4.0 * turn;
+            pose.0[7] = allowed_turn(pose.0[7], quarter * quarter, &pose.0[3..7]);
+            motion.0[6] = way * way;
+            motion.0[7] = way + turn;
+        }
+    }
+
+    /// What two particles may do.
+    #[inline(always)]
+    pub fn bound(&self, i: usize, j: usize) -> Bound {
+        let (i, j) = (&self.motions[i].0, &self.motions[j].0);
+        let way = Vector3::new(j[3] - i[3], j[4] - i[4], j[5] - i[5]);
+        Bound {
+            closing: way * self.horizon,
+            margin: i[7] + j[7],
         }
     }
 
@@ -271,9 +353,144 @@ impl Candidates {
     }
 }
 
-/// Squares of the way from a pose and of the change of its quaternion.
+/// The numbers of the first `count` lines, in lanes; of those beyond the last line any.
 #[inline(always)]
-fn motion(p: &[f64; 8], x: &[f64; 3], q: &[f64; 4]) -> (f64, f64) {
-    let &[px, py, pz, w, i, j, k, _] = p;
-    way_and_turn([px, py, pz], *x, [w, i, j, k], *q)
+fn lines_from<S: Registers>(registers: S, all: &[Line], count: usize) -> [Lanes<S>; 8] {
+    let mut last = [Line::ZERO; MOST_LANES];
+    let columns = if let Some(all) = all.first_chunk::<MOST_LANES>() {
+        registers.columns(&lines!(all))
+    } else {
+        last[..count].copy_from_slice(&all[..count]);
+        registers.columns(&lines!(&last))
+    };
+    Lanes::all(registers, columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{
+        compute_pairs, Accumulators, Entries, NeighbourRow, NeighbourRows, ParticleArrays,
+        Rotation, Workspace,
+    };
+    use crate::contact::{Laws, Step};
+    use crate::force::syntax;
+    use crate::simd::InstructionSet;
+
+    const COUNT: usize = 9;
+
+    /// Every pair, without histories.
+    struct AllPairs(Vec<i32>);
+
+    impl NeighbourRows for AllPairs {
+        fn count(&self) -> usize {
+            COUNT
+        }
+        fn row(&mut self, k: usize) -> NeighbourRow<'_> {
+            NeighbourRow {
+                central: k,
+                neighbours: &self.0[k + 1..],
+                touching: &mut [],
+                history: &mut [],
+            }
+        }
+        fn pair(&mut self, _: usize, _: usize) -> (Option<&mut i32>, &mut [f64]) {
+            (None, &mut [])
+        }
+        fn entries(&self) -> Entries {
+            Entries::PLAIN
+        }
+    }
+
+    /// Spheroids in a row, a little apart from each other, `steps` steps of which are moved by `motion`: how often candidates were found,
+    /// and the sum of the forces' sizes in the last step.
+    fn row_of_grains(
+        set: InstructionSet,
+        steps: usize,
+        motion: impl Fn(usize, &mut [[f64; 3]; COUNT]) -> [[f64; 3]; COUNT],
+    ) -> (usize, f64) {
+        let (parameters, _) = syntax::parse(&["hertz", "1e7", "0.3"]).unwrap();
+        let laws = Laws::new(1, &[Some(parameters)], true).unwrap();
+        let mut positions = core::array::from_fn(|k| [1.5 * k as f64, 0.0, 0.0]);
+        let mut rows = AllPairs((0..COUNT as i32).collect());
+        let mut workspace = Workspace::new(set);
+        let (mut found, mut sum) = (0, 0.0);
+        for step in 0..steps {
+            let velocities = motion(step, &mut positions);
+            let particles = ParticleArrays {
+                owned: COUNT,
+                positions: &positions,
+                velocities: &velocities,
+                rotation: Rotation::Velocity(&[[0.0; 3]; COUNT]),
+                of_step: false,
+                changes: &[],
+                contact_masses: &[],
+                types: &[1; COUNT],
+                shape: |_: usize| Some(([0.7, 0.7, 1.0], [1.0, 0.0, 0.0, 0.0])),
+                identifier: |k| k as i64 + 1,
+            };
+            workspace
+                .prepare_for_pairs(&particles, &laws, step > 0)
+                .unwrap();
+            let (mut forces, mut torques) = ([[0.0; 3]; COUNT], [[0.0; 3]; COUNT]);
+            let mut accumulators = Accumulators {
+                forces: &mut forces,
+                torques: &mut torques,
+                reaction_below: COUNT,
+                owned: COUNT,
+            };
+            let step = Step {
+                time_step: 1.0,
+                advance_history: true,
+            };
+            compute_pairs(
+                &laws,
+                &mut workspace,
+                &mut rows,
+                &step,
+                &mut accumulators,
+                None,
+            )
+            .unwrap();
+            found += usize::from(workspace.candidates.steps == 0);
+            sum = forces.iter().flatten().map(|f: &f64| f.abs()).sum();
+        }
+        (found, sum)
+    }
+
+    fn in_lanes() -> impl Iterator<Item = InstructionSet> {
+        InstructionSet::ALL
+            .into_iter()
+            .filter(|set| *set != InstructionSet::Scalar && set.is_available())
+    }
+
+    /// A bed that moves as a whole by many grains' sizes, faster and faster by little: most steps look through no list.
+    #[test]
+    fn grains_that_go_together_are_looked_at_rarely() {
+        for set in in_lanes() {
+            let (found, sum) = row_of_grains(set, 400, |step, positions| {
+                let v = [0.0, 2.0 + 1e-8 * step as f64, 0.0];
+                for x in positions.iter_mut() {
+                    x[1] += v[1];
+                }
+                [v; COUNT]
+            });
+            assert!(found <= 12 && sum == 0.0, "{set:?}: {found} {sum}");
+        }
+    }
+
+    /// One that comes with a velocity that it does not say touches in the step in which it arrives.
+    #[test]
+    fn a_grain_that_comes_unexpectedly_is_seen() {
+        for set in in_lanes() {
+            for arrives in [1, 7, 60, 199] {
+                let (found, sum) = row_of_grains(set, arrives + 1, |step, positions| {
+                    if step == arrives {
+                        positions[4][0] += 0.15;
+                    }
+                    [[0.0; 3]; COUNT]
+                });
+                assert!(found >= 2 && sum > 0.0, "{set:?} {arrives}: {found} {sum}");
+            }
+        }
+    }
 }

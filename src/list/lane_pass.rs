@@ -7,7 +7,7 @@ use super::batch::{
     run as run_batch, separated_by, Batch, BatchRecords, BatchTallies, Common, Left,
 };
 use super::batches::{Candidate, LaneBits, Numbers};
-use super::candidates::Candidates;
+use super::candidates::{Bound, Candidates};
 use super::contact_records::{contact_point, of_lane, turning_contact};
 use super::records::{ParticleRecords, Record, Records, Shapes};
 use super::rows::{check_history, ListError, NeighbourRow};
@@ -33,6 +33,7 @@ const NUMBERS_OF_LINE: usize = 8;
 struct FindCandidates<'p, 'a, 'b, 'c, K> {
     pass: &'p mut Pass<'a, 'b, 'c>,
     records: &'p [Record],
+    shapes: Shapes,
     types: &'p [u32],
     candidates: &'p mut Candidates,
     found: &'p mut Result<(), ListError>,
@@ -45,7 +46,7 @@ impl<K: Kind> Stage for FindCandidates<'_, '_, '_, '_, K> {
         *self.found = find_candidates::<S, K>(
             self.pass,
             registers,
-            self.records,
+            (self.records, self.shapes),
             self.types,
             self.candidates,
         );
@@ -84,6 +85,7 @@ struct Pending<'a> {
     i: [&'a Record; MOST_LANES],
     j: [&'a Record; MOST_LANES],
     start: [Line; MOST_LANES],
+    bounds: [Line; MOST_LANES],
     waiting: [Candidate; MOST_LANES],
     /// What the engine remembers of them.
     history: [[f64; HistoryLayout::LONGEST]; MOST_LANES],
@@ -104,6 +106,7 @@ impl<'a> Pending<'a> {
             i: [any; MOST_LANES],
             j: [any; MOST_LANES],
             start: [Line::ZERO; MOST_LANES],
+            bounds: [Line::ZERO; MOST_LANES],
             waiting: [nowhere; MOST_LANES],
             history: [[0.0; HistoryLayout::LONGEST]; MOST_LANES],
             stay: 0,
@@ -116,6 +119,7 @@ impl<'a> Pending<'a> {
         &mut self,
         pair: Candidate,
         (i, j): (&'a Record, &'a Record),
+        bound: Bound,
         touched: bool,
         history: &[f64],
         normal: Option<usize>,
@@ -124,6 +128,7 @@ impl<'a> Pending<'a> {
         self.i[k] = i;
         self.j[k] = j;
         self.waiting[k] = pair;
+        self.bounds[k] = bound.line();
         self.stay |= u32::from(touched) << k;
         // One by one: a copy of unknown length is a call.
         for (to, from) in self.history[k].iter_mut().zip(history) {
@@ -178,6 +183,7 @@ fn of_kind<
         set.run(FindCandidates {
             pass: &mut *pass,
             records: &particles.records[..],
+            shapes: particles.shapes,
             types: &particles.types,
             candidates: &mut *candidates,
             found: &mut found,
@@ -204,14 +210,24 @@ fn of_kind<
 fn find_candidates<S: Registers, K: Kind>(
     pass: &mut Pass<'_, '_, '_>,
     registers: S,
-    records: &[Record],
+    (records, shapes): (&[Record], Shapes),
     types: &[u32],
     candidates: &mut Candidates,
 ) -> Result<(), ListError> {
     let entries = pass.rows.entries();
     let (laws, layout) = (pass.laws, pass.layout);
     let length = layout.length;
-    let margin = candidates.margin;
+    candidates.expect(records, shapes, pass.step.time_step);
+    for row in 0..pass.rows.count() {
+        let NeighbourRow {
+            central,
+            neighbours,
+            ..
+        } = pass.rows.row(row);
+        let others = neighbours.iter().filter_map(|named| entries.index(*named));
+        candidates.meet(central, others);
+    }
+    candidates.allow();
     candidates.batches.begin(S::LANES, layout, !K::SPHERES);
     let (mut listed, mut looked_at) = (0, 0);
     let mut pending = Pending::new(&records[0]);
@@ -237,10 +253,12 @@ fn find_candidates<S: Registers, K: Kind>(
                 });
             };
             let d = j.position() - centre;
-            let reach = radius + K::radius(j) + margin;
+            let bound = candidates.bound(central, other);
+            let reach = radius + K::radius(j) + bound.farthest();
             let touched = touching.get(entry).is_some_and(|t| *t != 0);
-            let near = d.norm_squared() < reach * reach;
-            if !near && !touched {
+            // What is no number is looked at.
+            let far = d.norm_squared() >= reach * reach;
+            if far && !touched {
                 continue;
             }
             let pair = Candidate {
@@ -255,7 +273,7 @@ fn find_candidates<S: Registers, K: Kind>(
             if touched {
                 check_history(&layout, history, central, other)?;
             }
-            pending.push(pair, (i, j), touched, history, layout.normal);
+            pending.push(pair, (i, j), bound, touched, history, layout.normal);
             looked_at += 1;
             if pending.count == S::LANES {
                 settle::<S, K>(registers, &mut pending, laws, candidates);
@@ -650,9 +668,14 @@ fn settle<S: Registers, K: Kind>(
         0
     } else {
         let Pending {
-            i, j, start, stay, ..
+            i,
+            j,
+            start,
+            bounds,
+            stay,
+            ..
         } = &mut *pending;
-        separated_by::<S, K>(registers, i, j, start, candidates.margin, *stay) & !*stay
+        separated_by::<S, K>(registers, i, j, start, bounds, *stay) & !*stay
     };
     let batches = &mut candidates.batches;
     for k in 0..pending.count {

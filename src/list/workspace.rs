@@ -327,8 +327,10 @@ impl Workspace {
         if unchanged && same_contents {
             let mut hold = self.candidates.are_for(count);
             if hold {
-                self.candidates.count_step();
-                hold = !self.candidates.should_be_fewer(arrays);
+                hold = self.candidates.count_step();
+                if !hold {
+                    self.candidates.adapt_at_end(arrays);
+                }
             }
             if hold {
                 self.instruction_set.run(Prepare {
@@ -340,7 +342,7 @@ impl Workspace {
                 });
                 hold = !outcome.moved;
                 if !hold {
-                    self.candidates.adapt(1.0);
+                    self.candidates.adapt_when_left();
                 }
             }
             // Batches are made of pairs of one kind of law.

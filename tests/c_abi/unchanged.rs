@@ -131,3 +131,58 @@ fn the_margin_follows_the_motion() {
         );
     }
 }
+
+/// Grains that go on with their velocities to the end of what is expected of them, are kicked, go the other way than they say, faster than
+/// they say, are sped up step by step, and all go together past some that stand.
+#[test]
+fn motions_as_expected_and_others() {
+    for (name, mut bodies) in [
+        ("ellipsoids", random_bodies(12)),
+        ("spheroids", shapes::mixture()),
+        ("spheres", shapes::spheres()),
+        ("needles", shapes::slender([30.0, 1.0, 1.0])),
+        ("plates", shapes::slender([1.0, 1.0, 0.05])),
+    ] {
+        for body in &mut bodies {
+            body.velocity = body.velocity.map(|v| 0.03 * v);
+            body.angular_velocity = body.angular_velocity.map(|w| 0.03 * w);
+        }
+        let time = STEP.time_step;
+        let (touching, changes) = compare_scene(bodies, 700, |step, bodies| {
+            let mut random = Random(1000 + step as u64);
+            let is_first = step % 100 == 0;
+            for (k, body) in bodies.iter_mut().enumerate() {
+                match step / 100 {
+                    1 if (step + k) % 20 == 0 => {
+                        let kick: [f64; 3] = random.vector(-0.05, 0.05);
+                        let turn: [f64; 3] = random.vector(-0.05, 0.05);
+                        body.velocity = std::array::from_fn(|c| kick[c] - body.velocity[c]);
+                        body.angular_velocity = turn;
+                    }
+                    4 => {
+                        body.velocity[2] += 1e-3 * (k % 3) as f64;
+                        body.angular_velocity[0] += 1e-3 * (k % 2) as f64;
+                    }
+                    // The others stand.
+                    5 if is_first => {
+                        let all = if k % 4 == 0 { 0.0 } else { 0.5 };
+                        body.velocity = [all, 0.0, 0.01 * (k % 5) as f64];
+                        body.angular_velocity = [0.0; 3];
+                    }
+                    _ => {}
+                }
+            }
+            match step / 100 {
+                2 => advance(bodies, -time),
+                3 => advance(bodies, 3.0 * time),
+                5 | 6 if step % 200 >= 150 => {}
+                _ => advance(bodies, time),
+            }
+        });
+        println!("{name}: {touching} touching, {changes} steps with others");
+        assert!(
+            touching > 5_000 && changes > 20,
+            "{name}: {touching} {changes}"
+        );
+    }
+}
