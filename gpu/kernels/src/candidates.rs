@@ -9,6 +9,8 @@ use crate::one_lane::{vector, vector_of, OneLane};
 use crate::shapes::Kind;
 use ellgran::contact::history::{cached_normal, forget};
 use ellgran::contact::lane_search::separating_planes;
+use ellgran::simd::Lanes;
+use ellgran::vector::Vector3;
 
 /// A candidate, with all that can be said of the pair before its contact is computed: a device reads it at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,7 +84,8 @@ pub fn candidates_of_grain<K: Kind>(
                 &K::body(b),
                 vector(d),
                 vector(start),
-                margin,
+                // However they move within it.
+                (Lanes::splat(OneLane, margin), vector(Vector3::ZERO)),
                 0,
             );
             may_touch = apart == 0;
