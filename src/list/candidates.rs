@@ -31,6 +31,9 @@ const LARGEST_CHANGE: f64 = 2.0;
 /// How much more is allowed than the farthest motion needed.
 const SPARE: f64 = 1.3;
 
+/// How much more than it turns by in the steps that are expected a particle is allowed to turn: its rotation is bounded from above.
+const SPARE_TURN: f64 = 1.1;
+
 /// What it costs to find the candidates, in units of a candidate's computation: per pair of the list, per pair whose
 /// bounding spheres come near, and per particle.
 const COST_OF_LISTED: f64 = 0.2;
@@ -345,7 +348,7 @@ impl Candidates {
         for (k, motion) in self.motions.iter_mut().enumerate() {
             let Line([_, _, _, turn, largest, margin, ..]) = &mut *motion;
             let way = (self.allowance * (least + largest.sqrt())).min(most);
-            let turn = self.horizon * *turn + way;
+            let turn = SPARE_TURN * self.horizon * *turn + way;
             *margin = way + turn;
             let (e, lane) = (&mut self.expected[k / MOST_LANES], k % MOST_LANES);
             e.allowed_way[lane] = way * way;
