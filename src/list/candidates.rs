@@ -27,7 +27,7 @@ const LEAST_VELOCITY: f64 = 2e-6;
 /// The largest way that it is allowed, in mean smallest semi-axes.
 const LARGEST_WAY: f64 = 0.1;
 /// By how much horizon and allowance change at most at once.
-const LARGEST_CHANGE: f64 = 2.0;
+const LARGEST_CHANGE: f64 = 4.0;
 /// How much more is allowed than the farthest motion needed.
 const SPARE: f64 = 1.3;
 
@@ -77,8 +77,10 @@ pub(super) struct Candidates {
     takes_part: Vec<bool>,
     expected: Vec<Expected>,
     /// Of each particle the way that is expected in a step, by how much its support function changes as it turns in the time of a step,
-    /// square of the largest velocity relative to a neighbour, and by how much a gap may be another than expected.
+    /// square of the largest velocity relative to a neighbour, -1 without one, and by how much a gap may be another than expected.
     motions: Vec<Line>,
+    /// Particles below this index are the caller's own; the list has no pairs of two others.
+    owned: usize,
     /// Mean of the smallest semi-axes.
     size: f64,
     /// Steps that are expected; 0 before the first time.
@@ -302,6 +304,7 @@ impl Candidates {
         // A whole number, as the steps are.
         self.horizon = self.horizon.floor();
         self.steps = 0;
+        self.owned = arrays.owned;
         self.size = sum / count.max(1) as f64;
     }
 
@@ -319,7 +322,7 @@ impl Candidates {
             let spread = a.max(b).max(c) - a.min(b).min(c);
             let turn = omega.norm_squared().sqrt() * (time_step * spread).abs();
             let [x, y, z] = way;
-            *motion = Line([x, y, z, turn, 0.0, 0.0, 0.0, 0.0]);
+            *motion = Line([x, y, z, turn, -1.0, 0.0, 0.0, 0.0]);
         }
     }
 
@@ -341,16 +344,28 @@ impl Candidates {
         self.motions[particle].0[4] = own;
     }
 
-    /// Allows each particle to be elsewhere than expected by some steps with that velocity, and to turn as it does.
+    /// Allows each particle to be elsewhere than expected by some steps with that velocity, and to turn as it does; one without neighbours
+    /// to be anywhere.
     pub fn allow(&mut self) {
         let least = LEAST_VELOCITY * self.size;
         let most = LARGEST_WAY * self.size;
+        let met = |motion: &Line| (motion.0[4] >= 0.0).then_some(motion.0[4].sqrt());
+        let count = self.motions.iter().filter_map(met).count().max(1);
+        let mean = self.motions.iter().filter_map(met).sum::<f64>() / count as f64;
         for (k, motion) in self.motions.iter_mut().enumerate() {
-            let Line([_, _, _, turn, largest, margin, ..]) = &mut *motion;
-            let way = (self.allowance * (least + largest.sqrt())).min(most);
-            let turn = SPARE_TURN * self.horizon * *turn + way;
-            *margin = way + turn;
             let (e, lane) = (&mut self.expected[k / MOST_LANES], k % MOST_LANES);
+            let Some(mut velocity) = met(motion) else {
+                e.allowed_way[lane] = f64::INFINITY;
+                e.allowed_turn[lane] = f64::INFINITY;
+                continue;
+            };
+            // What others that are not the caller's do to it is not in the list.
+            if k >= self.owned {
+                velocity = velocity.max(mean);
+            }
+            let way = (self.allowance * (least + velocity)).min(most);
+            let turn = SPARE_TURN * self.horizon * motion.0[3] + way;
+            motion.0[5] = way + turn;
             e.allowed_way[lane] = way * way;
             let q = e.quaternion.map(|q| q[lane]);
             let per_margin = allowed_turn_per_margin(e.semi_axes.map(|a| a[lane]), q);
