@@ -234,7 +234,9 @@ pub(crate) fn couple(
     let relative = wi - wj;
     // As in the tangential memory: the tangent of half the turn of the two about the normal.
     let spin = (0.5 * elapsed * (wi + wj).dot(n)).clamp(-10.0, 10.0);
-    let half_turn = (before.cross(n) + n * spin) * 0.5;
+    // Where no time passes the normal of the last step may be that of another place, to which no velocity led.
+    let half = if passes { 0.5 } else { 0.0 };
+    let half_turn = (before.cross(n) + n * spin) * half;
     let at_half_step = relative + half_turn.cross(relative);
     let at_step = if c.omega_change.norm_squared() > 0.0 {
         relative - c.omega_change

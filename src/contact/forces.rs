@@ -555,6 +555,9 @@ struct Turn<T> {
     before: InFrame<T>,
     /// Half the turn of the pair about the normal, as the tangent of the angle.
     spin: T,
+    /// The share of the turn that the half step is away: none where no time passes. The normal of the last step may then be that of
+    /// another place, to which no velocity led.
+    half: T,
 }
 
 impl<T: Real> Turn<T> {
@@ -565,7 +568,9 @@ impl<T: Real> Turn<T> {
         let spin = (motion.omega_i.normal + motion.omega_j.normal) * remembered.time * 0.5;
         let spin = spin.min(limit).max(-limit);
         let before = InFrame::of(remembered.normal, x);
-        Turn { before, spin }
+        let zero = spin.constant(0.0);
+        let half = T::select(zero.less(remembered.time), spin.constant(0.5), zero);
+        Turn { before, spin, half }
     }
 
     /// Tangential velocity of `j` relative to `i` at the contact point, at the half step.
@@ -580,7 +585,7 @@ impl<T: Real> Turn<T> {
         r_i: InFrame<T>,
         r_j: InFrame<T>,
     ) -> Vector2<T> {
-        let half = self.spin.constant(0.5);
+        let half = self.half;
         let one = self.spin.constant(1.0);
         // Half of (before x n + spin n); the normal at the half step is (half_before, 1), of greater length than 1.
         let half_before = self.before.tangential * half;
@@ -603,7 +608,7 @@ impl<T: Real> Turn<T> {
     /// Angular velocity of `i` relative to `j` about the normal at the half step, which is turned back by half a step as above.
     #[inline(always)]
     fn twisting_at_half_step(&self, motion: &Motion<T>) -> T {
-        let half_before = self.before.tangential * self.spin.constant(0.5);
+        let half_before = self.before.tangential * self.half;
         let half_turn = Vector2::new(half_before.v, half_before.u * self.spin.constant(-1.0));
         let (i, j) = (motion.omega_i, motion.omega_j);
         let across = i.tangential + j.tangential * self.spin.constant(-1.0);
