@@ -290,12 +290,14 @@ impl Candidates {
                 .unwrap_or(([1.0; 3], [1.0, 0.0, 0.0, 0.0]));
             sum += a[0].min(a[1]).min(a[2]);
             let (e, lane) = (&mut self.expected[k / MOST_LANES], k % MOST_LANES);
-            for c in 0..3 {
-                e.position[c][lane] = x[c];
-                e.semi_axes[c][lane] = a[c];
+            let pairs = [(&mut e.position, x), (&mut e.semi_axes, &a)];
+            for (columns, values) in pairs {
+                for (column, value) in columns.iter_mut().zip(values) {
+                    column[lane] = *value;
+                }
             }
-            for c in 0..4 {
-                e.quaternion[c][lane] = q[c];
+            for (column, value) in e.quaternion.iter_mut().zip(q) {
+                column[lane] = value;
             }
         }
         if self.horizon == 0.0 {
