@@ -34,7 +34,8 @@ fn both_versions_the_deck_of_the_readme() {
         "contacts {contacts}, energy in motion over that of the fall {:e}, drift of the sum over the dissipated energy {drift:e}",
         motion / fall
     );
-    assert!(motion < 1e-6 * fall, "the grains are at rest");
+    // Where the last grain still rocks differs with the order of rounding: on the instruction sets from 5e-8 to 3.5e-6 of the fall.
+    assert!(motion < 1e-5 * fall, "the grains are at rest");
     assert!(drift < 1e-3, "the sum stays: {drift:e}");
     let dump = fs::read_to_string(directory.join("grains.dump")).expect("a dump");
     assert_eq!(parse_frames(&dump).len(), 11);
