@@ -204,7 +204,7 @@ fn of_kind<
     Ok(())
 }
 
-/// Goes through the whole list for pairs that may touch before the particles have moved by the margin. It reads every
+/// Goes through the whole list for pairs that may touch while the particles go on as they are expected and allowed to. It reads every
 /// entry, and so finds those that name no particle.
 #[inline(always)]
 fn find_candidates<S: Registers, K: Kind>(
