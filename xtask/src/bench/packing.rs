@@ -30,6 +30,8 @@ pub enum Kind {
     Needles,
     Mixture,
     Gas,
+    /// Layers that shear past each other.
+    Flow,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,7 @@ impl Kind {
             Kind::Needles => "needles, AR 10",
             Kind::Mixture => "sizes 1:5, AR 2",
             Kind::Gas => "dilute gas, AR 2",
+            Kind::Flow => "flowing, AR 2",
         }
     }
 
@@ -56,13 +59,14 @@ impl Kind {
             Kind::Needles => 0.36,
             Kind::Mixture => 0.75,
             Kind::Gas => 0.05,
+            Kind::Flow => 0.58,
         }
     }
 
     /// How much more than in a dense packing of aspect ratio 2 a step of a grain costs, roughly.
     pub fn weight(self) -> f64 {
         match self {
-            Kind::Dense | Kind::Mixture => 1.0,
+            Kind::Dense | Kind::Mixture | Kind::Flow => 1.0,
             Kind::Needles => 4.0,
             Kind::Gas => 0.2,
         }
@@ -102,6 +106,7 @@ impl Packing {
                 ("rest", "0".to_string()),
                 ("gentle", "0.3".to_string()),
             ]),
+            Kind::Flow => words.push(("flow", "1".to_string())),
         }
         if self.spheres {
             // Without friction: spheres with it would be packed tighter than they can stand.

@@ -31,7 +31,7 @@ pub struct Scene {
     spheres: bool,
 }
 
-pub const SCENES: [Scene; 5] = [
+pub const SCENES: [Scene; 6] = [
     scene("dense-4096", Kind::Dense, 16, 1),
     scene("dense-110592", Kind::Dense, 16, 3),
     Scene {
@@ -42,6 +42,7 @@ pub const SCENES: [Scene; 5] = [
     },
     scene("mixture", Kind::Mixture, 18, 1),
     scene("gas", Kind::Gas, 16, 1),
+    scene("flow", Kind::Flow, 16, 1),
 ];
 
 /// What a test can wait for.
