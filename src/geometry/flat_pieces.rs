@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How wide are the flat pieces of a surface of triangles? A flat piece is all that continues a triangle in its plane, beyond edges that triangles
-//! share. Its width does not depend on how it is divided into triangles.
+//! share, or share a part of. Its width does not depend on how it is divided into triangles.
 
+use super::edge_to_edge::ON_SIDE;
 use super::shared_edges::SharedEdges;
 use super::triangle::{across, Triangle};
 use super::triangle_places::SAME_PLANE;
@@ -10,7 +11,9 @@ use crate::vector::{Tangent, Vector2, Vector3};
 /// For each triangle the least width of the flat piece of which it is a part: the least distance of two parallel lines between which the piece
 /// lies. 0 for a triangle without an area. The time goes with `n log n`.
 pub(crate) fn widths(triangles: &[Triangle]) -> Vec<f64> {
-    let surface = SharedEdges::new(triangles);
+    let mut surface = SharedEdges::new(triangles);
+    let hanging = surface.hanging(ON_SIDE);
+    surface.cut(&hanging);
     let normals: Vec<Option<Vector3>> = triangles.iter().map(normal).collect();
     let mut pieces = Pieces::new(triangles.len());
     for sides in surface.edges() {
